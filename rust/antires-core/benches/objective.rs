@@ -24,11 +24,7 @@ fn damage_objective(
 ) -> AntiresonanceObjective {
     let truth = common::reductions(damaged..damaged + 1);
     let truth = model.at(&truth, &[0.55]).unwrap();
-    let query = Query {
-        route: Route::Modal,
-        f_max_hz,
-        include_cancelled: false,
-    };
+    let query = Query { route: Route::Modal, f_max_hz, include_cancelled: false };
     let measured = antiresonances(&truth, dofs, excitation, &query).unwrap();
     let targets = dofs.iter().zip(measured).map(|(&dof, found)| Target {
         dof,
@@ -36,10 +32,7 @@ fn damage_objective(
         freq_hz: found.freq_hz,
         ..Target::default()
     });
-    let penalty = Penalty {
-        gamma1: 0.1,
-        gamma2: 0.1,
-    };
+    let penalty = Penalty { gamma1: 0.1, gamma2: 0.1 };
     let (model, targets) = (model.clone(), targets.collect());
     let (misfit, penalty) = (Misfit::Absolute, Some(penalty));
     AntiresonanceObjective::new(model, unknowns, targets, misfit, penalty, 1e-3).unwrap()
@@ -48,32 +41,13 @@ fn damage_objective(
 fn objective(criterion: &mut Criterion) {
     let all: Vec<usize> = (0..8).collect();
     let sensors = common::sensors(16);
-    let chain = damage_objective(
-        &common::chain8(),
-        common::reductions(0..7),
-        4,
-        (&all, 0),
-        f64::INFINITY,
-    );
-    let frame = damage_objective(
-        &common::exhaust_like(),
-        common::reductions(17..47),
-        31,
-        (&sensors, 1),
-        260.0,
-    );
+    let chain = damage_objective(&common::chain8(), common::reductions(0..7), 4, (&all, 0), f64::INFINITY);
+    let frame =
+        damage_objective(&common::exhaust_like(), common::reductions(17..47), 31, (&sensors, 1), 260.0);
     let mut group = criterion.benchmark_group("objective");
     for (name, objective, n) in [("chain8", &chain, 7), ("exhaust_like", &frame, 30)] {
         // A few damaged elements, as a search has them.
-        let x: Vec<f64> = (0..n)
-            .map(|i| {
-                if i % 4 == 1 {
-                    0.025 * f64::from(i + 1)
-                } else {
-                    0.0
-                }
-            })
-            .collect();
+        let x: Vec<f64> = (0..n).map(|i| if i % 4 == 1 { 0.025 * f64::from(i + 1) } else { 0.0 }).collect();
         let mut workspace = objective.workspace();
         group.bench_function(format!("{name}/cost"), |bench| {
             bench.iter(|| objective.cost(black_box(&x), &mut workspace));

@@ -13,26 +13,15 @@ fn routes(criterion: &mut Criterion) {
     let chain_dofs: Vec<usize> = (0..16).map(|i| 3 * i + 2).collect();
     let cases = [
         ("chain60", common::chain(60), chain_dofs, 0, 35.0),
-        (
-            "exhaust_like",
-            common::exhaust_like(),
-            common::sensors(16),
-            1,
-            260.0,
-        ),
+        ("exhaust_like", common::exhaust_like(), common::sensors(16), 1, 260.0),
     ];
     for (name, model, dofs, excitation, f_max_hz) in cases {
         let mut group = criterion.benchmark_group(format!("routes/{name}"));
         group.sample_size(10);
         for route in [Route::Modal, Route::Pencil] {
-            let query = Query {
-                route,
-                f_max_hz,
-                include_cancelled: false,
-            };
+            let query = Query { route, f_max_hz, include_cancelled: false };
             group.bench_function(format!("{route:?}"), |bench| {
-                bench
-                    .iter(|| antiresonances(black_box(&model), &dofs, excitation, &query).unwrap());
+                bench.iter(|| antiresonances(black_box(&model), &dofs, excitation, &query).unwrap());
             });
         }
         group.finish();

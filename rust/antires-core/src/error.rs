@@ -52,24 +52,15 @@ impl Error {
     /// [`Error::Memory`] where it is not there.
     pub fn check_memory(what: impl FnOnce() -> String, numbers: usize) -> Result<()> {
         let mut probe: Vec<f64> = Vec::new();
-        probe.try_reserve_exact(numbers).map_err(|_| Self::Memory {
-            what: what(),
-            bytes: numbers.saturating_mul(size_of::<f64>()),
-        })
+        probe
+            .try_reserve_exact(numbers)
+            .map_err(|_| Self::Memory { what: what(), bytes: numbers.saturating_mul(size_of::<f64>()) })
     }
 
     /// An unusable argument, still without what to do about it: [`Refusal::remedy`] makes it an error.
     #[allow(clippy::needless_pass_by_value)] // numbers and literals read better without a `&`
-    pub fn input(
-        argument: impl Into<Argument>,
-        got: impl ToString,
-        wanted: impl Into<String>,
-    ) -> Refusal {
-        Refusal {
-            argument: argument.into(),
-            got: got.to_string(),
-            wanted: wanted.into(),
-        }
+    pub fn input(argument: impl Into<Argument>, got: impl ToString, wanted: impl Into<String>) -> Refusal {
+        Refusal { argument: argument.into(), got: got.to_string(), wanted: wanted.into() }
     }
 }
 
@@ -85,17 +76,8 @@ pub struct Refusal {
 impl Refusal {
     /// The error, with what the caller can do.
     pub fn remedy(self, text: impl Into<String>) -> Error {
-        let Self {
-            argument,
-            got,
-            wanted,
-        } = self;
-        Error::InvalidInput {
-            argument,
-            got,
-            wanted,
-            remedy: text.into(),
-        }
+        let Self { argument, got, wanted } = self;
+        Error::InvalidInput { argument, got, wanted, remedy: text.into() }
     }
 }
 
@@ -128,10 +110,7 @@ impl Argument {
 
     /// The same part of the argument `name`.
     pub fn called(&self, name: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            steps: self.steps.clone(),
-        }
+        Self { name: name.into(), steps: self.steps.clone() }
     }
 
     /// The argument's own name.
@@ -163,10 +142,7 @@ impl fmt::Display for Argument {
 
 impl<S: Into<String>> From<S> for Argument {
     fn from(name: S) -> Self {
-        Self {
-            name: name.into(),
-            steps: Vec::new(),
-        }
+        Self { name: name.into(), steps: Vec::new() }
     }
 }
 
@@ -183,10 +159,7 @@ mod tests {
     #[test]
     fn a_message_says_argument_got_wanted_and_remedy() {
         let error = Error::input("islands", 0, "at least 1").remedy("Leave it out for 4.");
-        assert_eq!(
-            error.to_string(),
-            "islands: got 0; wanted at least 1. Leave it out for 4."
-        );
+        assert_eq!(error.to_string(), "islands: got 0; wanted at least 1. Leave it out for 4.");
     }
 
     #[test]

@@ -79,18 +79,10 @@ pub fn refined(coefficients: &[f64], b: &[f64], start: &[c64]) -> Option<Vec<c64
         let angle = 0.7 + 2.4 * i as f64;
         z.push(c64::new(0.8 * angle.cos(), 0.8 * angle.sin()));
     }
-    let polynomial = Polynomial {
-        c: coefficients,
-        b,
-        over: b.iter().map(|b| 1.0 / b).collect(),
-    };
+    let polynomial = Polynomial { c: coefficients, b, over: b.iter().map(|b| 1.0 / b).collect() };
     let mut active: Vec<usize> = (0..order).collect();
     for _ in 0..MOST_ITERATIONS {
-        let steps = wide::run(Newton {
-            polynomial: &polynomial,
-            z: &z,
-            active: &active,
-        });
+        let steps = wide::run(Newton { polynomial: &polynomial, z: &z, active: &active });
         let mut left = Vec::with_capacity(active.len());
         for (&i, step) in active.iter().zip(steps) {
             if !(step.newton.re.is_finite() && step.newton.im.is_finite()) {
@@ -130,11 +122,7 @@ fn sums_up(z: &[c64], c: &[f64], b: &[f64]) -> bool {
 
 /// A root that is real but for rounding.
 fn on_axis(z: c64) -> c64 {
-    if z.im.abs() <= REAL * z.re.abs() {
-        c64::new(z.re, 0.0)
-    } else {
-        z
-    }
+    if z.im.abs() <= REAL * z.re.abs() { c64::new(z.re, 0.0) } else { z }
 }
 
 struct Polynomial<'a> {
@@ -169,14 +157,8 @@ impl NullaryFnOnce for Newton<'_> {
             }
             let (value, slope, terms) = self.polynomial.at(re, im);
             for l in 0..some.len() {
-                let (p, d) = (
-                    c64::new(value.0[l], value.1[l]),
-                    c64::new(slope.0[l], slope.1[l]),
-                );
-                out.push(Step {
-                    newton: p / d,
-                    stands: p.l1_norm() <= ROUNDING * terms[l],
-                });
+                let (p, d) = (c64::new(value.0[l], value.1[l]), c64::new(slope.0[l], slope.1[l]));
+                out.push(Step { newton: p / d, stands: p.l1_norm() <= ROUNDING * terms[l] });
             }
         }
         out
@@ -206,11 +188,9 @@ impl Polynomial<'_> {
                 next_slope.0[l] = (phi.0[l] + re[l] * phi_slope.0[l] - im[l] * phi_slope.1[l]
                     + b * before_slope.0[l])
                     * over;
-                next_slope.1[l] = (phi.1[l]
-                    + re[l] * phi_slope.1[l]
-                    + im[l] * phi_slope.0[l]
-                    + b * before_slope.1[l])
-                    * over;
+                next_slope.1[l] =
+                    (phi.1[l] + re[l] * phi_slope.1[l] + im[l] * phi_slope.0[l] + b * before_slope.1[l])
+                        * over;
                 value.0[l] += c * next.0[l];
                 value.1[l] += c * next.1[l];
                 slope.0[l] += c * next_slope.0[l];
@@ -236,10 +216,7 @@ impl NullaryFnOnce for Repulsion<'_> {
     #[inline(always)]
     fn call(self) -> c64 {
         let at = self.z[self.i];
-        let (low, high) = (
-            inverse_sum(at, &self.z[..self.i]),
-            inverse_sum(at, &self.z[self.i + 1..]),
-        );
+        let (low, high) = (inverse_sum(at, &self.z[..self.i]), inverse_sum(at, &self.z[self.i + 1..]));
         c64::new(low.0 + high.0, low.1 + high.1)
     }
 }
@@ -283,10 +260,7 @@ mod tests {
 
     #[test]
     fn a_constant_alone() {
-        assert_eq!(
-            basis_at(&[c64::new(7.0, 1.0)], &[4.0]),
-            [c64::new(0.25, 0.0)]
-        );
+        assert_eq!(basis_at(&[c64::new(7.0, 1.0)], &[4.0]), [c64::new(0.25, 0.0)]);
         assert!(basis_at(&[], &[4.0, 1.0]).is_empty());
     }
 

@@ -55,11 +55,7 @@ impl Rng {
 
     /// Where the generator stands now.
     pub fn state(&self) -> RngState {
-        RngState {
-            seed: self.seed,
-            stream: self.cipher.get_stream(),
-            word: self.cipher.get_word_pos(),
-        }
+        RngState { seed: self.seed, stream: self.cipher.get_stream(), word: self.cipher.get_word_pos() }
     }
 
     /// 64 random bits.

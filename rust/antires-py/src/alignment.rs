@@ -17,21 +17,11 @@ pub fn align<'py>(
     alone_row: Floats<'py>,
     alone_column: Floats<'py>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
-    let (cost, rows, columns) = (
-        cost.as_array(),
-        alone_row.as_array(),
-        alone_column.as_array(),
-    );
+    let (cost, rows, columns) = (cost.as_array(), alone_row.as_array(), alone_column.as_array());
     let found = guarded(py, || {
         let mut found = vec![0; cost.nrows()];
         let aligner = &mut Aligner::default();
-        aligner.align(
-            |i, j| cost[(i, j)],
-            |i| rows[i],
-            |j| columns[j],
-            cost.ncols(),
-            &mut found,
-        );
+        aligner.align(|i, j| cost[(i, j)], |i| rows[i], |j| columns[j], cost.ncols(), &mut found);
         Ok(found)
     })?;
     Ok(found.into_pyarray(py))
@@ -52,23 +42,11 @@ pub fn associate<'py>(
     alone_root: Floats<'py>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let found = {
-        let values = Places {
-            response: response.as_slice()?,
-            log_f: log_f.as_slice()?,
-        };
-        let roots = Places {
-            response: root_response.as_slice()?,
-            log_f: root_log_f.as_slice()?,
-        };
-        let (std, root_std, alone_root) = (
-            std.as_slice()?,
-            root_std.as_slice()?,
-            alone_root.as_slice()?,
-        );
+        let values = Places { response: response.as_slice()?, log_f: log_f.as_slice()? };
+        let roots = Places { response: root_response.as_slice()?, log_f: root_log_f.as_slice()? };
+        let (std, root_std, alone_root) = (std.as_slice()?, root_std.as_slice()?, alone_root.as_slice()?);
         guarded(py, || {
-            Ok(antires_core::update::alignment::associate(
-                values, std, roots, root_std, alone, alone_root,
-            ))
+            Ok(antires_core::update::alignment::associate(values, std, roots, root_std, alone, alone_root))
         })?
     };
     Ok(found.into_pyarray(py))
@@ -85,17 +63,9 @@ pub fn follow<'py>(
     born: f64,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let found = {
-        let before = Places {
-            response: response.as_slice()?,
-            log_f: log_f.as_slice()?,
-        };
-        let after = Places {
-            response: response_after.as_slice()?,
-            log_f: log_f_after.as_slice()?,
-        };
-        guarded(py, || {
-            Ok(antires_core::update::alignment::follow(before, after, born))
-        })?
+        let before = Places { response: response.as_slice()?, log_f: log_f.as_slice()? };
+        let after = Places { response: response_after.as_slice()?, log_f: log_f_after.as_slice()? };
+        guarded(py, || Ok(antires_core::update::alignment::follow(before, after, born)))?
     };
     Ok(found.into_pyarray(py))
 }

@@ -39,10 +39,7 @@ impl Checkpoint {
     /// Stores the latest snapshot.
     pub fn store(&mut self) -> PyResult<()> {
         if let Some(bytes) = self.latest.take() {
-            Python::attach(|py| {
-                self.object
-                    .call_method1(py, "store", (PyBytes::new(py, &bytes),))
-            })?;
+            Python::attach(|py| self.object.call_method1(py, "store", (PyBytes::new(py, &bytes),)))?;
             self.stored = Instant::now();
         }
         Ok(())

@@ -9,24 +9,17 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 /// A term as Python gives it: rows, columns, values.
-pub type TermArrays<'py> = (
-    PyReadonlyArray1<'py, u32>,
-    PyReadonlyArray1<'py, u32>,
-    PyReadonlyArray1<'py, f64>,
-);
+pub type TermArrays<'py> =
+    (PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, f64>);
 
 /// Array of a dense matrix.
 pub fn array<'py>(py: Python<'py>, matrix: MatRef<'_, f64>) -> Bound<'py, PyArray2<f64>> {
-    Array2::from_shape_fn((matrix.nrows(), matrix.ncols()), |(i, j)| matrix[(i, j)])
-        .into_pyarray(py)
+    Array2::from_shape_fn((matrix.nrows(), matrix.ncols()), |(i, j)| matrix[(i, j)]).into_pyarray(py)
 }
 
 /// A sparse matrix as scipy has it: starts of the columns, rows, values.
-pub type ColumnArrays<'py> = (
-    Bound<'py, PyArray1<i64>>,
-    Bound<'py, PyArray1<i64>>,
-    Bound<'py, PyArray1<f64>>,
-);
+pub type ColumnArrays<'py> =
+    (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
 /// Arrays of a sparse matrix, without its zeros.
 pub fn columns<'py>(py: Python<'py>, matrix: &SparseMatrix) -> ColumnArrays<'py> {
@@ -40,11 +33,7 @@ pub fn columns<'py>(py: Python<'py>, matrix: &SparseMatrix) -> ColumnArrays<'py>
     for j in 0..matrix.n() {
         starts[j + 1] = starts[j + 1].max(starts[j]);
     }
-    (
-        starts.into_pyarray(py),
-        rows.into_pyarray(py),
-        values.into_pyarray(py),
-    )
+    (starts.into_pyarray(py), rows.into_pyarray(py), values.into_pyarray(py))
 }
 
 /// Entries of Python's arrays.
@@ -55,11 +44,7 @@ pub fn entries((rows, columns, values): &TermArrays<'_>) -> Vec<Entry> {
 }
 
 /// A term by rows, columns and values.
-pub type PyTerm<'py> = (
-    Bound<'py, PyArray1<u32>>,
-    Bound<'py, PyArray1<u32>>,
-    Bound<'py, PyArray1<f64>>,
-);
+pub type PyTerm<'py> = (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>);
 
 /// Arrays of the core's terms.
 pub fn terms_to_python<'py>(py: Python<'py>, terms: &[Term]) -> Vec<PyTerm<'py>> {

@@ -22,15 +22,12 @@ const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
 /// The Python exception of a core error, which takes its fields.
 pub fn to_python(error: Error) -> PyErr {
     match error {
-        Error::InvalidInput {
-            argument,
-            got,
-            wanted,
-            remedy,
-        } => Python::attach(|py| match python_argument(py, &argument) {
-            Ok(argument) => InvalidInputError::new_err((argument, got, wanted, remedy)),
-            Err(error) => error,
-        }),
+        Error::InvalidInput { argument, got, wanted, remedy } => {
+            Python::attach(|py| match python_argument(py, &argument) {
+                Ok(argument) => InvalidInputError::new_err((argument, got, wanted, remedy)),
+                Err(error) => error,
+            })
+        }
         Error::Numerical { what, detail } => NumericalError::new_err((what, detail)),
         Error::Memory { what, bytes } => OutOfMemoryError::new_err((what, bytes)),
         other => InternalError::new_err(other.to_string()),
@@ -86,11 +83,7 @@ impl Watch {
     pub fn start(max_seconds: Option<f64>) -> Self {
         let now = Instant::now();
         let limit = max_seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());
-        Self {
-            deadline: limit.and_then(|l| now.checked_add(l)),
-            next_look: now,
-            raised: None,
-        }
+        Self { deadline: limit.and_then(|l| now.checked_add(l)), next_look: now, raised: None }
     }
 
     /// What asks for a stop now, if anything.
@@ -105,9 +98,7 @@ impl Watch {
         self.next_look = now + SIGNAL_INTERVAL;
         // Not the method itself: its lifetime is not general enough for `attach`.
         #[allow(clippy::redundant_closure_for_method_calls)]
-        Python::attach(|py| py.check_signals())
-            .err()
-            .map(|error| self.stop_for(error))
+        Python::attach(|py| py.check_signals()).err().map(|error| self.stop_for(error))
     }
 
     /// Ctrl-C ends a run with the best so far; any other exception is raised once the run has ended.

@@ -38,11 +38,7 @@ impl Frame {
     ) -> PyResult<Self> {
         let nodes = nodes_m.as_array();
         let columns = nodes.ncols();
-        let dimension = if columns == 2 {
-            Dimension::Plane
-        } else {
-            Dimension::Space
-        };
+        let dimension = if columns == 2 { Dimension::Plane } else { Dimension::Space };
         let shear_of_section = |i: usize| {
             let given = shear.as_ref().and_then(|all| all.get(i).cloned().flatten());
             shear_of(given)
@@ -52,12 +48,8 @@ impl Frame {
         let sections = sections.into_iter().enumerate();
         let mut description = FrameDescription {
             dimension,
-            nodes_m: rows
-                .map(|row| std::array::from_fn(|axis| coordinates(axis, &row)))
-                .collect(),
-            sections: sections
-                .map(|(i, parts)| section(parts, shear_of_section(i)))
-                .collect(),
+            nodes_m: rows.map(|row| std::array::from_fn(|axis| coordinates(axis, &row))).collect(),
+            sections: sections.map(|(i, parts)| section(parts, shear_of_section(i))).collect(),
             elements: elements_of(&elements, dimension).map_err(to_python)?,
             fixed: fixed_of(fixed, dimension).map_err(to_python)?,
         };
@@ -88,10 +80,7 @@ impl Frame {
     /// The elements of one argument, as rows.
     fn elements(&self, argument: &str) -> Vec<Row> {
         let parts = self.core.description();
-        parts
-            .listed(argument)
-            .map(|element| element.row(parts.dimension))
-            .collect()
+        parts.listed(argument).map(|element| element.row(parts.dimension)).collect()
     }
 
     /// Number of the free dof of a node.
@@ -119,18 +108,14 @@ impl Frame {
 fn elements_of(lists: &[(String, Vec<Row>)], dimension: Dimension) -> Result<Vec<Element>> {
     let each = |(argument, rows): &(String, Vec<Row>)| -> Vec<Result<Element>> {
         let rows = rows.iter().enumerate();
-        rows.map(|(i, row)| Element::of_row(argument, i, row, dimension))
-            .collect()
+        rows.map(|(i, row)| Element::of_row(argument, i, row, dimension)).collect()
     };
     lists.iter().flat_map(each).collect()
 }
 
 fn fixed_of(fixed: Vec<(usize, String)>, dimension: Dimension) -> Result<Vec<(usize, usize)>> {
     let each = |(i, (node, name)): (usize, (usize, String))| {
-        Ok((
-            node,
-            dimension.direction(&Argument::from("fixed").item(i), &name)?,
-        ))
+        Ok((node, dimension.direction(&Argument::from("fixed").item(i), &name)?))
     };
     fixed.into_iter().enumerate().map(each).collect()
 }
@@ -139,10 +124,7 @@ fn shear_of(parts: ShearParts) -> Shear {
     match parts.as_deref() {
         None => Shear::Rigid,
         Some([]) => Shear::Cowper,
-        Some(given) => Shear::Coefficients {
-            y: given[0],
-            z: given.get(1).copied().unwrap_or(f64::NAN),
-        },
+        Some(given) => Shear::Coefficients { y: given[0], z: given.get(1).copied().unwrap_or(f64::NAN) },
     }
 }
 
@@ -151,52 +133,20 @@ fn section(parts: SectionParts, shear: Shear) -> Section {
     // A size that is missing is NaN, which the core refuses by name.
     let at = |i: usize| size.get(i).copied().unwrap_or(f64::NAN);
     let shape = match shape.as_str() {
-        "tube" => Shape::Tube {
-            outer_diameter_m: at(0),
-            thickness_m: at(1),
-        },
-        "rectangle" => Shape::Rectangle {
-            width_m: at(0),
-            height_m: at(1),
-        },
-        _ => Shape::General {
-            area_m2: at(0),
-            inertia_y_m4: at(1),
-            inertia_z_m4: at(2),
-            torsion_m4: at(3),
-        },
+        "tube" => Shape::Tube { outer_diameter_m: at(0), thickness_m: at(1) },
+        "rectangle" => Shape::Rectangle { width_m: at(0), height_m: at(1) },
+        _ => Shape::General { area_m2: at(0), inertia_y_m4: at(1), inertia_z_m4: at(2), torsion_m4: at(3) },
     };
-    Section {
-        shape,
-        youngs_modulus_pa,
-        density_kg_per_m3,
-        poisson,
-        shear,
-    }
+    Section { shape, youngs_modulus_pa, density_kg_per_m3, poisson, shear }
 }
 
 fn section_parts(section: &Section) -> SectionParts {
     let (name, size) = match section.shape {
-        Shape::Tube {
-            outer_diameter_m,
-            thickness_m,
-        } => ("tube", vec![outer_diameter_m, thickness_m]),
+        Shape::Tube { outer_diameter_m, thickness_m } => ("tube", vec![outer_diameter_m, thickness_m]),
         Shape::Rectangle { width_m, height_m } => ("rectangle", vec![width_m, height_m]),
-        Shape::General {
-            area_m2,
-            inertia_y_m4,
-            inertia_z_m4,
-            torsion_m4,
-        } => (
-            "general",
-            vec![area_m2, inertia_y_m4, inertia_z_m4, torsion_m4],
-        ),
+        Shape::General { area_m2, inertia_y_m4, inertia_z_m4, torsion_m4 } => {
+            ("general", vec![area_m2, inertia_y_m4, inertia_z_m4, torsion_m4])
+        }
     };
-    (
-        name.to_owned(),
-        size,
-        section.youngs_modulus_pa,
-        section.density_kg_per_m3,
-        section.poisson,
-    )
+    (name.to_owned(), size, section.youngs_modulus_pa, section.density_kg_per_m3, section.poisson)
 }

@@ -2,9 +2,7 @@
 
 use std::sync::OnceLock;
 
-use antires_core::antiresonances::{
-    Antiresonances, Query, Route, antiresonances, bounded_antiresonances,
-};
+use antires_core::antiresonances::{Antiresonances, Query, Route, antiresonances, bounded_antiresonances};
 use antires_core::error::Error;
 use antires_core::fem::model::{Model as CoreModel, mass_spring_chain};
 use antires_core::modal::modes::{AllModes, Motion, frequency_response, low_modes};
@@ -12,9 +10,7 @@ use numpy::ndarray::Array2;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::convert::{
-    ColumnArrays, PyTerm, TermArrays, array, columns, entries, terms, terms_to_python,
-};
+use crate::convert::{ColumnArrays, PyTerm, TermArrays, array, columns, entries, terms, terms_to_python};
 use crate::doorway::{run, to_python};
 use crate::frame::Frame;
 use crate::parameters::{ParameterParts, core_parameters};
@@ -25,12 +21,7 @@ const MOST_DENSE_DOFS: usize = 8000;
 /// Antiresonances (m,) in Hz, whether H is identically zero, and whether their number is in doubt.
 type PyRoots<'py> = (Bound<'py, PyArray1<f64>>, bool, bool);
 /// The same with bounds (m,) of their errors, second.
-type PyBoundedRoots<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<f64>>,
-    bool,
-    bool,
-);
+type PyBoundedRoots<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, bool, bool);
 type PyModes<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// A structural model of the core.
@@ -90,9 +81,8 @@ impl Model {
     ) -> PyResult<Self> {
         let (stiffness, mass) = (entries(&stiffness), entries(&mass));
         let (stiffness_terms, mass_terms) = (terms(&stiffness_terms), terms(&mass_terms));
-        let core = run(py, || {
-            CoreModel::from_entries(n_dof, (&stiffness, &mass), stiffness_terms, mass_terms)
-        })?;
+        let core =
+            run(py, || CoreModel::from_entries(n_dof, (&stiffness, &mass), stiffness_terms, mass_terms))?;
         Ok(core.into())
     }
 
@@ -120,9 +110,7 @@ impl Model {
 
     /// The frame it was made from, if it was.
     fn frame(&self) -> Option<Frame> {
-        self.core.frame().map(|frame| Frame {
-            core: frame.clone(),
-        })
+        self.core.frame().map(|frame| Frame { core: frame.clone() })
     }
 
     #[getter]
@@ -180,18 +168,16 @@ impl Model {
                 Some(low) if !low.freq_hz.is_empty() => Ok(low),
                 None if limited && self.core.n_dof() > MOST_DENSE_DOFS => Err(Error::Numerical {
                     what: format!("modes of {} dofs up to a limit", self.core.n_dof()),
-                    detail: "the factors of K + sigma M leave open how many there are (an indefinite stiffness, \
+                    detail:
+                        "the factors of K + sigma M leave open how many there are (an indefinite stiffness, \
                              or a motion that nothing holds), and dense matrices of so many dofs would take \
                              minutes and gigabytes. Check the signs of the stiffness, or change the limit."
-                        .into(),
+                            .into(),
                 }),
                 _ => Ok(self.all_modes()?.finite()),
             }
         })?;
-        Ok((
-            solved.freq_hz.into_pyarray(py),
-            array(py, solved.shapes.as_ref()),
-        ))
+        Ok((solved.freq_hz.into_pyarray(py), array(py, solved.shapes.as_ref())))
     }
 
     /// Number of finite modes.
@@ -221,19 +207,14 @@ impl Model {
                 ));
             }
         };
-        let (freq, damping) = (
-            freq_hz.as_array().to_vec(),
-            damping_ratio.as_array().to_vec(),
-        );
+        let (freq, damping) = (freq_hz.as_array().to_vec(), damping_ratio.as_array().to_vec());
         let values = run(py, || {
             for &dof in &responses {
                 self.core.check_dof("response", dof)?;
             }
             self.core.check_dof("excitation", excitation)?;
             let modes = self.all_modes()?;
-            Ok(frequency_response(
-                modes, &responses, excitation, &freq, &damping, motion,
-            ))
+            Ok(frequency_response(modes, &responses, excitation, &freq, &damping, motion))
         })?;
         let columns = freq.len();
         Ok(Array2::from_shape_fn((responses.len(), columns), |(i, j)| {
@@ -255,13 +236,8 @@ impl Model {
         include_cancelled: bool,
     ) -> PyResult<Vec<PyRoots<'py>>> {
         let query = query(f_max_hz, method, include_cancelled)?;
-        let found = run(py, || {
-            antiresonances(&self.core, &responses, excitation, &query)
-        })?;
-        Ok(found
-            .into_iter()
-            .map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero, a.doubtful))
-            .collect())
+        let found = run(py, || antiresonances(&self.core, &responses, excitation, &query))?;
+        Ok(found.into_iter().map(|a| (a.freq_hz.into_pyarray(py), a.identically_zero, a.doubtful)).collect())
     }
 
     /// The same with a bound (m,) of the error of each, in Hz, infinite for one that is not certain.
@@ -275,16 +251,9 @@ impl Model {
         include_cancelled: bool,
     ) -> PyResult<Vec<PyBoundedRoots<'py>>> {
         let query = query(f_max_hz, method, include_cancelled)?;
-        let found = run(py, || {
-            bounded_antiresonances(&self.core, &responses, excitation, &query)
-        })?;
+        let found = run(py, || bounded_antiresonances(&self.core, &responses, excitation, &query))?;
         let bounded = |a: Antiresonances| {
-            (
-                a.freq_hz.into_pyarray(py),
-                a.error_hz.into_pyarray(py),
-                a.identically_zero,
-                a.doubtful,
-            )
+            (a.freq_hz.into_pyarray(py), a.error_hz.into_pyarray(py), a.identically_zero, a.doubtful)
         };
         Ok(found.into_iter().map(bounded).collect())
     }
@@ -301,9 +270,5 @@ fn query(f_max_hz: f64, method: &str, include_cancelled: bool) -> PyResult<Query
             ));
         }
     };
-    Ok(Query {
-        route,
-        f_max_hz,
-        include_cancelled,
-    })
+    Ok(Query { route, f_max_hz, include_cancelled })
 }

@@ -20,31 +20,17 @@ use crate::doorway::{Watch, guarded, run, to_python};
 use crate::model::Model;
 use crate::optimizer::{Search, outcome_to_python};
 use crate::parameters::{ParameterParts, core_parameters};
-use crate::states::{
-    PyModalState, PyNullVectors, PyState, mode_states, null_vectors_to_python, root_states,
-};
+use crate::states::{PyModalState, PyNullVectors, PyState, mode_states, null_vectors_to_python, root_states};
 
 /// Frequencies (m,), dofs (k,) and shapes (m, k) of modes measured together.
-type ModeParts<'py> = (
-    PyReadonlyArray1<'py, f64>,
-    Vec<usize>,
-    PyReadonlyArray2<'py, Complex64>,
-);
+type ModeParts<'py> = (PyReadonlyArray1<'py, f64>, Vec<usize>, PyReadonlyArray2<'py, Complex64>);
 
 /// Dof, excitation, frequencies (m,), "frf", "transmissibility" or none, and the number of those measured together.
-type TargetParts<'py> = (
-    usize,
-    usize,
-    PyReadonlyArray1<'py, f64>,
-    Option<String>,
-    usize,
-);
+type TargetParts<'py> = (usize, usize, PyReadonlyArray1<'py, f64>, Option<String>, usize);
 
 /// Partners' frequencies (m,), and MAC (m,) and shapes (m, n_dof) of modes.
-type PyPairs<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>,
-);
+type PyPairs<'py> =
+    (Bound<'py, PyArray1<f64>>, Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>);
 
 /// J, residuals (m,) and their slopes (m, n).
 type PyLinearized<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
@@ -86,18 +72,13 @@ impl Objective {
         snap: f64,
         weights: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Self> {
-        let targets = targets
-            .into_iter()
-            .map(target_of)
-            .collect::<Result<_, _>>()
-            .map_err(to_python)?;
+        let targets = targets.into_iter().map(target_of).collect::<Result<_, _>>().map_err(to_python)?;
         let weights = weights.map(|weights| weights.as_array().to_vec());
         let core = run(py, || {
             let parameters = core_parameters(&model.core, parameters)?;
             let (misfit, penalty) = (misfit_of(misfit)?, penalty_of(penalty));
             let model = model.core.clone();
-            let made =
-                AntiresonanceObjective::new(model, parameters, targets, misfit, penalty, snap)?;
+            let made = AntiresonanceObjective::new(model, parameters, targets, misfit, penalty, snap)?;
             match weights {
                 Some(weights) => made.with_weights(weights),
                 None => Ok(made),
@@ -144,17 +125,11 @@ impl Objective {
     /// J at x (n,).
     fn cost(&self, py: Python<'_>, x: PyReadonlyArray1<'_, f64>) -> PyResult<f64> {
         let x = x.as_array().to_vec();
-        run(py, || {
-            Ok(with!(&self.core, o => o.cost(&x, &mut o.workspace())))
-        })
+        run(py, || Ok(with!(&self.core, o => o.cost(&x, &mut o.workspace()))))
     }
 
     /// x (n,) with negligible severities at zero: the point that is evaluated.
-    fn repaired<'py>(
-        &self,
-        py: Python<'py>,
-        x: PyReadonlyArray1<'_, f64>,
-    ) -> Bound<'py, PyArray1<f64>> {
+    fn repaired<'py>(&self, py: Python<'py>, x: PyReadonlyArray1<'_, f64>) -> Bound<'py, PyArray1<f64>> {
         let mut x = x.as_array().to_vec();
         with!(&self.core, o => o.repair(&mut x));
         x.into_pyarray(py)
@@ -178,9 +153,7 @@ impl Objective {
             pairs.iter().map(|p| p.map_or(f64::NAN, what)).collect()
         };
         let shape = (pairs.len(), objective.unknowns().n_dof());
-        let shapes = Array2::from_shape_fn(shape, |(m, dof)| {
-            pairs[m].map_or(f64::NAN, |p| ws.shape(p)[dof])
-        });
+        let shapes = Array2::from_shape_fn(shape, |(m, dof)| pairs[m].map_or(f64::NAN, |p| ws.shape(p)[dof]));
         let (hz, mac) = (of(|p| hertz(p.lambda)), of(|p| p.mac));
         let mac_and_shapes = (mac.into_pyarray(py), shapes.into_pyarray(py));
         Ok((hz.into_pyarray(py), Some(mac_and_shapes)))
@@ -223,13 +196,10 @@ impl Objective {
         x: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Option<PyLinearized<'py>>> {
         let x = x.as_array().to_vec();
-        let found = run(py, || {
-            Ok::<_, Error>(with!(&self.core, o => o.linearize(&x, &mut o.workspace())))
-        })?;
+        let found = run(py, || Ok::<_, Error>(with!(&self.core, o => o.linearize(&x, &mut o.workspace()))))?;
         Ok(found.map(|at| {
             let rows = at.residuals.len();
-            let slopes =
-                Array2::from_shape_fn((rows, x.len()), |(m, p)| at.jacobian[m * x.len() + p]);
+            let slopes = Array2::from_shape_fn((rows, x.len()), |(m, p)| at.jacobian[m * x.len() + p]);
             let slopes = slopes.into_pyarray(py);
             (at.cost, at.residuals.into_pyarray(py), slopes)
         }))
@@ -278,8 +248,7 @@ impl Objective {
     ) -> PyResult<Vec<PyModalState<'py>>> {
         let Core::Modal(objective) = &self.core else {
             return Err(to_python(
-                Error::input("objective", "of antiresonances", "one of modes")
-                    .remedy("Ask for its states."),
+                Error::input("objective", "of antiresonances", "one of modes").remedy("Ask for its states."),
             ));
         };
         mode_states(py, objective, &candidates, with_slopes, threads)
@@ -297,14 +266,11 @@ impl Objective {
         let mut watch = Watch::start(None);
         let costs = guarded(py, || {
             let rows = Candidates::new(&genes, n_genes);
-            with!(&self.core, o => evaluate_many(o, rows, threads, &mut || watch.poll()))
-                .map_err(to_python)
+            with!(&self.core, o => evaluate_many(o, rows, threads, &mut || watch.poll())).map_err(to_python)
         })?;
         match costs {
             ControlFlow::Continue(costs) => Ok(costs.into_pyarray(py)),
-            ControlFlow::Break(_) => Err(watch
-                .raised
-                .unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))),
+            ControlFlow::Break(_) => Err(watch.raised.unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))),
         }
     }
 
@@ -325,16 +291,8 @@ impl Objective {
         checkpoint: Option<Bound<'py, PyAny>>,
         start: Option<Vec<f64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let mut search = Search::new(
-            &lower,
-            &upper,
-            guesses,
-            options,
-            seed,
-            max_seconds,
-            on_progress,
-        )?
-        .kept_in(checkpoint)?;
+        let mut search = Search::new(&lower, &upper, guesses, options, seed, max_seconds, on_progress)?
+            .kept_in(checkpoint)?;
         let outcome = guarded(py, || {
             with!(&self.core, o => {
                 let evaluator = ObjectiveEvaluator::new(o, threads).map_err(to_python)?;
@@ -369,13 +327,7 @@ fn target_of(parts: TargetParts<'_>) -> Result<Target, Error> {
                 .remedy("Leave it out where it is not known."));
         }
     };
-    Ok(Target {
-        dof,
-        excitation,
-        freq_hz: freq.as_array().to_vec(),
-        sees,
-        together,
-    })
+    Ok(Target { dof, excitation, freq_hz: freq.as_array().to_vec(), sees, together })
 }
 
 fn misfit_of(name: &str) -> Result<Misfit, Error> {
@@ -385,8 +337,7 @@ fn misfit_of(name: &str) -> Result<Misfit, Error> {
         "largest" => Ok(Misfit::Largest),
         _ => {
             let wanted = "'absolute', 'squared' or 'largest'";
-            Err(Error::input("misfit", format!("{name:?}"), wanted)
-                .remedy("Leave it out for 'absolute'."))
+            Err(Error::input("misfit", format!("{name:?}"), wanted).remedy("Leave it out for 'absolute'."))
         }
     }
 }

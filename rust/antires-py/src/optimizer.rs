@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use antires_core::optimize::{
-    Bounds, Candidates, Evaluator, Failure, Hooks, Interrupt, IslandOptions, IslandState, Keep,
-    Outcome, Progress, minimize as minimize_core,
+    Bounds, Candidates, Evaluator, Failure, Hooks, Interrupt, IslandOptions, IslandState, Keep, Outcome,
+    Progress, minimize as minimize_core,
 };
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
@@ -61,10 +61,7 @@ impl Search {
     }
 
     /// Searches with the hooks in place; raises what a callback raised.
-    pub fn run<E: Evaluator<Fault: Into<PyErr>>>(
-        &mut self,
-        evaluator: &mut E,
-    ) -> PyResult<Outcome> {
+    pub fn run<E: Evaluator<Fault: Into<PyErr>>>(&mut self, evaluator: &mut E) -> PyResult<Outcome> {
         let on_progress = self.on_progress.as_ref();
         let watch = std::cell::RefCell::new(&mut self.watch);
         let mut should_stop = || watch.borrow_mut().poll();
@@ -90,14 +87,8 @@ impl Search {
             }
         });
         hooks.keep = keep.as_mut().map(|keep| keep as &mut Keep<'_>);
-        let outcome = minimize_core(
-            evaluator,
-            &self.bounds,
-            &self.guesses,
-            &self.options,
-            self.seed,
-            &mut hooks,
-        );
+        let outcome =
+            minimize_core(evaluator, &self.bounds, &self.guesses, &self.options, self.seed, &mut hooks);
         if let Some(checkpoint) = &mut self.checkpoint {
             checkpoint.store()?;
         }
@@ -120,16 +111,10 @@ fn report(py: Python<'_>, callback: &Py<PyAny>, progress: &Progress<'_>) -> PyRe
     state.set_item("migrations", progress.migrations)?;
     state.set_item("fun", progress.best_cost)?;
     state.set_item("x", progress.best_x.to_vec().into_pyarray(py))?;
-    let islands: Vec<(f64, &str)> = progress
-        .islands
-        .iter()
-        .map(|i| (i.best_cost, state_name(i.state)))
-        .collect();
+    let islands: Vec<(f64, &str)> =
+        progress.islands.iter().map(|i| (i.best_cost, state_name(i.state))).collect();
     state.set_item("islands", islands)?;
-    callback
-        .call1(py, (state,))?
-        .extract::<Option<bool>>(py)
-        .map(|stop| stop == Some(true))
+    callback.call1(py, (state,))?.extract::<Option<bool>>(py).map(|stop| stop == Some(true))
 }
 
 fn state_name(state: IslandState) -> &'static str {
@@ -204,16 +189,8 @@ pub fn minimize<'py>(
     on_progress: Option<Py<PyAny>>,
     checkpoint: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let mut search = Search::new(
-        &lower,
-        &upper,
-        guesses,
-        options,
-        seed,
-        max_seconds,
-        on_progress,
-    )?
-    .kept_in(checkpoint)?;
+    let mut search =
+        Search::new(&lower, &upper, guesses, options, seed, max_seconds, on_progress)?.kept_in(checkpoint)?;
     let outcome = guarded(py, || search.run(&mut PythonEvaluator { function }))?;
     outcome_to_python(py, &outcome)
 }
@@ -240,13 +217,9 @@ pub fn outcome_to_python<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bo
     dict.set_item("history_migrations", migrations.into_pyarray(py))?;
     let islands = &outcome.islands;
     let (size, n) = (islands[0].population.len(), outcome.x.len());
-    let genes = Array3::from_shape_fn((islands.len(), size, n), |(i, j, g)| {
-        islands[i].population.row(j)[g]
-    });
+    let genes = Array3::from_shape_fn((islands.len(), size, n), |(i, j, g)| islands[i].population.row(j)[g]);
     dict.set_item("populations", genes.into_pyarray(py))?;
-    let costs = Array2::from_shape_fn((islands.len(), size), |(i, j)| {
-        islands[i].population.cost(j)
-    });
+    let costs = Array2::from_shape_fn((islands.len(), size), |(i, j)| islands[i].population.cost(j));
     dict.set_item("population_costs", costs.into_pyarray(py))?;
     let names: Vec<&str> = islands.iter().map(|i| i.crossover.name()).collect();
     dict.set_item("crossovers", names)?;

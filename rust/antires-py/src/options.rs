@@ -55,12 +55,8 @@ pub fn read_options(dict: &Bound<'_, PyDict>) -> PyResult<IslandOptions> {
     for key in dict.keys() {
         if !known.contains(&key)? {
             let names: Vec<String> = known.keys().extract()?;
-            let error = Error::input(
-                "option",
-                key.to_string(),
-                format!("one of {}", names.join(", ")),
-            )
-            .remedy("Correct the name, or leave the option out.");
+            let error = Error::input("option", key.to_string(), format!("one of {}", names.join(", ")))
+                .remedy("Correct the name, or leave the option out.");
             return Err(to_python(error));
         }
     }
@@ -73,21 +69,9 @@ fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Boun
     macro_rules! write {
         ($($field:ident),+ $(,)?) => { $(dict.set_item(stringify!($field), options.$field)?;)+ };
     }
-    write!(
-        islands,
-        population,
-        crossover_probability, mutation_probability
-    );
-    write!(
-        selection_pressure,
-        patience,
-        improvement_tolerance, gene_tolerance, cost_tolerance
-    );
-    write!(
-        cost_floor,
-        cost_migrations,
-        polish, polish_interval, polish_evaluations
-    );
+    write!(islands, population, crossover_probability, mutation_probability);
+    write!(selection_pressure, patience, improvement_tolerance, gene_tolerance, cost_tolerance);
+    write!(cost_floor, cost_migrations, polish, polish_interval, polish_evaluations);
     write!(max_evaluations, max_generations);
     dict.set_item("agreement", options.agreement.name())?;
     let names: Vec<&str> = options.crossovers.iter().map(Crossover::name).collect();
@@ -97,9 +81,6 @@ fn write_options<'py>(py: Python<'py>, options: &IslandOptions) -> PyResult<Boun
 
 /// The options with defaults filled in; refuses unknown names and values out of range.
 #[pyfunction]
-pub fn island_options<'py>(
-    py: Python<'py>,
-    options: &Bound<'py, PyDict>,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn island_options<'py>(py: Python<'py>, options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
     write_options(py, &read_options(options)?)
 }

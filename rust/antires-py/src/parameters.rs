@@ -31,11 +31,7 @@ pub fn core_parameters(model: &CoreModel, parts: Vec<ParameterParts>) -> Result<
 
 fn parameter(name: &Argument, model: &CoreModel, parts: ParameterParts) -> Result<Parameter> {
     let (quantity, terms, relative, moves) = parts;
-    let scale = if relative {
-        Scale::Factor
-    } else {
-        Scale::Value
-    };
+    let scale = if relative { Scale::Factor } else { Scale::Value };
     let quantity = match (quantity.as_str(), moves) {
         ("stiffness_reduction", None) => Quantity::StiffnessReduction,
         ("stiffness_factor", None) => Quantity::StiffnessFactor,
@@ -86,10 +82,7 @@ pub fn nominal_values<'py>(
     parameters: Vec<ParameterParts>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let parameters = core_parameters(&model.core, parameters).map_err(to_python)?;
-    let nominal: Vec<f64> = parameters
-        .iter()
-        .map(|p| p.nominal(&model.core).unwrap_or(f64::NAN))
-        .collect();
+    let nominal: Vec<f64> = parameters.iter().map(|p| p.nominal(&model.core).unwrap_or(f64::NAN)).collect();
     Ok(nominal.into_pyarray(py))
 }
 

@@ -4,8 +4,8 @@ use antires_core::prepared::look::{Errors, Look, look};
 use antires_core::prepared::nearest::{refined, scanned, settled, variances};
 use antires_core::prepared::tables::{Error, Places, Tables, Test};
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1,
-    PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadonlyArray3, PyReadonlyArray4,
 };
 use pyo3::prelude::*;
 
@@ -282,20 +282,12 @@ impl PreparedTest {
         py: Python<'py>,
         elements: Vec<usize>,
         u: Vec<f64>,
-    ) -> PyResult<(
-        Bound<'py, PyArray1<f64>>,
-        Bound<'py, PyArray1<f64>>,
-        Bound<'py, PyArray1<bool>>,
-    )> {
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>)> {
         let borrowed = self.tables.get().borrowed(py);
         let t = borrowed.tables()?;
         known(&t, &elements, &u)?;
         let at = Places::new(&t, &elements, &u);
-        Ok((
-            at.place.into_pyarray(py),
-            at.beside.into_pyarray(py),
-            at.there.into_pyarray(py),
-        ))
+        Ok((at.place.into_pyarray(py), at.beside.into_pyarray(py), at.there.into_pyarray(py)))
     }
 
     /// Distances and misfits (further, levels) that sets with one element more leave.
@@ -317,10 +309,7 @@ impl PreparedTest {
             Ok(scanned(&t, &test, &at, &further, &self.variance))
         })?;
         let shape = [further.len(), t.levels.len()];
-        Ok((
-            left.distance.into_pyarray(py).reshape(shape)?,
-            left.misfit.into_pyarray(py).reshape(shape)?,
-        ))
+        Ok((left.distance.into_pyarray(py).reshape(shape)?, left.misfit.into_pyarray(py).reshape(shape)?))
     }
 
     /// Severities of sets after a few steps by the nearest roots, and what they leave.
@@ -356,11 +345,7 @@ impl PreparedTest {
         let t = borrowed.tables()?;
         sets.iter().try_for_each(|(e, u)| known(&t, e, u))?;
         let test = self.test();
-        let errors = if errors_there {
-            Errors::There
-        } else {
-            Errors::Undamaged
-        };
+        let errors = if errors_there { Errors::There } else { Errors::Undamaged };
         guarded(py, || {
             let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
                 let found = settled(&t, &test, e, u, (looks, rests), errors);

@@ -2,9 +2,7 @@
 
 use antires_core::linalg::hermitian::{Hermitian, Workspace};
 use antires_core::rational;
-use numpy::{
-    Complex64, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3,
-};
+use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use crate::doorway::{NumericalError, guarded};
@@ -44,11 +42,7 @@ pub fn dominant_pairs<'py>(
     py: Python<'py>,
     matrices: PyReadonlyArray3<'py, Complex64>,
     scale: PyReadonlyArray1<'py, f64>,
-) -> PyResult<(
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray2<Complex64>>,
-)> {
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<Complex64>>)> {
     let matrices = matrices.as_array();
     let over: Vec<f64> = scale.as_array().iter().map(|s| 1.0 / s.sqrt()).collect();
     let (count, n) = (matrices.shape()[0], matrices.shape()[1]);
@@ -63,11 +57,7 @@ pub fn dominant_pairs<'py>(
         }
         Ok((first, rest, vectors))
     })?;
-    Ok((
-        first.into_pyarray(py),
-        rest.into_pyarray(py),
-        vectors.into_pyarray(py).reshape([count, n])?,
-    ))
+    Ok((first.into_pyarray(py), rest.into_pyarray(py), vectors.into_pyarray(py).reshape([count, n])?))
 }
 
 /// Ascending eigenvalues of the transpose of every matrix, (n, m, m), scaled in the same way; (n, m).
@@ -91,9 +81,7 @@ pub fn hermitian_values<'py>(
         Ok(Some(values))
     })?;
     values
-        .ok_or_else(|| {
-            NumericalError::new_err("eigenvalues of the spectral matrix did not converge")
-        })?
+        .ok_or_else(|| NumericalError::new_err("eigenvalues of the spectral matrix did not converge"))?
         .into_pyarray(py)
         .reshape([count, n])
 }

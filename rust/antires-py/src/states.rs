@@ -40,9 +40,7 @@ pub fn root_states<'py>(
     threads: usize,
 ) -> PyResult<Vec<PyState<'py>>> {
     let n = objective.unknowns().len();
-    let found = evaluated(py, candidates, |rows, stop| {
-        states(objective, rows, band, threads, stop)
-    })?;
+    let found = evaluated(py, candidates, |rows, stop| states(objective, rows, band, threads, stop))?;
     let converted = found.into_iter().map(|state| {
         let rows = state.slopes.len() / n.max(1);
         let slopes = Array2::from_shape_fn((rows, n), |(root, p)| state.slopes[root * n + p]);
@@ -92,9 +90,8 @@ pub fn mode_states<'py>(
     threads: usize,
 ) -> PyResult<Vec<PyModalState<'py>>> {
     let (n, d) = (objective.unknowns().len(), objective.sensors().len());
-    let found = evaluated(py, candidates, |rows, stop| {
-        modal_states(objective, rows, with_slopes, threads, stop)
-    })?;
+    let found =
+        evaluated(py, candidates, |rows, stop| modal_states(objective, rows, with_slopes, threads, stop))?;
     let converted = found.into_iter().map(|state| {
         let modes = state.freq_hz.len();
         let rows = if with_slopes { modes } else { 0 };
@@ -116,22 +113,15 @@ pub fn mode_states<'py>(
 fn evaluated<T: Send>(
     py: Python<'_>,
     candidates: &PyReadonlyArray2<'_, f64>,
-    find: impl Fn(
-        Candidates<'_>,
-        &mut dyn FnMut() -> Option<Interrupt>,
-    ) -> Result<ControlFlow<Interrupt, Vec<T>>>
+    find: impl Fn(Candidates<'_>, &mut dyn FnMut() -> Option<Interrupt>) -> Result<ControlFlow<Interrupt, Vec<T>>>
     + Sync,
 ) -> PyResult<Vec<T>> {
     let rows = candidates.as_array();
     let (n, genes): (usize, Vec<f64>) = (rows.ncols(), rows.iter().copied().collect());
     let mut watch = Watch::start(None);
-    let found = guarded(py, || {
-        find(Candidates::new(&genes, n), &mut || watch.poll()).map_err(to_python)
-    })?;
+    let found = guarded(py, || find(Candidates::new(&genes, n), &mut || watch.poll()).map_err(to_python))?;
     match found {
         ControlFlow::Continue(found) => Ok(found),
-        ControlFlow::Break(_) => Err(watch
-            .raised
-            .unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))),
+        ControlFlow::Break(_) => Err(watch.raised.unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))),
     }
 }

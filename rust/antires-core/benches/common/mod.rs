@@ -29,10 +29,7 @@ pub fn chain(n: usize) -> Model {
 pub fn exhaust_like() -> Model {
     let beam = |(a, b)| Element::from(Beam::new([a, b], usize::from(a > 20)));
     let tube = |thickness_m: f64| Section {
-        shape: Shape::Tube {
-            outer_diameter_m: 0.038,
-            thickness_m,
-        },
+        shape: Shape::Tube { outer_diameter_m: 0.038, thickness_m },
         youngs_modulus_pa: 2.07e11,
         density_kg_per_m3: 7850.0,
         poisson: 0.3,
@@ -47,19 +44,11 @@ pub fn exhaust_like() -> Model {
     let branch = (1..=4).map(|i| [x + 0.01 * f64::from(i), y - 0.05 * f64::from(i), 0.0]);
     let along_branch = [(15, 44), (44, 45), (45, 46), (46, 47)];
     let lump = |(node, mass_kg): (usize, f64)| {
-        Element::PointMass(PointMass {
-            node,
-            mass_kg,
-            inertia_kg_m2: [0.0, 0.0, 0.004 * mass_kg],
-        })
+        Element::PointMass(PointMass { node, mass_kg, inertia_kg_m2: [0.0, 0.0, 0.004 * mass_kg] })
     };
     let hanger = |node: usize| {
         [0, 1].map(|direction| {
-            Element::GroundSpring(GroundSpring {
-                node,
-                direction,
-                stiffness_n_per_m: 800.0,
-            })
+            Element::GroundSpring(GroundSpring { node, direction, stiffness_n_per_m: 800.0 })
         })
     };
     let beams = (0..43).map(|i| (i, i + 1)).chain(along_branch).map(beam);
@@ -83,9 +72,6 @@ pub fn sensors(count: usize) -> Vec<usize> {
 /// A stiffness reduction of each of these elements.
 pub fn reductions(elements: std::ops::Range<usize>) -> Vec<Parameter> {
     elements
-        .map(|element| Parameter {
-            quantity: Quantity::StiffnessReduction,
-            terms: vec![element],
-        })
+        .map(|element| Parameter { quantity: Quantity::StiffnessReduction, terms: vec![element] })
         .collect()
 }

@@ -97,10 +97,7 @@ pub struct Cell {
 impl Cell {
     /// Indices of the poles at the ends.
     pub fn ends(self) -> [Option<usize>; 2] {
-        [
-            self.pole_a.then(|| self.below - 1),
-            self.pole_b.then_some(self.below),
-        ]
+        [self.pole_a.then(|| self.below - 1), self.pole_b.then_some(self.below)]
     }
 
     /// Residues of the poles at the ends, zero where there is none.
@@ -119,20 +116,12 @@ impl Cell {
 
     /// Part of the cell left of `x`.
     pub fn left_of(self, x: f64) -> Self {
-        Self {
-            b: x,
-            pole_b: false,
-            ..self
-        }
+        Self { b: x, pole_b: false, ..self }
     }
 
     /// Part of the cell right of `x`.
     pub fn right_of(self, x: f64) -> Self {
-        Self {
-            a: x,
-            pole_a: false,
-            ..self
-        }
+        Self { a: x, pole_a: false, ..self }
     }
 
     /// True when the cell is a few ulp wide.
@@ -175,10 +164,7 @@ pub struct Range {
 impl Range {
     /// All within `spread` of `centre`.
     pub fn about(centre: f64, spread: f64) -> Self {
-        Self {
-            low: centre - spread,
-            high: centre + spread,
-        }
+        Self { low: centre - spread, high: centre + spread }
     }
 
     /// Adds a term that ranges from `nearest` away from zero, to infinity.
@@ -291,11 +277,7 @@ impl Remainder {
                 bend[l] += term * s * s;
             }
         }
-        Jet {
-            value: total(value) + self.constant,
-            slope: total(slope),
-            bend: 2.0 * total(bend),
-        }
+        Jet { value: total(value) + self.constant, slope: total(slope), bend: 2.0 * total(bend) }
     }
 }
 
@@ -313,11 +295,7 @@ impl EndPoles {
     /// Those of `cell`.
     pub fn of(h: &Receptance, cell: Cell) -> Self {
         let [left, right] = cell.end_residues(h);
-        Self {
-            left,
-            right,
-            width: cell.b - cell.a,
-        }
+        Self { left, right, width: cell.b - cell.a }
     }
 
     /// Sum of 1 / |λ − x| of the end poles at their far ends.
@@ -363,11 +341,7 @@ impl Enclosure {
     /// ends. Few terms do between poles; more are needed where f is small against its partial fractions.
     pub fn of<const ORDER: usize>(h: &Receptance, rest: &Remainder, cell: Cell) -> Self {
         let (middle, radius) = (0.5 * (cell.a + cell.b), 0.5 * (cell.b - cell.a));
-        let (series, tails) = wide::run(Series::<ORDER> {
-            rest,
-            middle,
-            radius,
-        });
+        let (series, tails) = wide::run(Series::<ORDER> { rest, middle, radius });
         let a = series.map(total);
         let [t0, t1, t2, reciprocals] = tails.map(total);
         let tail = [t0, t1, t2];
@@ -435,11 +409,7 @@ impl<const ORDER: usize> NullaryFnOnce for Series<'_, ORDER> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self {
-            rest,
-            middle,
-            radius,
-        } = self;
+        let Self { rest, middle, radius } = self;
         let mut series = [[0.0; LANES]; ORDER];
         let mut tails = [[0.0; LANES]; 4];
         let p = ORDER as f64;
@@ -532,11 +502,7 @@ impl Screening {
         }
         if cell.a < self.ceiling {
             // Where a pole lies at the ceiling or above, its term is one of the rest.
-            self.cells.push(Cell {
-                b: self.ceiling,
-                pole_b: false,
-                ..cell
-            });
+            self.cells.push(Cell { b: self.ceiling, pole_b: false, ..cell });
         }
     }
 
@@ -685,13 +651,7 @@ mod tests {
             (3.0, 3.5, 2, false, true),
             (7.5, 30.0, 4, false, false),
         ] {
-            let cell = Cell {
-                a,
-                b,
-                below,
-                pole_a,
-                pole_b,
-            };
+            let cell = Cell { a, b, below, pole_a, pole_b };
             rest.leave_out(cell);
             let bounds = Enclosure::of::<5>(&h, &rest, cell);
             let fine = Enclosure::of::<9>(&h, &rest, cell);
@@ -699,12 +659,7 @@ mod tests {
             for step in 1..200 {
                 let x = a + (b - a) * f64::from(step) / 200.0;
                 let (f, slope) = (h.value(x), h.slope(x));
-                let bend: f64 = h
-                    .poles
-                    .iter()
-                    .zip(&h.residues)
-                    .map(|(l, c)| c / (l - x).powi(3))
-                    .sum();
+                let bend: f64 = h.poles.iter().zip(&h.residues).map(|(l, c)| c / (l - x).powi(3)).sum();
                 for (range, v) in [
                     (bounds.value(), f),
                     (bounds.slope(), slope),
@@ -714,22 +669,13 @@ mod tests {
                     (fine.curvature(), bend),
                 ] {
                     let slack = 1e-12 * (1.0 + v.abs());
-                    assert!(
-                        range.low <= v + slack && v - slack <= range.high,
-                        "{x} {v} {range:?}"
-                    );
+                    assert!(range.low <= v + slack && v - slack <= range.high, "{x} {v} {range:?}");
                 }
             }
         }
         let width = |r: Range| r.high - r.low;
         let at = |half: f64| {
-            let cell = Cell {
-                a: 1.3 - half,
-                b: 1.3 + half,
-                below: 1,
-                pole_a: false,
-                pole_b: false,
-            };
+            let cell = Cell { a: 1.3 - half, b: 1.3 + half, below: 1, pole_a: false, pole_b: false };
             width(Enclosure::of::<5>(&h, &rest, cell).value())
         };
         assert!(at(0.005) < 0.2 * at(0.05));
@@ -751,15 +697,8 @@ mod tests {
         let (mut rootless, mut monotone) = (0, 0);
         for signs in 0..32 {
             let sized = [0.3, 0.7, 0.5, 0.1, 0.4];
-            let residues: Vec<f64> = (0..5)
-                .map(|r| {
-                    if signs >> r & 1 == 0 {
-                        sized[r]
-                    } else {
-                        -sized[r]
-                    }
-                })
-                .collect();
+            let residues: Vec<f64> =
+                (0..5).map(|r| if signs >> r & 1 == 0 { sized[r] } else { -sized[r] }).collect();
             let h = signed(&residues);
             screening.prepare(&h, 0.0, 30.0);
             all.set(&h);
@@ -797,14 +736,8 @@ mod tests {
     #[test]
     fn proves_what_is_rootless_and_nothing_else() {
         let mut scratch = Vec::new();
-        assert!(is_rootless(
-            &receptance(&[1.0, 2.0], &[0.5, 0.5]),
-            &mut scratch
-        ));
-        assert!(is_rootless(
-            &receptance(&[1.0, 2.0], &[-1.0, 1.0]),
-            &mut scratch
-        ));
+        assert!(is_rootless(&receptance(&[1.0, 2.0], &[0.5, 0.5]), &mut scratch));
+        assert!(is_rootless(&receptance(&[1.0, 2.0], &[-1.0, 1.0]), &mut scratch));
         // −1.5/(1−x) + 1/(2−x) vanishes at x = 4.
         let crossing = receptance(&[1.0, 2.0], &[-1.5, 1.0]);
         assert_eq!(crossing.value(4.0), 0.0);

@@ -31,23 +31,17 @@ pub fn antiresonances(
     excitation: usize,
     query: &Query,
 ) -> Result<Vec<Antiresonances>> {
-    each(
-        model,
-        responses,
-        excitation,
-        query,
-        |prepared, (k_mat, m_mat), i, query| {
-            let mut found = Antiresonances::default();
-            let transfer = match prepared.find(i, excitation, query, &mut found.freq_hz) {
-                Ok(transfer) => transfer,
-                Err(error) if k_mat.n() > MOST_CHECKED => return Err(error),
-                Err(_) => return bounded(prepared, (k_mat, m_mat), (i, excitation), query),
-            };
-            found.identically_zero = transfer == Transfer::IdenticallyZero;
-            found.doubtful = !found.identically_zero && prepared.is_doubtful();
-            Ok(found)
-        },
-    )
+    each(model, responses, excitation, query, |prepared, (k_mat, m_mat), i, query| {
+        let mut found = Antiresonances::default();
+        let transfer = match prepared.find(i, excitation, query, &mut found.freq_hz) {
+            Ok(transfer) => transfer,
+            Err(error) if k_mat.n() > MOST_CHECKED => return Err(error),
+            Err(_) => return bounded(prepared, (k_mat, m_mat), (i, excitation), query),
+        };
+        found.identically_zero = transfer == Transfer::IdenticallyZero;
+        found.doubtful = !found.identically_zero && prepared.is_doubtful();
+        Ok(found)
+    })
 }
 
 /// The same, each with a bound of its error: [`Antiresonances::error_hz`].
@@ -57,13 +51,9 @@ pub fn bounded_antiresonances(
     excitation: usize,
     query: &Query,
 ) -> Result<Vec<Antiresonances>> {
-    each(
-        model,
-        responses,
-        excitation,
-        query,
-        |prepared, matrices, i, query| bounded(prepared, matrices, (i, excitation), query),
-    )
+    each(model, responses, excitation, query, |prepared, matrices, i, query| {
+        bounded(prepared, matrices, (i, excitation), query)
+    })
 }
 
 /// What `find` gives for each response on the balanced matrices, in the units of the model.
@@ -72,12 +62,7 @@ fn each(
     responses: &[usize],
     excitation: usize,
     query: &Query,
-    find: impl Fn(
-        &mut Prepared<'_>,
-        (&SparseMatrix, &SparseMatrix),
-        usize,
-        &Query,
-    ) -> Result<Antiresonances>,
+    find: impl Fn(&mut Prepared<'_>, (&SparseMatrix, &SparseMatrix), usize, &Query) -> Result<Antiresonances>,
 ) -> Result<Vec<Antiresonances>> {
     if model.n_dof() > MOST_DENSE {
         query.check_large(model.n_dof())?;
@@ -87,17 +72,13 @@ fn each(
         model.check_dof("response", i)?;
     }
     let balance = Balance::of_sparse(model.stiffness(), model.mass());
-    let scaled = balance
-        .as_ref()
-        .map(|b| (b.stiffness(model.stiffness()), b.mass(model.mass())));
+    let scaled = balance.as_ref().map(|b| (b.stiffness(model.stiffness()), b.mass(model.mass())));
     let (k_mat, m_mat) = match &scaled {
         Some((k, m)) => (k, m),
         None => (model.stiffness(), model.mass()),
     };
     let query = &Query {
-        f_max_hz: balance
-            .as_ref()
-            .map_or(query.f_max_hz, |b| b.scaled_frequency(query.f_max_hz)),
+        f_max_hz: balance.as_ref().map_or(query.f_max_hz, |b| b.scaled_frequency(query.f_max_hz)),
         ..*query
     };
     let structure = Structure::of(model);
@@ -109,10 +90,7 @@ fn each(
         let mut found = if connected(k_mat, m_mat, i, excitation) {
             find(&mut prepared, (k_mat, m_mat), i, query)?
         } else {
-            Antiresonances {
-                identically_zero: true,
-                ..Antiresonances::default()
-            }
+            Antiresonances { identically_zero: true, ..Antiresonances::default() }
         };
         if let Some(balance) = &balance {
             for freq in found.freq_hz.iter_mut().chain(&mut found.error_hz) {
@@ -149,11 +127,7 @@ pub(super) fn bounded(
     if n > MOST_CHECKED {
         found.identically_zero = first? == Transfer::IdenticallyZero;
         found.doubtful = !found.identically_zero && prepared.is_doubtful();
-        found.error_hz = found
-            .freq_hz
-            .iter()
-            .map(|&f| prepared.bound(ends, f))
-            .collect();
+        found.error_hz = found.freq_hz.iter().map(|&f| prepared.bound(ends, f)).collect();
         return Ok(found);
     }
     let mut on_poles = Vec::new();
@@ -267,8 +241,7 @@ pub(super) fn add_new(roots: &mut Vec<Bounded>, sure: &[Bounded]) {
     let mut free: Vec<usize> = (0..roots.len()).collect();
     for root in sure {
         let distance = |&at: &usize| (roots[at].x - root.x).abs();
-        let closest =
-            (0..free.len()).min_by(|&p, &q| distance(&free[p]).total_cmp(&distance(&free[q])));
+        let closest = (0..free.len()).min_by(|&p, &q| distance(&free[p]).total_cmp(&distance(&free[q])));
         let reach = |at: usize| {
             let own = root.bound + roots[at].bound.min(UNCERTAIN * root.x);
             own.max(SAME_ROOT * root.x)
@@ -349,7 +322,5 @@ pub(super) fn at_other_scales(
         return Vec::new();
     }
     let (a, b) = (k_mat.deleted(i, k), m_mat.deleted(i, k));
-    [least, most]
-        .map(|x| roots_near(a.as_ref(), b.as_ref(), x, ceiling))
-        .into()
+    [least, most].map(|x| roots_near(a.as_ref(), b.as_ref(), x, ceiling)).into()
 }

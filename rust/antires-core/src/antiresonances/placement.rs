@@ -39,12 +39,7 @@ use crate::modal::reduced::ReducedModes;
 use crate::modal::solved::Solved;
 
 /// The root of H_ik nearest to `x` within `reach`; none where there is none.
-pub(super) fn place(
-    solved: &mut Solved<'_>,
-    ends: (usize, usize),
-    x: f64,
-    reach: f64,
-) -> Option<Placed> {
+pub(super) fn place(solved: &mut Solved<'_>, ends: (usize, usize), x: f64, reach: f64) -> Option<Placed> {
     let by_factors = by_factors(solved.reduced(), ends, x, reach);
     if by_factors.is_some() || !solved.may_be_dense() {
         return by_factors;
@@ -91,11 +86,7 @@ pub(super) struct Placed {
 
 /// The root within `reach` of `x`, or as near as rounding tells; none where the steps do not settle
 /// on one, or where an ulp of K and M can carry it to zero or infinity.
-pub(super) fn newton(
-    x: f64,
-    reach: f64,
-    mut step_at: impl FnMut(f64) -> Option<Step>,
-) -> Option<Placed> {
+pub(super) fn newton(x: f64, reach: f64, mut step_at: impl FnMut(f64) -> Option<Step>) -> Option<Placed> {
     let (mut at, mut scatter) = (x, 0.0_f64);
     for iteration in 1..=NEWTON_STEPS {
         let Step { length, ulp } = step_at(at)?;
@@ -118,10 +109,7 @@ pub(super) fn newton(
             scatter = scatter.max(length.abs());
         }
     }
-    (scatter <= SCATTER * at).then_some(Placed {
-        x: at,
-        ulp: scatter,
-    })
+    (scatter <= SCATTER * at).then_some(Placed { x: at, ulp: scatter })
 }
 
 /// The root of H_ik nearest to `x` within `reach`, on the factors of K − xM; none where there is none, or where
@@ -134,10 +122,7 @@ pub(super) fn by_factors(
 ) -> Option<Placed> {
     newton(x, reach, |at| {
         let here = reduced.receptance_at(ends, at)?;
-        Some(Step {
-            length: -here.value / here.slope,
-            ulp: here.ulp,
-        })
+        Some(Step { length: -here.value / here.slope, ulp: here.ulp })
     })
 }
 
@@ -184,10 +169,7 @@ pub(super) fn by_quotients(
                 moved += by_k * by_k + at * at * by_m * by_m;
             }
         }
-        Some(Step {
-            length: force / slope,
-            ulp: f64::EPSILON * moved.sqrt() / slope.abs(),
-        })
+        Some(Step { length: force / slope, ulp: f64::EPSILON * moved.sqrt() / slope.abs() })
     })
 }
 
@@ -247,11 +229,7 @@ mod tests {
         let mass = Mat::from_fn(50, 50, |i, j| f64::from(u8::from(i == j)));
         let model = Model::new(stiffness, mass, vec![], vec![]).unwrap();
         let (matrices, mut band) = ((model.stiffness(), model.mass()), band_of(&model));
-        let query = Query {
-            route: Route::Modal,
-            f_max_hz: f64::INFINITY,
-            include_cancelled: false,
-        };
+        let query = Query { route: Route::Modal, f_max_hz: f64::INFINITY, include_cancelled: false };
         let roots = &antiresonances(&model, &[17], 30, &query).unwrap()[0].freq_hz;
         assert!(roots.len() > 20);
         let mut settled = 0;
@@ -283,10 +261,7 @@ mod tests {
         let mut sign = 1.0;
         newton(1.0 + 1e-8, 1e-6, |at| {
             sign = -sign;
-            Some(Step {
-                length: 1.0 - at + sign * size,
-                ulp: 1e-15,
-            })
+            Some(Step { length: 1.0 - at + sign * size, ulp: 1e-15 })
         })
     }
 

@@ -84,12 +84,7 @@ impl<'a, 'm> Search<'a, 'm> {
         whole: bool,
         memory: &'a mut Memory,
     ) -> Self {
-        Self {
-            whole,
-            solved,
-            ends,
-            memory,
-        }
+        Self { whole, solved, ends, memory }
     }
 
     /// Finds the roots up to `ceiling`.
@@ -116,17 +111,10 @@ impl<'a, 'm> Search<'a, 'm> {
 
     /// Adds the roots of the receptance in hand, in (low, high], to those found.
     fn isolate(&mut self, (low, high): (f64, f64), series: Series) -> Certainty {
-        let Memory {
-            receptance: h,
-            scratch,
-            found,
-        } = &mut *self.memory;
+        let Memory { receptance: h, scratch, found } = &mut *self.memory;
         for &x in h.cancelled.iter().filter(|&&x| low < x && x <= high) {
-            let presence = if h.is_zero || secular::is_hollow(h, x) {
-                Presence::Open
-            } else {
-                Presence::Sure
-            };
+            let presence =
+                if h.is_zero || secular::is_hollow(h, x) { Presence::Open } else { Presence::Sure };
             found.cancel(x, presence);
         }
         if h.is_zero {
@@ -142,11 +130,7 @@ impl<'a, 'm> Search<'a, 'm> {
             let (by_poles, fair) = match series {
                 Series::Reduced => (
                     self.solved.reduced().pole_error(x),
-                    if self.solved.n_dof() <= MOST_EXACT {
-                        INEXACT_ROOT
-                    } else {
-                        DOUBTFUL_ROOT
-                    },
+                    if self.solved.n_dof() <= MOST_EXACT { INEXACT_ROOT } else { DOUBTFUL_ROOT },
                 ),
                 Series::Dense => {
                     let dense = self.solved.dense_in_hand();
@@ -291,10 +275,7 @@ impl Found {
     }
 
     pub fn mark(&self) -> Mark {
-        Mark {
-            proven: self.proven.len(),
-            cancelled: self.cancelled.len(),
-        }
+        Mark { proven: self.proven.len(), cancelled: self.cancelled.len() }
     }
 
     /// Sorts the roots proven since.

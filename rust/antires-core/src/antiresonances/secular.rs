@@ -73,11 +73,7 @@ pub enum Certainty {
 impl Certainty {
     /// Proven where both are.
     pub fn and(self, other: Self) -> Self {
-        if self == Self::Proven {
-            other
-        } else {
-            Self::Doubtful
-        }
+        if self == Self::Proven { other } else { Self::Doubtful }
     }
 }
 
@@ -106,40 +102,20 @@ struct Secular<'a> {
 
 /// Appends the roots of `h` in (low, high] to `roots`, ascending; `high` may be infinite. Their
 /// places are good to [`Receptance::noise_and_slope`].
-pub fn roots(
-    h: &Receptance,
-    low: f64,
-    high: f64,
-    roots: &mut Vec<f64>,
-    scratch: &mut Scratch,
-) -> Certainty {
+pub fn roots(h: &Receptance, low: f64, high: f64, roots: &mut Vec<f64>, scratch: &mut Scratch) -> Certainty {
     let Some(&last) = h.poles.last() else {
         return Certainty::Proven;
     };
     let start = roots.len();
-    let Scratch {
-        screening,
-        rest,
-        moments,
-    } = scratch;
+    let Scratch { screening, rest, moments } = scratch;
     rest.set(h);
     let ceiling = high.min(INFINITY_RATIO * last.abs().max(f64::MIN_POSITIVE / f64::EPSILON));
     screening.prepare(h, low, ceiling);
-    let mut search = Secular {
-        h,
-        rest,
-        roots,
-        budget: MOST_CELLS,
-        certainty: Certainty::Proven,
-    };
+    let mut search = Secular { h, rest, roots, budget: MOST_CELLS, certainty: Certainty::Proven };
     let pattern = h.pattern();
     for index in 0..screening.n_cells() {
         let cell = screening.cell(index);
-        let place = if !cell.pole_b && last < ceiling {
-            Place::BeyondLastPole
-        } else {
-            Place::BetweenPoles
-        };
+        let place = if !cell.pole_b && last < ceiling { Place::BeyondLastPole } else { Place::BetweenPoles };
         let verdict = match pattern {
             Pattern::OneSign if place == Place::BetweenPoles => Verdict::Monotone,
             Pattern::OneSign if h.falls_off() => Verdict::Rootless,
@@ -243,19 +219,11 @@ impl Secular<'_> {
                 return;
             }
             // The tangent lies under the curve: if it stays positive on the falling side, so does f.
-            let falling = if slope > 0.0 {
-                middle - shrinking.a
-            } else {
-                shrinking.b - middle
-            };
+            let falling = if slope > 0.0 { middle - shrinking.a } else { shrinking.b - middle };
             if value - slope.abs() * falling > noise {
                 return;
             }
-            shrinking = if slope > 0.0 {
-                shrinking.left_of(middle)
-            } else {
-                shrinking.right_of(middle)
-            };
+            shrinking = if slope > 0.0 { shrinking.left_of(middle) } else { shrinking.right_of(middle) };
         }
         self.certainty = Certainty::Doubtful;
     }
@@ -294,11 +262,7 @@ fn sign(h: &Receptance, cell: Cell, end: End) -> Sign {
         (End::Left, None, _) => h.value(cell.a) >= 0.0,
         (End::Right, _, None) => h.value(cell.b) >= 0.0,
     };
-    if positive {
-        Sign::Positive
-    } else {
-        Sign::Negative
-    }
+    if positive { Sign::Positive } else { Sign::Negative }
 }
 
 // ---- bracket
@@ -319,16 +283,8 @@ impl Smooth<'_> {
     fn at(&self, x: f64) -> [f64; 3] {
         let Jet { value, slope, bend } = self.rest.at(x);
         let [ca, cb] = self.ends;
-        let (left, d_left) = if self.cell.pole_a {
-            (x - self.cell.a, 1.0)
-        } else {
-            (1.0, 0.0)
-        };
-        let (right, d_right) = if self.cell.pole_b {
-            (self.cell.b - x, -1.0)
-        } else {
-            (1.0, 0.0)
-        };
+        let (left, d_left) = if self.cell.pole_a { (x - self.cell.a, 1.0) } else { (1.0, 0.0) };
+        let (right, d_right) = if self.cell.pole_b { (self.cell.b - x, -1.0) } else { (1.0, 0.0) };
         let (both, d_both) = (left * right, d_left * right + left * d_right);
         [
             cb * left - ca * right + value * both,
@@ -352,11 +308,7 @@ impl Smooth<'_> {
         let g = at_middle * width * self.ends[0].signum();
         let slope = ca + cb + g;
         let root = (slope * slope - 4.0 * g * ca).max(0.0).sqrt();
-        let y = if slope > 0.0 {
-            2.0 * ca / (slope + root)
-        } else {
-            0.5 * (slope - root) / g
-        };
+        let y = if slope > 0.0 { 2.0 * ca / (slope + root) } else { 0.5 * (slope - root) / g };
         let x = a + y * width;
         if x > a && x < b { x } else { middle }
     }
@@ -365,23 +317,9 @@ impl Smooth<'_> {
 /// Root of `h` in `cell`, with `rest` the part of the other poles; f has the sign `left` at the left end
 /// and the other one at the right end. `at_middle` is the value of `rest` there, if
 /// known.
-pub fn root_in_cell(
-    h: &Receptance,
-    rest: &Remainder,
-    cell: Cell,
-    left: Sign,
-    at_middle: Option<f64>,
-) -> f64 {
-    let smooth = Smooth {
-        rest,
-        cell,
-        ends: cell.end_residues(h),
-    };
-    wide::run(Search {
-        smooth,
-        left,
-        at_middle,
-    })
+pub fn root_in_cell(h: &Receptance, rest: &Remainder, cell: Cell, left: Sign, at_middle: Option<f64>) -> f64 {
+    let smooth = Smooth { rest, cell, ends: cell.end_residues(h) };
+    wide::run(Search { smooth, left, at_middle })
 }
 
 /// [`root_in_cell`].
@@ -396,11 +334,7 @@ impl NullaryFnOnce for Search<'_> {
 
     #[inline(always)]
     fn call(self) -> f64 {
-        let Self {
-            smooth,
-            left,
-            at_middle,
-        } = self;
+        let Self { smooth, left, at_middle } = self;
         let cell = smooth.cell;
         let (mut low, mut high) = (cell.a, cell.b);
         let mut x = smooth.start(at_middle);
@@ -411,11 +345,7 @@ impl NullaryFnOnce for Search<'_> {
             if value == 0.0 {
                 return x;
             }
-            let here = if value > 0.0 {
-                Sign::Positive
-            } else {
-                Sign::Negative
-            };
+            let here = if value > 0.0 { Sign::Positive } else { Sign::Negative };
             if here == left {
                 low = x;
             } else {
@@ -445,12 +375,7 @@ mod tests {
     use super::*;
 
     fn receptance(poles: &[f64], residues: &[f64], constant: f64) -> Receptance {
-        Receptance {
-            poles: poles.to_vec(),
-            residues: residues.to_vec(),
-            constant,
-            ..Receptance::default()
-        }
+        Receptance { poles: poles.to_vec(), residues: residues.to_vec(), constant, ..Receptance::default() }
     }
 
     fn solve(h: &Receptance, cell: Cell, left: Sign) -> f64 {
@@ -463,13 +388,7 @@ mod tests {
     #[test]
     fn between_two_poles_the_root_is_exact() {
         let h = receptance(&[1.0, 3.0], &[1.0, 1.0], 0.0);
-        let cell = Cell {
-            a: 1.0,
-            b: 3.0,
-            below: 1,
-            pole_a: true,
-            pole_b: true,
-        };
+        let cell = Cell { a: 1.0, b: 3.0, below: 1, pole_a: true, pole_b: true };
         assert!((solve(&h, cell, Sign::Negative) - 2.0).abs() <= f64::EPSILON * 2.0);
         // 1e-9/(1−x) + 1/(3−x): the root hugs the weak pole.
         let h = receptance(&[1.0, 3.0], &[1e-9, 1.0], 0.0);
@@ -481,39 +400,17 @@ mod tests {
     fn cells_without_poles_at_their_ends_are_solved_too() {
         // −1.5/(1−x) + 1/(2−x) vanishes at 4.
         let h = receptance(&[1.0, 2.0], &[-1.5, 1.0], 0.0);
-        let cell = Cell {
-            a: 3.0,
-            b: 50.0,
-            below: 2,
-            pole_a: false,
-            pole_b: false,
-        };
-        let left = if h.value(3.0) > 0.0 {
-            Sign::Positive
-        } else {
-            Sign::Negative
-        };
+        let cell = Cell { a: 3.0, b: 50.0, below: 2, pole_a: false, pole_b: false };
+        let left = if h.value(3.0) > 0.0 { Sign::Positive } else { Sign::Negative };
         assert!((solve(&h, cell, left) - 4.0).abs() <= 4.0 * f64::EPSILON);
-        let half = Cell {
-            a: 2.0,
-            b: 50.0,
-            below: 2,
-            pole_a: true,
-            pole_b: false,
-        };
+        let half = Cell { a: 2.0, b: 50.0, below: 2, pole_a: true, pole_b: false };
         assert!((solve(&h, half, Sign::Negative) - 4.0).abs() <= 4.0 * f64::EPSILON);
     }
 
     #[test]
     fn strong_neighbours_do_not_mislead_the_model() {
         let h = receptance(&[0.999, 1.0, 3.0, 3.001], &[50.0, 1e-3, 1e-3, 80.0], -7.0);
-        let cell = Cell {
-            a: 1.0,
-            b: 3.0,
-            below: 2,
-            pole_a: true,
-            pole_b: true,
-        };
+        let cell = Cell { a: 1.0, b: 3.0, below: 2, pole_a: true, pole_b: true };
         let root = solve(&h, cell, Sign::Negative);
         let (before, after) = (root * (1.0 - 1e-14), root * (1.0 + 1e-14));
         assert!(h.value(before) < 0.0 && h.value(after) > 0.0);

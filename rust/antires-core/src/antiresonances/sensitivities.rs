@@ -47,12 +47,7 @@ impl ZeroSensitivity {
     }
 
     /// Takes up a root `x` that cancels against a pole, see [`crate::modal::columns`].
-    pub fn set_cancelled(
-        &mut self,
-        prepared: &mut Prepared<'_>,
-        ends: (usize, usize),
-        x: f64,
-    ) -> Result<()> {
+    pub fn set_cancelled(&mut self, prepared: &mut Prepared<'_>, ends: (usize, usize), x: f64) -> Result<()> {
         self.x = x;
         self.slope = prepared.vectors_on_pole(ends, x, &mut self.left, &mut self.right)?;
         Ok(())
@@ -77,10 +72,7 @@ impl ZeroSensitivity {
     pub fn along(&self, slopes: &MatrixSlopes) -> f64 {
         let join = |entries: &[(u32, u32, f64)]| -> f64 {
             let (left, right) = (&self.left, &self.right);
-            entries
-                .iter()
-                .map(|&(row, col, value)| left[row as usize] * value * right[col as usize])
-                .sum()
+            entries.iter().map(|&(row, col, value)| left[row as usize] * value * right[col as usize]).sum()
         };
         (join(&slopes.stiffness) - self.x * join(&slopes.mass)) / self.slope
     }
@@ -103,13 +95,7 @@ pub struct ZeroBatch<T> {
 
 impl<T> Default for ZeroBatch<T> {
     fn default() -> Self {
-        Self {
-            left: Vec::new(),
-            right: Vec::new(),
-            x: Vec::new(),
-            slope: Vec::new(),
-            owners: Vec::new(),
-        }
+        Self { left: Vec::new(), right: Vec::new(), x: Vec::new(), slope: Vec::new(), owners: Vec::new() }
     }
 }
 
@@ -146,13 +132,7 @@ impl<T> ZeroBatch<T> {
         if self.owners.is_empty() {
             return;
         }
-        let join = |entries| {
-            wide::run(Join {
-                entries,
-                left: &self.left,
-                right: &self.right,
-            })
-        };
+        let join = |entries| wide::run(Join { entries, left: &self.left, right: &self.right });
         let (stiffness, mass) = (join(&slopes.stiffness), join(&slopes.mass));
         for (nth, owner) in self.owners.iter().enumerate() {
             let change = stiffness[nth] - self.x[nth] * mass[nth];
@@ -204,11 +184,7 @@ mod tests {
         let model = mass_spring_chain(&masses, &springs, 2e4, 0.0).unwrap();
         let mut solver = AntiresonanceSolver::new(&Arc::new(Structure::of(&model)));
         let mut prepared = solver.prepare(model.stiffness(), model.mass());
-        let query = Query {
-            route: Route::Modal,
-            f_max_hz: f64::INFINITY,
-            include_cancelled: false,
-        };
+        let query = Query { route: Route::Modal, f_max_hz: f64::INFINITY, include_cancelled: false };
         let mut roots = Vec::new();
         prepared.find(0, 0, &query, &mut roots).unwrap();
         assert!(roots.len() > WIDTH);

@@ -52,23 +52,12 @@ pub struct AntiresonanceSolver {
 impl AntiresonanceSolver {
     /// Reserves the memory for the models of one structure.
     pub fn new(structure: &Arc<Structure>) -> Self {
-        Self {
-            solutions: Solutions::new(structure),
-            memory: Memory::default(),
-        }
+        Self { solutions: Solutions::new(structure), memory: Memory::default() }
     }
 
     /// Takes K and M.
-    pub fn prepare<'a>(
-        &'a mut self,
-        stiffness: &'a SparseMatrix,
-        mass: &'a SparseMatrix,
-    ) -> Prepared<'a> {
-        Prepared {
-            solved: self.solutions.of(stiffness, mass),
-            memory: &mut self.memory,
-            doubtful: false,
-        }
+    pub fn prepare<'a>(&'a mut self, stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Prepared<'a> {
+        Prepared { solved: self.solutions.of(stiffness, mass), memory: &mut self.memory, doubtful: false }
     }
 }
 
@@ -83,13 +72,7 @@ impl Prepared<'_> {
     /// Antiresonances (Hz) of H_ik up to the limit of the query, appended to `freq_hz`.
     ///
     /// Where rounding leaves the modal route in doubt, the roots of the pencil join those that are proven.
-    pub fn find(
-        &mut self,
-        i: usize,
-        k: usize,
-        query: &Query,
-        freq_hz: &mut Vec<f64>,
-    ) -> Result<Transfer> {
+    pub fn find(&mut self, i: usize, k: usize, query: &Query, freq_hz: &mut Vec<f64>) -> Result<Transfer> {
         let ceiling = eigenvalue(query.f_max_hz);
         // The pencil has the roots of all parts of the structure, of those too that the force does not move.
         let for_pencil = query.include_cancelled || query.route == Route::Pencil;
@@ -138,11 +121,7 @@ impl Prepared<'_> {
             Some(here) => (here.value / here.slope).abs() + ulps * here.ulp,
             None => f64::INFINITY,
         };
-        if error <= UNCERTAIN * x {
-            freq_hz - hertz(x - error)
-        } else {
-            f64::INFINITY
-        }
+        if error <= UNCERTAIN * x { freq_hz - hertz(x - error) } else { f64::INFINITY }
     }
 
     /// Those of the response last found that cancel against a pole (Hz), appended to `freq_hz`.
@@ -224,9 +203,7 @@ impl Query {
                 format!("no limit for {n} dofs"),
                 format!("a limit in Hz for more than {MOST_DENSE} dofs: all roots need all modes"),
             )
-            .remedy(
-                "Give the highest frequency that matters; time and memory go with the modes below it.",
-            ));
+            .remedy("Give the highest frequency that matters; time and memory go with the modes below it."));
         }
         Ok(())
     }
@@ -268,18 +245,11 @@ pub(super) fn join(
     ceiling: f64,
     found: &mut Found,
 ) -> Result<()> {
-    let (k_ik, m_ik) = (
-        solved.stiffness().deleted(i, k),
-        solved.mass().deleted(i, k),
-    );
+    let (k_ik, m_ik) = (solved.stiffness().deleted(i, k), solved.mass().deleted(i, k));
     let n = solved.n_dof();
     let without = |gone: usize| -> Vec<usize> { (0..n).filter(|&d| d != gone).collect() };
-    let mut pencil = real_eigenvalues(
-        k_ik.as_ref(),
-        m_ik.as_ref(),
-        (&without(i), &without(k)),
-        (found.floor(), ceiling),
-    )?;
+    let mut pencil =
+        real_eigenvalues(k_ik.as_ref(), m_ik.as_ref(), (&without(i), &without(k)), (found.floor(), ceiling))?;
     found.claim(|x| take_nearest(&mut pencil, x).map(|root| root.x));
     for root in pencil {
         if root.certain && (root.repeated || root.uncertainty <= DOUBTFUL_ROOT) {
@@ -306,8 +276,7 @@ pub(super) fn join(
 /// Takes the root nearest to `x` out of the list, if it can be the same.
 fn take_nearest(roots: &mut Vec<PencilRoot>, x: f64) -> Option<PencilRoot> {
     let distance = |r: &PencilRoot| (r.x - x).abs();
-    let at =
-        (0..roots.len()).min_by(|&a, &b| distance(&roots[a]).total_cmp(&distance(&roots[b])))?;
+    let at = (0..roots.len()).min_by(|&a, &b| distance(&roots[a]).total_cmp(&distance(&roots[b])))?;
     let reach = roots[at].uncertainty.clamp(SAME_ROOT, ROOT_UNCERTAINTY);
     (distance(&roots[at]) <= reach * x).then(|| roots.remove(at))
 }

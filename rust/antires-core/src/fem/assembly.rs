@@ -82,11 +82,7 @@ impl Assembly {
                 &mut self.stiffness,
             ),
             (
-                Nominal {
-                    matrix: model.mass(),
-                    terms: model.mass_terms(),
-                    places: mass_places,
-                },
+                Nominal { matrix: model.mass(), terms: model.mass_terms(), places: mass_places },
                 &self.mass_factors,
                 &mut self.mass,
             ),
@@ -129,12 +125,7 @@ impl Model {
                 .iter()
                 .zip(factors)
                 .map(|(term, f)| {
-                    Term::from_entries(
-                        term.entries()
-                            .iter()
-                            .map(|&(i, j, v)| (i, j, v * f))
-                            .collect(),
-                    )
+                    Term::from_entries(term.entries().iter().map(|&(i, j, v)| (i, j, v * f)).collect())
                 })
                 .collect()
         };
@@ -142,12 +133,7 @@ impl Model {
             scaled(self.stiffness_terms(), assembly.stiffness_factors()),
             scaled(self.mass_terms(), assembly.mass_factors()),
         );
-        Self::checked(
-            assembly.stiffness,
-            assembly.mass,
-            stiffness_terms,
-            mass_terms,
-        )
+        Self::checked(assembly.stiffness, assembly.mass, stiffness_terms, mass_terms)
     }
 }
 
@@ -182,21 +168,13 @@ pub struct Slopes<'a> {
 impl<'a> Slopes<'a> {
     /// Slopes of `model` at `x`.
     pub fn new(model: &'a Model, parameters: &'a [Parameter], x: &'a [f64]) -> Self {
-        Self {
-            model,
-            parameters,
-            x,
-            formed: model.frame().map(|frame| frame.formed(parameters, x)),
-        }
+        Self { model, parameters, x, formed: model.frame().map(|frame| frame.formed(parameters, x)) }
     }
 
     /// The slopes along parameter `index`.
     pub fn along(&self, index: usize) -> MatrixSlopes {
         let mut slopes = MatrixSlopes::default();
-        match (
-            factor(&self.parameters[index].quantity, self.x[index]),
-            self.model.frame(),
-        ) {
+        match (factor(&self.parameters[index].quantity, self.x[index]), self.model.frame()) {
             (Some((Side::Stiffness, _, own)), _) => {
                 self.scaled(index, Side::Stiffness, own, &mut slopes.stiffness);
             }
@@ -245,10 +223,7 @@ impl<'a> Slopes<'a> {
             let times = times / (high - low);
             into.extend(term.entries().iter().map(|&(r, c, v)| (r, c, times * v)));
         };
-        for (side, entries) in [
-            (Side::Stiffness, &mut slopes.stiffness),
-            (Side::Mass, &mut slopes.mass),
-        ] {
+        for (side, entries) in [(Side::Stiffness, &mut slopes.stiffness), (Side::Mass, &mut slopes.mass)] {
             for t in above.terms_unlike(&below, side) {
                 let times = self.factor_on(t, side, None);
                 difference(&above.term(side, t), times, entries);

@@ -28,20 +28,16 @@ impl Parameter {
                 (model.stiffness_terms(), "stiffness")
             }
             Quantity::Property(property, scale) => {
-                return needs_frame(name, model)?.check_property(
-                    name,
-                    *property,
-                    *scale,
-                    &self.terms,
-                );
+                return needs_frame(name, model)?.check_property(name, *property, *scale, &self.terms);
             }
             Quantity::Angle(angle) => {
                 let parts = needs_frame(name, model)?.description();
                 if parts.dimension == Dimension::Plane && angle.axis[..2] != [0.0; 2] {
                     let got = format!("a turn about the axis {:?}", angle.axis);
                     let wanted = "the axis (0, 0, 1): a plane frame turns in its plane";
-                    return Err(Error::input(name, got, wanted)
-                        .remedy("Leave the axis out for a plane frame."));
+                    return Err(
+                        Error::input(name, got, wanted).remedy("Leave the axis out for a plane frame.")
+                    );
                 }
                 return self.check_nodes(name, parts.nodes_m.len());
             }
@@ -72,10 +68,7 @@ impl Parameter {
         if self.terms.iter().all(|&t| terms[t].is_zero()) {
             return Err(Error::input(
                 name,
-                format!(
-                    "{kind} term(s) {:?}, which are zero in this model",
-                    self.terms
-                ),
+                format!("{kind} term(s) {:?}, which are zero in this model", self.terms),
                 "a parameter that changes the model",
             )
             .remedy("Give the spring or mass a nominal value, or leave the parameter out."));
@@ -100,9 +93,7 @@ impl Parameter {
             | Quantity::MassFactor
             | Quantity::Length(_)
             | Quantity::Property(_, Scale::Factor) => Some(1.0),
-            Quantity::Property(property, Scale::Value) => {
-                model.frame()?.nominal(property, &self.terms)
-            }
+            Quantity::Property(property, Scale::Value) => model.frame()?.nominal(property, &self.terms),
         }
     }
 }
@@ -126,12 +117,7 @@ fn needs_frame<'a>(name: &Argument, model: &'a Model) -> Result<&'a Frame> {
 /// [`Error::InvalidInput`] when the wall of a tube can become thicker than its radius, when a
 /// node can come onto its neighbour, or when K or M
 /// becomes indefinite inside the bounds.
-pub fn check_bounds(
-    model: &Model,
-    parameters: &[Parameter],
-    lower: &[f64],
-    upper: &[f64],
-) -> Result<()> {
+pub fn check_bounds(model: &Model, parameters: &[Parameter], lower: &[f64], upper: &[f64]) -> Result<()> {
     let corner = |pick: &dyn Fn(&Parameter, f64, f64) -> f64| -> Vec<f64> {
         parameters
             .iter()
@@ -154,16 +140,13 @@ pub fn check_bounds(
     model.at(parameters, &thickest).map_err(in_bounds)?;
     for (i, parameter) in parameters.iter().enumerate() {
         if let (Quantity::Position(direction), Some(frame)) = (&parameter.quantity, model.frame()) {
-            frame
-                .check_way(*direction, &parameter.terms, lower[i], upper[i])
-                .map_err(in_bounds)?;
+            frame.check_way(*direction, &parameter.terms, lower[i], upper[i]).map_err(in_bounds)?;
         }
     }
     let soft = model.at(parameters, &softest).map_err(in_bounds)?;
-    for (matrix, whole, name) in [
-        (soft.stiffness(), model.stiffness(), "stiffness"),
-        (soft.mass(), model.mass(), "mass"),
-    ] {
+    for (matrix, whole, name) in
+        [(soft.stiffness(), model.stiffness(), "stiffness"), (soft.mass(), model.mass(), "mass")]
+    {
         if !is_semidefinite(matrix, whole) {
             return Err(Error::input(
                 "bounds",
@@ -179,17 +162,10 @@ pub fn check_bounds(
 /// The same error, said of the bounds.
 fn in_bounds(error: Error) -> Error {
     match error {
-        Error::InvalidInput {
-            argument,
-            got,
-            wanted,
-            ..
-        } => Error::input(
-            "bounds",
-            format!("values that allow {argument}: {got}"),
-            wanted,
-        )
-        .remedy("Narrow the bounds."),
+        Error::InvalidInput { argument, got, wanted, .. } => {
+            Error::input("bounds", format!("values that allow {argument}: {got}"), wanted)
+                .remedy("Narrow the bounds.")
+        }
         other => other,
     }
 }

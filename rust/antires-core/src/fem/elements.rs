@@ -78,10 +78,7 @@ use super::term::Term;
 
 /// Tᵀ A T of a symmetric element matrix A in local axes, T block-diagonal with the 3 x 3 rotation
 /// `axes` from global to local. The upper triangle mirrors the lower: symmetric to the last bit.
-fn to_global<const N: usize>(
-    local: &SMatrix<f64, N, N>,
-    axes: &Matrix3<f64>,
-) -> SMatrix<f64, N, N> {
+fn to_global<const N: usize>(local: &SMatrix<f64, N, N>, axes: &Matrix3<f64>) -> SMatrix<f64, N, N> {
     let mut global = SMatrix::<f64, N, N>::zeros();
     let back = axes.transpose();
     for row in (0..N).step_by(3) {
@@ -133,12 +130,7 @@ pub fn bending_stiffness(l: f64, plane: &Bending, sign: f64) -> BendingMatrix {
     let k = plane.stiffness_nm2 / (l * l * l) / (1.0 + phi);
     let (k12, k6) = (12.0 * k, sign * 6.0 * k * l);
     let (k4, k2) = ((4.0 + phi) * k * l * l, (2.0 - phi) * k * l * l);
-    [
-        [k12, k6, -k12, k6],
-        [k6, k4, -k6, k2],
-        [-k12, -k6, k12, -k6],
-        [k6, k2, -k6, k4],
-    ]
+    [[k12, k6, -k12, k6], [k6, k4, -k6, k2], [-k12, -k6, k12, -k6], [k6, k2, -k6, k4]]
 }
 
 /// Consistent bending_mass of one plane; `sign` is that of a rotation against the slope.
@@ -180,11 +172,7 @@ pub fn plane_stiffness(a: [f64; 2], b: [f64; 2], section: &Rigidity) -> Matrix6<
     let ea = section.axial_n / l;
     let mut local = Matrix6::zeros();
     set(&mut local, AXIAL, [[ea, -ea], [-ea, ea]]);
-    set(
-        &mut local,
-        ACROSS,
-        bending_stiffness(l, &section.bending_z, 1.0),
-    );
+    set(&mut local, ACROSS, bending_stiffness(l, &section.bending_z, 1.0));
     to_global(&local, &plane_axes)
 }
 
@@ -196,11 +184,7 @@ pub fn plane_mass(a: [f64; 2], b: [f64; 2], section: &Rigidity) -> Matrix6<f64> 
     let (m2, m1) = (m / 3.0, m / 6.0);
     let mut local = Matrix6::zeros();
     set(&mut local, AXIAL, [[m2, m1], [m1, m2]]);
-    set(
-        &mut local,
-        ACROSS,
-        bending_mass(l, section.mass_kg_per_m, &section.bending_z, 1.0),
-    );
+    set(&mut local, ACROSS, bending_mass(l, section.mass_kg_per_m, &section.bending_z, 1.0));
     to_global(&local, &plane_axes)
 }
 
@@ -227,16 +211,10 @@ const PLANE_XZ: ([usize; 4], f64) = ([2, 4, 8, 10], -1.0);
 pub fn space_stiffness(a: [f64; 3], b: [f64; 3], up: [f64; 3], section: &Rigidity) -> Matrix12 {
     let (l, space_axes) = space_axes(a, b, up);
     let mut local = Matrix12::zeros();
-    for (dofs, c) in [
-        ([0, 6], section.axial_n / l),
-        ([3, 9], section.torsion_nm2 / l),
-    ] {
+    for (dofs, c) in [([0, 6], section.axial_n / l), ([3, 9], section.torsion_nm2 / l)] {
         set(&mut local, dofs, [[c, -c], [-c, c]]);
     }
-    for ((dofs, sign), plane) in [
-        (PLANE_XY, &section.bending_z),
-        (PLANE_XZ, &section.bending_y),
-    ] {
+    for ((dofs, sign), plane) in [(PLANE_XY, &section.bending_z), (PLANE_XZ, &section.bending_y)] {
         set(&mut local, dofs, bending_stiffness(l, plane, sign));
     }
     to_global(&local, &space_axes)
@@ -247,16 +225,10 @@ pub fn space_stiffness(a: [f64; 3], b: [f64; 3], up: [f64; 3], section: &Rigidit
 pub fn space_mass(a: [f64; 3], b: [f64; 3], up: [f64; 3], section: &Rigidity) -> Matrix12 {
     let (l, space_axes) = space_axes(a, b, up);
     let mut local = Matrix12::zeros();
-    for (dofs, m) in [
-        ([0, 6], section.mass_kg_per_m * l),
-        ([3, 9], section.polar_kgm * l),
-    ] {
+    for (dofs, m) in [([0, 6], section.mass_kg_per_m * l), ([3, 9], section.polar_kgm * l)] {
         set(&mut local, dofs, [[m / 3.0, m / 6.0], [m / 6.0, m / 3.0]]);
     }
-    for ((dofs, sign), plane) in [
-        (PLANE_XY, &section.bending_z),
-        (PLANE_XZ, &section.bending_y),
-    ] {
+    for ((dofs, sign), plane) in [(PLANE_XY, &section.bending_z), (PLANE_XZ, &section.bending_y)] {
         let matrix = bending_mass(l, section.mass_kg_per_m, plane, sign);
         set(&mut local, dofs, matrix);
     }
@@ -270,10 +242,7 @@ fn space_axes(a: [f64; 3], b: [f64; 3], up: [f64; 3]) -> (f64, Matrix3<f64>) {
     let x = along / l;
     let z = x.cross(&Vector3::from(up)).normalize();
     let y = z.cross(&x);
-    (
-        l,
-        Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]),
-    )
+    (l, Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]))
 }
 
 // ---- spring

@@ -51,10 +51,8 @@ impl Model {
         mass_terms: Vec<Term>,
     ) -> Result<Self> {
         let n = stiffness.nrows();
-        let (stiffness, mass) = (
-            square("stiffness", stiffness.as_ref(), n)?,
-            square("mass", mass.as_ref(), n)?,
-        );
+        let (stiffness, mass) =
+            (square("stiffness", stiffness.as_ref(), n)?, square("mass", mass.as_ref(), n)?);
         Self::from_entries(n, (&stiffness, &mass), stiffness_terms, mass_terms)
     }
 
@@ -70,10 +68,7 @@ impl Model {
         stiffness_terms: Vec<Term>,
         mass_terms: Vec<Term>,
     ) -> Result<Self> {
-        for (name, terms) in [
-            ("stiffness_terms", &stiffness_terms),
-            ("mass_terms", &mass_terms),
-        ] {
+        for (name, terms) in [("stiffness_terms", &stiffness_terms), ("mass_terms", &mass_terms)] {
             for (i, term) in terms.iter().enumerate() {
                 let outside = |e: &&Entry| e.0 as usize >= n || e.1 as usize >= n;
                 if let Some(e) = term.entries().iter().find(outside) {
@@ -118,21 +113,13 @@ impl Model {
             )
             .remedy("Check its signs, and that stiffness and mass are not exchanged."));
         }
-        Ok(Self {
-            stiffness,
-            mass,
-            stiffness_terms,
-            mass_terms,
-            places: OnceLock::new(),
-            frame: None,
-        })
+        Ok(Self { stiffness, mass, stiffness_terms, mass_terms, places: OnceLock::new(), frame: None })
     }
 
     /// Model of a frame.
     pub fn from_frame(frame: Frame) -> Result<Self> {
         let n = frame.dofs().n_free();
-        let [stiffness_terms, mass_terms] =
-            [Side::Stiffness, Side::Mass].map(|side| frame.terms(side));
+        let [stiffness_terms, mass_terms] = [Side::Stiffness, Side::Mass].map(|side| frame.terms(side));
         let mut model = Self::from_entries(n, (&[], &[]), stiffness_terms, mass_terms)?;
         let places = model.places();
         for (matrix, terms, places) in [
@@ -145,10 +132,7 @@ impl Model {
         }
         check_symmetric("stiffness", &model.stiffness)?;
         check_symmetric("mass", &model.mass)?;
-        Ok(Self {
-            frame: Some(frame),
-            ..model
-        })
+        Ok(Self { frame: Some(frame), ..model })
     }
 
     /// The frame that this is the model of, if it is one.
@@ -256,11 +240,8 @@ fn check_symmetric(name: &str, matrix: &SparseMatrix) -> Result<()> {
     let largest = matrix.norm_max();
     for (i, j, value) in matrix.entries() {
         if !value.is_finite() {
-            return Err(
-                Error::input(name, format!("{value} at ({i}, {j})"), "finite entries").remedy(
-                    "Check how the matrix was exported; NaN and infinity cannot be solved.",
-                ),
-            );
+            return Err(Error::input(name, format!("{value} at ({i}, {j})"), "finite entries")
+                .remedy("Check how the matrix was exported; NaN and infinity cannot be solved."));
         }
         if i <= j {
             continue;
@@ -304,10 +285,8 @@ pub fn mass_spring_chain(
         )
         .remedy("Springs to ground go to ground_first_n_per_m and ground_last_n_per_m."));
     }
-    for (name, unit, values) in [
-        ("masses_kg", "kg", masses_kg),
-        ("springs_n_per_m", "N/m", springs_n_per_m),
-    ] {
+    for (name, unit, values) in [("masses_kg", "kg", masses_kg), ("springs_n_per_m", "N/m", springs_n_per_m)]
+    {
         if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v > 0.0)) {
             return Err(Error::input(
                 name,
@@ -317,31 +296,20 @@ pub fn mass_spring_chain(
             .remedy("Correct the value, or leave that mass or spring out of the chain."));
         }
     }
-    for (name, value) in [
-        ("ground_first_n_per_m", ground_first_n_per_m),
-        ("ground_last_n_per_m", ground_last_n_per_m),
-    ] {
+    for (name, value) in
+        [("ground_first_n_per_m", ground_first_n_per_m), ("ground_last_n_per_m", ground_last_n_per_m)]
+    {
         if !(value.is_finite() && value >= 0.0) {
-            return Err(
-                Error::input(name, format!("{value} N/m"), "a finite value of at least 0")
-                    .remedy("Leave it at 0 where nothing joins that end to the ground."),
-            );
+            return Err(Error::input(name, format!("{value} N/m"), "a finite value of at least 0")
+                .remedy("Leave it at 0 where nothing joins that end to the ground."));
         }
     }
-    let mut stiffness_terms: Vec<Term> = springs_n_per_m
-        .iter()
-        .enumerate()
-        .map(|(i, &k)| between(i, i + 1, k))
-        .collect();
+    let mut stiffness_terms: Vec<Term> =
+        springs_n_per_m.iter().enumerate().map(|(i, &k)| between(i, i + 1, k)).collect();
     stiffness_terms.push(to_ground(0, ground_first_n_per_m));
     stiffness_terms.push(to_ground(n - 1, ground_last_n_per_m));
-    let mass_terms: Vec<Term> = masses_kg
-        .iter()
-        .enumerate()
-        .map(|(i, &m)| lump(i, m))
-        .collect();
-    let entries =
-        |terms: &[Term]| -> Vec<Entry> { terms.iter().flat_map(Term::entries).copied().collect() };
+    let mass_terms: Vec<Term> = masses_kg.iter().enumerate().map(|(i, &m)| lump(i, m)).collect();
+    let entries = |terms: &[Term]| -> Vec<Entry> { terms.iter().flat_map(Term::entries).copied().collect() };
     let (stiffness, mass) = (entries(&stiffness_terms), entries(&mass_terms));
     Model::from_entries(n, (&stiffness, &mass), stiffness_terms, mass_terms)
 }

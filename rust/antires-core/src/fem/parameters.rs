@@ -35,10 +35,7 @@ pub enum Quantity {
 impl Quantity {
     /// Whether terms of a frame are formed anew, where others scale the terms that there are.
     pub fn forms_anew(&self) -> bool {
-        matches!(
-            self,
-            Self::Property(..) | Self::Angle(_) | Self::Position(_) | Self::Length(_)
-        )
+        matches!(self, Self::Property(..) | Self::Angle(_) | Self::Position(_) | Self::Length(_))
     }
 }
 
@@ -105,10 +102,7 @@ pub struct Reach {
 impl Property {
     /// Whether sections carry it, where elements carry the others.
     pub(super) fn is_of_sections(self) -> bool {
-        matches!(
-            self,
-            Self::YoungsModulus | Self::Density | Self::Thickness | Self::Diameter
-        )
+        matches!(self, Self::YoungsModulus | Self::Density | Self::Thickness | Self::Diameter)
     }
 
     /// What a term of it is.

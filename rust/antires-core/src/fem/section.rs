@@ -110,12 +110,8 @@ impl Section {
             if value.is_finite() && value > 0.0 {
                 return Ok(());
             }
-            Err(Error::input(
-                name.field(what),
-                format!("{value} {unit}"),
-                "a positive, finite value",
-            )
-            .remedy("Dimensions and moduli are in SI units: m, Pa."))
+            Err(Error::input(name.field(what), format!("{value} {unit}"), "a positive, finite value")
+                .remedy("Dimensions and moduli are in SI units: m, Pa."))
         };
         positive("youngs_modulus_pa", "Pa", self.youngs_modulus_pa)?;
         if !(self.density_kg_per_m3.is_finite() && self.density_kg_per_m3 >= 0.0) {
@@ -127,17 +123,12 @@ impl Section {
             .remedy("It is in kg/m³; 0 makes the beam massless."));
         }
         if !(self.poisson > -1.0 && self.poisson <= 0.5) {
-            return Err(
-                Error::input(name.field("poisson"), self.poisson, "a ratio in (-1, 0.5]")
-                    .remedy("Metals have about 0.3."),
-            );
+            return Err(Error::input(name.field("poisson"), self.poisson, "a ratio in (-1, 0.5]")
+                .remedy("Metals have about 0.3."));
         }
         self.shear.check(&self.shape, name)?;
         match self.shape {
-            Shape::Tube {
-                outer_diameter_m: outer,
-                thickness_m: t,
-            } => {
+            Shape::Tube { outer_diameter_m: outer, thickness_m: t } => {
                 positive("outer_diameter_m", "m", outer)?;
                 positive("thickness_m", "m", t)?;
                 // A rod, t = D/2, may miss it by a rounding.
@@ -146,7 +137,10 @@ impl Section {
                         name.field("thickness_m"),
                         format!("a wall of {t} m in a tube of {outer} m"),
                         "a wall of at most half the outer diameter",
-                    ).remedy("At half the diameter the tube is a solid rod; check which of the two is wrong."));
+                    )
+                    .remedy(
+                        "At half the diameter the tube is a solid rod; check which of the two is wrong.",
+                    ));
                 }
                 Ok(())
             }
@@ -154,12 +148,7 @@ impl Section {
                 positive("width_m", "m", width_m)?;
                 positive("height_m", "m", height_m)
             }
-            Shape::General {
-                area_m2,
-                inertia_y_m4,
-                inertia_z_m4,
-                torsion_m4,
-            } => {
+            Shape::General { area_m2, inertia_y_m4, inertia_z_m4, torsion_m4 } => {
                 positive("area_m2", "m²", area_m2)?;
                 positive("inertia_y_m4", "m⁴", inertia_y_m4)?;
                 positive("inertia_z_m4", "m⁴", inertia_z_m4)?;
@@ -208,10 +197,7 @@ impl Shape {
     /// Outer diameter and thickness (m) of a tube, to be changed; none for other shapes.
     pub fn tube_mut(&mut self) -> Option<(&mut f64, &mut f64)> {
         match self {
-            Self::Tube {
-                outer_diameter_m,
-                thickness_m,
-            } => Some((outer_diameter_m, thickness_m)),
+            Self::Tube { outer_diameter_m, thickness_m } => Some((outer_diameter_m, thickness_m)),
             _ => None,
         }
     }
@@ -219,30 +205,18 @@ impl Shape {
     /// (A, I_y, I_z, J).
     pub fn constants(&self) -> (f64, f64, f64, f64) {
         match *self {
-            Self::Tube {
-                outer_diameter_m: outer,
-                thickness_m: t,
-            } => {
+            Self::Tube { outer_diameter_m: outer, thickness_m: t } => {
                 let inner = outer - 2.0 * t;
                 let area = PI * t * (outer - t);
                 let inertia = area * (outer * outer + inner * inner) / 16.0;
                 (area, inertia, inertia, 2.0 * inertia)
             }
-            Self::Rectangle {
-                width_m: b,
-                height_m: h,
-            } => (
-                b * h,
-                h * b.powi(3) / 12.0,
-                b * h.powi(3) / 12.0,
-                rectangle_torsion(b, h),
-            ),
-            Self::General {
-                area_m2,
-                inertia_y_m4,
-                inertia_z_m4,
-                torsion_m4,
-            } => (area_m2, inertia_y_m4, inertia_z_m4, torsion_m4),
+            Self::Rectangle { width_m: b, height_m: h } => {
+                (b * h, h * b.powi(3) / 12.0, b * h.powi(3) / 12.0, rectangle_torsion(b, h))
+            }
+            Self::General { area_m2, inertia_y_m4, inertia_z_m4, torsion_m4 } => {
+                (area_m2, inertia_y_m4, inertia_z_m4, torsion_m4)
+            }
         }
     }
 }
@@ -293,22 +267,18 @@ impl Shear {
     /// # Errors
     /// [`Error::InvalidInput`] for a coefficient that is not positive, or Cowper's of a general shape.
     pub fn check(self, shape: &Shape, name: &Argument) -> Result<()> {
-        let remedy =
-            "It is the shear area over the area: 5/6 for a rectangle, about 1/2 for a thin tube.";
+        let remedy = "It is the shear area over the area: 5/6 for a rectangle, about 1/2 for a thin tube.";
         let refuse = |got: String, wanted: &str| {
             Err(Error::input(name.field("shear_coefficient"), got, wanted).remedy(remedy))
         };
         match self {
-            Self::Cowper if matches!(shape, Shape::General { .. }) => refuse(
-                "'cowper' for a section given by its constants".into(),
-                "a number",
-            ),
-            Self::Coefficients { y, z } => {
-                match [y, z].into_iter().find(|k| !(*k > 0.0 && k.is_finite())) {
-                    Some(bad) => refuse(bad.to_string(), "a positive, finite value"),
-                    None => Ok(()),
-                }
+            Self::Cowper if matches!(shape, Shape::General { .. }) => {
+                refuse("'cowper' for a section given by its constants".into(), "a number")
             }
+            Self::Coefficients { y, z } => match [y, z].into_iter().find(|k| !(*k > 0.0 && k.is_finite())) {
+                Some(bad) => refuse(bad.to_string(), "a positive, finite value"),
+                None => Ok(()),
+            },
             _ => Ok(()),
         }
     }
@@ -316,10 +286,7 @@ impl Shear {
 
 fn cowper(shape: &Shape, nu: f64) -> Option<f64> {
     match *shape {
-        Shape::Tube {
-            outer_diameter_m: outer,
-            thickness_m: t,
-        } => {
+        Shape::Tube { outer_diameter_m: outer, thickness_m: t } => {
             let m2 = (1.0 - 2.0 * t / outer).powi(2);
             let whole = (1.0 + m2).powi(2);
             Some(6.0 * (1.0 + nu) * whole / ((7.0 + 6.0 * nu) * whole + (20.0 + 12.0 * nu) * m2))
@@ -336,24 +303,14 @@ mod tests {
     #[test]
     fn a_wall_thicker_than_the_radius_is_refused() {
         let section = |thickness_m| Section {
-            shape: Shape::Tube {
-                outer_diameter_m: 0.03,
-                thickness_m,
-            },
+            shape: Shape::Tube { outer_diameter_m: 0.03, thickness_m },
             youngs_modulus_pa: 2e11,
             density_kg_per_m3: 7800.0,
             poisson: 0.3,
             shear: Shear::Rigid,
         };
-        assert!(
-            section(0.015)
-                .check(&Argument::from("sections").item(0))
-                .is_ok()
-        );
-        let error = section(0.016)
-            .check(&Argument::from("sections").item(0))
-            .unwrap_err()
-            .to_string();
+        assert!(section(0.015).check(&Argument::from("sections").item(0)).is_ok());
+        let error = section(0.016).check(&Argument::from("sections").item(0)).unwrap_err().to_string();
         assert!(error.starts_with("sections[0].thickness_m: got"), "{error}");
         let mut bad = section(0.002);
         bad.poisson = 0.6;
@@ -365,13 +322,7 @@ mod tests {
 
     #[test]
     fn a_rod_is_a_tube_without_a_hole_and_a_thin_tube_is_a_ring() {
-        let tube = |outer_diameter_m, thickness_m| {
-            Shape::Tube {
-                outer_diameter_m,
-                thickness_m,
-            }
-            .constants()
-        };
+        let tube = |outer_diameter_m, thickness_m| Shape::Tube { outer_diameter_m, thickness_m }.constants();
         let (area, inertia, _, torsion) = tube(0.2, 0.1);
         assert!((area - PI * 0.01).abs() < 1e-16);
         assert!((inertia / (PI * 0.2_f64.powi(4) / 64.0) - 1.0).abs() < 1e-15);
@@ -386,19 +337,10 @@ mod tests {
     #[test]
     fn torsion_of_rectangles_as_tabled() {
         // Timoshenko & Goodier, table of section 109: J / (short³ long).
-        for (ratio, tabled) in [
-            (1.0, 0.1406),
-            (1.5, 0.196),
-            (2.0, 0.229),
-            (4.0, 0.281),
-            (10.0, 0.312),
-        ] {
+        for (ratio, tabled) in [(1.0, 0.1406), (1.5, 0.196), (2.0, 0.229), (4.0, 0.281), (10.0, 0.312)] {
             let j = rectangle_torsion(ratio * 0.1, 0.1);
             let coefficient = j / (0.1_f64.powi(3) * ratio * 0.1);
-            assert!(
-                (coefficient - tabled).abs() < 6e-4,
-                "{ratio}: {coefficient}"
-            );
+            assert!((coefficient - tabled).abs() < 6e-4, "{ratio}: {coefficient}");
             assert_eq!(j, rectangle_torsion(0.1, ratio * 0.1));
         }
         // Both triangles of the square's symmetry meet without a jump.
@@ -408,14 +350,8 @@ mod tests {
 
     #[test]
     fn cowpers_coefficients_as_tabled() {
-        let tube = |thickness_m| Shape::Tube {
-            outer_diameter_m: 0.1,
-            thickness_m,
-        };
-        let rectangle = Shape::Rectangle {
-            width_m: 0.01,
-            height_m: 0.02,
-        };
+        let tube = |thickness_m| Shape::Tube { outer_diameter_m: 0.1, thickness_m };
+        let rectangle = Shape::Rectangle { width_m: 0.01, height_m: 0.02 };
         // Cowper's limits: circle 6 (1 + ν) / (7 + 6 ν), thin ring 2 (1 + ν) / (4 + 3 ν), and ν = 0.
         for (shape, nu, kappa) in [
             (tube(0.05), 0.3, 0.886_363_636),

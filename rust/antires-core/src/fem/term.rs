@@ -38,18 +38,13 @@ impl Term {
 
     /// Makes this the term of an element whose local dofs are the global `dofs`, none where fixed. The
     /// memory is reused; the same dofs give the same entries in the same order.
-    pub fn set_element<const N: usize>(
-        &mut self,
-        dofs: &[Option<usize>; N],
-        matrix: &SMatrix<f64, N, N>,
-    ) {
+    pub fn set_element<const N: usize>(&mut self, dofs: &[Option<usize>; N], matrix: &SMatrix<f64, N, N>) {
         self.entries.clear();
         for (i, row) in dofs.iter().enumerate() {
             let Some(row) = row else { continue };
             for (j, col) in dofs.iter().enumerate() {
                 if let Some(col) = col {
-                    self.entries
-                        .push((*row as u32, *col as u32, matrix[(i, j)]));
+                    self.entries.push((*row as u32, *col as u32, matrix[(i, j)]));
                 }
             }
         }

@@ -37,9 +37,8 @@ impl Balance {
                 most[side] = most[side].max(value);
             }
         }
-        let alike = |side: usize| {
-            most[side] <= FAR_APART * least[side] && least[side] > 1e-60 && most[side] < 1e60
-        };
+        let alike =
+            |side: usize| most[side] <= FAR_APART * least[side] && least[side] > 1e-60 && most[side] < 1e60;
         if alike(0) && alike(1) {
             return None;
         }
@@ -51,9 +50,8 @@ impl Balance {
         let exponents = [stiffness, mass].map(to_one);
         let far = exponents.iter().any(|e| e.abs() > FAR_FROM_ONE);
         let [a, b] = exponents.map(|e| if far { e } else { 0 });
-        let own = |values: &[f64], by: i32| -> Vec<f64> {
-            values.iter().map(|v| times(v.abs(), by)).collect()
-        };
+        let own =
+            |values: &[f64], by: i32| -> Vec<f64> { values.iter().map(|v| times(v.abs(), by)).collect() };
         let (k, m) = (own(stiffness, a), own(mass, b));
         let mut ratios: Vec<f64> = k.iter().zip(&m).map(|(k, m)| k / m).collect();
         ratios.retain(|r| *r > 0.0 && r.is_finite());
@@ -68,17 +66,9 @@ impl Balance {
             return None;
         }
         let scale = |s: &f64| {
-            if apart && *s > 0.0 {
-                (-0.5 * s.log2()).round().exp2()
-            } else {
-                1.0
-            }
+            if apart && *s > 0.0 { (-0.5 * s.log2()).round().exp2() } else { 1.0 }
         };
-        Some(Self {
-            dofs: sizes.iter().map(scale).collect(),
-            stiffness: a,
-            mass: b,
-        })
+        Some(Self { dofs: sizes.iter().map(scale).collect(), stiffness: a, mass: b })
     }
 
     /// The scales of sparse matrices.
@@ -143,11 +133,7 @@ impl Balance {
 /// The even power of two that brings the largest of `values` near one.
 fn to_one(values: &[f64]) -> i32 {
     let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    if largest > 0.0 && largest.is_finite() {
-        -2 * (0.5 * largest.log2()).round() as i32
-    } else {
-        0
-    }
+    if largest > 0.0 && largest.is_finite() { -2 * (0.5 * largest.log2()).round() as i32 } else { 0 }
 }
 
 /// `value` 2^`by`, in steps that stay in the range of doubles.
@@ -181,10 +167,7 @@ mod tests {
             }
             let balance = of(&stiffness, &mass).unwrap();
             for j in 0..3 {
-                let (k, m) = (
-                    balance.stiffness_entry(j, j, stiffness[j]),
-                    balance.mass_entry(j, j, mass[j]),
-                );
+                let (k, m) = (balance.stiffness_entry(j, j, stiffness[j]), balance.mass_entry(j, j, mass[j]));
                 assert!(k > 0.1 && k < 10.0 && m > 0.01 && m < 10.0, "{k} {m}");
                 let wanted = stiffness[j] / mass[j];
                 if wanted.is_finite() {

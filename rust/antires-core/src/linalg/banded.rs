@@ -78,10 +78,9 @@ impl Banded {
 
     /// self = a + factor · b, all of one shape.
     pub fn combine(&mut self, a: &Self, factor: f64, b: &Self) {
-        for (out, a, b) in [
-            (&mut self.diagonal, &a.diagonal, &b.diagonal),
-            (&mut self.below, &a.below, &b.below),
-        ] {
+        for (out, a, b) in
+            [(&mut self.diagonal, &a.diagonal, &b.diagonal), (&mut self.below, &a.below, &b.below)]
+        {
             for ((out, &x), &y) in out.iter_mut().zip(a).zip(b) {
                 *out = x + factor * y;
             }
@@ -130,9 +129,8 @@ impl Banded {
             .map(|j| {
                 let pairs = w[j + 1..].iter().zip(&u[j + 1..]);
                 let rows = self.column(j).iter().zip(pairs);
-                let below: f64 = rows
-                    .map(|(a, (wi, ui))| (a * wi * u[j]).powi(2) + (a * w[j] * ui).powi(2))
-                    .sum();
+                let below: f64 =
+                    rows.map(|(a, (wi, ui))| (a * wi * u[j]).powi(2) + (a * w[j] * ui).powi(2)).sum();
                 (w[j] * self.diagonal[j] * u[j]).powi(2) + below
             })
             .sum()
@@ -264,11 +262,8 @@ pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
         order.push(start);
         let mut next = first;
         while next < order.len() {
-            let mut fresh: Vec<usize> = neighbours[order[next]]
-                .iter()
-                .copied()
-                .filter(|&v| !placed[v])
-                .collect();
+            let mut fresh: Vec<usize> =
+                neighbours[order[next]].iter().copied().filter(|&v| !placed[v]).collect();
             fresh.sort_unstable_by_key(|&v| (neighbours[v].len(), v));
             fresh.dedup();
             for v in fresh {
@@ -339,13 +334,7 @@ mod tests {
     #[test]
     fn solve_undoes_multiply() {
         let (n, half) = (17, 8);
-        let mut a = filled(n, 6, |i, j| {
-            if i == j {
-                9.0
-            } else {
-                ((3 * i + 5 * j) as f64).sin()
-            }
-        });
+        let mut a = filled(n, 6, |i, j| if i == j { 9.0 } else { ((3 * i + 5 * j) as f64).sin() });
         assert_eq!(a.half(), half);
         let mut x = vec![0.0; n + half];
         for (i, v) in x[..n].iter_mut().enumerate() {
@@ -371,9 +360,7 @@ mod tests {
         for step in 1..60 {
             let x = 0.0671 * f64::from(step);
             let want = (1..=n)
-                .filter(|&j| {
-                    2.0 - 2.0 * (j as f64 * std::f64::consts::PI / (n + 1) as f64).cos() < x
-                })
+                .filter(|&j| 2.0 - 2.0 * (j as f64 * std::f64::consts::PI / (n + 1) as f64).cos() < x)
                 .count();
             work.combine(&k, -x, &m);
             let (got, growth) = work.factorize();

@@ -45,9 +45,8 @@ use faer::linalg::solvers::Llt;
 use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial;
 use faer::sparse::linalg::cholesky::supernodal::{
-    SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt,
-    factorize_supernodal_numeric_ldlt_scratch, factorize_supernodal_symbolic_cholesky,
-    factorize_supernodal_symbolic_cholesky_scratch,
+    SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt, factorize_supernodal_numeric_ldlt_scratch,
+    factorize_supernodal_symbolic_cholesky, factorize_supernodal_symbolic_cholesky_scratch,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use faer::{Par, Side};
@@ -87,25 +86,11 @@ impl Symbolic {
             .or(factorize_supernodal_symbolic_cholesky_scratch::<u32>(n));
         let mut memory = MemBuffer::try_new(memory).ok()?;
         let stack = MemStack::new(&mut memory);
-        let tree =
-            simplicial::prefactorize_symbolic_cholesky(&mut parents, &mut counts, matrix, stack);
-        let supernodes = factorize_supernodal_symbolic_cholesky(
-            matrix,
-            tree,
-            &counts,
-            stack,
-            Default::default(),
-        )
-        .ok()?;
+        let tree = simplicial::prefactorize_symbolic_cholesky(&mut parents, &mut counts, matrix, stack);
+        let supernodes =
+            factorize_supernodal_symbolic_cholesky(matrix, tree, &counts, stack, Default::default()).ok()?;
         let flops = counts.iter().map(|&c| f64::from(c).powi(2)).sum();
-        Some(Self {
-            order,
-            pattern: Arc::new(permuted),
-            origin,
-            matrix: own,
-            supernodes,
-            flops,
-        })
+        Some(Self { order, pattern: Arc::new(permuted), origin, matrix: own, supernodes, flops })
     }
 
     /// `order[new] = old`.
@@ -247,11 +232,8 @@ impl SparseFactors {
         if done.is_err() {
             return (0, f64::INFINITY);
         }
-        let (negative, growth) = wide::run(Pivots {
-            symbolic: &self.symbolic,
-            values: &self.values,
-            inverse: &mut self.inverse,
-        });
+        let (negative, growth) =
+            wide::run(Pivots { symbolic: &self.symbolic, values: &self.values, inverse: &mut self.inverse });
         if growth.is_nan() {
             return (0, f64::INFINITY);
         }
@@ -277,22 +259,12 @@ impl SparseFactors {
 
     /// X = A⁻¹ X, several columns at once.
     pub fn solve_several(&self, x: &mut [Row]) {
-        wide::run(RowsSolution {
-            symbolic: &self.symbolic,
-            values: &self.values,
-            inverse: &self.inverse,
-            x,
-        });
+        wide::run(RowsSolution { symbolic: &self.symbolic, values: &self.values, inverse: &self.inverse, x });
     }
 
     /// x = A⁻¹ x.
     pub fn solve(&self, x: &mut [f64]) {
-        wide::run(Solution {
-            symbolic: &self.symbolic,
-            values: &self.values,
-            inverse: &self.inverse,
-            x,
-        });
+        wide::run(Solution { symbolic: &self.symbolic, values: &self.values, inverse: &self.inverse, x });
     }
 }
 
@@ -327,11 +299,7 @@ impl NullaryFnOnce for Pivots<'_> {
                 negative += usize::from(pivot < 0.0);
                 self.inverse[block.first + c] = pivot.recip();
                 let largest = wide::largest(&column[1..]);
-                let size = if largest > 1.0 {
-                    largest * largest
-                } else {
-                    1.0 + 0.0 * largest
-                };
+                let size = if largest > 1.0 { largest * largest } else { 1.0 + 0.0 * largest };
                 let size = size * pivot.abs();
                 // NaN stays.
                 growth = if size <= growth { growth } else { size };
@@ -360,12 +328,7 @@ impl NullaryFnOnce for Solution<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self {
-            symbolic,
-            values,
-            inverse,
-            x,
-        } = self;
+        let Self { symbolic, values, inverse, x } = self;
         // The rows of a block: its own, then those below.
         let mut rows: Vec<f64> = Vec::new();
         for block in blocks(symbolic) {
@@ -428,9 +391,7 @@ fn backward(block: &Block<'_>, values: &[f64], rows: &mut [f64]) {
         let end = c + COLUMNS;
         let taken = dot_block(columns.map(|column| &column[end..]), &rows[end..]);
         for q in (0..COLUMNS).rev() {
-            let own: f64 = (q + 1..COLUMNS)
-                .map(|r| columns[q][c + r] * rows[c + r])
-                .sum();
+            let own: f64 = (q + 1..COLUMNS).map(|r| columns[q][c + r] * rows[c + r]).sum();
             rows[c + q] -= taken[q] + own;
         }
     }
@@ -540,8 +501,7 @@ fn backward_rows(block: &Block<'_>, values: &[f64], rows: &mut [Row]) {
         }
     }
     for c in (0..paired).step_by(BACK).rev() {
-        let columns: [&[f64]; BACK] =
-            std::array::from_fn(|q| &block.column(values, c + q)[c..block.height]);
+        let columns: [&[f64]; BACK] = std::array::from_fn(|q| &block.column(values, c + q)[c..block.height]);
         let (head, below) = rows[c..].split_at_mut(BACK);
         let mut own: [Row; BACK] = std::array::from_fn(|q| head[q]);
         let under = columns.map(|column| &column[BACK..][..below.len()]);
@@ -895,12 +855,9 @@ mod tests {
             let pattern = Pattern::new(900, (1..900).map(|i| (i, i - 1)));
             let mut k = SparseMatrix::new(Arc::new(pattern));
             for i in 1..900 {
-                for (row, column, value) in [
-                    (i, i, 1.0),
-                    (i - 1, i - 1, 1.0),
-                    (i, i - 1, -1.0),
-                    (i - 1, i, -1.0),
-                ] {
+                for (row, column, value) in
+                    [(i, i, 1.0), (i - 1, i - 1, 1.0), (i, i - 1, -1.0), (i - 1, i, -1.0)]
+                {
                     k.add(row, column, value);
                 }
             }

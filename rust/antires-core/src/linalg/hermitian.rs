@@ -53,20 +53,13 @@ impl Hermitian {
 
     /// Clears column k below its first entry under the diagonal, whose magnitude it returns.
     fn reflect(&mut self, n: usize, k: usize) -> f64 {
-        let size = (k + 1..n)
-            .map(|i| self.a[i * n + k].norm_sqr())
-            .sum::<f64>()
-            .sqrt();
+        let size = (k + 1..n).map(|i| self.a[i * n + k].norm_sqr()).sum::<f64>().sqrt();
         let head = self.a[(k + 1) * n + k];
         let below = size * size - head.norm_sqr();
         if k + 2 == n || size == 0.0 || below <= 0.0 {
             return head.norm().max(if k + 2 == n { 0.0 } else { size });
         }
-        let turn = if head.norm() > 0.0 {
-            head / head.norm()
-        } else {
-            c64::new(1.0, 0.0)
-        };
+        let turn = if head.norm() > 0.0 { head / head.norm() } else { c64::new(1.0, 0.0) };
         let m = n - k - 1;
         self.v.clear();
         self.v.extend((k + 1..n).map(|i| self.a[i * n + k]));
@@ -133,13 +126,7 @@ impl Workspace {
     /// For matrices of `n` rows.
     pub fn new(n: usize) -> Self {
         let zero = vec![c64::new(0.0, 0.0); n * n];
-        Self {
-            n,
-            matrix: zero.clone(),
-            power: zero.clone(),
-            next: zero,
-            moved: vec![c64::new(0.0, 0.0); n],
-        }
+        Self { n, matrix: zero.clone(), power: zero.clone(), next: zero, moved: vec![c64::new(0.0, 0.0); n] }
     }
 
     /// Solves for the Hermitian matrix whose entries (row, column) on and above the diagonal `entry` gives;
@@ -161,10 +148,7 @@ impl Workspace {
             if let Some(one) = vector.first_mut() {
                 *one = c64::new(1.0, 0.0);
             }
-            return Dominant {
-                first: 0.0,
-                rest: 0.0,
-            };
+            return Dominant { first: 0.0, rest: 0.0 };
         }
         for (power, value) in self.power.iter_mut().zip(&self.matrix) {
             *power = *value / trace;
@@ -177,11 +161,7 @@ impl Workspace {
         }
         self.through_matrix(vector);
         let first = self.rayleigh(vector);
-        let rest = if n > 1 {
-            (trace - first) / (n as f64 - 1.0)
-        } else {
-            0.0
-        };
+        let rest = if n > 1 { (trace - first) / (n as f64 - 1.0) } else { 0.0 };
         Dominant { first, rest }
     }
 
@@ -227,11 +207,7 @@ impl Workspace {
         for _ in 0..STEPS {
             multiply(&self.power, vector, &mut self.moved);
             normalize(&mut self.moved);
-            let change: f64 = vector
-                .iter()
-                .zip(&self.moved)
-                .map(|(a, b)| (a - b).norm_sqr())
-                .sum();
+            let change: f64 = vector.iter().zip(&self.moved).map(|(a, b)| (a - b).norm_sqr()).sum();
             vector.copy_from_slice(&self.moved);
             if change <= SETTLED {
                 return true;
@@ -248,10 +224,7 @@ impl Workspace {
 
     fn rayleigh(&mut self, v: &[c64]) -> f64 {
         multiply(&self.matrix, v, &mut self.moved);
-        v.iter()
-            .zip(&self.moved)
-            .map(|(a, b)| a.re * b.re + a.im * b.im)
-            .sum()
+        v.iter().zip(&self.moved).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
     }
 }
 
@@ -287,12 +260,7 @@ mod tests {
     #[test]
     fn two_rows_by_hand() {
         // [[2, i], [-i, 2]] has 1 and 3.
-        let found = values(2, |i, j| {
-            c64::new(
-                if i == j { 2.0 } else { 0.0 },
-                if i < j { 1.0 } else { 0.0 },
-            )
-        });
+        let found = values(2, |i, j| c64::new(if i == j { 2.0 } else { 0.0 }, if i < j { 1.0 } else { 0.0 }));
         assert!((found[0] - 1.0).abs() < 1e-15 && (found[1] - 3.0).abs() < 1e-15);
     }
 
@@ -331,10 +299,8 @@ mod tests {
         let v = [c64::new(0.6, 0.0), c64::new(0.0, 0.8)];
         let w = [c64::new(0.0, 0.8), c64::new(0.6, 0.0)];
         let mut vector = vec![c64::new(0.0, 0.0); 2];
-        let found = Workspace::new(2).solve(
-            |i, j| v[i] * v[j].conj() * 5.0 + w[i] * w[j].conj() * second,
-            &mut vector,
-        );
+        let found = Workspace::new(2)
+            .solve(|i, j| v[i] * v[j].conj() * 5.0 + w[i] * w[j].conj() * second, &mut vector);
         (found, vector)
     }
 

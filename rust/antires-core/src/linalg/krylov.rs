@@ -234,12 +234,7 @@ impl Krylov {
         let (weighted, vectors) = op.outside;
         let coefficients = &mut self.coefficients;
         if !vectors.is_empty() {
-            wide::run(ProjectOut {
-                w,
-                weighted,
-                vectors,
-                coefficients,
-            });
+            wide::run(ProjectOut { w, weighted, vectors, coefficients });
         }
     }
 
@@ -282,17 +277,9 @@ impl Krylov {
             let other = transposed(&own);
             let own: Square =
                 std::array::from_fn(|c| std::array::from_fn(|r| 0.5 * (own[c][r] + other[c][r])));
-            wide::run(Take {
-                w: &mut w,
-                v: &q,
-                by: &own,
-            });
+            wide::run(Take { w: &mut w, v: &q, by: &own });
             if let Some(coupling) = self.below.last() {
-                wide::run(Take {
-                    w: &mut w,
-                    v: &before,
-                    by: &transposed(coupling),
-                });
+                wide::run(Take { w: &mut w, v: &before, by: &transposed(coupling) });
             }
             let Some(next) = orthonormalize(&mut w, &mut mq, mass, &self.basis) else {
                 return false;
@@ -315,11 +302,7 @@ impl Krylov {
     fn starts(&self, joined: impl Fn(usize) -> bool) -> Vec<Row> {
         let mut random = pseudo_random();
         let row = |(row, &a): (usize, &f64)| {
-            if joined(row) {
-                [a, random(), random(), random()]
-            } else {
-                Row::default()
-            }
+            if joined(row) { [a, random(), random(), random()] } else { Row::default() }
         };
         self.response.iter().enumerate().map(row).collect()
     }
@@ -446,11 +429,7 @@ impl Krylov {
 
     /// Modulus of the part of the start in y_j, over the size of the start.
     pub fn first(&self, j: usize) -> f64 {
-        if self.width == 1 {
-            self.y(j)[0].abs()
-        } else {
-            (self.own(j) / norm(&self.start[0])).abs()
-        }
+        if self.width == 1 { self.y(j)[0].abs() } else { (self.own(j) / norm(&self.start[0])).abs() }
     }
 
     /// Residual ‖A⁻¹M v − θ v‖ of v = Q y_j.
@@ -496,9 +475,7 @@ impl Krylov {
 pub fn pseudo_random() -> impl FnMut() -> f64 {
     let mut state = 1_u64;
     move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     }
 }
@@ -521,11 +498,7 @@ impl NullaryFnOnce for ProjectOut<'_> {
         for v in self.weighted.chunks_exact(stride) {
             self.coefficients.push(dot(self.w, v));
         }
-        for (v, &c) in self
-            .vectors
-            .chunks_exact(stride)
-            .zip(self.coefficients.iter())
-        {
+        for (v, &c) in self.vectors.chunks_exact(stride).zip(self.coefficients.iter()) {
             subtract(self.w, c, v);
         }
     }
@@ -573,12 +546,7 @@ const MOST_PASSES: usize = 12;
 
 /// Makes `w` orthonormal in `mass` and orthogonal to the vectors of `outside`, one after the other; `weighted` becomes
 /// M times it. Returns B; none where they cannot be made so.
-pub fn orthonormalize(
-    w: &mut [Row],
-    weighted: &mut [Row],
-    mass: &Filled,
-    outside: &[f64],
-) -> Option<Square> {
+pub fn orthonormalize(w: &mut [Row], weighted: &mut [Row], mass: &Filled, outside: &[f64]) -> Option<Square> {
     let mut b = identity();
     let mut look = true;
     for pass in 0..MOST_PASSES {
@@ -588,11 +556,7 @@ pub fn orthonormalize(
         let mut far = 0.0_f64;
         let looked = look && !outside.is_empty();
         if looked {
-            let taken = wide::run(ProjectOutRows {
-                w,
-                weighted,
-                vectors: outside,
-            });
+            let taken = wide::run(ProjectOutRows { w, weighted, vectors: outside });
             far = taken.iter().flatten().fold(0.0, |m, t| m.max(t.abs()));
             for t in &taken {
                 for c in 0..LANES {
@@ -613,18 +577,12 @@ pub fn orthonormalize(
         }
         let (root, least) = root(&gram);
         b = product(&root, &b);
-        wide::run(Divide {
-            rows: w,
-            root: &root,
-        });
+        wide::run(Divide { rows: w, root: &root });
         let done = pass > 0 && far <= NEARLY;
         if done && looked {
             mass.multiply(w, weighted);
         } else if done {
-            wide::run(Divide {
-                rows: weighted,
-                root: &root,
-            });
+            wide::run(Divide { rows: weighted, root: &root });
         }
         if done {
             return Some(b);
@@ -772,11 +730,7 @@ impl NullaryFnOnce for ProjectOutRows<'_> {
             }
             all.extend(sums);
         }
-        for (group, sums) in self
-            .vectors
-            .chunks_exact(n * COLUMNS)
-            .zip(all.chunks(COLUMNS))
-        {
+        for (group, sums) in self.vectors.chunks_exact(n * COLUMNS).zip(all.chunks(COLUMNS)) {
             let v: [&[f64]; COLUMNS] = std::array::from_fn(|q| &group[q * n..][..n]);
             for (r, w) in self.w.iter_mut().enumerate() {
                 for q in 0..COLUMNS {

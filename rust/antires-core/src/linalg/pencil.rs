@@ -107,15 +107,13 @@ pub fn real_eigenvalues(
     let mut roots = Vec::new();
     for block in irreducible_blocks(a, b).unwrap_or_default() {
         let n = block.rows.len();
-        let part =
-            |m: MatRef<'_, f64>| Mat::from_fn(n, n, |i, j| m[(block.rows[i], block.cols[j])]);
+        let part = |m: MatRef<'_, f64>| Mat::from_fn(n, n, |i, j| m[(block.rows[i], block.cols[j])]);
         let (block_a, block_b) = (part(a), part(b));
         let mut row_dofs: Vec<usize> = block.rows.iter().map(|&r| rows[r]).collect();
         let mut col_dofs: Vec<usize> = block.cols.iter().map(|&c| cols[c]).collect();
         row_dofs.sort_unstable();
         col_dofs.sort_unstable();
-        let symmetric =
-            (n > 1 && row_dofs == col_dofs).then(|| symmetric_eigenvalues(&block_a, &block_b));
+        let symmetric = (n > 1 && row_dofs == col_dofs).then(|| symmetric_eigenvalues(&block_a, &block_b));
         match symmetric.flatten() {
             _ if n == 1 => roots.extend(ratio(block_a[(0, 0)], block_b[(0, 0)], low, high)),
             Some(found) => roots.extend(found.into_iter().filter(|r| low < r.x && r.x <= high)),
@@ -132,8 +130,7 @@ pub fn roots_near(a: MatRef<'_, f64>, b: MatRef<'_, f64>, x: f64, high: f64) -> 
     let mut roots = Vec::new();
     for block in irreducible_blocks(a, b).unwrap_or_default() {
         let n = block.rows.len();
-        let part =
-            |m: MatRef<'_, f64>| Mat::from_fn(n, n, |i, j| m[(block.rows[i], block.cols[j])]);
+        let part = |m: MatRef<'_, f64>| Mat::from_fn(n, n, |i, j| m[(block.rows[i], block.cols[j])]);
         let (block_a, block_b) = (part(a), part(b) * Scale(x));
         let scaled = Equilibrated::weighted(&block_a, &block_b, 1.0);
         let ratios = qz_ratios(&scaled.a, &scaled.b).unwrap_or_default();
@@ -177,11 +174,7 @@ fn symmetric_eigenvalues(a: &Mat<f64>, b: &Mat<f64>) -> Option<Vec<PencilRoot>> 
 fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Vec<PencilRoot>> {
     let n = a.nrows();
     let scaled = Equilibrated::of(&a, &b);
-    let (a, b) = if scaled.is_graded {
-        (scaled.a, scaled.b)
-    } else {
-        (a, b)
-    };
+    let (a, b) = if scaled.is_graded { (scaled.a, scaled.b) } else { (a, b) };
     let (norm_a, norm_b) = (a.norm_l2(), b.norm_l2());
     if norm_a == 0.0 || norm_b == 0.0 {
         // No stiffness: every root is zero. No mass: every root is infinite.
@@ -196,13 +189,8 @@ fn block_eigenvalues(a: Mat<f64>, b: Mat<f64>, low: f64, high: f64) -> Result<Ve
     let mut roots = Vec::with_capacity(candidates.len());
     for (j, &(x, imaginary)) in candidates.iter().enumerate() {
         let close = |other: &(f64, f64)| (other.0 - x).abs() <= REPEATED_ROOT * x.abs();
-        let has_neighbour =
-            (j > 0 && close(&candidates[j - 1])) || candidates.get(j + 1).is_some_and(close);
-        let multiplicity = if has_neighbour {
-            Multiplicity::Repeated
-        } else {
-            Multiplicity::Simple
-        };
+        let has_neighbour = (j > 0 && close(&candidates[j - 1])) || candidates.get(j + 1).is_some_and(close);
+        let multiplicity = if has_neighbour { Multiplicity::Repeated } else { Multiplicity::Simple };
         let checked = Verified::of(&a, &b, x)?;
         let certain = checked.is_certain(x, n, multiplicity) && checked.is_real(x, imaginary, n);
         let small = checked.has_small_residual(multiplicity);
@@ -237,13 +225,7 @@ fn qz_ratios(a: &Mat<f64>, b: &Mat<f64>) -> Result<Vec<(f64, f64)>> {
     let n = a.nrows();
     let (mut re, mut im, mut beta) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let none = ComputeEigenvectors::No;
-    let mut memory = MemBuffer::new(gevd_scratch::<f64>(
-        n,
-        none,
-        none,
-        Par::Seq,
-        Default::default(),
-    ));
+    let mut memory = MemBuffer::new(gevd_scratch::<f64>(n, none, none, Par::Seq, Default::default()));
     gevd_real(
         a.clone().as_mut(),
         b.clone().as_mut(),
@@ -308,14 +290,9 @@ impl Verified {
                 continue;
             }
             let strength = (y.transpose() * a * &v).hypot(y.transpose() * b * &v);
-            return Ok(Self {
-                condition: strength.max(f64::MIN_POSITIVE).recip(),
-                residual,
-            });
+            return Ok(Self { condition: strength.max(f64::MIN_POSITIVE).recip(), residual });
         }
-        Err(failed(&format!(
-            "no vectors could be found for the eigenvalue {x:e} (scaled)"
-        )))
+        Err(failed(&format!("no vectors could be found for the eigenvalue {x:e} (scaled)")))
     }
 
     fn has_small_residual(&self, multiplicity: Multiplicity) -> bool {
@@ -360,9 +337,7 @@ fn unit(v: Col<f64>) -> Col<f64> {
 
 /// The error of a root that does not solve the pencil.
 pub fn refused(x: f64, backward_error: f64) -> Error {
-    failed(&format!(
-        "the eigenvalue {x:e} has a backward error of {backward_error:e}"
-    ))
+    failed(&format!("the eigenvalue {x:e} has a backward error of {backward_error:e}"))
 }
 
 fn failed(detail: &str) -> Error {
@@ -387,15 +362,10 @@ pub struct Block {
 pub fn irreducible_blocks(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Option<Vec<Block>> {
     let n = a.nrows();
     let present = |r: usize, c: usize| a[(r, c)] != 0.0 || b[(r, c)] != 0.0;
-    let columns: Vec<Vec<usize>> = (0..n)
-        .map(|r| (0..n).filter(|&c| present(r, c)).collect())
-        .collect();
+    let columns: Vec<Vec<usize>> = (0..n).map(|r| (0..n).filter(|&c| present(r, c)).collect()).collect();
     let row_of = perfect_matching(&columns)?;
     // Edge r → s: row r has an entry in the column that is matched to row s.
-    let ahead: Vec<Vec<usize>> = columns
-        .iter()
-        .map(|cs| cs.iter().map(|&c| row_of[c]).collect())
-        .collect();
+    let ahead: Vec<Vec<usize>> = columns.iter().map(|cs| cs.iter().map(|&c| row_of[c]).collect()).collect();
     let mut behind = vec![Vec::new(); n];
     for (r, edges) in ahead.iter().enumerate() {
         for &s in edges {
@@ -515,11 +485,7 @@ impl Equilibrated {
             if size > 0.0 { -size.log2() } else { ABSENT }
         };
         let Some((rows, columns)) = potentials(n, cost) else {
-            return Self {
-                a: a.clone(),
-                b: b.clone(),
-                is_graded: false,
-            };
+            return Self { a: a.clone(), b: b.clone(), is_graded: false };
         };
         let whole = |v: Vec<f64>| -> Vec<f64> { v.iter().map(|v| v.round().exp2()).collect() };
         let (rows, columns) = (whole(rows), whole(columns));
@@ -528,11 +494,7 @@ impl Equilibrated {
             most / v.iter().fold(f64::INFINITY, |m, s| m.min(*s))
         };
         let scaled = |m: &Mat<f64>| Mat::from_fn(n, n, |i, j| m[(i, j)] * rows[i] * columns[j]);
-        Self {
-            a: scaled(a),
-            b: scaled(b),
-            is_graded: n > 1 && spread(&rows).max(spread(&columns)) > GRADED,
-        }
+        Self { a: scaled(a), b: scaled(b), is_graded: n > 1 && spread(&rows).max(spread(&columns)) > GRADED }
     }
 }
 
@@ -694,10 +656,7 @@ impl RootBounds {
                 break;
             };
             let slope = block.slope[(0, 0)];
-            let (step, bound) = (
-                block.force[(0, 0)] / slope,
-                block.rounding[(0, 0)] / slope.abs(),
-            );
+            let (step, bound) = (block.force[(0, 0)] / slope, block.rounding[(0, 0)] / slope.abs());
             at += step;
             // NaN is no root.
             if !((at - x).abs() <= FARTHEST * x && bound <= UNCERTAIN * x) {
@@ -710,28 +669,17 @@ impl RootBounds {
                 break;
             }
         }
-        Bounded {
-            x,
-            bound: f64::INFINITY,
-        }
+        Bounded { x, bound: f64::INFINITY }
     }
 
     /// Roots that lie closer together than their own bounds.
     fn together(&self, roots: &[f64]) -> Vec<Bounded> {
         let m = roots.len();
         let middle = roots.iter().sum::<f64>() / m as f64;
-        let radius = if m <= MOST_TOGETHER {
-            self.block(middle, m).map(|block| block.radius())
-        } else {
-            None
-        };
-        let radius = radius
-            .filter(|r| *r <= UNCERTAIN * middle)
-            .unwrap_or(f64::INFINITY);
-        let bounded = |&x: &f64| Bounded {
-            x,
-            bound: radius + (x - middle).abs(),
-        };
+        let radius =
+            if m <= MOST_TOGETHER { self.block(middle, m).map(|block| block.radius()) } else { None };
+        let radius = radius.filter(|r| *r <= UNCERTAIN * middle).unwrap_or(f64::INFINITY);
+        let bounded = |&x: &f64| Bounded { x, bound: radius + (x - middle).abs() };
         roots.iter().map(bounded).collect()
     }
 
@@ -743,9 +691,8 @@ impl RootBounds {
         for nudge in nudges {
             let at = x * (1.0 + nudge);
             let lu = (&self.a - Scale(at) * &self.b).partial_piv_lu();
-            let mut right = Mat::from_fn(n, m, |i, j| {
-                1.0 + 0.3 * (1.7 * (i + 1) as f64 * (j + 1) as f64).sin()
-            });
+            let mut right =
+                Mat::from_fn(n, m, |i, j| 1.0 + 0.3 * (1.7 * (i + 1) as f64 * (j + 1) as f64).sin());
             let mut left = right.clone();
             for round in 0..(if m == 1 { SOLUTIONS } else { MORE_SOLUTIONS }) {
                 if m > 1 && round > 0 {
@@ -767,9 +714,7 @@ impl RootBounds {
             let force = left.transpose() * &image;
             let slope = left.transpose() * &inertia;
             let known = slope.partial_piv_lu().solve(&force);
-            let sizes = Mat::from_fn(n, n, |i, j| {
-                self.a[(i, j)].abs() + x.abs() * self.b[(i, j)].abs()
-            });
+            let sizes = Mat::from_fn(n, n, |i, j| self.a[(i, j)].abs() + x.abs() * self.b[(i, j)].abs());
             let rounding = Scale((ULPS + n as f64) * f64::EPSILON) * (&sizes * modulus(&right));
             // Of two roots in one, the vectors are a mixture: what they leave over tells.
             let left_over = modulus(&(&image - &inertia * &known));
@@ -804,10 +749,7 @@ impl NullBlock {
     /// How far from x all roots of the block are; NaN where their vectors do not tell.
     fn radius(&self) -> f64 {
         let m = self.slope.nrows();
-        let inverse = self
-            .slope
-            .partial_piv_lu()
-            .solve(Mat::<f64>::identity(m, m));
+        let inverse = self.slope.partial_piv_lu().solve(Mat::<f64>::identity(m, m));
         let known = &inverse * &self.force;
         let error = modulus(&inverse) * &self.rounding;
         let sizes = modulus(&known);
@@ -861,17 +803,12 @@ mod tests {
         let blocks = irreducible_blocks(a.as_ref(), Mat::zeros(5, 5).as_ref()).unwrap();
         assert_eq!(blocks.len(), 1);
         let singular = Mat::from_fn(3, 3, |r, _| if r == 1 { 0.0 } else { 1.0 });
-        assert_eq!(
-            irreducible_blocks(singular.as_ref(), singular.as_ref()),
-            None
-        );
+        assert_eq!(irreducible_blocks(singular.as_ref(), singular.as_ref()), None);
     }
 
     #[test]
     fn an_antidiagonal_is_matched() {
-        let a = Mat::from_fn(4, 4, |r, c| {
-            f64::from(u8::from(r + c == 3 || (r == 0 && c == 0)))
-        });
+        let a = Mat::from_fn(4, 4, |r, c| f64::from(u8::from(r + c == 3 || (r == 0 && c == 0))));
         let blocks = irreducible_blocks(a.as_ref(), Mat::zeros(4, 4).as_ref()).unwrap();
         let entries: usize = blocks.iter().map(|b| b.rows.len()).sum();
         assert_eq!(entries, 4);
@@ -900,11 +837,7 @@ mod tests {
         assert!(scaled.is_graded);
         for i in 0..3 {
             for j in 0..3 {
-                assert!(
-                    (0.05..=4.0).contains(&scaled.a[(i, j)]),
-                    "{}",
-                    scaled.a[(i, j)]
-                );
+                assert!((0.05..=4.0).contains(&scaled.a[(i, j)]), "{}", scaled.a[(i, j)]);
             }
         }
     }
@@ -924,9 +857,7 @@ mod tests {
 
     #[test]
     fn a_simple_root_is_placed_and_bounded() {
-        let a = Mat::from_fn(3, 3, |i, j| {
-            [[2.0, 1.0, 0.0], [0.0, 5.0, 1.0], [0.0, 0.0, 9.0]][i][j]
-        });
+        let a = Mat::from_fn(3, 3, |i, j| [[2.0, 1.0, 0.0], [0.0, 5.0, 1.0], [0.0, 0.0, 9.0]][i][j]);
         let identity = Mat::<f64>::identity(3, 3);
         for (given, want) in [(2.0 + 1e-9, 2.0), (5.0, 5.0), (9.0 - 1e-5, 9.0)] {
             let placed = bounds_of(&a, &identity, &[given])[0];
@@ -938,9 +869,7 @@ mod tests {
     #[test]
     fn where_there_is_no_root_there_is_no_bound() {
         // Roots 1 and a complex pair.
-        let a = Mat::from_fn(3, 3, |i, j| {
-            [[1.0, 0.0, 0.0], [0.0, 4.0, 1.0], [0.0, -1.0, 4.0]][i][j]
-        });
+        let a = Mat::from_fn(3, 3, |i, j| [[1.0, 0.0, 0.0], [0.0, 4.0, 1.0], [0.0, -1.0, 4.0]][i][j]);
         let identity = Mat::<f64>::identity(3, 3);
         for x in [4.0, 2.5, 30.0] {
             assert!(bounds_of(&a, &identity, &[x])[0].bound.is_infinite());

@@ -46,9 +46,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, MatRef, Par, Scale};
 
 use super::balance::Balance;
@@ -115,15 +113,10 @@ impl SymmetricSolver {
         let units = self.balance.as_ref().map_or(1.0, |b| b.eigenvalue(1.0));
         match self.shift {
             None => {
-                let (first, last) = (
-                    self.standard.values()[0],
-                    self.standard.values()[self.n - 1],
-                );
+                let (first, last) = (self.standard.values()[0], self.standard.values()[self.n - 1]);
                 ulps * units * last.abs().max(first.abs())
             }
-            Some((sigma, largest_mu)) => {
-                ulps * units * largest_mu * (lambda / units + sigma).powi(2)
-            }
+            Some((sigma, largest_mu)) => ulps * units * largest_mu * (lambda / units + sigma).powi(2),
         }
     }
 
@@ -145,12 +138,8 @@ impl SymmetricSolver {
             return self.solve_as_given(stiffness, mass);
         };
         let (k, m) = (
-            Mat::from_fn(self.n, self.n, |i, j| {
-                balance.stiffness_entry(i, j, stiffness[(i, j)])
-            }),
-            Mat::from_fn(self.n, self.n, |i, j| {
-                balance.mass_entry(i, j, mass[(i, j)])
-            }),
+            Mat::from_fn(self.n, self.n, |i, j| balance.stiffness_entry(i, j, stiffness[(i, j)])),
+            Mat::from_fn(self.n, self.n, |i, j| balance.mass_entry(i, j, mass[(i, j)])),
         );
         self.solve_as_given(k.as_ref(), m.as_ref())?;
         for value in &mut self.eigenvalues {
@@ -161,11 +150,8 @@ impl SymmetricSolver {
         for j in 0..self.n {
             for dof in 0..self.n {
                 let entry = &mut self.vectors[(dof, j)];
-                *entry = if j < finite {
-                    balance.shape(dof, *entry)
-                } else {
-                    balance.massless_shape(dof, *entry)
-                };
+                *entry =
+                    if j < finite { balance.shape(dof, *entry) } else { balance.massless_shape(dof, *entry) };
             }
         }
         self.balance = Some(balance);
@@ -201,9 +187,7 @@ impl SymmetricSolver {
         let rates = || (0..self.n).map(|j| k[(j, j)] / m[(j, j)]);
         let (slowest, fastest) = rates()
             .filter(|rate| *rate > 0.0)
-            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), r| {
-                (lo.min(r), hi.max(r))
-            });
+            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), r| (lo.min(r), hi.max(r)));
         if least <= MASS_PIVOT_RATIO * most || slowest <= MASS_PIVOT_RATIO * fastest {
             return false;
         }
@@ -244,11 +228,7 @@ impl SymmetricSolver {
     fn solve_shifted(&mut self, k: MatRef<'_, f64>, m: MatRef<'_, f64>) -> Result<()> {
         let trace = |a: MatRef<'_, f64>| (0..self.n).map(|i| a[(i, i)]).sum::<f64>();
         let (trace_k, trace_m) = (trace(k), trace(m));
-        let sigma = if trace_m > 0.0 && trace_k > 0.0 {
-            1e-3 * trace_k / trace_m
-        } else {
-            1.0
-        };
+        let sigma = if trace_m > 0.0 && trace_k > 0.0 { 1e-3 * trace_k / trace_m } else { 1.0 };
         let shifted = Mat::from_fn(self.n, self.n, |i, j| k[(i, j)] + sigma * m[(i, j)]);
         if !self.factorize(shifted.as_ref()) || self.pivot_ratio() < 1e-14 {
             return Err(Error::Numerical {
@@ -316,11 +296,7 @@ impl SymmetricSolver {
     }
 
     fn keep_all_eigenvalues(&mut self) {
-        let largest = self
-            .standard
-            .values()
-            .iter()
-            .fold(0.0_f64, |a, l| a.max(l.abs()));
+        let largest = self.standard.values().iter().fold(0.0_f64, |a, l| a.max(l.abs()));
         self.zero = zero_eigenvalue(self.n, largest);
         self.eigenvalues.clear();
         self.eigenvalues.extend_from_slice(self.standard.values());
@@ -344,9 +320,7 @@ impl SymmetricSolver {
     fn pivot_ratio(&self) -> f64 {
         let (least, most) = (0..self.n)
             .map(|i| self.factor[(i, i)])
-            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), p| {
-                (lo.min(p), hi.max(p))
-            });
+            .fold((f64::INFINITY, 0.0_f64), |(lo, hi), p| (lo.min(p), hi.max(p)));
         (least / most).powi(2)
     }
 
@@ -393,12 +367,8 @@ pub struct StandardSymmetric {
 impl StandardSymmetric {
     /// Reserves the memory for `n` rows.
     pub fn new(n: usize) -> Self {
-        let memory = self_adjoint_evd_scratch::<f64>(
-            n,
-            ComputeEigenvectors::Yes,
-            Par::Seq,
-            Default::default(),
-        );
+        let memory =
+            self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
         Self {
             n,
             matrix: Mat::zeros(n, n),
@@ -461,11 +431,7 @@ impl StandardSymmetric {
     /// value twice and leaves out its neighbour.
     fn unit(&self) -> f64 {
         let largest = (0..self.n).fold(0.0_f64, |l, j| l.max(self.matrix[(j, j)].abs()));
-        if largest > 0.0 && largest.is_finite() {
-            largest.log2().round().exp2()
-        } else {
-            1.0
-        }
+        if largest > 0.0 && largest.is_finite() { largest.log2().round().exp2() } else { 1.0 }
     }
 
     /// Looks at every pair of a decomposition: values by Rayleigh's quotient, residuals by their norm, since
@@ -479,14 +445,7 @@ impl StandardSymmetric {
             }
         }
         let mut image = Mat::<f64>::zeros(n, n);
-        matmul(
-            image.as_mut(),
-            Accum::Replace,
-            self.matrix.as_ref(),
-            self.vectors.as_ref(),
-            1.0,
-            Par::Seq,
-        );
+        matmul(image.as_mut(), Accum::Replace, self.matrix.as_ref(), self.vectors.as_ref(), 1.0, Par::Seq);
         let mut worst = 0.0_f64;
         for j in 0..n {
             let (q, aq) = (self.vectors.col_as_slice(j), image.col_as_slice(j));
@@ -560,8 +519,7 @@ impl SmallSymmetric {
         let values = &self.diagonal;
         self.order.clear();
         self.order.extend(0..n);
-        self.order
-            .sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
+        self.order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
         true
     }
 
@@ -599,8 +557,7 @@ impl SmallSymmetric {
             self.scales.push(tau);
             // p = τ A v, then w = p − (τ/2 pᵀv) v, and A − v wᵀ − w vᵀ.
             self.work.clear();
-            self.work
-                .extend(rest.chunks_exact(n).map(|c| tau * dot(&c[k + 1..], v)));
+            self.work.extend(rest.chunks_exact(n).map(|c| tau * dot(&c[k + 1..], v)));
             let half = 0.5 * tau * dot(&self.work, v);
             for (w, &x) in self.work.iter_mut().zip(v.iter()) {
                 *w -= half * x;
@@ -621,10 +578,7 @@ impl SmallSymmetric {
         for j in 0..n {
             self.vectors[j * n + j] = 1.0;
         }
-        for k in (0..self.scales.len())
-            .rev()
-            .filter(|&k| self.scales[k] != 0.0)
-        {
+        for k in (0..self.scales.len()).rev().filter(|&k| self.scales[k] != 0.0) {
             let v = &self.a[k * n + k + 1..(k + 1) * n];
             for column in self.vectors[(k + 1) * n..].chunks_exact_mut(n) {
                 let column = &mut column[k + 1..];
@@ -658,25 +612,14 @@ pub fn decompose_tridiagonal(
     vectors: &mut [f64],
     rows: usize,
 ) -> bool {
-    let largest = diagonal
-        .iter()
-        .chain(off.iter())
-        .fold(0.0_f64, |m, x| m.max(x.abs()));
+    let largest = diagonal.iter().chain(off.iter()).fold(0.0_f64, |m, x| m.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {
         return largest == 0.0;
     }
     // A power of two, which rounds nothing: squares then neither overflow nor underflow where it matters.
     let scale = largest.log2().round().exp2();
-    diagonal
-        .iter_mut()
-        .chain(off.iter_mut())
-        .for_each(|x| *x /= scale);
-    let converged = wide::run(Iteration {
-        diagonal: &mut *diagonal,
-        off,
-        vectors,
-        rows,
-    });
+    diagonal.iter_mut().chain(off.iter_mut()).for_each(|x| *x /= scale);
+    let converged = wide::run(Iteration { diagonal: &mut *diagonal, off, vectors, rows });
     for x in diagonal {
         *x *= scale;
     }
@@ -696,12 +639,7 @@ impl NullaryFnOnce for Iteration<'_> {
 
     #[inline(always)]
     fn call(self) -> bool {
-        let Self {
-            diagonal,
-            off,
-            vectors,
-            rows,
-        } = self;
+        let Self { diagonal, off, vectors, rows } = self;
         let n = diagonal.len();
         for top in 0..n {
             let mut steps = 0;
@@ -772,9 +710,7 @@ mod tests {
         let mut solver = SmallSymmetric::default();
         let full = |i: usize, j: usize| entry(i.max(j), i.min(j));
         assert!(solver.solve(n, &entry));
-        let scale = (0..n * n)
-            .map(|q| full(q / n, q % n).abs())
-            .fold(1e-300, f64::max);
+        let scale = (0..n * n).map(|q| full(q / n, q % n).abs()).fold(1e-300, f64::max);
         for j in 0..n {
             let (value, v) = solver.pair(j);
             assert!(j == 0 || solver.pair(j - 1).0 <= value);
@@ -792,16 +728,8 @@ mod tests {
     #[test]
     fn full_sparse_and_degenerate_matrices_are_solved() {
         for n in 1..=MOST_ROWS {
-            check(n, |i, j| {
-                ((7 * i + 3 * j) as f64).sin() + ((i * j) as f64).cos()
-            });
-            check(n, |i, j| {
-                if i - j < 2 {
-                    2.0 - 3.0 * (i - j) as f64
-                } else {
-                    0.0
-                }
-            });
+            check(n, |i, j| ((7 * i + 3 * j) as f64).sin() + ((i * j) as f64).cos());
+            check(n, |i, j| if i - j < 2 { 2.0 - 3.0 * (i - j) as f64 } else { 0.0 });
             check(n, |_, _| 1.0);
             check(n, |i, j| f64::from(u8::from(i == j)));
             check(n, |i, j| 1e12 / (1 + 10_usize.pow(i as u32 % 9) + j) as f64);
@@ -817,10 +745,7 @@ mod tests {
             v[j * n + j] = 1.0;
         }
         assert!(decompose_tridiagonal(&mut d, &mut e, &mut v, n));
-        let scale = diagonal
-            .iter()
-            .chain(off)
-            .fold(1e-300_f64, |m, x| m.max(x.abs()));
+        let scale = diagonal.iter().chain(off).fold(1e-300_f64, |m, x| m.max(x.abs()));
         for j in 0..n {
             let y = &v[j * n..(j + 1) * n];
             for i in 0..n {
@@ -859,9 +784,6 @@ mod tests {
         check_tridiagonal(&[1.0, 2.0, 3.0, 4.0], &[0.5, 0.0, 0.5]);
         check_tridiagonal(&[0.0, 0.0], &[1.0]);
         let graded: Vec<f64> = (0..20).map(|j| 10.0_f64.powi(-j)).collect();
-        check_tridiagonal(
-            &graded,
-            &graded[1..].iter().map(|x| 0.3 * x).collect::<Vec<_>>(),
-        );
+        check_tridiagonal(&graded, &graded[1..].iter().map(|x| 0.3 * x).collect::<Vec<_>>());
     }
 }

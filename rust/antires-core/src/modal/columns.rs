@@ -81,13 +81,8 @@ impl Columns {
         let (i, k) = (matrices.structure().row(i), matrices.structure().row(k));
         let slope = self.solve(matrices, (i, k), x)?;
         let Self { u, w, .. } = self;
-        let moved =
-            matrices.stiffness().squared_form(w, u) + x * x * matrices.mass().squared_form(w, u);
-        Some(ReceptanceAt {
-            value: u[i],
-            slope,
-            ulp: f64::EPSILON * moved.sqrt() / slope.abs(),
-        })
+        let moved = matrices.stiffness().squared_form(w, u) + x * x * matrices.mass().squared_form(w, u);
+        Some(ReceptanceAt { value: u[i], slope, ulp: f64::EPSILON * moved.sqrt() / slope.abs() })
     }
 
     /// Columns i and k of (K − xM)⁻¹ by dof, each up to a factor, into `left` and `right`; returns leftᵀ M
@@ -111,12 +106,7 @@ impl Columns {
     }
 
     /// Solves for u and w at rows `i` and `k`; returns wᵀMu.
-    fn solve(
-        &mut self,
-        matrices: &mut ScaledMatrices,
-        (i, k): (usize, usize),
-        x: f64,
-    ) -> Option<f64> {
+    fn solve(&mut self, matrices: &mut ScaledMatrices, (i, k): (usize, usize), x: f64) -> Option<f64> {
         if matrices.factorize(x) > LARGEST_GROWTH {
             return None;
         }
@@ -210,11 +200,7 @@ pub fn on_pole(
             // What responds there without this mode.
             let at_i = !sees(i, first);
             let (node, other) = if at_i { (i, k) } else { (k, i) };
-            let (mode, column) = if at_i {
-                (&mut *right, &mut *left)
-            } else {
-                (&mut *left, &mut *right)
-            };
+            let (mode, column) = if at_i { (&mut *right, &mut *left) } else { (&mut *left, &mut *right) };
             add(mode, 1.0, first);
             let strength = phi[(other, first)];
             let mut rest = 0.0;
@@ -236,11 +222,7 @@ pub fn on_pole(
             add(right, at_i[0], pair[1]);
             let slope = at_i[0] * at_k[0] + at_i[1] * at_k[1];
             let size = at_i[0].hypot(at_i[1]) * at_k[0].hypot(at_k[1]);
-            if slope.abs() > NODE * size {
-                slope
-            } else {
-                f64::NAN
-            }
+            if slope.abs() > NODE * size { slope } else { f64::NAN }
         }
         _ => f64::NAN,
     }
@@ -266,19 +248,12 @@ pub fn by_factors(
 ) -> Adjoint {
     let (n, padding) = (matrices.n(), matrices.stride() - matrices.n());
     let by_row = |values: &[f64], times: &dyn Fn(f64) -> f64| -> Vec<f64> {
-        let rows =
-            (0..n).map(|row| values[matrices.structure().dof(row)] * times(matrices.scale()[row]));
+        let rows = (0..n).map(|row| values[matrices.structure().dof(row)] * times(matrices.scale()[row]));
         rows.chain(std::iter::repeat_n(0.0, padding)).collect()
     };
     let shape = by_row(phi, &f64::recip);
     let mut solution = by_row(g, &|scale| scale);
-    let largest = (0..n).fold(0, |at, row| {
-        if shape[row].abs() > shape[at].abs() {
-            row
-        } else {
-            at
-        }
-    });
+    let largest = (0..n).fold(0, |at, row| if shape[row].abs() > shape[at].abs() { row } else { at });
     solution[largest] = 0.0;
     if matrices.factorize_without(largest, lambda) > LARGEST_GROWTH {
         return Adjoint::Spoiled;
@@ -286,11 +261,7 @@ pub fn by_factors(
     matrices.solve(&mut solution);
     let mut weighted = vec![0.0; matrices.stride()];
     matrices.mass().multiply(&shape, &mut weighted);
-    let part: f64 = solution[..n]
-        .iter()
-        .zip(&weighted)
-        .map(|(s, w)| s * w)
-        .sum();
+    let part: f64 = solution[..n].iter().zip(&weighted).map(|(s, w)| s * w).sum();
     for (value, along) in solution[..n].iter_mut().zip(&shape) {
         *value -= part * along;
     }

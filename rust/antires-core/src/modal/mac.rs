@@ -54,40 +54,26 @@ impl Shape {
         }
         if let Some(i) = (1..dofs.len()).find(|&i| dofs[..i].contains(&dofs[i])) {
             let twice = format!("dof {} twice", dofs[i]);
-            return Err(Error::input(argument, twice, "each dof once")
-                .remedy("Keep one of the two, or their mean."));
+            return Err(
+                Error::input(argument, twice, "each dof once").remedy("Keep one of the two, or their mean.")
+            );
         }
         // NaN is lost in a maximum.
         let finite = entries.iter().all(|(a, b)| a.is_finite() && b.is_finite());
-        let largest = entries
-            .iter()
-            .fold(0.0_f64, |m, (a, b)| m.max(a.abs()).max(b.abs()));
+        let largest = entries.iter().fold(0.0_f64, |m, (a, b)| m.max(a.abs()).max(b.abs()));
         if !finite || largest == 0.0 {
             return Err(Error::input(
                 argument,
-                if finite {
-                    "zero at every dof"
-                } else {
-                    "an entry that is not finite"
-                },
+                if finite { "zero at every dof" } else { "an entry that is not finite" },
                 "a shape that moves, with finite entries",
             )
             .remedy("Leave that mode out."));
         }
         // Scaled first: squares of very small or large entries would be lost.
-        let squares = entries
-            .iter()
-            .map(|(a, b)| (a / largest).powi(2) + (b / largest).powi(2));
+        let squares = entries.iter().map(|(a, b)| (a / largest).powi(2) + (b / largest).powi(2));
         let size = squares.sum::<f64>().sqrt();
-        let (real, imaginary) = entries
-            .iter()
-            .map(|(a, b)| (a / largest / size, b / largest / size))
-            .unzip();
-        Ok(Self {
-            dofs,
-            real,
-            imaginary,
-        })
+        let (real, imaginary) = entries.iter().map(|(a, b)| (a / largest / size, b / largest / size)).unzip();
+        Ok(Self { dofs, real, imaginary })
     }
 
     /// The measured dofs.
@@ -124,9 +110,7 @@ impl Shape {
                 basis.push(q);
             }
         }
-        let squares = basis
-            .iter()
-            .map(|q| dot(q, &self.real).powi(2) + dot(q, &self.imaginary).powi(2));
+        let squares = basis.iter().map(|q| dot(q, &self.real).powi(2) + dot(q, &self.imaginary).powi(2));
         squares.sum::<f64>().min(1.0)
     }
 
@@ -179,13 +163,7 @@ pub struct ModeSensitivity {
 
 impl ModeSensitivity {
     /// Takes up mode `r` of `modes`, which are those of `solved`, and the measured `shape`.
-    pub fn set(
-        &mut self,
-        modes: &LowModes,
-        solved: &mut Solved<'_>,
-        r: usize,
-        shape: &Shape,
-    ) -> Result<()> {
+    pub fn set(&mut self, modes: &LowModes, solved: &mut Solved<'_>, r: usize, shape: &Shape) -> Result<()> {
         self.lambda = modes.eigenvalues()[r];
         self.phi.clear();
         self.phi.extend_from_slice(modes.shape(r));
@@ -202,13 +180,9 @@ impl ModeSensitivity {
     /// of one of its shapes, right where p splits it not, the second zero.
     pub fn along(&self, slopes: &MatrixSlopes) -> (f64, f64) {
         let join = |left: &[f64], entries: &[(u32, u32, f64)]| -> f64 {
-            entries
-                .iter()
-                .map(|&(row, col, value)| left[row as usize] * value * self.phi[col as usize])
-                .sum()
+            entries.iter().map(|&(row, col, value)| left[row as usize] * value * self.phi[col as usize]).sum()
         };
-        let of =
-            |left: &[f64]| join(left, &slopes.stiffness) - self.lambda * join(left, &slopes.mass);
+        let of = |left: &[f64]| join(left, &slopes.stiffness) - self.lambda * join(left, &slopes.mass);
         (of(&self.phi), -of(&self.z))
     }
 }
@@ -268,10 +242,7 @@ mod tests {
         assert!((of(&[(3.0, 0.0), (6.0, -2.0), (0.0, -2.0)]) - 1.0).abs() < 1e-14);
         assert!(of(&[(2.0, 0.0), (-1.0, 0.0), (1.0, 0.0)]).abs() < 1e-14);
         // Half of the square in the plane.
-        let half = [
-            (2.0 / 6.0_f64.sqrt(), 0.0),
-            (-1.0 / 6.0_f64.sqrt() + 0.5_f64.sqrt(), 0.0),
-        ];
+        let half = [(2.0 / 6.0_f64.sqrt(), 0.0), (-1.0 / 6.0_f64.sqrt() + 0.5_f64.sqrt(), 0.0)];
         let last = (1.0 / 6.0_f64.sqrt() + 0.5_f64.sqrt(), 0.0);
         assert!((of(&[half[0], half[1], last]) - 0.5).abs() < 1e-14);
         // The same shape twice is one.
@@ -290,9 +261,7 @@ mod tests {
     #[test]
     fn wrong_shapes_are_refused() {
         let build = |dofs: &[usize], entries: &[(f64, f64)]| {
-            Shape::new("shape", dofs.to_vec(), entries)
-                .unwrap_err()
-                .to_string()
+            Shape::new("shape", dofs.to_vec(), entries).unwrap_err().to_string()
         };
         assert!(build(&[0], &[]).contains("one entry for each dof"));
         assert!(build(&[2, 2], &[(1.0, 0.0); 2]).contains("dof 2 twice"));

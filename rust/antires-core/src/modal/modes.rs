@@ -73,26 +73,17 @@ impl AllModes {
     /// Solves the dense eigenproblem of `model`.
     pub fn of(model: &Model) -> Result<Self> {
         let n = model.n_dof();
-        Error::check_memory(
-            || format!("all modes of {n} dofs"),
-            n.saturating_mul(n).saturating_mul(6),
-        )?;
+        Error::check_memory(|| format!("all modes of {n} dofs"), n.saturating_mul(n).saturating_mul(6))?;
         let mut solver = SymmetricSolver::new(n);
         let (k, m) = (model.stiffness().to_dense(), model.mass().to_dense());
         solver.solve(k.as_ref(), m.as_ref())?;
-        Ok(Self {
-            lambda: solver.eigenvalues().to_vec(),
-            vectors: solver.vectors().to_owned(),
-        })
+        Ok(Self { lambda: solver.eigenvalues().to_vec(), vectors: solver.vectors().to_owned() })
     }
 
     /// The finite modes.
     pub fn finite(&self) -> Modes {
         let shapes: MatRef<'_, f64> = self.vectors.get(.., ..self.lambda.len());
-        Modes {
-            freq_hz: self.lambda.iter().map(|&l| hertz(l)).collect(),
-            shapes: shapes.to_owned(),
-        }
+        Modes { freq_hz: self.lambda.iter().map(|&l| hertz(l)).collect(), shapes: shapes.to_owned() }
     }
 }
 
@@ -110,12 +101,7 @@ pub fn low_modes(model: &Model, f_max_hz: f64, most: Option<usize>) -> Result<Op
     Ok(by_factors(structure, model, f_max_hz, most))
 }
 
-fn by_factors(
-    structure: Structure,
-    model: &Model,
-    f_max_hz: f64,
-    most: Option<usize>,
-) -> Option<Modes> {
+fn by_factors(structure: Structure, model: &Model, f_max_hz: f64, most: Option<usize>) -> Option<Modes> {
     if !structure.is_reducible() {
         return None;
     }
@@ -145,11 +131,7 @@ fn limit_above(most: usize, matrices: &mut ScaledMatrices) -> Option<f64> {
     let (mut low, mut high) = (0.0, largest);
     for _ in 0..MOST_COUNTS {
         // Halving the exponent, until there is a lower end.
-        let at = if low > 0.0 {
-            f64::sqrt(low * high)
-        } else {
-            COARSE * high
-        };
+        let at = if low > 0.0 { f64::sqrt(low * high) } else { COARSE * high };
         let (count, _) = matrices.count_below(at, Scope::Whole);
         if enough.contains(&count) {
             return Some(at);
@@ -195,8 +177,7 @@ impl LowModes {
         self.lambda.extend_from_slice(&all[..count]);
         self.shapes.clear();
         for r in 0..count {
-            self.shapes
-                .extend((0..self.n).map(|dof| solver.vectors()[(dof, r)]));
+            self.shapes.extend((0..self.n).map(|dof| solver.vectors()[(dof, r)]));
         }
         self.zero = 16.0 * solver.uncertainty(0.0);
         Ok(())
@@ -215,9 +196,8 @@ impl LowModes {
     /// The shapes that belong to the eigenvalue of mode `r`, one after the other: more than one where it is
     /// repeated.
     pub fn space(&self, r: usize) -> &[f64] {
-        let same = |a: usize, b: usize| {
-            (self.lambda[b] - self.lambda[a]).abs() <= REPEATED * self.lambda[b].abs()
-        };
+        let same =
+            |a: usize, b: usize| (self.lambda[b] - self.lambda[a]).abs() <= REPEATED * self.lambda[b].abs();
         let (mut first, mut last) = (r, r);
         while first > 0 && same(first - 1, first) {
             first -= 1;
@@ -237,13 +217,7 @@ impl LowModes {
     /// are the matrices whose modes these are.
     ///
     /// Not for a repeated mode, whose shape has no derivative.
-    pub fn adjoint(
-        &self,
-        solved: &mut Solved<'_>,
-        r: usize,
-        g: &[f64],
-        z: &mut Vec<f64>,
-    ) -> Result<()> {
+    pub fn adjoint(&self, solved: &mut Solved<'_>, r: usize, g: &[f64], z: &mut Vec<f64>) -> Result<()> {
         if solved.is_reducible() && solved.dense_in_hand().is_none() {
             let mode = (self.lambda[r], self.shape(r));
             if columns::by_factors(solved.reduced().matrices(), mode, g, z) == Adjoint::Solved {
@@ -284,9 +258,7 @@ pub fn frequency_response(
     let n = phi.nrows();
     let mut out = vec![(0.0, 0.0); responses.len() * freq_hz.len()];
     for (row, &i) in out.chunks_exact_mut(freq_hz.len().max(1)).zip(responses) {
-        let massless: f64 = (lambda.len()..n)
-            .map(|r| phi[(i, r)] * phi[(excitation, r)])
-            .sum();
+        let massless: f64 = (lambda.len()..n).map(|r| phi[(i, r)] * phi[(excitation, r)]).sum();
         for (h, &f) in row.iter_mut().zip(freq_hz) {
             let omega = TAU * f;
             let (mut re, mut im) = scaled(massless, 0.0, omega, motion);
@@ -296,11 +268,7 @@ pub fn frequency_response(
                 let (dr, di) = (l - omega * omega, 2.0 * zeta * l.max(0.0).sqrt() * omega);
                 if dr == 0.0 && di == 0.0 {
                     // A rigid-body mode at standstill: only the accelerance has a limit there.
-                    re += if motion == Motion::Accelerance {
-                        residue
-                    } else {
-                        f64::INFINITY * residue
-                    };
+                    re += if motion == Motion::Accelerance { residue } else { f64::INFINITY * residue };
                     continue;
                 }
                 let size = dr * dr + di * di;
@@ -399,13 +367,7 @@ mod tests {
         // Two equal chains beside each other: every mode twice, and the load moves one of each two.
         let one = chain();
         let twice = |a: &SparseMatrix| {
-            Mat::from_fn(100, 100, |i, j| {
-                if i / 50 == j / 50 {
-                    a.get(i % 50, j % 50)
-                } else {
-                    0.0
-                }
-            })
+            Mat::from_fn(100, 100, |i, j| if i / 50 == j / 50 { a.get(i % 50, j % 50) } else { 0.0 })
         };
         let model = Model::new(twice(one.stiffness()), twice(one.mass()), vec![], vec![]).unwrap();
         let of = |model: &Model| {

@@ -75,11 +75,7 @@ impl Receptance {
             let (a, b) = (phi[(i, r)], phi[(k, r)]);
             size_i = size_i.max(a.abs());
             size_k = size_k.max(b.abs());
-            self.add(
-                lambda[r],
-                a * b,
-                REPEATED * solver.uncertainty(lambda[r].abs()),
-            );
+            self.add(lambda[r], a * b, REPEATED * solver.uncertainty(lambda[r].abs()));
         }
         self.constant = (lambda.len()..n).map(|r| phi[(i, r)] * phi[(k, r)]).sum();
         self.finish(n, self.poles.len(), (size_i, size_k));
@@ -141,9 +137,7 @@ impl Receptance {
     pub fn finish(&mut self, n: usize, modes: usize, (size_i, size_k): (f64, f64)) {
         let scale = size_i * size_k;
         let of = if modes == 0 { self.poles.len() } else { modes };
-        let largest = self.residues[self.beside..of]
-            .iter()
-            .fold(0.0_f64, |m, c| m.max(c.abs()));
+        let largest = self.residues[self.beside..of].iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         self.residue_error = ulps(n) * f64::EPSILON * scale;
         self.is_zero = largest <= IDENTICALLY_ZERO * scale && self.constant == 0.0;
         self.negligible = NEGLIGIBLE_RESIDUE * largest;
@@ -183,11 +177,7 @@ impl Receptance {
         match self.most_roots {
             Some(most) if self.cancelled.is_empty() && self.residues.iter().all(sure) => {
                 let pairs = self.residues.windows(2).filter(|c| c[0] * c[1] > 0.0);
-                if pairs.count() == most {
-                    Pattern::Counted
-                } else {
-                    Pattern::Open
-                }
+                if pairs.count() == most { Pattern::Counted } else { Pattern::Open }
             }
             _ => Pattern::Open,
         }
@@ -200,21 +190,12 @@ impl Receptance {
 
     /// H at x.
     pub fn value(&self, x: f64) -> f64 {
-        self.poles
-            .iter()
-            .zip(&self.residues)
-            .map(|(l, c)| c / (l - x))
-            .sum::<f64>()
-            + self.constant
+        self.poles.iter().zip(&self.residues).map(|(l, c)| c / (l - x)).sum::<f64>() + self.constant
     }
 
     /// dH/dx at x.
     pub fn slope(&self, x: f64) -> f64 {
-        self.poles
-            .iter()
-            .zip(&self.residues)
-            .map(|(l, c)| c / ((l - x) * (l - x)))
-            .sum()
+        self.poles.iter().zip(&self.residues).map(|(l, c)| c / ((l - x) * (l - x))).sum()
     }
 
     /// Rounding error of H at x, and dH/dx.

@@ -106,42 +106,28 @@ impl ReducedModes {
         left: &mut Vec<f64>,
         right: &mut Vec<f64>,
     ) -> Option<f64> {
-        self.columns
-            .by_dof(&mut self.matrices, ends, x, left, right)
+        self.columns.by_dof(&mut self.matrices, ends, x, left, right)
     }
 
     /// Finds the poles up to `limit` of the excitation, and all other modes of the whole structure if those are
     /// asked for; false where the dense solver has to.
     pub fn solve(&mut self, excitation: usize, limit: f64, whole: bool) -> bool {
         let row = self.matrices.structure().row(excitation);
-        let scope = if whole {
-            Scope::Whole
-        } else {
-            Scope::PartOf(row)
-        };
+        let scope = if whole { Scope::Whole } else { Scope::PartOf(row) };
         let same = |last: &Attempt| last.excitation == excitation && last.limit == limit;
         let serves = |last: &Attempt| last.scope == scope || last.scope == Scope::Whole;
         if let Some(last) = self.last.filter(|last| same(last) && serves(last)) {
             return last.succeeded;
         }
         let succeeded = self.try_solve(row, limit, scope);
-        self.last = Some(Attempt {
-            excitation,
-            limit,
-            scope,
-            succeeded,
-        });
+        self.last = Some(Attempt { excitation, limit, scope, succeeded });
         succeeded
     }
 
     fn try_solve(&mut self, row: usize, limit: f64, scope: Scope) -> bool {
         let n = self.matrices.n();
         let start = *self.start.get_or_insert_with(|| {
-            if self.matrices.mass_is_definite() {
-                Start::Response
-            } else {
-                Start::Remainder
-            }
+            if self.matrices.mass_is_definite() { Start::Response } else { Start::Remainder }
         });
         let few = |c| n > MOST_DENSE || c as f64 <= MOST_MODES * n as f64;
         if !few(self.matrices.count_below(limit, scope).0) {
@@ -149,9 +135,7 @@ impl ReducedModes {
         }
         let sigma = SHIFT * limit;
         self.matrices.shift(sigma)
-            && self
-                .poles
-                .find(&self.matrices, (sigma, limit), (row, start))
+            && self.poles.find(&self.matrices, (sigma, limit), (row, start))
             && self.complete(limit, scope)
     }
 
@@ -177,11 +161,7 @@ impl ReducedModes {
             return count == shown;
         }
         self.matrices.shift(self.poles.sigma());
-        let outside = Outside {
-            matrices: &self.matrices,
-            poles: &self.poles,
-            cut,
-        };
+        let outside = Outside { matrices: &self.matrices, poles: &self.poles, cut };
         self.hidden.find(&outside, count - shown)
     }
 
@@ -207,8 +187,7 @@ impl ReducedModes {
             lambda.push(if value.abs() <= zero { 0.0 } else { value });
             let at = shapes.len();
             shapes.resize(at + n, 0.0);
-            self.matrices
-                .by_dof(&vectors[j * stride..j * stride + n], &mut shapes[at..]);
+            self.matrices.by_dof(&vectors[j * stride..j * stride + n], &mut shapes[at..]);
         }
     }
 
@@ -293,20 +272,13 @@ impl Poles {
         {
             let part = |row: usize| matrices.structure().part(row);
             let joined = |row: usize| part(row) == part(k);
-            if self
-                .space
-                .grow_block((factors, mass), (k, joined), highest, n, &settled)
-            {
+            if self.space.grow_block((factors, mass), (k, joined), highest, n, &settled) {
                 return true;
             }
         }
         let mut load = vec![0.0; matrices.stride()];
         load[k] = 1.0;
-        let op = Operator {
-            shifted: matrices.factors(),
-            mass,
-            outside: (&[], &[]),
-        };
+        let op = Operator { shifted: matrices.factors(), mass, outside: (&[], &[]) };
         self.space.grow(op, (&load, start), highest, n, settled)
     }
 
@@ -383,9 +355,7 @@ impl Poles {
     fn classify(&mut self, matrices: &ScaledMatrices) -> bool {
         let theta = self.space.theta();
         let least = self.highest().recip();
-        let strongest = (0..theta.len())
-            .map(|j| self.space.first(j))
-            .fold(0.0, f64::max);
+        let strongest = (0..theta.len()).map(|j| self.space.first(j)).fold(0.0, f64::max);
         self.found.clear();
         for (j, &t) in theta.iter().enumerate().take_while(|(_, t)| **t >= least) {
             let found = self.space.residual(j) <= FOUND * t;
@@ -394,9 +364,8 @@ impl Poles {
             }
             self.found.push(found);
         }
-        self.zero = (0..self.found.len().min(RIGID))
-            .map(|j| 16.0 * self.ulps(matrices, j))
-            .fold(0.0, f64::max);
+        self.zero =
+            (0..self.found.len().min(RIGID)).map(|j| 16.0 * self.ulps(matrices, j)).fold(0.0, f64::max);
         true
     }
 
@@ -456,22 +425,13 @@ impl Poles {
                 floor += (phi_k * phi_i * theta).abs();
             }
             let lambda = self.pole(theta);
-            let lambda = if lambda.abs() <= self.zero {
-                0.0
-            } else {
-                lambda
-            };
-            h.add(
-                lambda,
-                phi_i * phi_k,
-                self.repeated.get(j).copied().unwrap_or(0.0),
-            );
+            let lambda = if lambda.abs() <= self.zero { 0.0 } else { lambda };
+            h.add(lambda, phi_i * phi_k, self.repeated.get(j).copied().unwrap_or(0.0));
             if j < self.found.len() {
                 modes = h.poles.len();
             }
         }
-        h.cancelled
-            .extend(hidden.iter().filter(|&&l| l <= self.limit));
+        h.cancelled.extend(hidden.iter().filter(|&&l| l <= self.limit));
         h.floor_error = 4.0 * f64::EPSILON * floor;
         h.finish(n, modes, (size_i, size_k));
         let error = 4.0 * f64::EPSILON * known.abs();
@@ -521,11 +481,7 @@ impl HiddenModes {
 
     /// Finds `missing` modes; false where they do not come out as many.
     pub fn find(&mut self, outside: &Outside<'_>, missing: usize) -> bool {
-        let Outside {
-            matrices,
-            poles,
-            cut,
-        } = *outside;
+        let Outside { matrices, poles, cut } = *outside;
         let (mass, sigma) = (matrices.mass(), poles.sigma());
         let shown = poles.found().iter().enumerate().filter(|(_, f)| **f);
         for (j, _) in shown {
@@ -539,11 +495,7 @@ impl HiddenModes {
             let mut start = vec![0.0; load.len()];
             mass.multiply(&load, &mut start);
             start[mass.n()..].fill(0.0);
-            let op = Operator {
-                shifted: matrices.factors(),
-                mass,
-                outside: (&self.weighted, &self.vectors),
-            };
+            let op = Operator { shifted: matrices.factors(), mass, outside: (&self.weighted, &self.vectors) };
             let (load, highest) = ((&start[..], Start::Response), poles.highest());
             if !self.krylov.grow(op, load, highest, mass.n(), |_| true) {
                 return false;
@@ -552,8 +504,7 @@ impl HiddenModes {
             for (j, &t) in self.krylov.theta().iter().enumerate() {
                 if t >= least && self.krylov.residual(j) <= FOUND * t {
                     self.lambda.push(t.recip() - sigma);
-                    self.krylov
-                        .vector(j, mass, &mut self.weighted, &mut self.vectors);
+                    self.krylov.vector(j, mass, &mut self.weighted, &mut self.vectors);
                 }
             }
             if self.lambda.len() == before {
@@ -588,11 +539,7 @@ fn settled(space: &Krylov, least: f64) -> bool {
     };
     let mut up_to_limit = theta.iter().take_while(|t| **t >= least).enumerate();
     up_to_limit.all(|(j, _)| {
-        if found(j) {
-            !is_close(theta, j) || unmixed(j)
-        } else {
-            space.first(j) <= UNSEEN * strongest
-        }
+        if found(j) { !is_close(theta, j) || unmixed(j) } else { space.first(j) <= UNSEEN * strongest }
     })
 }
 
@@ -607,10 +554,7 @@ fn uncertainty(space: &Krylov, j: usize) -> f64 {
     let apart = |other: &&f64| (**other - theta[j]).abs() > CLOSE * theta[j];
     let (before, after) = theta.split_at(j);
     let others = [before.iter().rev().find(apart), after.iter().find(apart)];
-    let distances = others
-        .into_iter()
-        .flatten()
-        .map(|other| (other - theta[j]).abs());
+    let distances = others.into_iter().flatten().map(|other| (other - theta[j]).abs());
     let gap = distances.fold(theta[j], f64::min);
     (space.residual(j).powi(2) + space.residual(j - 1).powi(2)) / gap
 }

@@ -60,9 +60,7 @@ struct Held {
 /// Zero matrix of the form that a structure has.
 fn zero_form(structure: &Structure) -> Form {
     match structure.layout() {
-        Layout::Sparse(layout) => {
-            Form::Sparse(SparseMatrix::new(Arc::clone(layout.symbolic.pattern())))
-        }
+        Layout::Sparse(layout) => Form::Sparse(SparseMatrix::new(Arc::clone(layout.symbolic.pattern()))),
         _ => Form::Band(Banded::new(structure.n_dof(), structure.half())),
     }
 }
@@ -158,10 +156,7 @@ impl ScaledMatrices {
         }
         let quarter = rates.len() / 4;
         let typical = *rates.select_nth_unstable_by(quarter, f64::total_cmp).1;
-        let moving = rates
-            .iter()
-            .copied()
-            .filter(|rate| *rate <= FAR_STIFFER * typical);
+        let moving = rates.iter().copied().filter(|rate| *rate <= FAR_STIFFER * typical);
         moving.fold(0.0, f64::max)
     }
 

@@ -31,22 +31,12 @@ struct Dense {
 impl Solutions {
     /// Memory for the models of one structure; it is reserved when first needed.
     pub fn new(structure: &Arc<Structure>) -> Self {
-        Self {
-            structure: Arc::clone(structure),
-            reduced: None,
-            dense: None,
-        }
+        Self { structure: Arc::clone(structure), reduced: None, dense: None }
     }
 
     /// The solutions of K and M.
     pub fn of<'a>(&'a mut self, stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Solved<'a> {
-        Solved {
-            stiffness,
-            mass,
-            memory: self,
-            reduced_is_current: false,
-            dense_is_current: false,
-        }
+        Solved { stiffness, mass, memory: self, reduced_is_current: false, dense_is_current: false }
     }
 }
 
@@ -94,10 +84,7 @@ impl Solved<'_> {
     /// The modes below a limit.
     pub fn reduced(&mut self) -> &mut ReducedModes {
         let structure = &self.memory.structure;
-        let reduced = self
-            .memory
-            .reduced
-            .get_or_insert_with(|| ReducedModes::new(Arc::clone(structure)));
+        let reduced = self.memory.reduced.get_or_insert_with(|| ReducedModes::new(Arc::clone(structure)));
         if !self.reduced_is_current {
             reduced.set_matrices(self.stiffness, self.mass);
             self.reduced_is_current = true;

@@ -88,15 +88,12 @@ impl Structure {
         let row = |at: usize| pattern.rows()[at];
         let band = (n <= MOST_BAND).then(|| {
             let others = |j: usize| entries(j).map(row).filter(move |&i| i as usize != j);
-            let neighbours: Vec<Vec<usize>> = (0..n)
-                .map(|j| others(j).map(|i| i as usize).collect())
-                .collect();
+            let neighbours: Vec<Vec<usize>> =
+                (0..n).map(|j| others(j).map(|i| i as usize).collect()).collect();
             let order = reverse_cuthill_mckee(&neighbours);
             let place = inverse(&order);
             let reach = |j: usize| neighbours[j].iter().map(move |&i| (i, j));
-            let distances = (0..n)
-                .flat_map(reach)
-                .map(|(i, j)| place[i].abs_diff(place[j]));
+            let distances = (0..n).flat_map(reach).map(|(i, j)| place[i].abs_diff(place[j]));
             let half = distances.max().unwrap_or(0);
             (order, place, half)
         });
@@ -127,9 +124,7 @@ impl Structure {
             return dense();
         }
         match band {
-            Some(band) if slender(band.2) && n as f64 * (band.2 as f64).powi(2) <= cost => {
-                by_band(band)
-            }
+            Some(band) if slender(band.2) && n as f64 * (band.2 as f64).powi(2) <= cost => by_band(band),
             _ => {
                 let order = symbolic.order().to_vec();
                 let origin = symbolic.origin().iter();
@@ -141,14 +136,7 @@ impl Structure {
     }
 
     fn laid_out(order: Vec<usize>, half: usize, layout: Layout) -> Self {
-        Self {
-            place: inverse(&order),
-            order,
-            half,
-            layout,
-            parts: Vec::new(),
-            degrees: None,
-        }
+        Self { place: inverse(&order), order, half, layout, parts: Vec::new(), degrees: None }
     }
 
     /// The same with its parts, on those places of `pattern` that `kept` tells.
@@ -183,12 +171,7 @@ impl Structure {
     /// Structure of a model at whatever values its parameters take.
     pub fn under(model: &Model, parameters: &[Parameter]) -> Self {
         let (n, pattern) = (model.n_dof(), model.stiffness().pattern());
-        let sides = || {
-            [
-                (model.stiffness(), model.stiffness_terms()),
-                (model.mass(), model.mass_terms()),
-            ]
-        };
+        let sides = || [(model.stiffness(), model.stiffness_terms()), (model.mass(), model.mass_terms())];
         // The zeros of an element may fill when its geometry changes.
         let structure = if n <= SMALL || parameters.iter().any(|p| p.quantity.forms_anew()) {
             Self::new(pattern, |_| true)
@@ -210,10 +193,7 @@ impl Structure {
             return structure;
         }
         let [stiffness, mass] = sides().map(|(matrix, terms)| joined(matrix, terms));
-        Self {
-            degrees: Some(degrees(n, &stiffness, &mass)),
-            ..structure
-        }
+        Self { degrees: Some(degrees(n, &stiffness, &mass)), ..structure }
     }
 
     /// Whether there is room for K, M, the factors and the Krylov space, or for dense matrices.

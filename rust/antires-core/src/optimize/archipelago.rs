@@ -35,9 +35,7 @@ use super::bounds::Bounds;
 use super::island::{Consensus, GeometricSelection, Habitat, Island, exchange};
 use super::objective::{Evaluator, Ledger, Objective, ObjectiveEvaluator, Stop};
 use super::options::IslandOptions;
-use super::outcome::{
-    Failure, History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status,
-};
+use super::outcome::{Failure, History, Hooks, Interrupt, IslandProgress, Outcome, Progress, Status};
 use super::polish::{Path, Point, Polish};
 use super::population::{Tape, pass_bounds};
 use crate::error::{Error, Result};
@@ -95,10 +93,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
             generation: 0,
             polished: 0,
             evaluations_before: 0,
-            history: History {
-                n_islands: n,
-                ..History::default()
-            },
+            history: History { n_islands: n, ..History::default() },
             batch: Vec::new(),
             costs: Vec::new(),
             progress: Vec::new(),
@@ -165,10 +160,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         let Some(polish) = &mut self.polish else {
             return Ok(ControlFlow::Continue(()));
         };
-        let best = |island: &Island| Point {
-            x: island.best_row().to_vec(),
-            cost: island.best_cost(),
-        };
+        let best = |island: &Island| Point { x: island.best_row().to_vec(), cost: island.best_cost() };
         let mut points: Vec<Point> = self.islands.iter().map(best).collect();
         // Until they exchange, islands but the first, which has the start's optimum, find their own way.
         let alone = self.history.migrations.is_empty();
@@ -182,10 +174,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
 
     /// After a polish: what was found on the way is not lost, be it a gain too small for a move or what an
     /// interrupted one had reached; and the record says what it cost.
-    fn polished(
-        &mut self,
-        flow: Result<(), Stop<E::Fault>>,
-    ) -> Result<ControlFlow<Interrupt>, E::Fault> {
+    fn polished(&mut self, flow: Result<(), Stop<E::Fault>>) -> Result<ControlFlow<Interrupt>, E::Fault> {
         let flow = match flow {
             // The main loop sees a spent budget by itself.
             Ok(()) | Err(Stop::Budget) => ControlFlow::Continue(()),
@@ -216,15 +205,11 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
 
     /// The islands' bests agree, or are exchanged when it is time to.
     fn meet(&mut self) -> Option<Status> {
-        let Habitat {
-            bounds, options, ..
-        } = self.habitat;
+        let Habitat { bounds, options, .. } = self.habitat;
         self.polished = self.generation;
         let exchange_now = self.all_wait();
         if exchange_now || self.history.migrations.is_empty() {
-            let status = self
-                .consensus
-                .reached(&self.islands, bounds, options, exchange_now);
+            let status = self.consensus.reached(&self.islands, bounds, options, exchange_now);
             if status.is_some() {
                 return status;
             }
@@ -245,10 +230,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
         let options = self.habitat.options;
         if self.ledger.left() == 0 {
             Some(Status::MaxEvaluations)
-        } else if options
-            .max_generations
-            .is_some_and(|most| self.generation >= most)
-        {
+        } else if options.max_generations.is_some_and(|most| self.generation >= most) {
             Some(Status::MaxGenerations)
         } else {
             None
@@ -288,8 +270,7 @@ impl<'a, E: Evaluator> Archipelago<'a, E> {
     /// Looks at the islands for the next report.
     fn observe(&mut self) {
         self.progress.clear();
-        self.progress
-            .extend(self.islands.iter().map(Island::progress));
+        self.progress.extend(self.islands.iter().map(Island::progress));
     }
 
     fn record(&mut self) {
@@ -399,11 +380,9 @@ pub fn minimize<E: Evaluator>(
     let room = options.islands * options.population;
     if guesses.len() > room {
         let wanted = format!("at most {room}, the individuals of all islands");
-        return Err(
-            Error::input("x0", format!("{} guesses", guesses.len()), wanted)
-                .remedy("Keep the best of them, or give the islands more individuals.")
-                .into(),
-        );
+        return Err(Error::input("x0", format!("{} guesses", guesses.len()), wanted)
+            .remedy("Keep the best of them, or give the islands more individuals.")
+            .into());
     }
     let mut archipelago = Archipelago::new(evaluator, bounds, guesses, options, seed);
     if let Some(bytes) = hooks.resume {
@@ -424,8 +403,7 @@ pub fn minimize_objective<O: Objective>(
     hooks: &mut Hooks<'_>,
 ) -> Result<Outcome> {
     let mut evaluator = ObjectiveEvaluator::new(objective, threads)?;
-    minimize(&mut evaluator, bounds, guesses, options, seed, hooks).map_err(|failure| match failure
-    {
+    minimize(&mut evaluator, bounds, guesses, options, seed, hooks).map_err(|failure| match failure {
         Failure::Input(error) => error,
         Failure::Evaluation(never) => match never {},
     })

@@ -34,14 +34,13 @@ impl Bounds {
             let argument = Argument::from("bounds").item(i);
             // Written so that NaN fails too.
             if !(lo.abs() <= MAX_MAGNITUDE && hi.abs() <= MAX_MAGNITUDE) {
-                return Err(
-                    Error::input(argument, pair, "finite bounds, below 1e100 in size")
-                        .remedy("The search draws uniformly between them, so it needs both."),
-                );
+                return Err(Error::input(argument, pair, "finite bounds, below 1e100 in size")
+                    .remedy("The search draws uniformly between them, so it needs both."));
             }
             if lo > hi {
-                return Err(Error::input(argument, pair, "lower <= upper")
-                    .remedy("Equal bounds fix the gene."));
+                return Err(
+                    Error::input(argument, pair, "lower <= upper").remedy("Equal bounds fix the gene.")
+                );
             }
         }
         Ok(Self { lower, upper })
@@ -100,19 +99,13 @@ impl Bounds {
         for (g, x) in guesses.iter().enumerate() {
             if x.len() != self.n_genes() {
                 let wanted = format!("{} genes, one per bound", self.n_genes());
-                return Err(Error::input(
-                    Argument::from("x0").item(g),
-                    format!("{} genes", x.len()),
-                    wanted,
-                )
-                .remedy("A guess holds a value for each gene, in the order of the bounds."));
+                return Err(Error::input(Argument::from("x0").item(g), format!("{} genes", x.len()), wanted)
+                    .remedy("A guess holds a value for each gene, in the order of the bounds."));
             }
             if let Some(i) = (0..x.len()).find(|&i| !self.admits(i, x[i])) {
                 let wanted = format!("a value in [{}, {}]", self.lower[i], self.upper[i]);
-                return Err(
-                    Error::input(Argument::from("x0").item(g).item(i), x[i], wanted)
-                        .remedy("Move the guess inside, or widen the bounds."),
-                );
+                return Err(Error::input(Argument::from("x0").item(g).item(i), x[i], wanted)
+                    .remedy("Move the guess inside, or widen the bounds."));
             }
         }
         Ok(())
@@ -124,9 +117,7 @@ mod tests {
     use super::*;
 
     fn refusal(lower: &[f64], upper: &[f64]) -> String {
-        Bounds::new(lower.to_vec(), upper.to_vec())
-            .unwrap_err()
-            .to_string()
+        Bounds::new(lower.to_vec(), upper.to_vec()).unwrap_err().to_string()
     }
 
     #[test]

@@ -82,28 +82,19 @@ pub enum Crossover {
 
 impl Crossover {
     /// The paper's four, in the order its islands use them.
-    pub const ALL: [Self; 4] = [
-        Self::Arithmetic,
-        Self::Heuristic { tries: 3 },
-        Self::Blend { alpha: 0.5 },
-        Self::Uniform,
-    ];
+    pub const ALL: [Self; 4] =
+        [Self::Arithmetic, Self::Heuristic { tries: 3 }, Self::Blend { alpha: 0.5 }, Self::Uniform];
 
     /// The operator of that name, with default settings.
     ///
     /// # Errors
     /// If there is none; the message lists the names.
     pub fn from_name(name: &str) -> Result<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|kind| kind.name() == name)
-            .ok_or_else(|| {
-                let names = Self::ALL
-                    .map(|kind| format!("'{}'", kind.name()))
-                    .join(", ");
-                Error::input("crossovers", format!("'{name}'"), format!("one of {names}"))
-                    .remedy("Leave it out for one of each.")
-            })
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(|kind| format!("'{}'", kind.name())).join(", ");
+            Error::input("crossovers", format!("'{name}'"), format!("one of {names}"))
+                .remedy("Leave it out for one of each.")
+        })
     }
 
     /// The operator's name: `arithmetic`, `heuristic`, `blend` or `uniform`.
@@ -123,17 +114,13 @@ impl Crossover {
     pub fn validate(&self) -> Result<()> {
         match *self {
             Self::Heuristic { tries: 0 } => {
-                Err(
-                    Error::input("crossovers", "'heuristic' with 0 tries", "at least 1 try")
-                        .remedy("The original takes 3."),
-                )
+                Err(Error::input("crossovers", "'heuristic' with 0 tries", "at least 1 try")
+                    .remedy("The original takes 3."))
             }
-            Self::Blend { alpha } if !(0.0..=10.0).contains(&alpha) => Err(Error::input(
-                "crossovers",
-                format!("'blend' with alpha {alpha}"),
-                "alpha in [0, 10]",
-            )
-            .remedy("BLX-0.5 has 0.5.")),
+            Self::Blend { alpha } if !(0.0..=10.0).contains(&alpha) => {
+                Err(Error::input("crossovers", format!("'blend' with alpha {alpha}"), "alpha in [0, 10]")
+                    .remedy("BLX-0.5 has 0.5."))
+            }
             _ => Ok(()),
         }
     }
@@ -164,14 +151,7 @@ impl Crossover {
 
 // ---- arithmetic
 
-pub(super) fn arithmetic(
-    a: &[f64],
-    b: &[f64],
-    bounds: &Bounds,
-    rng: &mut Rng,
-    c: &mut [f64],
-    d: &mut [f64],
-) {
+pub(super) fn arithmetic(a: &[f64], b: &[f64], bounds: &Bounds, rng: &mut Rng, c: &mut [f64], d: &mut [f64]) {
     let r = rng.unit();
     for i in 0..a.len() {
         // Written so that equal parents give their own bits back.
@@ -210,14 +190,7 @@ pub(super) fn heuristic(
 
 // ---- blend
 
-pub(super) fn blend(
-    a: &[f64],
-    b: &[f64],
-    alpha: f64,
-    bounds: &Bounds,
-    rng: &mut Rng,
-    c: &mut [f64],
-) {
+pub(super) fn blend(a: &[f64], b: &[f64], alpha: f64, bounds: &Bounds, rng: &mut Rng, c: &mut [f64]) {
     for i in 0..a.len() {
         let reach = alpha * (a[i] - b[i]).abs();
         c[i] = rng.uniform(a[i].min(b[i]) - reach, a[i].max(b[i]) + reach);
@@ -233,11 +206,7 @@ pub(super) fn uniform(a: &[f64], b: &[f64], rng: &mut Rng, c: &mut [f64], d: &mu
         if i % 64 == 0 {
             bits = rng.bits();
         }
-        (c[i], d[i]) = if bits & 1 == 0 {
-            (a[i], b[i])
-        } else {
-            (b[i], a[i])
-        };
+        (c[i], d[i]) = if bits & 1 == 0 { (a[i], b[i]) } else { (b[i], a[i]) };
         bits >>= 1;
     }
 }
@@ -387,10 +356,7 @@ mod tests {
             counts[((2.0 * c[0]) as usize).min(7)] += 1;
         }
         let expected = f64::from(draws) / 8.0;
-        let chi2: f64 = counts
-            .iter()
-            .map(|&n| (f64::from(n) - expected).powi(2) / expected)
-            .sum();
+        let chi2: f64 = counts.iter().map(|&n| (f64::from(n) - expected).powi(2) / expected).sum();
         // Chi-square with 7 degrees of freedom: 24.3 has probability 0.001.
         assert!(chi2 < 24.3, "chi-square {chi2}, counts {counts:?}");
     }

@@ -130,9 +130,7 @@ impl LocalSearch {
             return descend(points, norm, &self.composition, most_steps, ledger, hooks);
         }
         let limits = (most_steps, self.allowance);
-        points
-            .iter_mut()
-            .try_for_each(|point| compass(point, &self.composition, limits, ledger, hooks))
+        points.iter_mut().try_for_each(|point| compass(point, &self.composition, limits, ledger, hooks))
     }
 
     /// From far off, where more than [`FEW`] sparse genes are raised, each point goes to what a
@@ -147,9 +145,8 @@ impl LocalSearch {
             return Ok(());
         };
         let (lower, upper) = (ledger.bounds.lower(), ledger.bounds.upper());
-        let far: Vec<usize> = (0..points.len())
-            .filter(|&i| self.raised(&points[i].x, lower).len() > FEW)
-            .collect();
+        let far: Vec<usize> =
+            (0..points.len()).filter(|&i| self.raised(&points[i].x, lower).len() > FEW).collect();
         let mut trials: Vec<Point> = far.iter().map(|&i| points[i].clone()).collect();
         relax(&mut trials, &self.composition, ledger, hooks)?;
         for trial in &mut trials {
@@ -161,14 +158,7 @@ impl LocalSearch {
             // Known as soon as the descent linearizes there.
             trial.cost = f64::INFINITY;
         }
-        descend(
-            &mut trials,
-            norm,
-            &self.composition,
-            MOST_STEPS,
-            ledger,
-            hooks,
-        )?;
+        descend(&mut trials, norm, &self.composition, MOST_STEPS, ledger, hooks)?;
         for (&i, trial) in far.iter().zip(&trials) {
             points[i].take(&trial.x, trial.cost);
         }
@@ -177,9 +167,7 @@ impl LocalSearch {
 
     /// Sparse genes above their lower bound.
     pub(super) fn raised(&self, x: &[f64], lower: &[f64]) -> Vec<usize> {
-        (0..x.len())
-            .filter(|&gene| self.composition.sparse[gene] && x[gene] > lower[gene])
-            .collect()
+        (0..x.len()).filter(|&gene| self.composition.sparse[gene] && x[gene] > lower[gene]).collect()
     }
 }
 
@@ -264,11 +252,8 @@ fn bring_down<E: Evaluator>(
 ) -> Result<(), Stop<E::Fault>> {
     let batch: Vec<f64> = points.iter().flat_map(|point| point.x.clone()).collect();
     let found = ledger.linearizations(&batch, hooks)?;
-    let mut descents: Vec<Descent> = points
-        .iter()
-        .zip(found)
-        .map(|(point, here)| Descent::new(point, here))
-        .collect();
+    let mut descents: Vec<Descent> =
+        points.iter().zip(found).map(|(point, here)| Descent::new(point, here)).collect();
     for _ in 0..most_steps {
         for descent in &mut descents {
             descent.propose(goal, composition, ledger);
@@ -311,12 +296,7 @@ impl Descent {
     }
 
     /// Writes the next trial, or is done.
-    fn propose<E: Evaluator>(
-        &mut self,
-        goal: Goal,
-        composition: &Composition,
-        ledger: &Ledger<'_, E>,
-    ) {
+    fn propose<E: Evaluator>(&mut self, goal: Goal, composition: &Composition, ledger: &Ledger<'_, E>) {
         if self.done {
             return;
         }
@@ -340,14 +320,8 @@ impl Descent {
                 .collect()
         };
         let room = |gene: usize, end: f64| (end - x[gene]) / width(gene);
-        let low = self
-            .free
-            .iter()
-            .map(|&gene| room(gene, lower[gene]).max(-self.radius));
-        let high = self
-            .free
-            .iter()
-            .map(|&gene| room(gene, upper[gene]).min(self.radius));
+        let low = self.free.iter().map(|&gene| room(gene, lower[gene]).max(-self.radius));
+        let high = self.free.iter().map(|&gene| room(gene, upper[gene]).min(self.radius));
         let (low, high): (Vec<f64>, Vec<f64>) = (low.collect(), high.collect());
         let (norm, price, least_gain) = match goal {
             Goal::Cost(norm) => (norm, scaled(&composition.price), LEAST_GAIN),
@@ -365,16 +339,12 @@ impl Descent {
         self.foretold = problem.value(&vec![0.0; step.len()]) - problem.value(&step);
         self.trial.copy_from_slice(&self.x);
         for ((&gene, &d), &least) in self.free.iter().zip(&step).zip(&low) {
-            self.trial[gene] = if d == least && least > -self.radius {
-                lower[gene]
-            } else {
-                self.x[gene] + d * width(gene)
-            };
+            self.trial[gene] =
+                if d == least && least > -self.radius { lower[gene] } else { self.x[gene] + d * width(gene) };
         }
         ledger.repair(&mut self.trial);
         // Written so that NaN, of residuals that are not finite, ends the descent too.
-        self.done =
-            !(self.foretold > least_gain * goal.of(&self.here).abs()) || self.trial == self.x;
+        self.done = !(self.foretold > least_gain * goal.of(&self.here).abs()) || self.trial == self.x;
     }
 
     fn accept(&mut self, goal: Goal, there: Option<Linearization>) {
@@ -494,10 +464,7 @@ impl Subproblem<'_> {
 
     /// A d.
     pub(super) fn times(&self, d: &[f64]) -> Vec<f64> {
-        self.jacobian
-            .chunks_exact(d.len())
-            .map(|row| dot(row, d))
-            .collect()
+        self.jacobian.chunks_exact(d.len()).map(|row| dot(row, d)).collect()
     }
 
     /// Aᵀ y.
@@ -584,15 +551,9 @@ impl Subproblem<'_> {
     fn start(&self) -> Iterate {
         let n = self.low.len();
         let d: Vec<f64> = (0..n).map(|j| 0.5 * (self.low[j] + self.high[j])).collect();
-        let r: Vec<f64> = self
-            .residuals
-            .iter()
-            .zip(self.times(&d))
-            .map(|(e, c)| e + c)
-            .collect();
+        let r: Vec<f64> = self.residuals.iter().zip(self.times(&d)).map(|(e, c)| e + c).collect();
         let m = r.len();
-        let room =
-            r.iter().map(|r| r.abs()).sum::<f64>() / m.max(1) as f64 + f64::MIN_POSITIVE.sqrt();
+        let room = r.iter().map(|r| r.abs()).sum::<f64>() / m.max(1) as f64 + f64::MIN_POSITIVE.sqrt();
         let (y, u, v) = match self.norm {
             Norm::Absolute => (
                 vec![0.0; m],
@@ -602,31 +563,17 @@ impl Subproblem<'_> {
             Norm::Squared => (r.iter().map(|r| 2.0 * r).collect(), vec![], vec![]),
         };
         // z_low − z_high = c + Aᵀ y, both positive.
-        let g: Vec<f64> = self
-            .transposed_times(&y)
-            .iter()
-            .zip(self.price)
-            .map(|(a, c)| a + c)
-            .collect();
+        let g: Vec<f64> = self.transposed_times(&y).iter().zip(self.price).map(|(a, c)| a + c).collect();
         // Room for both, in the unit of the cost over the width of the box.
-        let extra: Vec<f64> = (0..n)
-            .map(|j| room * (1 + m) as f64 / (n as f64 * (self.high[j] - self.low[j])))
-            .collect();
+        let extra: Vec<f64> =
+            (0..n).map(|j| room * (1 + m) as f64 / (n as f64 * (self.high[j] - self.low[j]))).collect();
         Iterate {
             d,
             y,
             u,
             v,
-            z_low: g
-                .iter()
-                .zip(&extra)
-                .map(|(g, more)| g.max(0.0) + more)
-                .collect(),
-            z_high: g
-                .iter()
-                .zip(&extra)
-                .map(|(g, more)| (-g).max(0.0) + more)
-                .collect(),
+            z_low: g.iter().zip(&extra).map(|(g, more)| g.max(0.0) + more).collect(),
+            z_high: g.iter().zip(&extra).map(|(g, more)| (-g).max(0.0) + more).collect(),
         }
     }
 
@@ -638,8 +585,7 @@ impl Subproblem<'_> {
         let mut gap = 0.0;
         for i in 0..at.u.len() {
             let y = moved(at.y[i], |d| &d.y, i);
-            gap +=
-                moved(at.u[i], |d| &d.u, i) * (1.0 - y) + moved(at.v[i], |d| &d.v, i) * (1.0 + y);
+            gap += moved(at.u[i], |d| &d.u, i) * (1.0 - y) + moved(at.v[i], |d| &d.v, i) * (1.0 + y);
         }
         for j in 0..at.d.len() {
             let d = moved(at.d[j], |d| &d.d, j);
@@ -677,65 +623,41 @@ impl Subproblem<'_> {
     }
 
     /// Newton's direction to products μ, less the products of `second`'s own changes.
-    fn direction(
-        &self,
-        at: &Iterate,
-        factor: &Factor,
-        mu: f64,
-        second: Option<&Direction>,
-    ) -> Direction {
+    fn direction(&self, at: &Iterate, factor: &Factor, mu: f64, second: Option<&Direction>) -> Direction {
         let (m, n) = (at.u.len(), at.d.len());
         let twice = |a: fn(&Direction) -> &Vec<f64>, b: fn(&Direction) -> &Vec<f64>, i: usize| {
             second.map_or(0.0, |s| a(s)[i] * b(s)[i])
         };
         // What each product u (1 − y), v (1 + y), (d − low) z_low, (high − d) z_high must still change by.
-        let du: Vec<f64> = (0..m)
-            .map(|i| mu - at.u[i] * (1.0 - at.y[i]) + twice(|s| &s.u, |s| &s.y, i))
-            .collect();
-        let dv: Vec<f64> = (0..m)
-            .map(|i| mu - at.v[i] * (1.0 + at.y[i]) - twice(|s| &s.v, |s| &s.y, i))
-            .collect();
+        let du: Vec<f64> =
+            (0..m).map(|i| mu - at.u[i] * (1.0 - at.y[i]) + twice(|s| &s.u, |s| &s.y, i)).collect();
+        let dv: Vec<f64> =
+            (0..m).map(|i| mu - at.v[i] * (1.0 + at.y[i]) - twice(|s| &s.v, |s| &s.y, i)).collect();
         let dl: Vec<f64> = (0..n)
             .map(|j| mu - (at.d[j] - self.low[j]) * at.z_low[j] - twice(|s| &s.d, |s| &s.z_low, j))
             .collect();
         let dh: Vec<f64> = (0..n)
-            .map(|j| {
-                mu - (self.high[j] - at.d[j]) * at.z_high[j] + twice(|s| &s.d, |s| &s.z_high, j)
-            })
+            .map(|j| mu - (self.high[j] - at.d[j]) * at.z_high[j] + twice(|s| &s.d, |s| &s.z_high, j))
             .collect();
         // W q, where u and v would move apart by q without any step.
         let pull: Vec<f64> = (0..m)
             .map(|i| self.weight(at, i) * (du[i] / (1.0 - at.y[i]) - dv[i] / (1.0 + at.y[i])))
             .collect();
-        let mut d = if m == 0 {
-            vec![0.0; n]
-        } else {
-            self.transposed_times(&pull)
-        };
+        let mut d = if m == 0 { vec![0.0; n] } else { self.transposed_times(&pull) };
         for j in 0..n {
             d[j] += dl[j] / (at.d[j] - self.low[j]) - dh[j] / (self.high[j] - at.d[j]);
         }
         factor.solve(&mut d);
         let change = self.times(&d);
         let y: Vec<f64> = match self.norm {
-            Norm::Absolute => (0..m)
-                .map(|i| self.weight(at, i) * change[i] - pull[i])
-                .collect(),
+            Norm::Absolute => (0..m).map(|i| self.weight(at, i) * change[i] - pull[i]).collect(),
             Norm::Squared => change.iter().map(|c| 2.0 * c).collect(),
         };
         Direction {
-            u: (0..m)
-                .map(|i| (du[i] + at.u[i] * y[i]) / (1.0 - at.y[i]))
-                .collect(),
-            v: (0..m)
-                .map(|i| (dv[i] - at.v[i] * y[i]) / (1.0 + at.y[i]))
-                .collect(),
-            z_low: (0..n)
-                .map(|j| (dl[j] - at.z_low[j] * d[j]) / (at.d[j] - self.low[j]))
-                .collect(),
-            z_high: (0..n)
-                .map(|j| (dh[j] + at.z_high[j] * d[j]) / (self.high[j] - at.d[j]))
-                .collect(),
+            u: (0..m).map(|i| (du[i] + at.u[i] * y[i]) / (1.0 - at.y[i])).collect(),
+            v: (0..m).map(|i| (dv[i] - at.v[i] * y[i]) / (1.0 + at.y[i])).collect(),
+            z_low: (0..n).map(|j| (dl[j] - at.z_low[j] * d[j]) / (at.d[j] - self.low[j])).collect(),
+            z_high: (0..n).map(|j| (dh[j] + at.z_high[j] * d[j]) / (self.high[j] - at.d[j])).collect(),
             d,
             y,
         }
@@ -831,14 +753,7 @@ mod tests {
 
     fn solve(norm: Norm, e: &[f64], a: &[f64], price: &[f64], reach: f64) -> Vec<f64> {
         let (low, high) = (vec![-reach; price.len()], vec![reach; price.len()]);
-        let problem = Subproblem {
-            norm,
-            residuals: e,
-            jacobian: a,
-            price,
-            low: &low,
-            high: &high,
-        };
+        let problem = Subproblem { norm, residuals: e, jacobian: a, price, low: &low, high: &high };
         problem.solve()
     }
 
@@ -866,16 +781,11 @@ mod tests {
             })
             .collect();
         let truth = [0.3, -0.2, 0.15, 0.1];
-        let e: Vec<f64> = a
-            .chunks_exact(4)
-            .map(|row| -row.iter().zip(truth).map(|(a, x)| a * x).sum::<f64>())
-            .collect();
+        let e: Vec<f64> =
+            a.chunks_exact(4).map(|row| -row.iter().zip(truth).map(|(a, x)| a * x).sum::<f64>()).collect();
         for norm in [Norm::Absolute, Norm::Squared] {
             let d = solve(norm, &e, &a, &[0.0; 4], 1.0);
-            assert!(
-                (d[0] - 0.3).abs() < 1e-6 && (d[1] + 0.2).abs() < 1e-6,
-                "{d:?}"
-            );
+            assert!((d[0] - 0.3).abs() < 1e-6 && (d[1] + 0.2).abs() < 1e-6, "{d:?}");
             assert!((d[2] + d[3] - 0.25).abs() < 1e-6, "{d:?}");
         }
     }
@@ -885,20 +795,10 @@ mod tests {
         let a: Vec<f64> = (0..40).map(|i| (1.7 * f64::from(i * i)).cos()).collect();
         let e: Vec<f64> = (0..10).map(|i| (2.9 * f64::from(i)).sin()).collect();
         let price = [0.1, 0.3, 0.0, -0.2];
-        for (norm, reach) in [
-            (Norm::Absolute, 0.2),
-            (Norm::Absolute, 5.0),
-            (Norm::Squared, 5.0),
-        ] {
+        for (norm, reach) in [(Norm::Absolute, 0.2), (Norm::Absolute, 5.0), (Norm::Squared, 5.0)] {
             let (low, high) = ([-reach; 4], [reach; 4]);
-            let problem = Subproblem {
-                norm,
-                residuals: &e,
-                jacobian: &a,
-                price: &price,
-                low: &low,
-                high: &high,
-            };
+            let problem =
+                Subproblem { norm, residuals: &e, jacobian: &a, price: &price, low: &low, high: &high };
             let d = problem.solve();
             let best = problem.value(&d);
             for k in 0..200 {

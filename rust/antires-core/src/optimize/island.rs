@@ -129,9 +129,7 @@ impl Island {
             let x = self.offspring.row_mut(i);
             repair(x);
             bounds.clip(x);
-            self.population
-                .row_mut(i)
-                .copy_from_slice(self.offspring.row(i));
+            self.population.row_mut(i).copy_from_slice(self.offspring.row(i));
         }
     }
 
@@ -176,21 +174,13 @@ impl Island {
     }
 
     /// Mutates and repairs offspring `i`; it inherits the cost of a parent it equals.
-    fn finish(
-        &mut self,
-        i: usize,
-        parents: [usize; 2],
-        habitat: &Habitat<'_>,
-        repair: &dyn Fn(&mut [f64]),
-    ) {
+    fn finish(&mut self, i: usize, parents: [usize; 2], habitat: &Habitat<'_>, repair: &dyn Fn(&mut [f64])) {
         let child = self.offspring.row_mut(i);
         let p = habitat.options.mutation_probability;
         mutate(child, p, habitat.bounds, &mut self.rng);
         repair(child);
         habitat.bounds.clip(child);
-        let same = parents
-            .into_iter()
-            .find(|&p| self.population.row(p) == child);
+        let same = parents.into_iter().find(|&p| self.population.row(p) == child);
         if let Some(parent) = same {
             self.offspring.set_cost(i, self.population.cost(parent));
         } else {
@@ -225,8 +215,7 @@ impl Island {
         let best_cost = self.population.cost(best);
         if best_cost < self.offspring.cost(self.offspring.best()) {
             let worst = self.offspring.worst();
-            self.offspring
-                .replace(worst, self.population.row(best), best_cost);
+            self.offspring.replace(worst, self.population.row(best), best_cost);
         }
         std::mem::swap(&mut self.population, &mut self.offspring);
         self.count_stagnation(options);
@@ -277,18 +266,11 @@ impl Island {
     }
 
     pub(super) fn progress(&self) -> IslandProgress {
-        IslandProgress {
-            best_cost: self.best_cost(),
-            state: self.state(),
-        }
+        IslandProgress { best_cost: self.best_cost(), state: self.state() }
     }
 
     fn state(&self) -> IslandState {
-        if self.waiting {
-            IslandState::Waiting
-        } else {
-            IslandState::Searching
-        }
+        if self.waiting { IslandState::Waiting } else { IslandState::Searching }
     }
 
     /// Passes the island as it stands between two generations.
@@ -384,10 +366,8 @@ pub(super) fn mutate(x: &mut [f64], p: f64, bounds: &Bounds, rng: &mut Rng) {
 
 /// Exchanges the bests of neighbours; every island then searches on.
 pub(super) fn exchange(islands: &mut [Island]) {
-    let emigrants: Vec<(Vec<f64>, f64)> = islands
-        .iter()
-        .map(|island| (island.best_row().to_vec(), island.best_cost()))
-        .collect();
+    let emigrants: Vec<(Vec<f64>, f64)> =
+        islands.iter().map(|island| (island.best_row().to_vec(), island.best_cost())).collect();
     let n = islands.len();
     let mut ranking = Vec::new();
     for (i, island) in islands.iter_mut().enumerate() {
@@ -465,9 +445,7 @@ fn agree_in_cost(costs: impl Iterator<Item = f64>, tolerance: f64, floor: f64) -
 }
 
 fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    })
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
 #[cfg(test)]
@@ -510,10 +488,7 @@ mod tests {
     fn every_cost_belongs_to_its_genes_and_the_best_is_never_lost() {
         let bounds = Bounds::uniform(6, 0.0, 1.0).unwrap();
         // An odd population: the last has no partner.
-        let options = IslandOptions {
-            population: 13,
-            ..IslandOptions::default()
-        };
+        let options = IslandOptions { population: 13, ..IslandOptions::default() };
         let habitat = habitat(&bounds, &options);
         for number in 0..4 {
             let mut island = Island::new(number, &habitat, 3);
@@ -587,10 +562,7 @@ mod tests {
     #[test]
     fn an_island_waits_when_its_patience_ends() {
         let bounds = Bounds::uniform(3, 0.0, 1.0).unwrap();
-        let options = IslandOptions {
-            patience: 5,
-            ..IslandOptions::default()
-        };
+        let options = IslandOptions { patience: 5, ..IslandOptions::default() };
         let habitat = habitat(&bounds, &options);
         let mut island = Island::new(0, &habitat, 3);
         // A constant cost: the initial generation is the only improvement.
@@ -689,15 +661,9 @@ mod tests {
     /// Islands of four, island `i` with costs `10 i + 0..4` by index; genes as drawn.
     fn islands(n: usize) -> Vec<Island> {
         let bounds = Bounds::uniform(2, 0.0, 1.0).unwrap();
-        let options = IslandOptions {
-            population: 4,
-            ..IslandOptions::default()
-        };
-        let habitat = Habitat {
-            bounds: &bounds,
-            options: &options,
-            selection: GeometricSelection::new(4, 0.08),
-        };
+        let options = IslandOptions { population: 4, ..IslandOptions::default() };
+        let habitat =
+            Habitat { bounds: &bounds, options: &options, selection: GeometricSelection::new(4, 0.08) };
         let settle = |i: usize| {
             let mut island = Island::new(i, &habitat, 1);
             let costs: Vec<f64> = (0..4).map(|k| (10 * i + k) as f64).collect();
@@ -744,11 +710,8 @@ mod tests {
 
     /// Two islands whose bests are `a` and `b` with the costs `cost_a` and `cost_b`.
     fn pair(bounds: &Bounds, options: &IslandOptions, bests: [([f64; 2], f64); 2]) -> Vec<Island> {
-        let habitat = Habitat {
-            bounds,
-            options,
-            selection: GeometricSelection::new(options.population, 0.08),
-        };
+        let habitat =
+            Habitat { bounds, options, selection: GeometricSelection::new(options.population, 0.08) };
         let settle = |(x, cost): &([f64; 2], f64)| {
             let mut island = Island::new(0, &habitat, 1);
             island.settle(0, x);
@@ -785,10 +748,7 @@ mod tests {
         assert_eq!([ask(&even), ask(&even)], [None; 2]);
         assert_eq!(ask(&even), Some(Status::CostAgreed));
 
-        let paper = IslandOptions {
-            agreement: Agreement::Genes,
-            ..options
-        };
+        let paper = IslandOptions { agreement: Agreement::Genes, ..options };
         let mut consensus = Consensus::default();
         assert!((0..9).all(|_| consensus.reached(&even, &bounds, &paper, true).is_none()));
     }

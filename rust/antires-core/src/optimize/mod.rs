@@ -52,12 +52,12 @@ pub use archipelago::{minimize, minimize_objective};
 pub use bounds::Bounds;
 pub use crossover::Crossover;
 pub use objective::{
-    Candidates, Composition, Evaluator, Linearization, Norm, Objective, ObjectiveEvaluator,
-    Workers, evaluate_many, parallel_map,
+    Candidates, Composition, Evaluator, Linearization, Norm, Objective, ObjectiveEvaluator, Workers,
+    evaluate_many, parallel_map,
 };
 pub use options::{Agreement, IslandOptions};
 pub use outcome::{
-    Failure, FinalIsland, History, Hooks, Interrupt, IslandProgress, IslandState, Keep, OnProgress,
-    Outcome, Progress, ShouldStop, Status,
+    Failure, FinalIsland, History, Hooks, Interrupt, IslandProgress, IslandState, Keep, OnProgress, Outcome,
+    Progress, ShouldStop, Status,
 };
 pub use population::Population;

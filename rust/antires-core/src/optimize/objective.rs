@@ -348,12 +348,7 @@ impl<'a, O: Objective> ObjectiveEvaluator<'a, O> {
         let workers = Workers::new(threads)?;
         let mut workspaces = Vec::new();
         workspaces.resize_with(threads, || objective.workspace());
-        Ok(Self {
-            objective,
-            workers,
-            workspaces,
-            start: None,
-        })
+        Ok(Self { objective, workers, workspaces, start: None })
     }
 
     /// The same, a search beginning at `start` in place of the point that the objective tells.
@@ -399,10 +394,7 @@ impl<O: Objective> Evaluator for ObjectiveEvaluator<'_, O> {
 
     fn composition(&self) -> Option<Composition> {
         let told = self.objective.composition()?;
-        Some(Composition {
-            start: self.start.clone().or(told.start),
-            ..told
-        })
+        Some(Composition { start: self.start.clone().or(told.start), ..told })
     }
 
     fn linearize(
@@ -531,9 +523,7 @@ impl<'a, E: Evaluator> Ledger<'a, E> {
         if batch.is_empty() {
             return Ok(ControlFlow::Continue(()));
         }
-        let flow = self
-            .evaluator
-            .evaluate(batch, costs, &mut || hooks.poll())?;
+        let flow = self.evaluator.evaluate(batch, costs, &mut || hooks.poll())?;
         self.evaluations += match flow {
             ControlFlow::Continue(()) => count,
             ControlFlow::Break(_) => costs.iter().filter(|cost| !cost.is_nan()).count(),
@@ -575,10 +565,8 @@ impl<'a, E: Evaluator> Ledger<'a, E> {
         let batch = Candidates::new(&batch[..count * n_genes], n_genes);
         let mut found = vec![None; count];
         if !batch.is_empty() {
-            let flow = self
-                .evaluator
-                .linearize(batch, &mut found, &mut || hooks.poll())
-                .map_err(Stop::Fault)?;
+            let flow =
+                self.evaluator.linearize(batch, &mut found, &mut || hooks.poll()).map_err(Stop::Fault)?;
             for (i, linearization) in found.iter().enumerate() {
                 if let Some(linearization) = linearization {
                     self.evaluations += 1;
@@ -628,13 +616,7 @@ mod tests {
         // Each task counts up its workspace; the counts must add up to the number of tasks.
         let workers = Workers::new(3).unwrap();
         let mut counts = [0_usize; 3];
-        let flow = workers.run(
-            &mut counts,
-            500,
-            &|_, count| *count += 1,
-            &mut never,
-            |_, ()| {},
-        );
+        let flow = workers.run(&mut counts, 500, &|_, count| *count += 1, &mut never, |_, ()| {});
         assert!(flow.is_continue());
         assert_eq!(counts.iter().sum::<usize>(), 500);
     }
@@ -661,10 +643,7 @@ mod tests {
             assert_eq!(flow.unwrap(), ControlFlow::Break(Interrupt::User));
             // Two polls are 40 ms at most, 20 tasks a thread; ten times that for a busy machine.
             let done = done.into_inner();
-            assert!(
-                (1..400).contains(&done),
-                "{done} tasks on {threads} threads"
-            );
+            assert!((1..400).contains(&done), "{done} tasks on {threads} threads");
         }
     }
 
@@ -672,13 +651,7 @@ mod tests {
     fn a_panic_reaches_the_caller_instead_of_hanging() {
         for threads in [1, 2] {
             let caught = std::panic::catch_unwind(|| {
-                parallel_map(
-                    50,
-                    threads,
-                    || (),
-                    |i, ()| assert!(i != 30, "task thirty"),
-                    &mut never,
-                )
+                parallel_map(50, threads, || (), |i, ()| assert!(i != 30, "task thirty"), &mut never)
             });
             let payload = caught.unwrap_err();
             let text = payload.downcast_ref::<&str>();
@@ -689,10 +662,7 @@ mod tests {
     #[test]
     fn no_thread_is_refused() {
         let error = Workers::new(0).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "threads: got 0; wanted at least 1. Use 1 to evaluate on the calling thread."
-        );
+        assert_eq!(error, "threads: got 0; wanted at least 1. Use 1 to evaluate on the calling thread.");
     }
 
     #[test]

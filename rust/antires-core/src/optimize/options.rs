@@ -21,12 +21,8 @@ impl Agreement {
         match name {
             "genes-or-cost" => Ok(Self::GenesOrCost),
             "genes" => Ok(Self::Genes),
-            _ => Err(Error::input(
-                "agreement",
-                format!("'{name}'"),
-                "'genes-or-cost' or 'genes'",
-            )
-            .remedy("Leave it out for 'genes-or-cost'.")),
+            _ => Err(Error::input("agreement", format!("'{name}'"), "'genes-or-cost' or 'genes'")
+                .remedy("Leave it out for 'genes-or-cost'.")),
         }
     }
 
@@ -176,19 +172,12 @@ impl IslandOptions {
         }
         let q = self.selection_pressure;
         if !(q > 0.0 && q < 1.0) {
-            return Err(
-                Error::input("selection_pressure", q, "a value in (0, 1)").remedy(
-                    "It is the chance of the best to be drawn; leave it out for the default.",
-                ),
-            );
+            return Err(Error::input("selection_pressure", q, "a value in (0, 1)")
+                .remedy("It is the chance of the best to be drawn; leave it out for the default."));
         }
         if !(self.cost_floor >= 0.0 && self.cost_floor.is_finite()) {
-            return Err(Error::input(
-                "cost_floor",
-                self.cost_floor,
-                "a finite value of at least 0",
-            )
-            .remedy("It is a cost below which the search is done; leave it out for the default."));
+            return Err(Error::input("cost_floor", self.cost_floor, "a finite value of at least 0")
+                .remedy("It is a cost below which the search is done; leave it out for the default."));
         }
         // Streams are split by island and memory by individual: refuse what cannot be meant.
         if self.islands.saturating_mul(self.population) > MAX_INDIVIDUALS {

@@ -77,9 +77,7 @@ impl Status {
             Self::MaxEvaluations => {
                 "The budget of evaluations, linearizations included, was spent before the islands agreed."
             }
-            Self::MaxGenerations => {
-                "The budget of generations was spent before the islands agreed."
-            }
+            Self::MaxGenerations => "The budget of generations was spent before the islands agreed.",
             Self::TimeLimit => "The time limit was reached before the islands agreed.",
             Self::Interrupted => "Interrupted by the user; this is the best found until then.",
             Self::Callback => "Stopped by the callback; this is the best found until then.",
@@ -266,9 +264,7 @@ impl Outcome {
             return message.to_string();
         }
         if self.migrations > 0 {
-            return format!(
-                "{message} They had exchanged their bests, so not all found it on their own."
-            );
+            return format!("{message} They had exchanged their bests, so not all found it on their own.");
         }
         let how = if self.polished {
             "each was reached by a local search from a random start of its own"
@@ -333,11 +329,7 @@ mod tests {
         };
         let early = outcome(Status::Agreed, 0, true).message();
         assert!(early.starts_with(Status::Agreed.message()) && early.contains("local search"));
-        assert!(
-            outcome(Status::Agreed, 0, false)
-                .message()
-                .contains("on its own")
-        );
+        assert!(outcome(Status::Agreed, 0, false).message().contains("on its own"));
         let late = outcome(Status::Agreed, 1, true).message();
         assert!(late.starts_with(Status::Agreed.message()) && late.contains("not all"));
         let budget = Status::MaxEvaluations;

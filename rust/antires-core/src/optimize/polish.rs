@@ -52,11 +52,7 @@ pub(super) struct Polish {
 
 impl Polish {
     /// The polish that `options` ask for, if any.
-    pub(super) fn new<E: Evaluator>(
-        evaluator: &E,
-        lower: &[f64],
-        options: &IslandOptions,
-    ) -> Option<Self> {
+    pub(super) fn new<E: Evaluator>(evaluator: &E, lower: &[f64], options: &IslandOptions) -> Option<Self> {
         let told = || evaluator.composition();
         let composition = match options.polish {
             Some(false) => None,
@@ -64,10 +60,7 @@ impl Polish {
             Some(true) => Some(told().unwrap_or_else(|| Composition::unknown(lower))),
         };
         composition.map(|composition| Self {
-            local: LocalSearch {
-                composition,
-                allowance: options.polish_evaluations,
-            },
+            local: LocalSearch { composition, allowance: options.polish_evaluations },
             moves: Moves::default(),
         })
     }
@@ -112,17 +105,10 @@ impl Polish {
         let raised = |size: f64| {
             let genes = composition.sparse.iter().enumerate();
             let x = genes.map(|(gene, &sparse)| {
-                let width = if sparse {
-                    upper[gene] - lower[gene]
-                } else {
-                    0.0
-                };
+                let width = if sparse { upper[gene] - lower[gene] } else { 0.0 };
                 point.x[gene] + size * width
             });
-            Point {
-                x: x.collect(),
-                cost: f64::INFINITY,
-            }
+            Point { x: x.collect(), cost: f64::INFINITY }
         };
         let mut starts = STARTS.map(raised);
         self.local.approach(&mut starts, ledger, hooks)?;
@@ -147,8 +133,7 @@ impl Polish {
         self.local.descend(points, MOST_STEPS, ledger, hooks)?;
         if self.local.composition.sparse.contains(&true) {
             for (i, point) in points.iter_mut().enumerate() {
-                self.moves
-                    .settle(&self.local, point, path(i), ledger, hooks)?;
+                self.moves.settle(&self.local, point, path(i), ledger, hooks)?;
             }
         }
         Ok(())
@@ -285,28 +270,19 @@ impl Moves {
             prune(local, candidate, Path::Own, ledger, hooks)?;
         }
         let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        self.scanned.push(Scan {
-            base,
-            best: best.clone(),
-        });
+        self.scanned.push(Scan { base, best: best.clone() });
         Ok(best)
     }
 
     /// Passes what is remembered.
     pub(super) fn pass(&mut self, n_genes: usize, tape: &mut Tape<'_>) {
-        let blank = || Scan {
-            base: vec![0.0; n_genes],
-            best: None,
-        };
+        let blank = || Scan { base: vec![0.0; n_genes], best: None };
         tape.list(&mut self.scanned, blank, |tape, scan| {
             tape.floats(&mut scan.base);
             let mut some = scan.best.is_some();
             tape.flag(&mut some);
             if some {
-                let best = scan.best.get_or_insert_with(|| Point {
-                    x: vec![0.0; n_genes],
-                    cost: 0.0,
-                });
+                let best = scan.best.get_or_insert_with(|| Point { x: vec![0.0; n_genes], cost: 0.0 });
                 tape.floats(&mut best.x);
                 tape.float(&mut best.cost);
             }
@@ -337,19 +313,13 @@ fn additions<E: Evaluator>(
     ledger.all_costs(&batch, &mut costs, hooks)?;
     let genes = batch.chunks_exact(base.len() * SIZES.len());
     let best = |(sizes, costs): (&[f64], &[f64])| {
-        let mut best = Point {
-            x: sizes[..base.len()].to_vec(),
-            cost: costs[0],
-        };
+        let mut best = Point { x: sizes[..base.len()].to_vec(), cost: costs[0] };
         for (x, &cost) in sizes.chunks_exact(base.len()).zip(costs) {
             best.take(x, cost);
         }
         best
     };
-    Ok(genes
-        .zip(costs.chunks_exact(SIZES.len()))
-        .map(best)
-        .collect())
+    Ok(genes.zip(costs.chunks_exact(SIZES.len())).map(best).collect())
 }
 
 /// Drops raised genes as long as that lowers J, each time followed by a descent of the rest.

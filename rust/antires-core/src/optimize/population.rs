@@ -24,11 +24,7 @@ pub struct Population {
 impl Population {
     /// `size` individuals of `n_genes` zeros, not evaluated yet: their cost is `+inf`.
     pub(super) fn new(size: usize, n_genes: usize) -> Self {
-        Self {
-            n_genes,
-            genes: vec![0.0; size * n_genes],
-            costs: vec![f64::INFINITY; size],
-        }
+        Self { n_genes, genes: vec![0.0; size * n_genes], costs: vec![f64::INFINITY; size] }
     }
 
     /// Passes genes and costs.

@@ -73,11 +73,7 @@ fn peak(mean: [f64; 3], covariance: &Square, k: usize) -> [f64; 3] {
             let sd = spread[i][i].sqrt();
             let (below, above) = (-best[i] / sd, (best[i] - FURTHEST) / sd);
             if below.max(above) > worst.0 {
-                worst = (
-                    below.max(above),
-                    i,
-                    if below > above { 0.0 } else { FURTHEST },
-                );
+                worst = (below.max(above), i, if below > above { 0.0 } else { FURTHEST });
             }
         }
         let (_, w, bound) = worst;
@@ -130,10 +126,7 @@ fn log_inside(mean: [f64; 3], covariance: &Square, k: usize) -> f64 {
     }
     let top = peak(mean, covariance, k)[0];
     let decay = sd * sd / (mean[0] - top).abs().max(sd);
-    let (low, high) = (
-        (top - REACH * decay).max(0.0),
-        (top + REACH * decay).min(FURTHEST),
-    );
+    let (low, high) = ((top - REACH * decay).max(0.0), (top + REACH * decay).min(FURTHEST));
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let gain: [f64; 3] = std::array::from_fn(|i| covariance[i][0] / covariance[0][0]);
     let mut rest = [[0.0; 3]; 3];
@@ -170,17 +163,14 @@ pub fn evidence(log_likelihood: f64, gain: &[f64], curvature: &[f64], u: &[f64])
     let (covariance, log_size) = inverse(&matrix, k);
     let (mut mean, mut rise) = ([0.0; 3], 0.0);
     for i in 0..k {
-        let step: f64 = (0..k)
-            .map(|j| covariance[i][j] * (gain[j] * room[j] - 1.0))
-            .sum();
+        let step: f64 = (0..k).map(|j| covariance[i][j] * (gain[j] * room[j] - 1.0)).sum();
         mean[i] = u[i] + step;
         rise += 0.5 * (gain[i] * room[i] - 1.0) * step;
     }
     let best = peak(mean, &covariance, k);
     // Those far from both bounds come last and out.
-    let near: Vec<usize> = (0..k)
-        .filter(|&i| mean[i].min(FURTHEST - mean[i]) < FAR * covariance[i][i].sqrt())
-        .collect();
+    let near: Vec<usize> =
+        (0..k).filter(|&i| mean[i].min(FURTHEST - mean[i]) < FAR * covariance[i][i].sqrt()).collect();
     let (mut of_near, mut means) = ([[0.0; 3]; 3], [0.0; 3]);
     for (i, &a) in near.iter().enumerate() {
         means[i] = mean[a];
@@ -189,16 +179,12 @@ pub fn evidence(log_likelihood: f64, gain: &[f64], curvature: &[f64], u: &[f64])
         }
     }
     let size = k as f64;
-    let volume =
-        0.5 * (size * (2.0 * PI).ln() - log_size) - size * HIGHEST.ln() - u.iter().sum::<f64>();
+    let volume = 0.5 * (size * (2.0 * PI).ln() - log_size) - size * HIGHEST.ln() - u.iter().sum::<f64>();
     Evidence {
         log: log_likelihood + rise + volume + log_inside(means, &of_near, near.len()),
         u: best[..k].to_vec(),
         mean: mean[..k].to_vec(),
-        covariance: covariance[..k]
-            .iter()
-            .flat_map(|row| row[..k].to_vec())
-            .collect(),
+        covariance: covariance[..k].iter().flat_map(|row| row[..k].to_vec()).collect(),
     }
 }
 
@@ -242,19 +228,11 @@ fn log_tail(z: f64) -> f64 {
 /// ln of the probability between two limits.
 pub fn log_between(low: f64, high: f64) -> f64 {
     // The tail is resolved on the negative side.
-    let (low, high) = if low > 0.0 {
-        (-high, -low)
-    } else {
-        (low, high)
-    };
+    let (low, high) = if low > 0.0 { (-high, -low) } else { (low, high) };
     let (top, bottom) = (log_below(high), log_below(low));
     let apart = bottom - top;
     // ln(1 − e^apart), by whichever way keeps its digits.
-    top + if apart > -LN_2 {
-        (-apart.min(-1e-15).exp_m1()).ln()
-    } else {
-        (-apart.exp()).ln_1p()
-    }
+    top + if apart > -LN_2 { (-apart.min(-1e-15).exp_m1()).ln() } else { (-apart.exp()).ln_1p() }
 }
 
 #[cfg(test)]
@@ -284,11 +262,7 @@ mod tests {
             }
         }
         let expected = -5.0 + f64::ln(sum) - 2.0 * f64::ln(HIGHEST);
-        assert!(
-            (found.log - expected).abs() < 2e-3,
-            "{} {expected}",
-            found.log
-        );
+        assert!((found.log - expected).abs() < 2e-3, "{} {expected}", found.log);
         assert!(found.u[1] == 0.0 && found.u[0] > 0.3);
     }
 

@@ -4,9 +4,7 @@
 //!
 //! The roots as they are expected in the measured structure at some severities.
 
-use super::tables::{
-    Entry, Places, SIDE, Tables, Test, factorize, gram, row, whiten_rows, whitened,
-};
+use super::tables::{Entry, Places, SIDE, Tables, Test, factorize, gram, row, whiten_rows, whitened};
 use crate::linalg::wide::{NullaryFnOnce, dot, run};
 use crate::update::alignment::{self, associate};
 
@@ -41,39 +39,19 @@ pub struct Look {
 
 /// Root of each value, and what those without a partner cost.
 fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (Vec<i64>, f64) {
-    let prices: Vec<_> = roots
-        .place
-        .iter()
-        .zip(&roots.seen)
-        .map(|(&p, &s)| test.prices(p, s))
-        .collect();
-    let alone_root: Vec<f64> = prices
-        .iter()
-        .map(|(missed, present)| missed - present)
-        .collect();
+    let prices: Vec<_> = roots.place.iter().zip(&roots.seen).map(|(&p, &s)| test.prices(p, s)).collect();
+    let alone_root: Vec<f64> = prices.iter().map(|(missed, present)| missed - present).collect();
     let sigma: Vec<f64> = sigma.iter().map(|s| wider * s).collect();
     let std: Vec<f64> = test.std.iter().map(|s| wider * s).collect();
-    let of_roots = alignment::Places {
-        response: &roots.response,
-        log_f: &roots.place,
-    };
+    let of_roots = alignment::Places { response: &roots.response, log_f: &roots.place };
     let alone = test.alone();
     let mut partner = Vec::with_capacity(std.len());
     let mut first = 0;
     while first < std.len() {
         let end = first + test.set[first..].partition_point(|&s| s == test.set[first]);
-        let values = alignment::Places {
-            response: &test.response[first..end],
-            log_f: &test.log_f[first..end],
-        };
-        partner.extend(associate(
-            values,
-            &std[first..end],
-            of_roots,
-            &sigma,
-            alone,
-            &alone_root,
-        ));
+        let values =
+            alignment::Places { response: &test.response[first..end], log_f: &test.log_f[first..end] };
+        partner.extend(associate(values, &std[first..end], of_roots, &sigma, alone, &alone_root));
         first = end;
     }
     let lost = partner.iter().filter(|&&k| k < 0).count() as f64 * alone;
@@ -83,10 +61,7 @@ fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (
         .zip(&roots.response)
         .map(|((missed, _), &response)| test.measured(response) * missed)
         .sum();
-    let taken: f64 = partner
-        .iter()
-        .filter_map(|&k| alone_root.get(usize::try_from(k).ok()?))
-        .sum();
+    let taken: f64 = partner.iter().filter_map(|&k| alone_root.get(usize::try_from(k).ok()?)).sum();
     (partner, lost + missed - taken)
 }
 
@@ -111,11 +86,7 @@ fn slopes_of(
     } else {
         for (i, &k) in root.iter().enumerate() {
             for (c, &by) in columns.iter().enumerate() {
-                slopes[i * width + c] = if roots.gone[k] {
-                    0.0
-                } else {
-                    at.slope(t, roots.root[k], by)
-                };
+                slopes[i * width + c] = if roots.gone[k] { 0.0 } else { at.slope(t, roots.root[k], by) };
             }
         }
     }
@@ -139,37 +110,19 @@ fn judged(
     let has: Vec<usize> = (0..partner.len()).filter(|&i| partner[i] >= 0).collect();
     let root: Vec<usize> = has.iter().map(|&i| partner[i] as usize).collect();
     let m = has.len();
-    let residual: Vec<f64> = has
-        .iter()
-        .zip(&root)
-        .map(|(&i, &k)| test.log_f[i] - roots.place[k])
-        .collect();
+    let residual: Vec<f64> = has.iter().zip(&root).map(|(&i, &k)| test.log_f[i] - roots.place[k]).collect();
     let mean = root.iter().map(|&k| roots.change[k].powi(2)).sum::<f64>() / m.max(1) as f64;
-    let size: Vec<f64> = root
-        .iter()
-        .map(|&k| (roots.change[k].powi(2) + COMMON * mean).sqrt())
-        .collect();
+    let size: Vec<f64> = root.iter().map(|&k| (roots.change[k].powi(2) + COMMON * mean).sqrt()).collect();
     let model = covariance(t, test, roots, &root);
     let error = |l: usize| test.errors[l.min(test.errors.len() - 1)];
-    let squares: [(f64, f64); SIDE] =
-        std::array::from_fn(|l| (error(l)[0].powi(2), error(l)[1].powi(2)));
+    let squares: [(f64, f64); SIDE] = std::array::from_fn(|l| (error(l)[0].powi(2), error(l)[1].powi(2)));
     let mut a: Vec<Entry> = Vec::with_capacity(model.len());
     for i in 0..m {
         for j in 0..=i {
             let c = model[row(i) + j];
-            let own = if root[i] == root[j] {
-                size[i] * size[j]
-            } else {
-                0.0
-            };
-            let noise = if i == j {
-                test.std[has[i]].powi(2)
-            } else {
-                0.0
-            };
-            a.push(std::array::from_fn(|l| {
-                c + squares[l].1 * noise + squares[l].0 * own
-            }));
+            let own = if root[i] == root[j] { size[i] * size[j] } else { 0.0 };
+            let noise = if i == j { test.std[has[i]].powi(2) } else { 0.0 };
+            a.push(std::array::from_fn(|l| c + squares[l].1 * noise + squares[l].0 * own));
         }
     }
     let diagonal: Vec<Entry> = (0..m).map(|i| a[row(i) + i]).collect();
@@ -195,16 +148,10 @@ fn judged(
     }
     let mut beside = vec![0.0; partner.len()];
     for (&i, &k) in has.iter().zip(&root) {
-        beside[i] = if roots.gone[k] {
-            0.0
-        } else {
-            at.beside[roots.root[k]]
-        };
+        beside[i] = if roots.gone[k] { 0.0 } else { at.beside[roots.root[k]] };
     }
     Look {
-        log_likelihood: logs[best] + sum.ln()
-            - 0.5 * m as f64 * (2.0 * std::f64::consts::PI).ln()
-            - price,
+        log_likelihood: logs[best] + sum.ln() - 0.5 * m as f64 * (2.0 * std::f64::consts::PI).ln() - price,
         gain,
         curvature: gram(&slopes, width),
         error: best,
@@ -217,33 +164,18 @@ fn judged(
 }
 
 /// The more probable of two ways to associate values and roots, with slopes by the severities of `columns`.
-pub fn look(
-    t: &Tables<'_>,
-    test: &Test<'_>,
-    at: &Places,
-    columns: &[usize],
-    errors: Errors,
-) -> Look {
+pub fn look(t: &Tables<'_>, test: &Test<'_>, at: &Places, columns: &[usize], errors: Errors) -> Look {
     let roots = foreseen(t, test, at, errors);
     let own = variances(t, &roots);
     let sigma: Vec<f64> = (0..own.len())
         .map(|k| {
-            let alike = if roots.gone[k] {
-                0.0
-            } else {
-                test.common * test.common
-            };
+            let alike = if roots.gone[k] { 0.0 } else { test.common * test.common };
             (own[k] + alike + roots.extra[k] + (FIRST_KAPPA * roots.change[k]).powi(2)).sqrt()
         })
         .collect();
     let room: Vec<f64> = columns
         .iter()
-        .map(|c| {
-            at.elements
-                .iter()
-                .position(|e| e == c)
-                .map_or(1.0, |nth| (-at.u[nth]).exp())
-        })
+        .map(|c| at.elements.iter().position(|e| e == c).map_or(1.0, |nth| (-at.u[nth]).exp()))
         .collect();
     let [narrow, wide] = WIDER.map(|wider| associated(test, &roots, &sigma, wider));
     let one = (narrow.0 != wide.0).then(|| judged(t, test, at, &roots, wide, (columns, &room)));
@@ -306,9 +238,7 @@ pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places, errors: Errors) ->
         }
     }
     shown.sort_by(|a, b| {
-        (t.response[a.0], a.1)
-            .partial_cmp(&(t.response[b.0], b.1))
-            .unwrap_or(std::cmp::Ordering::Equal)
+        (t.response[a.0], a.1).partial_cmp(&(t.response[b.0], b.1)).unwrap_or(std::cmp::Ordering::Equal)
     });
     let mut rows = Vec::new();
     if errors == Errors::There {
@@ -320,10 +250,7 @@ pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places, errors: Errors) ->
         }
     }
     let of = |f: &dyn Fn(usize, f64, bool) -> f64| -> Vec<f64> {
-        shown
-            .iter()
-            .map(|&(k, place, gone)| f(k, place, gone))
-            .collect()
+        shown.iter().map(|&(k, place, gone)| f(k, place, gone)).collect()
     };
     Foreseen {
         root: shown.iter().map(|one| one.0).collect(),
@@ -375,20 +302,12 @@ pub fn covariance(t: &Tables<'_>, test: &Test<'_>, roots: &Foreseen, which: &[us
         for i in 0..which.len() {
             for &b in &which[..=i] {
                 let pair = roots.root[which[i]] * t.size() + roots.root[b];
-                found.push(if roots.gone[which[i]] || roots.gone[b] {
-                    0.0
-                } else {
-                    t.spread[pair]
-                });
+                found.push(if roots.gone[which[i]] || roots.gone[b] { 0.0 } else { t.spread[pair] });
             }
         }
         found
     } else {
-        run(Spread {
-            rows: &roots.rows,
-            q: t.q,
-            which,
-        })
+        run(Spread { rows: &roots.rows, q: t.q, which })
     };
     let alike = |k: usize| if roots.gone[k] { 0.0 } else { test.common };
     for i in 0..which.len() {
@@ -412,20 +331,14 @@ impl NullaryFnOnce for Variances<'_> {
 
     #[inline(always)]
     fn call(self) -> Vec<f64> {
-        self.rows
-            .chunks_exact(self.q)
-            .map(|own| dot(own, own))
-            .collect()
+        self.rows.chunks_exact(self.q).map(|own| dot(own, own)).collect()
     }
 }
 
 /// Variance of every root that is shown, by the errors of the model alone.
 pub fn variances(t: &Tables<'_>, roots: &Foreseen) -> Vec<f64> {
     if !roots.rows.is_empty() {
-        return run(Variances {
-            rows: &roots.rows,
-            q: t.q,
-        });
+        return run(Variances { rows: &roots.rows, q: t.q });
     }
     let size = t.size();
     let one = |(&k, &gone)| if gone { 0.0 } else { t.spread[k * size + k] };

@@ -106,13 +106,7 @@ impl NullaryFnOnce for Scan<'_> {
 }
 
 /// All severities of one more element tried, the others as they are.
-pub fn scanned(
-    t: &Tables<'_>,
-    test: &Test<'_>,
-    at: &Places,
-    further: &[usize],
-    variance: &[f64],
-) -> Left {
+pub fn scanned(t: &Tables<'_>, test: &Test<'_>, at: &Places, further: &[usize], variance: &[f64]) -> Left {
     let (levels, size) = (t.levels.len(), t.size());
     let weight: Vec<f64> = variance.iter().map(|v| 1.0 / (FREEDOM * v)).collect();
     let mut left = Left {
@@ -143,16 +137,8 @@ pub fn scanned(
                 let (from, u) = (t.at(e, level), t.levels[level]);
                 for k in 0..size {
                     let there = t.there[from + k] && (at.there[k] || !t.old[k]);
-                    let shift = if t.old[k] {
-                        at.place[k] - t.place[k] + by_u[k] * u
-                    } else {
-                        0.0
-                    };
-                    places[k][l] = if there {
-                        t.place[from + k] + shift
-                    } else {
-                        f64::INFINITY
-                    };
+                    let shift = if t.old[k] { at.place[k] - t.place[k] + by_u[k] * u } else { 0.0 };
+                    places[k][l] = if there { t.place[from + k] + shift } else { f64::INFINITY };
                 }
                 for (&a, ua) in at.elements.iter().zip(&at.u) {
                     let (here, start) = (t.slopes_by(a, e, level), t.slopes_by(a, 0, 0));
@@ -161,12 +147,8 @@ pub fn scanned(
                     }
                 }
             }
-            let (distance, misfit) = run(Scan {
-                log_f: test.log_f,
-                weight: &weight,
-                groups: &groups,
-                places: &places,
-            });
+            let (distance, misfit) =
+                run(Scan { log_f: test.log_f, weight: &weight, groups: &groups, places: &places });
             let own = nth * levels + first;
             left.distance[own..own + count].copy_from_slice(&distance[..count]);
             left.misfit[own..own + count].copy_from_slice(&misfit[..count]);
@@ -272,18 +254,9 @@ pub fn settled(
     for nth in 1.. {
         let seen = look(t, test, &Places::new(t, elements, &u), elements, errors);
         let found = evidence(seen.log_likelihood, &seen.gain, &seen.curvature, &u);
-        let apart = found
-            .u
-            .iter()
-            .zip(&u)
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max);
+        let apart = found.u.iter().zip(&u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if nth >= looks || apart < rests {
-            return Settled {
-                u,
-                seen: found,
-                log_likelihood: seen.log_likelihood,
-            };
+            return Settled { u, seen: found, log_likelihood: seen.log_likelihood };
         }
         for (x, ahead) in u.iter_mut().zip(found.u) {
             *x += (ahead - *x).clamp(-LONGEST, LONGEST);

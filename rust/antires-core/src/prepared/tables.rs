@@ -216,11 +216,7 @@ fn one(t: &Tables<'_>, e: usize, u: f64) -> One {
         }
     }
     One {
-        between: Between {
-            below: j,
-            near,
-            share: s,
-        },
+        between: Between { below: j, near, share: s },
         there: t.there[closer..closer + size].to_vec(),
         place,
         beside,
@@ -254,11 +250,7 @@ impl Places {
             beside: t.beside[..size].to_vec(),
             slopes: None,
         };
-        let each: Vec<One> = elements
-            .iter()
-            .zip(u)
-            .map(|(&e, &x)| one(t, e, x))
-            .collect();
+        let each: Vec<One> = elements.iter().zip(u).map(|(&e, &x)| one(t, e, x)).collect();
         found.between = each.iter().map(|one| one.between).collect();
         if let [only] = each.as_slice() {
             found.there.clone_from(&only.there);
@@ -282,8 +274,7 @@ impl Places {
                 for j in i + 1..each.len() {
                     let (a, b) = (elements[i], elements[j]);
                     let start = |by: usize| f64::from(t.slope_row(0, 0, k)[by]);
-                    found.place[k] += (slope_between(t, a, each[i].between, k, b) - start(b))
-                        * u[j]
+                    found.place[k] += (slope_between(t, a, each[i].between, k, b) - start(b)) * u[j]
                         + (slope_between(t, b, each[j].between, k, a) - start(a)) * u[i]
                         - mixed(t, a, b, k) * u[i] * u[j];
                 }
@@ -307,11 +298,7 @@ impl Places {
         }
         for (&e, way) in self.elements.iter().zip(&self.between) {
             let both = t.there[t.at(e, way.below) + root] && t.there[t.at(e, way.below + 1) + root];
-            let share = if both {
-                way.share
-            } else {
-                (way.near - way.below) as f64
-            };
+            let share = if both { way.share } else { (way.near - way.below) as f64 };
             let (low, high) = (row(e, way.below, root), row(e, way.below + 1, root));
             for ((x, l), h) in out.iter_mut().zip(low).zip(high) {
                 *x += f64::from(*l) * (1.0 - share) + f64::from(*h) * share;
@@ -328,11 +315,7 @@ impl Places {
         let mut total = start;
         for (&e, way) in self.elements.iter().zip(&self.between) {
             let both = t.there[t.at(e, way.below) + root] && t.there[t.at(e, way.below + 1) + root];
-            let share = if both {
-                way.share
-            } else {
-                (way.near - way.below) as f64
-            };
+            let share = if both { way.share } else { (way.near - way.below) as f64 };
             let low = f64::from(t.slope_row(e, way.below, root)[by]);
             let high = f64::from(t.slope_row(e, way.below + 1, root)[by]);
             total += low + share * (high - low) - start;
@@ -454,12 +437,7 @@ impl NullaryFnOnce for Solve<'_> {
 /// L⁻¹ B of one of the matrices, rows of `width` columns, in place.
 pub fn whiten_rows(factors: &[Entry], which: usize, rows: &mut [f64], width: usize) {
     if width > 0 {
-        run(Solve {
-            factors,
-            which,
-            rows,
-            width,
-        });
+        run(Solve { factors, which, rows, width });
     }
 }
 

@@ -56,11 +56,8 @@ impl Aligner {
     ) {
         let (rows, width) = (found.len(), n_columns + 1);
         self.cost.clear();
-        self.cost.extend(
-            (0..rows)
-                .flat_map(|i| (0..n_columns).map(move |j| (i, j)))
-                .map(|(i, j)| cost(i, j)),
-        );
+        self.cost
+            .extend((0..rows).flat_map(|i| (0..n_columns).map(move |j| (i, j))).map(|(i, j)| cost(i, j)));
         self.table.clear();
         self.table.resize((rows + 1) * width, 0.0);
         for j in 0..n_columns {
@@ -171,8 +168,7 @@ mod tests {
                 let without_first: Vec<Vec<f64>> = cost.iter().map(|r| r[1..].to_vec()).collect();
                 let pair = cost[0][0] + least(&without_first[1..], others, rest);
                 let row_alone = a + least(&cost[1..], others, columns);
-                pair.min(row_alone)
-                    .min(b + least(&without_first, rows, rest))
+                pair.min(row_alone).min(b + least(&without_first, rows, rest))
             }
         }
     }
@@ -181,34 +177,19 @@ mod tests {
     fn no_assignment_costs_less() {
         let mut seed = 1_u64;
         let mut random = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             f64::from(u32::try_from(seed >> 33).unwrap()) / f64::from(u32::MAX)
         };
         for (n_rows, n_columns) in [(3, 4), (4, 4), (5, 2), (1, 5), (0, 3)] {
-            let cost: Vec<Vec<f64>> = (0..n_rows)
-                .map(|_| (0..n_columns).map(|_| random()).collect())
-                .collect();
+            let cost: Vec<Vec<f64>> =
+                (0..n_rows).map(|_| (0..n_columns).map(|_| random()).collect()).collect();
             let rows: Vec<f64> = (0..n_rows).map(|_| 0.4 * random()).collect();
             let columns: Vec<f64> = (0..n_columns).map(|_| 0.4 * random()).collect();
             let mut found = vec![ALONE; n_rows];
-            Aligner::default().align(
-                |i, j| cost[i][j],
-                |i| rows[i],
-                |j| columns[j],
-                n_columns,
-                &mut found,
-            );
-            let taken: Vec<usize> = found
-                .iter()
-                .filter_map(|&j| usize::try_from(j).ok())
-                .collect();
+            Aligner::default().align(|i, j| cost[i][j], |i| rows[i], |j| columns[j], n_columns, &mut found);
+            let taken: Vec<usize> = found.iter().filter_map(|&j| usize::try_from(j).ok()).collect();
             assert!(taken.is_sorted() && taken.windows(2).all(|w| w[0] < w[1]));
-            let mut price: f64 = (0..n_columns)
-                .filter(|j| !taken.contains(j))
-                .map(|j| columns[j])
-                .sum();
+            let mut price: f64 = (0..n_columns).filter(|j| !taken.contains(j)).map(|j| columns[j]).sum();
             for (i, &j) in found.iter().enumerate() {
                 price += usize::try_from(j).map_or(rows[i], |j| cost[i][j]);
             }
@@ -218,14 +199,8 @@ mod tests {
 
     #[test]
     fn a_value_between_responses_belongs_to_its_own() {
-        let roots = Places {
-            response: &[0, 0, 2, 2],
-            log_f: &[1.0, 2.0, 1.1, 2.1],
-        };
-        let values = Places {
-            response: &[0, 1, 2],
-            log_f: &[2.001, 2.0, 1.102],
-        };
+        let roots = Places { response: &[0, 0, 2, 2], log_f: &[1.0, 2.0, 1.1, 2.1] };
+        let values = Places { response: &[0, 1, 2], log_f: &[2.001, 2.0, 1.102] };
         let small = [1e-2; 4];
         let found = associate(values, &small[..3], roots, &small, 8.0, &[1.0; 4]);
         assert_eq!(found, [1, ALONE, 2]);
@@ -233,14 +208,8 @@ mod tests {
 
     #[test]
     fn a_root_that_appears_is_new() {
-        let before = Places {
-            response: &[0, 0, 1],
-            log_f: &[1.0, 2.0, 1.5],
-        };
-        let after = Places {
-            response: &[0, 0, 0, 1],
-            log_f: &[0.99, 1.5, 2.01, 1.8],
-        };
+        let before = Places { response: &[0, 0, 1], log_f: &[1.0, 2.0, 1.5] };
+        let after = Places { response: &[0, 0, 0, 1], log_f: &[0.99, 1.5, 2.01, 1.8] };
         assert_eq!(follow(before, after, 0.05), [0, ALONE, 1, 2]);
     }
 }

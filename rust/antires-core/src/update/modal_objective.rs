@@ -120,8 +120,9 @@ impl ModalObjective {
         }
         let highest = measured.iter().fold(0.0_f64, |m, mode| m.max(mode.freq_hz));
         if highest == 0.0 {
-            return Err(Error::input("measured", "no mode", "at least one")
-                .remedy("Identify in a wider band."));
+            return Err(
+                Error::input("measured", "no mode", "at least one").remedy("Identify in a wider band.")
+            );
         }
         let unknowns = Unknowns::new(model, parameters, penalty, snap)?;
         let structure = Structure::under(&unknowns.model, &unknowns.parameters);
@@ -167,16 +168,9 @@ impl ModalObjective {
 
     /// K(x) and M(x).
     pub(super) fn form<'a>(&self, x: &[f64], ws: &'a mut ModalWorkspace) -> FormedModes<'a> {
-        let ModalWorkspace {
-            assembly,
-            solutions,
-            modes,
-        } = ws;
+        let ModalWorkspace { assembly, solutions, modes } = ws;
         assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
-        FormedModes {
-            solved: solutions.of(&assembly.stiffness, &assembly.mass),
-            modes,
-        }
+        FormedModes { solved: solutions.of(&assembly.stiffness, &assembly.mass), modes }
     }
 
     /// [`pairs`](Self::pairs) of a model that is formed.
@@ -221,9 +215,7 @@ impl ModalObjective {
 
     /// J of those residuals at parameter values that are already snapped.
     pub(super) fn total(&self, residuals: &[(f64, f64)], snapped: &[f64]) -> f64 {
-        let frequencies = residuals
-            .iter()
-            .fold(0.0, |total, (e, _)| self.misfit.add(total, *e));
+        let frequencies = residuals.iter().fold(0.0, |total, (e, _)| self.misfit.add(total, *e));
         let shapes: f64 = residuals.iter().map(|(_, shape)| shape * shape).sum();
         frequencies + shapes + self.unknowns.penalty_at(snapped)
     }
@@ -234,11 +226,8 @@ impl ModalObjective {
         let snapped = self.unknowns.snapped(x);
         let pairs = self.pairs(&snapped, ws);
         let pairs = pairs.unwrap_or_else(|_| vec![None; self.measured.len()]);
-        let residuals: Vec<(f64, f64)> = pairs
-            .into_iter()
-            .enumerate()
-            .map(|(m, partner)| self.residuals(m, partner))
-            .collect();
+        let residuals: Vec<(f64, f64)> =
+            pairs.into_iter().enumerate().map(|(m, partner)| self.residuals(m, partner)).collect();
         self.total(&residuals, &snapped)
     }
 }
@@ -268,11 +257,8 @@ impl Objective for ModalObjective {
         let pairs = self.pairs_of(&mut formed).ok()?;
         let slopes = self.unknowns().slopes(&snapped);
         let (m, n) = (pairs.len(), slopes.len());
-        let mut found = Linearization {
-            cost: 0.0,
-            residuals: Vec::with_capacity(2 * m),
-            jacobian: vec![0.0; 2 * m * n],
-        };
+        let mut found =
+            Linearization { cost: 0.0, residuals: Vec::with_capacity(2 * m), jacobian: vec![0.0; 2 * m * n] };
         let mut both = Vec::with_capacity(m);
         let mut mode = ModeSensitivity::default();
         for (nth, ((measured, weight), partner)) in self.measured().zip(pairs).enumerate() {
@@ -286,8 +272,7 @@ impl Objective for ModalObjective {
             found.residuals.extend([e, shape]);
             let Some(partner) = partner else { continue };
             let (modes, solved) = (&*formed.modes, &mut formed.solved);
-            mode.set(modes, solved, partner.mode, &measured.shape)
-                .ok()?;
+            mode.set(modes, solved, partner.mode, &measured.shape).ok()?;
             let rows = found.jacobian[2 * nth * n..].split_at_mut(n);
             for (index, slopes) in slopes.iter().enumerate() {
                 let (lambda, mac) = mode.along(slopes);
@@ -341,20 +326,11 @@ impl ModalObjective {
         self.state_of(x, ws, with_slopes).unwrap_or_default()
     }
 
-    fn state_of(
-        &self,
-        x: &[f64],
-        ws: &mut ModalWorkspace,
-        with_slopes: bool,
-    ) -> Result<ModalState> {
+    fn state_of(&self, x: &[f64], ws: &mut ModalWorkspace, with_slopes: bool) -> Result<ModalState> {
         let sensors = self.sensors();
         let mut formed = self.form(x, ws);
         self.find_modes(&mut formed)?;
-        let slopes = if with_slopes {
-            self.unknowns().slopes(x)
-        } else {
-            vec![]
-        };
+        let slopes = if with_slopes { self.unknowns().slopes(x) } else { vec![] };
         let (modes, solved) = (&*formed.modes, &mut formed.solved);
         let mut state = ModalState::default();
         let mut adjoints = vec![vec![]; sensors.len()];
@@ -381,10 +357,7 @@ impl ModalObjective {
                 }
                 modes.adjoint(solved, r, &slope, z)?;
             }
-            let moved: Vec<_> = slopes
-                .iter()
-                .map(|along| moved(along, lambda, phi))
-                .collect();
+            let moved: Vec<_> = slopes.iter().map(|along| moved(along, lambda, phi)).collect();
             let along = |load: &[(usize, f64)], left: &[f64]| {
                 let slope: f64 = load.iter().map(|&(row, value)| left[row] * value).sum();
                 if slope.is_finite() { slope } else { 0.0 }
@@ -402,14 +375,8 @@ impl ModalObjective {
 
 /// (dK/dp − λ dM/dp) φ, by the rows that are not zero.
 fn moved(slopes: &MatrixSlopes, lambda: f64, phi: &[f64]) -> Vec<(usize, f64)> {
-    let stiffness = slopes
-        .stiffness
-        .iter()
-        .map(|&(row, col, value)| (row, value * phi[col as usize]));
-    let mass = slopes
-        .mass
-        .iter()
-        .map(|&(row, col, value)| (row, -lambda * value * phi[col as usize]));
+    let stiffness = slopes.stiffness.iter().map(|&(row, col, value)| (row, value * phi[col as usize]));
+    let mass = slopes.mass.iter().map(|&(row, col, value)| (row, -lambda * value * phi[col as usize]));
     let mut rows: Vec<(usize, f64)> = Vec::new();
     for (row, value) in stiffness.chain(mass) {
         match rows.iter_mut().find(|(known, _)| *known == row as usize) {
@@ -454,32 +421,16 @@ mod tests {
 
     fn objective() -> ModalObjective {
         let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
-        let quantities = [
-            Quantity::StiffnessReduction,
-            Quantity::StiffnessFactor,
-            Quantity::MassFactor,
-        ];
-        let parameter = |quantity| Parameter {
-            quantity,
-            terms: vec![1],
-        };
+        let quantities = [Quantity::StiffnessReduction, Quantity::StiffnessFactor, Quantity::MassFactor];
+        let parameter = |quantity| Parameter { quantity, terms: vec![1] };
         let shape = Shape::new("measured", vec![3, 0, 1], &[(1.0, 0.0); 3]).unwrap();
-        let mode = MeasuredMode {
-            freq_hz: 90.0,
-            shape,
-        };
+        let mode = MeasuredMode { freq_hz: 90.0, shape };
         let parameters = quantities.map(parameter).to_vec();
         ModalObjective::new(model, parameters, vec![mode], Misfit::Absolute, None, 0.0).unwrap()
     }
 
     fn at(rows: &[f64], threads: usize) -> Vec<ModalState> {
-        let found = modal_states(
-            &objective(),
-            Candidates::new(rows, 3),
-            true,
-            threads,
-            &mut || None,
-        );
+        let found = modal_states(&objective(), Candidates::new(rows, 3), true, threads, &mut || None);
         match found.unwrap() {
             ControlFlow::Continue(found) => found,
             ControlFlow::Break(_) => panic!("nobody stopped it"),
@@ -503,8 +454,7 @@ mod tests {
                 assert!((slope - log).abs() < 1e-8, "{slope} {log}");
                 let of = |state: &ModalState| state.shapes[3 * r..3 * r + 3].to_vec();
                 // Shapes have either sign.
-                let facing =
-                    |u: &[f64]| -> f64 { of(here).iter().zip(u).map(|(a, b)| a * b).sum() };
+                let facing = |u: &[f64]| -> f64 { of(here).iter().zip(u).map(|(a, b)| a * b).sum() };
                 let (low, high) = (of(&both[0]), of(&both[1]));
                 let (before, after) = (facing(&low).signum(), facing(&high).signum());
                 for d in 0..3 {

@@ -143,39 +143,26 @@ impl AntiresonanceObjective {
         for target in &targets {
             model.check_dof("measured", target.dof)?;
             model.check_dof("excitation", target.excitation)?;
-            if let Some(f) = target
-                .freq_hz
-                .iter()
-                .find(|f| !(f.is_finite() && **f > 0.0))
-            {
+            if let Some(f) = target.freq_hz.iter().find(|f| !(f.is_finite() && **f > 0.0)) {
                 return Err(Error::input(
                     "measured",
                     format!("{f} Hz at dof {}", target.dof),
                     "positive, finite frequencies",
                 )
-                .remedy(
-                    "Drop it from the measured set: an antiresonance at 0 Hz is a rigid motion.",
-                ));
+                .remedy("Drop it from the measured set: an antiresonance at 0 Hz is a rigid motion."));
             }
         }
-        let highest = targets
-            .iter()
-            .flat_map(|t| &t.freq_hz)
-            .fold(0.0_f64, |m, &f| m.max(f));
+        let highest = targets.iter().flat_map(|t| &t.freq_hz).fold(0.0_f64, |m, &f| m.max(f));
         if highest == 0.0 {
             return Err(Error::input("measured", "no antiresonance", "at least one")
                 .remedy("Identify in a wider band, or measure at more dofs."));
         }
         let unknowns = Unknowns::new(model, parameters, penalty, snap)?;
         let model = &unknowns.model;
-        let connected = targets
-            .iter()
-            .map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation))
-            .collect();
+        let connected =
+            targets.iter().map(|t| connected(model.stiffness(), model.mass(), t.dof, t.excitation)).collect();
         let weights = vec![1.0; targets.iter().map(|t| t.freq_hz.len()).sum()];
-        let others = (0..targets.len())
-            .map(|nth| measured_with(&targets, nth))
-            .collect();
+        let others = (0..targets.len()).map(|nth| measured_with(&targets, nth)).collect();
         let structure = Arc::new(Structure::under(model, &unknowns.parameters));
         structure.check_room()?;
         Ok(Self {
@@ -213,9 +200,8 @@ impl AntiresonanceObjective {
     /// J at `x`, of which these are the pairs.
     pub fn cost_of(&self, x: &[f64], pairs: &[Pairing]) -> f64 {
         let weighted = pairs.iter().zip(&self.weights);
-        let misfit = weighted.fold(0.0, |total, (pairing, weight)| {
-            self.misfit.add(total, weight * pairing.residual)
-        });
+        let misfit =
+            weighted.fold(0.0, |total, (pairing, weight)| self.misfit.add(total, weight * pairing.residual));
         misfit + self.unknowns.penalty_at(&self.unknowns.snapped(x))
     }
 
@@ -230,16 +216,9 @@ impl AntiresonanceObjective {
 
     /// K(x) and M(x).
     pub(super) fn form<'a>(&self, x: &[f64], ws: &'a mut Workspace) -> Formed<'a> {
-        let Workspace {
-            assembly,
-            solver,
-            roots,
-        } = ws;
+        let Workspace { assembly, solver, roots } = ws;
         assembly.form(&self.unknowns.model, &self.unknowns.parameters, x);
-        Formed {
-            prepared: solver.prepare(&assembly.stiffness, &assembly.mass),
-            roots,
-        }
+        Formed { prepared: solver.prepare(&assembly.stiffness, &assembly.mass), roots }
     }
 
     /// [`pairs`](Self::pairs) of a model that is formed.
@@ -263,11 +242,7 @@ impl AntiresonanceObjective {
     }
 
     /// The roots of those measured with target `nth`, where it matters what all of them share.
-    pub(super) fn others_of<'a>(
-        &'a self,
-        nth: usize,
-        roots: &'a [Roots],
-    ) -> impl Iterator<Item = &'a [f64]> {
+    pub(super) fn others_of<'a>(&'a self, nth: usize, roots: &'a [Roots]) -> impl Iterator<Item = &'a [f64]> {
         let there = self.others[nth].iter().filter(|&&o| roots[o].present);
         there.map(|&o| roots[o].hz.as_slice())
     }
@@ -275,11 +250,7 @@ impl AntiresonanceObjective {
     /// The roots of each target; of one without values only if others are compared with it.
     pub(super) fn find_roots(&self, formed: &mut Formed<'_>) -> Result<()> {
         for (nth, target) in self.targets.iter().enumerate() {
-            let Roots {
-                hz,
-                cancelled_hz,
-                present,
-            } = &mut formed.roots[nth];
+            let Roots { hz, cancelled_hz, present } = &mut formed.roots[nth];
             hz.clear();
             cancelled_hz.clear();
             *present = false;
@@ -312,10 +283,7 @@ impl AntiresonanceObjective {
             misfit = self.misfit.add(misfit, weight * pairing.residual);
         });
         if solved.is_err() {
-            misfit = self
-                .weights
-                .iter()
-                .fold(0.0, |total, w| self.misfit.add(total, w * UNPAIRED));
+            misfit = self.weights.iter().fold(0.0, |total, w| self.misfit.add(total, w * UNPAIRED));
         }
         misfit + self.unknowns.penalty_at(&snapped)
     }
@@ -394,12 +362,7 @@ impl Objective for AntiresonanceObjective {
                 } else {
                     zero.set(&mut formed.prepared, ends, x).ok()?;
                 }
-                let row = Row {
-                    first,
-                    along,
-                    weight,
-                    measured: eigenvalue(measured_hz),
-                };
+                let row = Row { first, along, weight, measured: eigenvalue(measured_hz) };
                 batch.push(&zero, row);
                 if batch.is_full() {
                     add(&mut batch, &slopes, &mut found.jacobian);
@@ -431,11 +394,7 @@ fn add(batch: &mut ZeroBatch<Row>, slopes: &[MatrixSlopes], jacobian: &mut [f64]
         batch.along(slopes, |row, dx| {
             let slope = row.weight * dx / row.measured;
             // A double zero has no derivative; the descent must not follow one.
-            jacobian[row.first + p] += if slope.is_finite() {
-                row.along * slope
-            } else {
-                0.0
-            };
+            jacobian[row.first + p] += if slope.is_finite() { row.along * slope } else { 0.0 };
         });
     }
     batch.clear();
@@ -509,12 +468,7 @@ impl AntiresonanceObjective {
                     }
                 }
                 let zero = inside.then_some(&zero);
-                visit(Root {
-                    target: nth,
-                    hz,
-                    shown,
-                    zero,
-                });
+                visit(Root { target: nth, hz, shown, zero });
             }
         }
         Ok(())
@@ -532,9 +486,7 @@ pub(super) struct Root<'a> {
 impl Root<'_> {
     /// Adds it to a state, without slopes.
     pub fn put_into(&self, state: &mut State) {
-        state
-            .target
-            .push(u32::try_from(self.target).unwrap_or(u32::MAX));
+        state.target.push(u32::try_from(self.target).unwrap_or(u32::MAX));
         state.freq_hz.push(self.hz);
         state.shown.push(self.shown);
     }
@@ -689,20 +641,9 @@ mod tests {
 
     fn objective() -> AntiresonanceObjective {
         let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
-        let quantities = [
-            Quantity::StiffnessReduction,
-            Quantity::StiffnessFactor,
-            Quantity::MassFactor,
-        ];
-        let parameter = |quantity| Parameter {
-            quantity,
-            terms: vec![1],
-        };
-        let target = |dof| Target {
-            dof,
-            freq_hz: vec![40.0, 90.0],
-            ..Target::default()
-        };
+        let quantities = [Quantity::StiffnessReduction, Quantity::StiffnessFactor, Quantity::MassFactor];
+        let parameter = |quantity| Parameter { quantity, terms: vec![1] };
+        let target = |dof| Target { dof, freq_hz: vec![40.0, 90.0], ..Target::default() };
         AntiresonanceObjective::new(
             model,
             quantities.map(parameter).to_vec(),
@@ -719,13 +660,7 @@ mod tests {
     }
 
     fn within(band: Band, rows: &[f64], threads: usize) -> Vec<State> {
-        let found = states(
-            &objective(),
-            Candidates::new(rows, 3),
-            Some(&band),
-            threads,
-            &mut || None,
-        );
+        let found = states(&objective(), Candidates::new(rows, 3), Some(&band), threads, &mut || None);
         match found.unwrap() {
             ControlFlow::Continue(found) => found,
             ControlFlow::Break(_) => panic!("nobody stopped it"),
@@ -743,8 +678,7 @@ mod tests {
             rows[3 + p] += STEP;
             let both = at(&rows, 2);
             for (root, hz) in here.freq_hz.iter().enumerate() {
-                let difference =
-                    (both[1].freq_hz[root] - both[0].freq_hz[root]) / (2.0 * STEP * hz);
+                let difference = (both[1].freq_hz[root] - both[0].freq_hz[root]) / (2.0 * STEP * hz);
                 let slope = here.slopes[3 * root + p];
                 assert!((slope - difference).abs() < 1e-8, "{slope} {difference}");
             }
@@ -753,9 +687,7 @@ mod tests {
 
     #[test]
     fn any_number_of_threads_gives_the_same_bits() {
-        let rows: Vec<f64> = (0..20)
-            .flat_map(|i| [0.04 * f64::from(i), 1.0, 1.0])
-            .collect();
+        let rows: Vec<f64> = (0..20).flat_map(|i| [0.04 * f64::from(i), 1.0, 1.0]).collect();
         assert_eq!(at(&rows, 1), at(&rows, 2));
     }
 
@@ -777,24 +709,11 @@ mod tests {
     #[test]
     fn null_vectors_joined_with_a_term_are_the_slopes() {
         let model = mass_spring_chain(&[0.5, 0.4, 0.6, 0.3], &[5e4, 7e4, 4e4], 2e4, 0.0).unwrap();
-        let spring = Parameter {
-            quantity: Quantity::StiffnessFactor,
-            terms: vec![1],
-        };
-        let targets = [0, 2].map(|dof| Target {
-            dof,
-            freq_hz: vec![40.0, 90.0],
-            ..Target::default()
-        });
-        let objective = AntiresonanceObjective::new(
-            model,
-            vec![spring],
-            targets.to_vec(),
-            Misfit::Absolute,
-            None,
-            0.0,
-        )
-        .unwrap();
+        let spring = Parameter { quantity: Quantity::StiffnessFactor, terms: vec![1] };
+        let targets = [0, 2].map(|dof| Target { dof, freq_hz: vec![40.0, 90.0], ..Target::default() });
+        let objective =
+            AntiresonanceObjective::new(model, vec![spring], targets.to_vec(), Misfit::Absolute, None, 0.0)
+                .unwrap();
         let mut ws = objective.workspace();
         let band = 0.0..=70.0;
         let state = objective.state(&[1.1], &mut ws, Some(&band));

@@ -57,12 +57,7 @@ impl Pairing {
     /// ```
     ///
     /// with f_0 = 1.49/1.5 f_limit. Where `shown` is below one it counts as fixed in the derivatives.
-    pub fn of(
-        analytic_hz: &[f64],
-        shown: impl Fn(usize) -> f64,
-        measured_hz: f64,
-        limit_hz: f64,
-    ) -> Self {
+    pub fn of(analytic_hz: &[f64], shown: impl Fn(usize) -> f64, measured_hz: f64, limit_hz: f64) -> Self {
         let width = FADING * limit_hz;
         let mut partner_hz = None;
         let mut chosen = [Candidate::default(); STAND_INS];
@@ -84,12 +79,7 @@ impl Pairing {
                 (seen * (1.0 - faded), slope)
             };
             let e = residual(Some(hz), measured_hz);
-            chosen[n] = Candidate {
-                hz,
-                e,
-                share,
-                slope,
-            };
+            chosen[n] = Candidate { hz, e, share, slope };
             n += 1;
             if share >= 1.0 || n == STAND_INS {
                 break;
@@ -112,11 +102,7 @@ impl Pairing {
             moves_with[nth] = Some((one.hz, along));
             e = one.share * one.e + rest * without;
         }
-        Self {
-            partner_hz,
-            residual: e,
-            moves_with,
-        }
+        Self { partner_hz, residual: e, moves_with }
     }
 }
 
@@ -154,12 +140,7 @@ pub struct Partner {
 
 /// The mode of ascending `lambda` least apart from one measured at `measured`, in (rad/s)²; those up to `zero` are
 /// rigid-body modes and left out. None where no other is there.
-pub fn least_apart(
-    lambda: &[f64],
-    zero: f64,
-    measured: f64,
-    mac: impl Fn(usize) -> f64,
-) -> Option<Partner> {
+pub fn least_apart(lambda: &[f64], zero: f64, measured: f64, mac: impl Fn(usize) -> f64) -> Option<Partner> {
     let mut best: Option<(f64, Partner)> = None;
     for (mode, &lambda) in lambda.iter().enumerate().filter(|(_, l)| **l > zero) {
         let apart = (lambda / measured).ln().abs();
@@ -211,16 +192,9 @@ mod tests {
         for (low, measured_hz) in [(&[][..], 1.0), (&[0.4], 1.0), (&[], 0.3)] {
             let step = 1e-6;
             let sizes: Vec<f64> = (0..30_000)
-                .map(|i| {
-                    leaving(1.48 + step * f64::from(i), low, measured_hz)
-                        .residual
-                        .abs()
-                })
+                .map(|i| leaving(1.48 + step * f64::from(i), low, measured_hz).residual.abs())
                 .collect();
-            let steepest = sizes
-                .windows(2)
-                .map(|w| (w[1] - w[0]).abs())
-                .fold(0.0, f64::max);
+            let steepest = sizes.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
             // Within the last 0.01 Hz it falls from what it was to what is left.
             assert!(steepest < step * (110.0 * sizes[0] + 50.0), "{steepest:e}");
             assert!((sizes[0] - residual(Some(1.48), measured_hz)).abs() < 1e-12);
@@ -235,42 +209,26 @@ mod tests {
         let at = |hz: f64, low: f64| Pairing::of(&[low, hz], |_| 1.0, e, 1.5).residual;
         let moves = Pairing::of(&[0.2, 1.496], |_| 1.0, e, 1.5).moves_with;
         for (moved, numeric) in [
-            (
-                moves[0],
-                (at(1.496 + h, 0.2) - at(1.496 - h, 0.2)) / (2.0 * h),
-            ),
-            (
-                moves[1],
-                (at(1.496, 0.2 + h) - at(1.496, 0.2 - h)) / (2.0 * h),
-            ),
+            (moves[0], (at(1.496 + h, 0.2) - at(1.496 - h, 0.2)) / (2.0 * h)),
+            (moves[1], (at(1.496, 0.2 + h) - at(1.496, 0.2 - h)) / (2.0 * h)),
         ] {
             // ∂e/∂f = ∂e/∂x · 2 f / E², with x = f² here.
             let (hz, along) = moved.unwrap();
             assert!((along * 2.0 * hz / e.powi(2) - numeric).abs() < 1e-6 * numeric.abs());
         }
-        assert_eq!(
-            Pairing::of(&[0.95], |_| 1.0, e, 1.5).moves_with,
-            [Some((0.95, 1.0)), None, None]
-        );
+        assert_eq!(Pairing::of(&[0.95], |_| 1.0, e, 1.5).moves_with, [Some((0.95, 1.0)), None, None]);
     }
 
     #[test]
     fn what_is_not_shown_is_no_partner_and_comes_in_by_degrees() {
         let roots = [0.8, 0.98, 1.1];
-        let at =
-            |share: f64| Pairing::of(&roots, |nth| if nth == 1 { share } else { 1.0 }, 1.0, 1.5);
+        let at = |share: f64| Pairing::of(&roots, |nth| if nth == 1 { share } else { 1.0 }, 1.0, 1.5);
         assert_eq!(at(0.0), Pairing::of(&[0.8, 1.1], |_| 1.0, 1.0, 1.5));
         assert_eq!(at(1.0), Pairing::of(&roots, |_| 1.0, 1.0, 1.5));
-        assert_eq!(
-            (at(0.4).partner_hz, at(0.6).partner_hz),
-            (Some(1.1), Some(0.98))
-        );
+        assert_eq!((at(0.4).partner_hz, at(0.6).partner_hz), (Some(1.1), Some(0.98)));
         let (with, without) = (residual(Some(0.98), 1.0), residual(Some(1.1), 1.0));
         assert!((at(0.3).residual - (0.3 * with + 0.7 * without)).abs() < 1e-15);
-        assert_eq!(
-            at(0.3).moves_with,
-            [Some((0.98, 0.3)), Some((1.1, 0.7)), None]
-        );
+        assert_eq!(at(0.3).moves_with, [Some((0.98, 0.3)), Some((1.1, 0.7)), None]);
         assert_eq!(Pairing::of(&roots, |_| 0.0, 1.0, 1.5).residual, UNPAIRED);
     }
 

@@ -56,10 +56,8 @@ impl Unknowns {
         snap: f64,
     ) -> Result<Self> {
         if !(0.0..=LARGEST_SNAP).contains(&snap) {
-            return Err(
-                Error::input("snap", snap, format!("a threshold in [0, {LARGEST_SNAP}]"))
-                    .remedy("0 snaps nothing; more than that would hide damage."),
-            );
+            return Err(Error::input("snap", snap, format!("a threshold in [0, {LARGEST_SNAP}]"))
+                .remedy("0 snaps nothing; more than that would hide damage."));
         }
         if parameters.is_empty() {
             return Err(Error::input("parameters", "none", "at least one parameter")
@@ -68,12 +66,7 @@ impl Unknowns {
         for (i, parameter) in parameters.iter().enumerate() {
             parameter.check(&Argument::from("parameters").item(i), &model)?;
         }
-        Ok(Self {
-            model,
-            parameters,
-            penalty,
-            snap,
-        })
+        Ok(Self { model, parameters, penalty, snap })
     }
 
     /// Number of parameters.
@@ -111,28 +104,20 @@ impl Unknowns {
 
     /// The penalty of parameter values that are already snapped.
     pub(super) fn penalty_at(&self, snapped: &[f64]) -> f64 {
-        let beta = snapped
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| self.is_reduction(*i))
-            .map(|(_, &b)| b);
+        let beta = snapped.iter().enumerate().filter(|(i, _)| self.is_reduction(*i)).map(|(_, &b)| b);
         self.penalty.map_or(0.0, |p| p.of(beta))
     }
 
     /// How J is composed, for residuals of that norm.
     pub(super) fn composition(&self, norm: Option<Norm>) -> Composition {
-        let sparse: Vec<bool> = (0..self.len())
-            .map(|i| self.penalty.is_some() && self.is_reduction(i))
-            .collect();
+        let sparse: Vec<bool> =
+            (0..self.len()).map(|i| self.penalty.is_some() && self.is_reduction(i)).collect();
         let gamma1 = self.penalty.map_or(0.0, |penalty| penalty.gamma1);
         let nominal = self.parameters.iter().map(|p| p.nominal(&self.model));
         Composition {
             norm,
             start: nominal.collect(),
-            price: sparse
-                .iter()
-                .map(|&s| if s { gamma1 } else { 0.0 })
-                .collect(),
+            price: sparse.iter().map(|&s| if s { gamma1 } else { 0.0 }).collect(),
             sparse,
         }
     }
@@ -154,8 +139,7 @@ impl Unknowns {
 /// [`Error::InvalidInput`] when there is not one finite, not negative weight for each measured value, or all
 /// are zero.
 pub(super) fn checked_weights(weights: Vec<f64>, count: usize) -> Result<Vec<f64>> {
-    let usable =
-        weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().any(|w| *w > 0.0);
+    let usable = weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().any(|w| *w > 0.0);
     if weights.len() == count && usable {
         return Ok(weights);
     }
@@ -181,9 +165,8 @@ pub struct Penalty {
 impl Penalty {
     /// Penalty of the severities `beta`.
     pub fn of(&self, beta: impl Iterator<Item = f64>) -> f64 {
-        let (sum, count) = beta.fold((0.0, 0_usize), |(sum, count), b| {
-            (sum + b, count + usize::from(b > 0.0))
-        });
+        let (sum, count) =
+            beta.fold((0.0, 0_usize), |(sum, count), b| (sum + b, count + usize::from(b > 0.0)));
         self.gamma1 * sum + self.gamma2 * count as f64
     }
 }
@@ -228,10 +211,7 @@ mod tests {
 
     #[test]
     fn counts_only_damaged_elements() {
-        let penalty = Penalty {
-            gamma1: 0.1,
-            gamma2: 0.2,
-        };
+        let penalty = Penalty { gamma1: 0.1, gamma2: 0.2 };
         assert_eq!(penalty.of([0.0, 0.0].into_iter()), 0.0);
         assert!((penalty.of([0.0, 0.5, 0.25].into_iter()) - (0.075 + 0.4)).abs() < 1e-15);
     }

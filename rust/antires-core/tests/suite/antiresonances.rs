@@ -13,11 +13,7 @@ const SPRING: f64 = 56.7e3;
 const MASS: f64 = 0.4194;
 
 fn all(route: Route, include_cancelled: bool) -> Query {
-    Query {
-        route,
-        f_max_hz: f64::INFINITY,
-        include_cancelled,
-    }
+    Query { route, f_max_hz: f64::INFINITY, include_cancelled }
 }
 
 fn chain8() -> Model {
@@ -47,8 +43,7 @@ fn assert_close(got: &[f64], want: &[f64], tolerance: f64) {
 fn chain8_has_7_6_5_4_3_2_1_0_and_they_are_those_of_the_sub_chains() {
     let model = chain8();
     for route in [Route::Modal, Route::Pencil] {
-        let found =
-            antiresonances(&model, &(0..8).collect::<Vec<_>>(), 0, &all(route, false)).unwrap();
+        let found = antiresonances(&model, &(0..8).collect::<Vec<_>>(), 0, &all(route, false)).unwrap();
         for (i, zeros) in found.iter().enumerate() {
             assert_close(&zeros.freq_hz, &fixed_free_hz(7 - i), 1e-12);
         }
@@ -119,20 +114,11 @@ fn massless_dofs_are_served_by_both_routes_and_equal_the_condensed_chain() {
     let size = 2 * n - 1;
     let mut stiffness = Mat::<f64>::zeros(size, size);
     for (j, s) in springs.iter().enumerate() {
-        for (a, b, sign) in [
-            (j, j, 1.0),
-            (j + 1, j + 1, 1.0),
-            (j, j + 1, -1.0),
-            (j + 1, j, -1.0),
-        ] {
+        for (a, b, sign) in [(j, j, 1.0), (j + 1, j + 1, 1.0), (j, j + 1, -1.0), (j + 1, j, -1.0)] {
             stiffness[(a, b)] += sign * s;
         }
     }
-    let mass = Mat::from_fn(
-        size,
-        size,
-        |i, j| if i == j && i % 2 == 0 { 1.0 } else { 0.0 },
-    );
+    let mass = Mat::from_fn(size, size, |i, j| if i == j && i % 2 == 0 { 1.0 } else { 0.0 });
     let massless = Model::new(stiffness, mass, vec![], vec![]).unwrap();
     let chain = mass_spring_chain(&[1.0; 4], &[k; 3], 0.0, 0.0).unwrap();
     let want: Vec<_> = antiresonances(&chain, &[0, 1, 2, 3], 0, &all(Route::Modal, false)).unwrap();
@@ -144,11 +130,7 @@ fn massless_dofs_are_served_by_both_routes_and_equal_the_condensed_chain() {
     }
     // The massless joint beside the force: both routes again, whatever their number.
     let joint = |route| antiresonances(&massless, &[1], 0, &all(route, false)).unwrap();
-    assert_close(
-        &joint(Route::Modal)[0].freq_hz,
-        &joint(Route::Pencil)[0].freq_hz,
-        1e-9,
-    );
+    assert_close(&joint(Route::Modal)[0].freq_hz, &joint(Route::Pencil)[0].freq_hz, 1e-9);
     assert!(!joint(Route::Modal)[0].freq_hz.is_empty());
 }
 
@@ -160,12 +142,7 @@ fn a_double_zero_of_a_mirrored_pair_counts_twice() {
     let springs = [1.2e4, 0.8e4, 1.1e4, 0.9e4, 0.9e4, 1.1e4, 0.8e4, 1.2e4];
     let model = mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap();
     let end = mass_spring_chain(&masses[..3], &springs[..2], 0.0, springs[2]).unwrap();
-    let want: Vec<f64> = modes(&end)
-        .unwrap()
-        .freq_hz
-        .iter()
-        .flat_map(|&f| [f, f])
-        .collect();
+    let want: Vec<f64> = modes(&end).unwrap().freq_hz.iter().flat_map(|&f| [f, f]).collect();
     for route in [Route::Modal, Route::Pencil] {
         let found = antiresonances(&model, &[5], 3, &all(route, false)).unwrap();
         assert_close(&found[0].freq_hz, &want, 1e-9);
@@ -182,11 +159,7 @@ fn far_apart_dofs_of_a_disordered_chain_have_the_zeros_of_its_ends_only() {
     let model = mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap();
     let left = mass_spring_chain(&masses[..k], &springs[..k - 1], 0.0, springs[k - 1]).unwrap();
     let right = mass_spring_chain(&masses[i + 1..], &springs[i + 1..], springs[i], 0.0).unwrap();
-    let mut want = [
-        modes(&left).unwrap().freq_hz,
-        modes(&right).unwrap().freq_hz,
-    ]
-    .concat();
+    let mut want = [modes(&left).unwrap().freq_hz, modes(&right).unwrap().freq_hz].concat();
     want.sort_by(f64::total_cmp);
     for route in [Route::Modal, Route::Pencil] {
         let found = antiresonances(&model, &[i], k, &all(route, true)).unwrap();
@@ -196,8 +169,7 @@ fn far_apart_dofs_of_a_disordered_chain_have_the_zeros_of_its_ends_only() {
 
 #[test]
 fn driving_point_zeros_interlace_the_resonances() {
-    let model =
-        mass_spring_chain(&[1.0, 0.3, 2.0, 0.7, 1.1], &[1e4, 3e4, 2e4, 5e3], 7e3, 0.0).unwrap();
+    let model = mass_spring_chain(&[1.0, 0.3, 2.0, 0.7, 1.1], &[1e4, 3e4, 2e4, 5e3], 7e3, 0.0).unwrap();
     let resonances = modes(&model).unwrap().freq_hz;
     for i in 0..5 {
         let zeros = antiresonances(&model, &[i], i, &all(Route::Modal, false)).unwrap();
@@ -265,14 +237,8 @@ fn terms_and_factors_reproduce_a_chain_built_directly() {
     use antires_core::fem::parameters::{Parameter, Quantity};
     let model = chain8();
     let parameters = [
-        Parameter {
-            quantity: Quantity::StiffnessReduction,
-            terms: vec![4],
-        },
-        Parameter {
-            quantity: Quantity::MassFactor,
-            terms: vec![2],
-        },
+        Parameter { quantity: Quantity::StiffnessReduction, terms: vec![4] },
+        Parameter { quantity: Quantity::MassFactor, terms: vec![2] },
     ];
     let damaged = model.at(&parameters, &[0.55, 1.1]).unwrap();
     let mut masses = vec![MASS; 8];

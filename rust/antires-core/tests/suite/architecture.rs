@@ -17,10 +17,7 @@ const ARROWS: [(&str, &[&str]); 10] = [
     ("modal", &["error", "linalg", "fem"]),
     ("antiresonances", &["error", "linalg", "fem", "modal"]),
     ("optimize", &["error", "rng"]),
-    (
-        "update",
-        &["error", "fem", "modal", "antiresonances", "optimize"],
-    ),
+    ("update", &["error", "fem", "modal", "antiresonances", "optimize"]),
     ("prepared", &["linalg", "update"]),
 ];
 
@@ -59,10 +56,7 @@ fn crate_sources() -> Sources {
 
 fn without_tests(text: &str) -> String {
     let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-    code.lines()
-        .map(|line| line.split("//").next().unwrap_or_default())
-        .collect::<Vec<_>>()
-        .join("\n")
+    code.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
 /// A `use` statement, or a path in the code.
@@ -81,11 +75,7 @@ fn expand(tree: &str, before: &[String], out: &mut Vec<Vec<String>>) {
     if let Some((head, rest)) = tree.split_once('{') {
         let inner = rest.strip_suffix('}').unwrap_or(rest);
         let head = head.split("::").map(str::trim).filter(|s| !s.is_empty());
-        let before: Vec<String> = before
-            .iter()
-            .cloned()
-            .chain(head.map(str::to_owned))
-            .collect();
+        let before: Vec<String> = before.iter().cloned().chain(head.map(str::to_owned)).collect();
         let (mut depth, mut start) = (0, 0);
         for (i, c) in inner.char_indices() {
             match c {
@@ -143,10 +133,7 @@ fn inline_paths(code: &str) -> Vec<Import> {
     let words = code.split(|c: char| !is_word(c) && c != ':');
     for word in words.filter(|word| word.contains("::") && !word.starts_with(':')) {
         let names = word.split("::").filter(|name| !name.is_empty());
-        imports.push(Import {
-            path: names.map(str::to_owned).collect(),
-            passed_on: false,
-        });
+        imports.push(Import { path: names.map(str::to_owned).collect(), passed_on: false });
     }
     imports
 }
@@ -258,19 +245,13 @@ fn circle(edges: &BTreeMap<Module, BTreeSet<Module>>) -> Option<String> {
         None
     }
     let mut done = BTreeSet::new();
-    edges
-        .keys()
-        .find_map(|at| visit(at, edges, &mut Vec::new(), &mut done))
+    edges.keys().find_map(|at| visit(at, edges, &mut Vec::new(), &mut done))
 }
 
 #[test]
 fn every_arrow_is_in_the_table() {
     let sources = crate_sources();
-    let tops: BTreeSet<&str> = sources
-        .keys()
-        .filter_map(|m| m.first())
-        .map(String::as_str)
-        .collect();
+    let tops: BTreeSet<&str> = sources.keys().filter_map(|m| m.first()).map(String::as_str).collect();
     assert_eq!(tops, ARROWS.iter().map(|(name, _)| *name).collect());
     let edges = edges(&sources);
     assert!(edges.values().map(BTreeSet::len).sum::<usize>() > 200);
@@ -292,24 +273,15 @@ fn with(line: &str, at: &str) -> Sources {
 #[test]
 fn a_wrong_arrow_is_seen_in_every_form() {
     for (line, at) in [
-        (
-            "\nuse crate::antiresonances::secular::Scratch;",
-            "modal::receptance",
-        ),
+        ("\nuse crate::antiresonances::secular::Scratch;", "modal::receptance"),
         ("\nuse crate::antiresonances::Query;", "modal::receptance"),
         (
             "\nuse super::super::{\n    linalg::wide,\n    fem::model::{Model, connected},\n};",
             "linalg::symmetric",
         ),
-        (
-            "\nfn f() { crate::modal::modes::hertz(1.0); }",
-            "optimize::island",
-        ),
+        ("\nfn f() { crate::modal::modes::hertz(1.0); }", "optimize::island"),
         ("\nuse crate::optimize::Bounds;", "fem::model"),
-        (
-            "\npub(super) fn f(h: super::super::modal::receptance::Receptance) {}",
-            "fem::term",
-        ),
+        ("\npub(super) fn f(h: super::super::modal::receptance::Receptance) {}", "fem::term"),
     ] {
         assert_eq!(wrong_arrows(&edges(&with(line, at))).len(), 1, "{line}");
     }
@@ -319,15 +291,9 @@ fn a_wrong_arrow_is_seen_in_every_form() {
 fn a_circle_is_seen_in_every_form() {
     for (line, at) in [
         ("\nuse super::solver::Prepared;", "antiresonances::search"),
-        (
-            "\nuse super::AntiresonanceSolver;",
-            "antiresonances::search",
-        ),
+        ("\nuse super::AntiresonanceSolver;", "antiresonances::search"),
         ("\nuse super::polish::Polish;", "optimize::descent"),
-        (
-            "\nfn f(p: crate::fem::Model) { super::model::connected(); }",
-            "fem::term",
-        ),
+        ("\nfn f(p: crate::fem::Model) { super::model::connected(); }", "fem::term"),
         ("\nuse parameters::turn;", "fem::frame"),
     ] {
         assert!(circle(&edges(&with(line, at))).is_some(), "{line}");

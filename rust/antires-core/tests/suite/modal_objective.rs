@@ -28,11 +28,7 @@ fn measured(
     };
     wanted
         .map(|r| {
-            let largest = solved
-                .shapes
-                .col(r)
-                .iter()
-                .fold(0.0_f64, |m, p| m.max(p.abs()));
+            let largest = solved.shapes.col(r).iter().fold(0.0_f64, |m, p| m.max(p.abs()));
             let (cos, sin) = (0.9_f64.cos(), 0.9_f64.sin());
             let entries: Vec<(f64, f64)> = dofs
                 .iter()
@@ -128,10 +124,7 @@ fn long_chain(n: usize) -> Model {
 }
 
 fn mixed() -> Vec<Parameter> {
-    let of = |quantity, terms: &[usize]| Parameter {
-        quantity,
-        terms: terms.to_vec(),
-    };
+    let of = |quantity, terms: &[usize]| Parameter { quantity, terms: terms.to_vec() };
     vec![
         of(Quantity::StiffnessReduction, &[2]),
         of(Quantity::StiffnessFactor, &[1, 2, 5]),
@@ -165,10 +158,7 @@ fn a_linearization_has_the_objectives_cost_and_its_slope() {
             let moved = |index: usize, h: f64| {
                 let mut p = at;
                 p[index] += h;
-                objective
-                    .linearize(&p, &mut objective.workspace())
-                    .unwrap()
-                    .residuals
+                objective.linearize(&p, &mut objective.workspace()).unwrap().residuals
             };
             let h = 1e-4;
             for index in 0..4 {
@@ -201,15 +191,7 @@ fn the_band_and_the_dense_route_agree() {
     let of = |wanted: std::ops::Range<usize>| {
         let truth = model.at(&mixed(), &[0.5, 1.02, 1.1, 0.97]).unwrap();
         let measured = measured(&truth, wanted, &[0, 7, 20, 33, 59], 0.02);
-        ModalObjective::new(
-            model.clone(),
-            mixed(),
-            measured,
-            Misfit::Absolute,
-            None,
-            0.0,
-        )
-        .unwrap()
+        ModalObjective::new(model.clone(), mixed(), measured, Misfit::Absolute, None, 0.0).unwrap()
     };
     let (few, most) = (of(0..8), of(0..50));
     for x in [[0.0, 1.0, 1.0, 1.0], [0.9, 0.7, 1.3, 0.8]] {
@@ -232,28 +214,13 @@ fn modes_that_cross_keep_their_shapes() {
     let build = |a, b| mass_spring_chain(&[1.0, 1.0], &[1.0], a, b).unwrap();
     let truth = build(900.0, 1000.0);
     let parameters = vec![
-        Parameter {
-            quantity: Quantity::StiffnessFactor,
-            terms: vec![1],
-        },
-        Parameter {
-            quantity: Quantity::StiffnessFactor,
-            terms: vec![2],
-        },
+        Parameter { quantity: Quantity::StiffnessFactor, terms: vec![1] },
+        Parameter { quantity: Quantity::StiffnessFactor, terms: vec![2] },
     ];
     let measured = measured(&truth, 0..2, &[0, 1], 0.0);
-    let objective = ModalObjective::new(
-        build(1000.0, 900.0),
-        parameters,
-        measured,
-        Misfit::Absolute,
-        None,
-        0.0,
-    )
-    .unwrap();
-    let pairs = objective
-        .pairs(&[1.0, 1.0], &mut objective.workspace())
-        .unwrap();
+    let objective =
+        ModalObjective::new(build(1000.0, 900.0), parameters, measured, Misfit::Absolute, None, 0.0).unwrap();
+    let pairs = objective.pairs(&[1.0, 1.0], &mut objective.workspace()).unwrap();
     let partners: Vec<usize> = pairs.iter().map(|p| p.unwrap().mode).collect();
     assert_eq!(partners, [1, 0]);
     let bounds = Bounds::uniform(2, 0.7, 1.3).unwrap();
@@ -292,10 +259,7 @@ fn the_cost_is_finite_everywhere_even_where_springs_are_gone() {
 #[test]
 fn wrong_problems_are_refused_by_name() {
     let build = |freq_hz, dof| {
-        let mode = MeasuredMode {
-            freq_hz,
-            shape: Shape::new("shape", vec![dof], &[(1.0, 0.0)]).unwrap(),
-        };
+        let mode = MeasuredMode { freq_hz, shape: Shape::new("shape", vec![dof], &[(1.0, 0.0)]).unwrap() };
         let (model, parameters) = (chain8(INTACT), each(Quantity::StiffnessReduction, 7));
         let wrong = ModalObjective::new(model, parameters, vec![mode], Misfit::Absolute, None, 0.0);
         wrong.err().expect("refused").to_string()

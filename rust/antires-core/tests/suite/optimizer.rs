@@ -15,11 +15,7 @@ fn the_sphere_is_solved_and_the_islands_agree() {
     for seed in 0..5 {
         let outcome = run(&sphere, &bounds, &IslandOptions::default(), seed);
         assert!(outcome.fun < 1e-5, "seed {seed}: {}", outcome.fun);
-        assert!(
-            outcome.status.success(),
-            "seed {seed}: {:?}",
-            outcome.status
-        );
+        assert!(outcome.status.success(), "seed {seed}: {:?}", outcome.status);
         assert_eq!(sphere(&outcome.x), outcome.fun);
         assert_eq!(outcome.history.len(), outcome.nit + 1);
         assert_eq!(outcome.history.migrations().len(), outcome.migrations);
@@ -54,10 +50,7 @@ fn a_sparse_truth_is_found_with_exact_zeros() {
         // What "agreed" claims, checked on the islands themselves.
         for island in &outcome.islands {
             let best = island.population.row(island.population.best());
-            let close = best
-                .iter()
-                .zip(&outcome.x)
-                .all(|(a, b)| (a - b).abs() <= 1e-6);
+            let close = best.iter().zip(&outcome.x).all(|(a, b)| (a - b).abs() <= 1e-6);
             assert!(close, "{best:?} and {:?}", outcome.x);
             assert_eq!(island.state, IslandState::Waiting);
         }
@@ -67,11 +60,7 @@ fn a_sparse_truth_is_found_with_exact_zeros() {
 #[test]
 fn one_seed_gives_one_outcome_for_any_number_of_threads() {
     let bounds = Bounds::uniform(6, -5.12, 5.12).unwrap();
-    let options = IslandOptions {
-        patience: 5,
-        max_evaluations: 6000,
-        ..IslandOptions::default()
-    };
+    let options = IslandOptions { patience: 5, max_evaluations: 6000, ..IslandOptions::default() };
     let with = |seed, threads| {
         let hooks = &mut Hooks::default();
         minimize_objective(&rastrigin, &bounds, &[], &options, seed, threads, hooks).unwrap()
@@ -92,10 +81,7 @@ fn one_seed_gives_one_outcome_for_any_number_of_threads() {
 fn any_number_of_islands_works() {
     let bounds = Bounds::uniform(4, -1.0, 1.0).unwrap();
     for islands in [1, 2, 7] {
-        let options = IslandOptions {
-            islands,
-            ..IslandOptions::default()
-        };
+        let options = IslandOptions { islands, ..IslandOptions::default() };
         let outcome = run(&sphere, &bounds, &options, 3);
         assert_eq!(outcome.islands.len(), islands);
         for (i, island) in outcome.islands.iter().enumerate() {
@@ -114,14 +100,8 @@ fn a_flat_valley_ends_agreed_in_cost_and_by_the_paper_not_at_all() {
     // Only the sum matters: the bests agree in cost, their genes differ.
     let valley = |x: &[f64]| 1.0 + (x.iter().sum::<f64>() - 2.0).abs();
     let bounds = Bounds::uniform(6, 0.0, 1.0).unwrap();
-    let options = IslandOptions {
-        max_evaluations: 60_000,
-        ..IslandOptions::default()
-    };
-    let paper = IslandOptions {
-        agreement: Agreement::Genes,
-        ..options.clone()
-    };
+    let options = IslandOptions { max_evaluations: 60_000, ..IslandOptions::default() };
+    let paper = IslandOptions { agreement: Agreement::Genes, ..options.clone() };
     let mut in_cost = 0;
     for seed in 0..5 {
         let outcome = run(&valley, &bounds, &options, seed);
@@ -167,15 +147,9 @@ fn collapsed_populations_end_instead_of_looping() {
 fn generations_are_a_budget_too() {
     let bounds = Bounds::uniform(3, 0.0, 1.0).unwrap();
     for most in [0, 1, 9] {
-        let options = IslandOptions {
-            max_generations: Some(most),
-            ..IslandOptions::default()
-        };
+        let options = IslandOptions { max_generations: Some(most), ..IslandOptions::default() };
         let outcome = run(&sphere, &bounds, &options, 1);
-        assert_eq!(
-            (outcome.status, outcome.nit),
-            (Status::MaxGenerations, most)
-        );
+        assert_eq!((outcome.status, outcome.nit), (Status::MaxGenerations, most));
     }
 }
 
@@ -220,10 +194,7 @@ proptest! {
 #[test]
 fn guesses_are_evaluated_and_kept() {
     let bounds = Bounds::uniform(8, -1.0, 1.0).unwrap();
-    let options = IslandOptions {
-        max_generations: Some(0),
-        ..IslandOptions::default()
-    };
+    let options = IslandOptions { max_generations: Some(0), ..IslandOptions::default() };
     let guesses = vec![vec![0.9; 8], vec![0.3; 8], vec![0.8; 8]];
     let hooks = &mut Hooks::default();
     let outcome = minimize_objective(&sphere, &bounds, &guesses, &options, 1, 1, hooks).unwrap();

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use antires_core::error::Error;
 use antires_core::optimize::{
-    Bounds, Candidates, Evaluator, Failure, Hooks, Interrupt, IslandOptions, IslandState,
-    Objective, Progress, Status, minimize, minimize_objective,
+    Bounds, Candidates, Evaluator, Failure, Hooks, Interrupt, IslandOptions, IslandState, Objective,
+    Progress, Status, minimize, minimize_objective,
 };
 
 use crate::common::{bits, rastrigin, run, sparse, sphere};
@@ -24,10 +24,7 @@ impl Objective for Snapping {
     fn cost(&self, x: &[f64], seen: &mut Vec<f64>) -> f64 {
         seen.clear();
         seen.extend_from_slice(x);
-        assert!(
-            seen.iter().all(|&x| x == 0.0 || x >= 0.05),
-            "unrepaired {seen:?}"
-        );
+        assert!(seen.iter().all(|&x| x == 0.0 || x >= 0.05), "unrepaired {seen:?}");
         sparse(seen)
     }
 
@@ -47,8 +44,7 @@ fn what_is_repaired_is_what_is_evaluated_and_returned() {
         let options = IslandOptions::default();
         let guess = [vec![0.01; 7]];
         let hooks = &mut Hooks::default();
-        let outcome =
-            minimize_objective(&Snapping, &bounds, &guess, &options, 5, threads, hooks).unwrap();
+        let outcome = minimize_objective(&Snapping, &bounds, &guess, &options, 5, threads, hooks).unwrap();
         assert_eq!(outcome.x.iter().filter(|&&x| x == 0.0).count(), 6);
         for island in &outcome.islands {
             let genes = island.population.genes();
@@ -98,15 +94,9 @@ fn costs_that_are_not_finite_are_the_worst() {
     }
 
     let hopeless = |_: &[f64]| f64::NAN;
-    let options = IslandOptions {
-        max_evaluations: 1000,
-        ..IslandOptions::default()
-    };
+    let options = IslandOptions { max_evaluations: 1000, ..IslandOptions::default() };
     let outcome = run(&hopeless, &bounds, &options, 5);
-    assert_eq!(
-        (outcome.fun, outcome.status),
-        (f64::INFINITY, Status::MaxEvaluations)
-    );
+    assert_eq!((outcome.fun, outcome.status), (f64::INFINITY, Status::MaxEvaluations));
     assert!(bounds.contain(&outcome.x));
 }
 
@@ -125,30 +115,17 @@ fn fixed_genes_stay_and_a_point_is_solved_at_once() {
 #[test]
 fn progress_tells_what_the_history_keeps_and_may_stop_the_search() {
     let bounds = Bounds::uniform(4, -5.12, 5.12).unwrap();
-    let options = IslandOptions {
-        patience: 3,
-        ..IslandOptions::default()
-    };
+    let options = IslandOptions { patience: 3, ..IslandOptions::default() };
     let mut told = Vec::new();
     let mut progress = |progress: &Progress<'_>| {
         assert_eq!(rastrigin(progress.best_x), progress.best_cost);
         assert_eq!(progress.islands.len(), 4);
-        let costs: Vec<f64> = progress
-            .islands
-            .iter()
-            .map(|island| island.best_cost)
-            .collect();
-        let waiting = progress
-            .islands
-            .iter()
-            .any(|i| i.state == IslandState::Waiting);
+        let costs: Vec<f64> = progress.islands.iter().map(|island| island.best_cost).collect();
+        let waiting = progress.islands.iter().any(|i| i.state == IslandState::Waiting);
         told.push((progress.generation, progress.evaluations, costs, waiting));
         (progress.generation == 30).then_some(Interrupt::Callback)
     };
-    let hooks = &mut Hooks {
-        progress: Some(&mut progress),
-        ..Hooks::default()
-    };
+    let hooks = &mut Hooks { progress: Some(&mut progress), ..Hooks::default() };
     let outcome = minimize_objective(&rastrigin, &bounds, &[], &options, 1, 2, hooks).unwrap();
     assert_eq!((outcome.status, outcome.nit), (Status::Callback, 30));
     assert_eq!(told.len(), outcome.history.len());
@@ -164,10 +141,9 @@ fn progress_tells_what_the_history_keeps_and_may_stop_the_search() {
 fn an_interrupted_search_returns_its_best_soon() {
     let bounds = Bounds::uniform(4, -5.12, 5.12).unwrap();
     for threads in [1, 2] {
-        for (interrupt, status) in [
-            (Interrupt::User, Status::Interrupted),
-            (Interrupt::TimeLimit, Status::TimeLimit),
-        ] {
+        for (interrupt, status) in
+            [(Interrupt::User, Status::Interrupted), (Interrupt::TimeLimit, Status::TimeLimit)]
+        {
             let calls = AtomicUsize::new(0);
             let slow = |x: &[f64]| {
                 calls.fetch_add(1, Ordering::Relaxed);
@@ -176,13 +152,9 @@ fn an_interrupted_search_returns_its_best_soon() {
             };
             // The initial populations take 160 ms on one thread: the third generation or so.
             let mut stop = || (calls.load(Ordering::Relaxed) > 300).then_some(interrupt);
-            let hooks = &mut Hooks {
-                should_stop: Some(&mut stop),
-                ..Hooks::default()
-            };
+            let hooks = &mut Hooks { should_stop: Some(&mut stop), ..Hooks::default() };
             let options = IslandOptions::default();
-            let outcome =
-                minimize_objective(&slow, &bounds, &[], &options, 1, threads, hooks).unwrap();
+            let outcome = minimize_objective(&slow, &bounds, &[], &options, 1, threads, hooks).unwrap();
             assert_eq!(outcome.status, status);
             assert_eq!(outcome.nfev, calls.load(Ordering::Relaxed));
             // 300 and what ran until the next question: 20 ms, ten times that if busy.
@@ -199,10 +171,7 @@ fn an_interrupted_search_returns_its_best_soon() {
 fn a_search_interrupted_at_once_still_has_an_outcome() {
     let bounds = Bounds::uniform(4, -5.12, 5.12).unwrap();
     let mut stop = || Some(Interrupt::User);
-    let hooks = &mut Hooks {
-        should_stop: Some(&mut stop),
-        ..Hooks::default()
-    };
+    let hooks = &mut Hooks { should_stop: Some(&mut stop), ..Hooks::default() };
     let options = IslandOptions::default();
     let guess = [vec![1.0; 4]];
     let outcome = minimize_objective(&rastrigin, &bounds, &guess, &options, 1, 1, hooks).unwrap();
@@ -224,18 +193,10 @@ fn a_discarded_generation_still_gives_its_best() {
     };
     // In the middle of the initial populations.
     let mut stop = || (calls.load(Ordering::Relaxed) == 50).then_some(Interrupt::User);
-    let hooks = &mut Hooks {
-        should_stop: Some(&mut stop),
-        ..Hooks::default()
-    };
+    let hooks = &mut Hooks { should_stop: Some(&mut stop), ..Hooks::default() };
     let options = IslandOptions::default();
     let outcome = minimize_objective(&recording, &bounds, &[], &options, 1, 1, hooks).unwrap();
-    let best = costs
-        .lock()
-        .unwrap()
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
+    let best = costs.lock().unwrap().iter().copied().fold(f64::INFINITY, f64::min);
     assert_eq!((outcome.nfev, outcome.fun), (50, best));
     assert_eq!(rastrigin(&outcome.x), outcome.fun);
     assert!(outcome.history.is_empty());
@@ -279,19 +240,8 @@ impl Evaluator for Batches {
 fn a_batch_evaluator_gives_the_same_bits_in_one_call_a_generation() {
     let bounds = Bounds::uniform(3, -1.0, 1.0).unwrap();
     let options = IslandOptions::default();
-    let mut batches = Batches {
-        made: 0,
-        fails_at: None,
-    };
-    let outcome = minimize(
-        &mut batches,
-        &bounds,
-        &[],
-        &options,
-        9,
-        &mut Hooks::default(),
-    )
-    .unwrap();
+    let mut batches = Batches { made: 0, fails_at: None };
+    let outcome = minimize(&mut batches, &bounds, &[], &options, 9, &mut Hooks::default()).unwrap();
     assert_eq!(bits(&outcome), bits(&run(&sphere, &bounds, &options, 9)));
     assert!(batches.made <= outcome.nit + 1);
 }
@@ -300,23 +250,10 @@ fn a_batch_evaluator_gives_the_same_bits_in_one_call_a_generation() {
 fn a_fault_comes_back_as_it_was() {
     let bounds = Bounds::uniform(3, -1.0, 1.0).unwrap();
     for fails_at in [0, 5] {
-        let mut batches = Batches {
-            made: 0,
-            fails_at: Some(fails_at),
-        };
+        let mut batches = Batches { made: 0, fails_at: Some(fails_at) };
         let options = IslandOptions::default();
-        let result = minimize(
-            &mut batches,
-            &bounds,
-            &[],
-            &options,
-            9,
-            &mut Hooks::default(),
-        );
-        assert_eq!(
-            result.unwrap_err(),
-            Failure::Evaluation(Exception("division by zero"))
-        );
+        let result = minimize(&mut batches, &bounds, &[], &options, 9, &mut Hooks::default());
+        assert_eq!(result.unwrap_err(), Failure::Evaluation(Exception("division by zero")));
         assert_eq!(batches.made, fails_at);
     }
 }
@@ -333,10 +270,7 @@ fn unusable_input_is_refused_by_name() {
         }
     };
     let default = IslandOptions::default();
-    let none = IslandOptions {
-        islands: 0,
-        ..default.clone()
-    };
+    let none = IslandOptions { islands: 0, ..default.clone() };
     assert_eq!(refused(&[], &none, 1), "islands");
     assert_eq!(refused(&[], &default, 0), "threads");
     assert_eq!(refused(&[vec![0.5]], &default, 1), "x0[0]");

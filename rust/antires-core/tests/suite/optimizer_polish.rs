@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use antires_core::optimize::{
-    Bounds, Composition, Hooks, Interrupt, IslandOptions, Linearization, Norm, Objective, Outcome,
-    Status, minimize_objective,
+    Bounds, Composition, Hooks, Interrupt, IslandOptions, Linearization, Norm, Objective, Outcome, Status,
+    minimize_objective,
 };
 use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
 
@@ -25,10 +25,7 @@ impl Hidden {
         for &(gene, size) in raised {
             truth[gene] = size;
         }
-        Self {
-            truth,
-            calls: AtomicUsize::new(0),
-        }
+        Self { truth, calls: AtomicUsize::new(0) }
     }
 
     /// A smooth matrix, whose neighbouring columns are much alike.
@@ -39,11 +36,7 @@ impl Hidden {
 
     fn residuals(&self, x: &[f64]) -> Vec<f64> {
         let g = |x: f64| x / (1.05 - x);
-        let apart: Vec<f64> = x
-            .iter()
-            .zip(&self.truth)
-            .map(|(&x, &t)| g(x) - g(t))
-            .collect();
+        let apart: Vec<f64> = x.iter().zip(&self.truth).map(|(&x, &t)| g(x) - g(t)).collect();
         let of = |i: usize| (0..N).map(|j| Self::a(i, j) * apart[j]).sum();
         (0..M).map(of).collect()
     }
@@ -86,12 +79,7 @@ impl Objective for Hidden {
     }
 }
 
-fn search(
-    objective: &impl Objective,
-    options: &IslandOptions,
-    seed: u64,
-    threads: usize,
-) -> Outcome {
+fn search(objective: &impl Objective, options: &IslandOptions, seed: u64, threads: usize) -> Outcome {
     let bounds = Bounds::uniform(N, 0.0, 0.99).unwrap();
     let hooks = &mut Hooks::default();
     minimize_objective(objective, &bounds, &[], options, seed, threads, hooks).unwrap()
@@ -99,23 +87,14 @@ fn search(
 
 #[test]
 fn hidden_damages_are_found_with_exact_zeros_and_few_evaluations() {
-    let cases: [&[(usize, f64)]; 5] = [
-        &[],
-        &[(0, 0.4)],
-        &[(11, 0.75)],
-        &[(3, 0.55), (8, 0.3)],
-        &[(5, 0.6), (6, 0.5), (1, 0.9)],
-    ];
+    let cases: [&[(usize, f64)]; 5] =
+        [&[], &[(0, 0.4)], &[(11, 0.75)], &[(3, 0.55), (8, 0.3)], &[(5, 0.6), (6, 0.5), (1, 0.9)]];
     for raised in cases {
         for seed in 0..3 {
             let objective = Hidden::new(raised);
             let outcome = search(&objective, &IslandOptions::default(), seed, 1);
             let bar = objective.cost_of(&objective.truth);
-            assert!(
-                outcome.fun <= bar + 1e-6,
-                "{raised:?}: {} > {bar}",
-                outcome.fun
-            );
+            assert!(outcome.fun <= bar + 1e-6, "{raised:?}: {} > {bar}", outcome.fun);
             assert!(outcome.status.success(), "{:?}", outcome.status);
             assert!(outcome.nfev < 12_000, "{raised:?}: {}", outcome.nfev);
             // What remains is damage, never a rest of the arithmetic.
@@ -129,16 +108,10 @@ fn hidden_damages_are_found_with_exact_zeros_and_few_evaluations() {
 #[test]
 fn the_polish_is_worth_its_evaluations() {
     let solved = |polish: Option<bool>| {
-        let options = IslandOptions {
-            polish,
-            max_evaluations: 4000,
-            ..IslandOptions::default()
-        };
+        let options = IslandOptions { polish, max_evaluations: 4000, ..IslandOptions::default() };
         let objective = Hidden::new(&[(3, 0.75), (9, 0.3)]);
         let bar = objective.cost_of(&objective.truth) + 1e-6;
-        (0..5)
-            .filter(|&seed| search(&objective, &options, seed, 1).fun <= bar)
-            .count()
+        (0..5).filter(|&seed| search(&objective, &options, seed, 1).fun <= bar).count()
     };
     assert_eq!((solved(None), solved(Some(false))), (5, 0));
 }
@@ -202,14 +175,10 @@ fn a_stop_inside_the_polish_ends_it_there_with_the_best_so_far() {
             let objective = Hidden::new(&[(3, 0.55), (8, 0.3)]);
             let count = || objective.calls.load(Ordering::Relaxed);
             let mut stop = || (count() >= after).then_some(Interrupt::User);
-            let hooks = &mut Hooks {
-                should_stop: Some(&mut stop),
-                ..Hooks::default()
-            };
+            let hooks = &mut Hooks { should_stop: Some(&mut stop), ..Hooks::default() };
             let bounds = Bounds::uniform(N, 0.0, 0.99).unwrap();
             let options = IslandOptions::default();
-            let outcome =
-                minimize_objective(&objective, &bounds, &[], &options, 3, threads, hooks).unwrap();
+            let outcome = minimize_objective(&objective, &bounds, &[], &options, 3, threads, hooks).unwrap();
             assert_eq!((outcome.status, outcome.nit), (Status::Interrupted, 0));
             assert_eq!(outcome.nfev, count());
             assert_eq!(objective.cost_of(&outcome.x), outcome.fun);
@@ -223,20 +192,13 @@ fn a_stop_inside_the_polish_ends_it_there_with_the_best_so_far() {
 
 #[test]
 fn a_plain_function_is_polished_when_asked_without_derivatives() {
-    let options = IslandOptions {
-        polish: Some(true),
-        ..IslandOptions::default()
+    let options = IslandOptions { polish: Some(true), ..IslandOptions::default() };
+    let (seven, ten) = (Bounds::uniform(7, 0.0, 0.99).unwrap(), Bounds::uniform(10, -5.12, 5.12).unwrap());
+    let run = |objective: &(dyn Fn(&[f64]) -> f64 + Sync), bounds, options: &IslandOptions, seed| {
+        let objective = |x: &[f64]| objective(x);
+        let hooks = &mut Hooks::default();
+        minimize_objective(&objective, bounds, &[], options, seed, 1, hooks).unwrap()
     };
-    let (seven, ten) = (
-        Bounds::uniform(7, 0.0, 0.99).unwrap(),
-        Bounds::uniform(10, -5.12, 5.12).unwrap(),
-    );
-    let run =
-        |objective: &(dyn Fn(&[f64]) -> f64 + Sync), bounds, options: &IslandOptions, seed| {
-            let objective = |x: &[f64]| objective(x);
-            let hooks = &mut Hooks::default();
-            minimize_objective(&objective, bounds, &[], options, seed, 1, hooks).unwrap()
-        };
     for seed in 0..3 {
         let outcome = run(&sparse, &seven, &options, seed);
         let (found, zeros): (Vec<f64>, Vec<f64>) = outcome.x.iter().partition(|x| **x > 0.0);
@@ -251,9 +213,6 @@ fn a_plain_function_is_polished_when_asked_without_derivatives() {
     assert!((0..6).filter(solved).count() >= 5);
     // Unasked, a function that tells nothing of itself is searched as it always was.
     let unasked = run(&sparse, &seven, &IslandOptions::default(), 4);
-    let paper = IslandOptions {
-        polish: Some(false),
-        ..IslandOptions::default()
-    };
+    let paper = IslandOptions { polish: Some(false), ..IslandOptions::default() };
     assert_eq!(bits(&unasked), bits(&run(&sparse, &seven, &paper, 4)));
 }

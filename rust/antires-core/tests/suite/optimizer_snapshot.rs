@@ -19,17 +19,10 @@ fn run(
 }
 
 /// The outcome and the snapshot before each generation.
-fn watched(
-    objective: fn(&[f64]) -> f64,
-    options: &IslandOptions,
-    seed: u64,
-) -> (Outcome, Vec<Vec<u8>>) {
+fn watched(objective: fn(&[f64]) -> f64, options: &IslandOptions, seed: u64) -> (Outcome, Vec<Vec<u8>>) {
     let mut snapshots = Vec::new();
     let mut keep = |bytes| snapshots.push(bytes);
-    let hooks = &mut Hooks {
-        keep: Some(&mut keep),
-        ..Hooks::default()
-    };
+    let hooks = &mut Hooks { keep: Some(&mut keep), ..Hooks::default() };
     let outcome = run(objective, options, seed, hooks).unwrap();
     (outcome, snapshots)
 }
@@ -40,10 +33,7 @@ fn resumed(
     seed: u64,
     bytes: &[u8],
 ) -> Result<Outcome> {
-    let hooks = &mut Hooks {
-        resume: Some(bytes),
-        ..Hooks::default()
-    };
+    let hooks = &mut Hooks { resume: Some(bytes), ..Hooks::default() };
     run(objective, options, seed, hooks)
 }
 
@@ -87,19 +77,13 @@ fn a_snapshot_of_another_search_is_refused() {
     let error = resumed(sparse, &options(Some(true)), 6, bytes).unwrap_err();
     assert!(error.to_string().starts_with("checkpoint: got"), "{error}");
     assert!(resumed(sparse, &options(Some(false)), 5, bytes).is_err());
-    for change in [
-        |o: &mut IslandOptions| o.islands = 3,
-        |o: &mut IslandOptions| o.population = 41,
-    ] {
+    for change in [|o: &mut IslandOptions| o.islands = 3, |o: &mut IslandOptions| o.population = 41] {
         let mut other = options(Some(true));
         change(&mut other);
         assert!(resumed(sparse, &other, 5, bytes).is_err());
     }
     let narrow = Bounds::uniform(N, 0.0, 0.98).unwrap();
-    let hooks = &mut Hooks {
-        resume: Some(bytes),
-        ..Hooks::default()
-    };
+    let hooks = &mut Hooks { resume: Some(bytes), ..Hooks::default() };
     let objective = sparse as fn(&[f64]) -> f64;
     let options = options(Some(true));
     assert!(minimize_objective(&objective, &narrow, &[], &options, 5, 1, hooks).is_err());

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use antires_core::antiresonances::{
-    AntiresonanceSolver, Query, Route, ZeroSensitivity, antiresonances,
-};
+use antires_core::antiresonances::{AntiresonanceSolver, Query, Route, ZeroSensitivity, antiresonances};
 use antires_core::fem::assembly::Slopes;
 use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
@@ -23,10 +21,7 @@ fn chain() -> Model {
 
 /// One parameter of each kind, two of them on the same term.
 fn parameters() -> Vec<Parameter> {
-    let of = |quantity, terms: &[usize]| Parameter {
-        quantity,
-        terms: terms.to_vec(),
-    };
+    let of = |quantity, terms: &[usize]| Parameter { quantity, terms: terms.to_vec() };
     vec![
         of(Quantity::StiffnessReduction, &[2]),
         of(Quantity::StiffnessFactor, &[1, 2]),
@@ -43,11 +38,7 @@ fn solver(model: &Model) -> AntiresonanceSolver {
 }
 
 fn zeros(model: &Model, response: usize) -> Vec<f64> {
-    let query = Query {
-        route: Route::Modal,
-        f_max_hz: f64::INFINITY,
-        include_cancelled: false,
-    };
+    let query = Query { route: Route::Modal, f_max_hz: f64::INFINITY, include_cancelled: false };
     let found = antiresonances(model, &[response], 1, &query).unwrap();
     found[0].freq_hz.iter().map(|&f| eigenvalue(f)).collect()
 }
@@ -90,11 +81,8 @@ fn analytic_sensitivities_are_the_limit_of_differences() {
 fn one_mass_between_two_springs_moves_as_the_textbook_says() {
     // H_11 of two masses on a spring between them: its zero is x = k / m_2.
     let model = mass_spring_chain(&[1.0, 2.0], &[500.0], 0.0, 0.0).unwrap();
-    let parameters =
-        [Quantity::StiffnessReduction, Quantity::MassFactor].map(|quantity| Parameter {
-            terms: vec![usize::from(quantity == Quantity::MassFactor)],
-            quantity,
-        });
+    let parameters = [Quantity::StiffnessReduction, Quantity::MassFactor]
+        .map(|quantity| Parameter { terms: vec![usize::from(quantity == Quantity::MassFactor)], quantity });
     let slopes = Slopes::new(&model, &parameters, &[0.0, 1.0]);
     let mut zero = ZeroSensitivity::default();
     let mut solver = solver(&model);
@@ -107,9 +95,7 @@ fn one_mass_between_two_springs_moves_as_the_textbook_says() {
 }
 
 fn objective(misfit: Misfit, penalty: Option<Penalty>) -> AntiresonanceObjective {
-    let truth = chain()
-        .at(&parameters(), &[0.5, 1.02, 1.1, 0.97, 0.8])
-        .unwrap();
+    let truth = chain().at(&parameters(), &[0.5, 1.02, 1.1, 0.97, 0.8]).unwrap();
     let hertz = |x: &f64| x.sqrt() / std::f64::consts::TAU;
     let targets = (0..6).map(|dof| Target {
         dof,
@@ -117,31 +103,16 @@ fn objective(misfit: Misfit, penalty: Option<Penalty>) -> AntiresonanceObjective
         freq_hz: zeros(&truth, dof).iter().map(hertz).collect(),
         ..Target::default()
     });
-    AntiresonanceObjective::new(
-        chain(),
-        parameters(),
-        targets.collect(),
-        misfit,
-        penalty,
-        1e-3,
-    )
-    .unwrap()
+    AntiresonanceObjective::new(chain(), parameters(), targets.collect(), misfit, penalty, 1e-3).unwrap()
 }
 
 #[test]
 fn a_linearization_has_the_objectives_cost_and_its_slope() {
-    let penalty = Some(Penalty {
-        gamma1: 0.1,
-        gamma2: 0.1,
-    });
+    let penalty = Some(Penalty { gamma1: 0.1, gamma2: 0.1 });
     for (misfit, penalty) in [(Misfit::Absolute, penalty), (Misfit::Squared, None)] {
         let objective = objective(misfit, penalty);
         let ws = &mut objective.workspace();
-        let Linearization {
-            cost,
-            residuals,
-            jacobian,
-        } = objective.linearize(&AT, ws).unwrap();
+        let Linearization { cost, residuals, jacobian } = objective.linearize(&AT, ws).unwrap();
         assert_eq!(cost, objective.cost(&AT, ws));
         let price = objective.composition().unwrap().price;
         for (index, price) in price.iter().enumerate() {
@@ -159,10 +130,7 @@ fn a_linearization_has_the_objectives_cost_and_its_slope() {
                 objective.cost(&p, &mut objective.workspace())
             };
             let difference = (moved(h) - moved(-h)) / (2.0 * h);
-            assert!(
-                (slope + price - difference).abs() < 1e-6,
-                "{index}: {slope} {difference}"
-            );
+            assert!((slope + price - difference).abs() < 1e-6, "{index}: {slope} {difference}");
         }
     }
 }

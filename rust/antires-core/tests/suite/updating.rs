@@ -3,9 +3,7 @@
 use antires_core::antiresonances::{Query, Route, antiresonances};
 use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
-use antires_core::optimize::{
-    Bounds, Hooks, IslandOptions, Linearization, Objective, minimize_objective,
-};
+use antires_core::optimize::{Bounds, Hooks, IslandOptions, Linearization, Objective, minimize_objective};
 use antires_core::update::objective::{AntiresonanceObjective, Sees, Target};
 use antires_core::update::unknowns::Misfit;
 
@@ -15,11 +13,7 @@ use crate::common::chain8::{
 
 /// Exact zeros, each shifted by a fixed pattern of up to `error`, as an identification would.
 fn targets(model: &Model, error: f64) -> Vec<Target> {
-    let query = Query {
-        route: Route::Pencil,
-        f_max_hz: f64::INFINITY,
-        include_cancelled: false,
-    };
+    let query = Query { route: Route::Pencil, f_max_hz: f64::INFINITY, include_cancelled: false };
     let dofs: Vec<usize> = (0..8).collect();
     let mut count = 0;
     antiresonances(model, &dofs, 0, &query)
@@ -35,12 +29,7 @@ fn targets(model: &Model, error: f64) -> Vec<Target> {
                     f * (1.0 + error * (2.3 * f64::from(count)).sin())
                 })
                 .collect();
-            Target {
-                dof,
-                excitation: 0,
-                freq_hz,
-                ..Target::default()
-            }
+            Target { dof, excitation: 0, freq_hz, ..Target::default() }
         })
         .collect()
 }
@@ -51,15 +40,8 @@ fn reductions() -> Vec<Parameter> {
 
 fn damage_objective(error: f64, snap: f64) -> AntiresonanceObjective {
     let measured = targets(&chain8(damaged()), error);
-    AntiresonanceObjective::new(
-        chain8(INTACT),
-        reductions(),
-        measured,
-        Misfit::Absolute,
-        Some(PAPER),
-        snap,
-    )
-    .unwrap()
+    AntiresonanceObjective::new(chain8(INTACT), reductions(), measured, Misfit::Absolute, Some(PAPER), snap)
+        .unwrap()
 }
 
 #[test]
@@ -112,28 +94,13 @@ fn the_cost_is_finite_everywhere_even_where_a_spring_is_gone() {
 fn wrong_problems_are_refused_by_name() {
     let build = |parameters, targets, snap| {
         let model = chain8(INTACT);
-        let objective = AntiresonanceObjective::new(
-            model,
-            parameters,
-            targets,
-            Misfit::Absolute,
-            Some(PAPER),
-            snap,
-        );
+        let objective =
+            AntiresonanceObjective::new(model, parameters, targets, Misfit::Absolute, Some(PAPER), snap);
         objective.err().expect("refused").to_string()
     };
-    let at = |dof, excitation, freq| {
-        vec![Target {
-            dof,
-            excitation,
-            freq_hz: vec![freq],
-            ..Target::default()
-        }]
-    };
-    let ground = Parameter {
-        quantity: Quantity::StiffnessFactor,
-        terms: vec![7],
-    };
+    let at =
+        |dof, excitation, freq| vec![Target { dof, excitation, freq_hz: vec![freq], ..Target::default() }];
+    let ground = Parameter { quantity: Quantity::StiffnessFactor, terms: vec![7] };
     assert!(build(reductions(), at(8, 0, 1.0), 0.0).starts_with("measured: got dof 8"));
     assert!(build(reductions(), at(0, 9, 1.0), 0.0).starts_with("excitation: got dof 9"));
     assert!(build(reductions(), at(0, 0, -1.0), 0.0).contains("positive"));
@@ -146,32 +113,18 @@ fn wrong_problems_are_refused_by_name() {
 #[test]
 fn no_search_ends_with_rests_of_arithmetic_paid_as_damage() {
     // snap = 0: nothing but the search itself makes zeros.
-    for (a, b) in [
-        ((4, 0.55), (4, 0.55)),
-        ((1, 0.3), (5, 0.6)),
-        ((2, 0.8), (3, 0.4)),
-    ] {
+    for (a, b) in [((4, 0.55), (4, 0.55)), ((1, 0.3), (5, 0.6)), ((2, 0.8), (3, 0.4))] {
         let mut springs = INTACT;
         for (spring, beta) in [a, b] {
             springs[spring] = INTACT[spring] * (1.0 - beta);
         }
         let measured = targets(&chain8(springs), 1e-3);
         let intact = chain8(INTACT);
-        let objective = AntiresonanceObjective::new(
-            intact,
-            reductions(),
-            measured,
-            Misfit::Absolute,
-            Some(PAPER),
-            0.0,
-        )
-        .unwrap();
+        let objective =
+            AntiresonanceObjective::new(intact, reductions(), measured, Misfit::Absolute, Some(PAPER), 0.0)
+                .unwrap();
         let polished = search(&objective, 1, 1);
-        assert!(
-            polished.x.iter().all(|&x| x == 0.0 || x > 1e-3),
-            "{:?}",
-            polished.x
-        );
+        assert!(polished.x.iter().all(|&x| x == 0.0 || x > 1e-3), "{:?}", polished.x);
         let damaged = |(spring, beta): (usize, f64)| (polished.x[spring] - beta).abs() < 0.02;
         assert!(damaged(a) && damaged(b), "{:?}", polished.x);
     }
@@ -182,10 +135,7 @@ fn the_flat_valley_of_updating_is_walked_to_its_bottom() {
     // Masses and springs within 10 %: a common scale and the first mass are not seen.
     let masses = [0.5593, 0.40, 0.44, 0.41, 0.43, 0.42, 0.40, 0.43];
     let springs = [54e3, 58e3, 55e3, 60e3, 57e3, 52e3, 59e3];
-    let measured = targets(
-        &mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap(),
-        0.0,
-    );
+    let measured = targets(&mass_spring_chain(&masses, &springs, 0.0, 0.0).unwrap(), 0.0);
     let (masses, springs) = (Quantity::MassFactor, Quantity::StiffnessFactor);
     let parameters = [each(masses, 8), each(springs, 7)].concat();
     for misfit in [Misfit::Absolute, Misfit::Squared] {
@@ -204,12 +154,7 @@ fn the_flat_valley_of_updating_is_walked_to_its_bottom() {
         let outcome = minimize_objective(&objective, &bounds, &[], &options, 1, 1, hooks).unwrap();
         assert!(outcome.status.success(), "{:?}", outcome.status);
         // The valley has no one set of genes to agree in: three migrations, each after 40 idle generations.
-        assert!(
-            outcome.fun < 1e-9 && outcome.nfev < 30_000,
-            "{} {}",
-            outcome.fun,
-            outcome.nfev
-        );
+        assert!(outcome.fun < 1e-9 && outcome.nfev < 30_000, "{} {}", outcome.fun, outcome.nfev);
     }
 }
 
@@ -228,8 +173,7 @@ fn seen_by(sees: Sees, excitation: usize, dof: usize, freq_hz: Vec<f64>) -> Anti
     });
     let unknowns = each(Quantity::StiffnessReduction, 6);
     let targets = targets.collect();
-    AntiresonanceObjective::new(symmetric(), unknowns, targets, Misfit::Absolute, None, 0.0)
-        .unwrap()
+    AntiresonanceObjective::new(symmetric(), unknowns, targets, Misfit::Absolute, None, 0.0).unwrap()
 }
 
 #[test]
@@ -239,11 +183,7 @@ fn what_transmissibilities_see_on_a_node_frfs_do_not() {
         let objective = seen_by(sees, excitation, 3, measured.clone());
         let pairs = objective.pairs(&[0.0; 6], &mut objective.workspace());
         let rounded = |hz: f64| (100.0 * hz).round() / 100.0;
-        pairs
-            .unwrap()
-            .iter()
-            .map(|p| p.partner_hz.map(rounded))
-            .collect::<Vec<_>>()
+        pairs.unwrap().iter().map(|p| p.partner_hz.map(rounded)).collect::<Vec<_>>()
     };
     let all: Vec<_> = measured.iter().copied().map(Some).collect();
     assert_eq!(at(Sees::Transmissibility, 0), all);
@@ -256,11 +196,7 @@ fn what_all_responses_share_no_transmissibility_sees() {
     // The force on the node: no response has the odd modes, and their roots are in all numerators.
     let at = |sees| {
         let objective = seen_by(sees, 3, 2, vec![15.84]);
-        objective
-            .pairs(&[0.0; 6], &mut objective.workspace())
-            .unwrap()[0]
-            .partner_hz
-            .unwrap()
+        objective.pairs(&[0.0; 6], &mut objective.workspace()).unwrap()[0].partner_hz.unwrap()
     };
     assert!((at(Sees::Unknown) - 15.838).abs() < 1e-3);
     assert!((at(Sees::Transmissibility) - 21.995).abs() < 1e-3);
@@ -270,12 +206,7 @@ fn what_all_responses_share_no_transmissibility_sees() {
 #[test]
 fn nothing_jumps_where_a_symmetry_breaks() {
     for (excitation, dof) in [(0, 3), (3, 2)] {
-        let objective = seen_by(
-            Sees::Transmissibility,
-            excitation,
-            dof,
-            vec![15.9, 44.1, 64.4],
-        );
+        let objective = seen_by(Sees::Transmissibility, excitation, dof, vec![15.9, 44.1, 64.4]);
         let ws = &mut objective.workspace();
         let mut cost = |beta: f64| objective.cost(&[0.0, beta, 0.0, 0.0, 0.0, 0.0], ws);
         let mut last = cost(0.0);
@@ -284,10 +215,7 @@ fn nothing_jumps_where_a_symmetry_breaks() {
         let more = (1..2_000).map(|i| 1e-4 + 2e-5 * f64::from(i));
         for beta in small.chain(more) {
             let here = cost(beta);
-            assert!(
-                (here - last).abs() < 0.03,
-                "{excitation}: {last} to {here} at {beta:e}"
-            );
+            assert!((here - last).abs() < 0.03, "{excitation}: {last} to {here} at {beta:e}");
             last = here;
         }
     }
@@ -308,10 +236,7 @@ fn roots_on_a_pole_move_as_differences_say() {
             };
             let h = 1e-4;
             let difference = (8.0 * (at(h) - at(-h)) - at(2.0 * h) + at(-2.0 * h)) / (12.0 * h);
-            assert!(
-                (row - difference).abs() < 1e-7,
-                "{dof}, {index}: {row} and {difference}"
-            );
+            assert!((row - difference).abs() < 1e-7, "{dof}, {index}: {row} and {difference}");
         }
     }
 }

@@ -12,9 +12,7 @@
 use nalgebra::Matrix1;
 
 use crate::error::{Argument, Error, Result};
-use crate::fem::elements::{
-    along_line, pair, plane_mass, plane_stiffness, space_mass, space_stiffness,
-};
+use crate::fem::elements::{along_line, pair, plane_mass, plane_stiffness, space_mass, space_stiffness};
 use crate::fem::parameters::Property;
 use crate::fem::section::Section;
 use crate::fem::term::{Side, Term};
@@ -63,12 +61,8 @@ impl Dimension {
     pub fn direction(self, argument: &Argument, name: &str) -> Result<usize> {
         let names = self.directions();
         names.iter().position(|n| *n == name).ok_or_else(|| {
-            Error::input(
-                argument,
-                format!("the direction '{name}'"),
-                format!("one of {}", names.join(", ")),
-            )
-            .remedy("The letters are those of the node's dofs: translations, then rotations.")
+            Error::input(argument, format!("the direction '{name}'"), format!("one of {}", names.join(", ")))
+                .remedy("The letters are those of the node's dofs: translations, then rotations.")
         })
     }
 }
@@ -94,11 +88,7 @@ impl DofMap {
         for (number, &slot) in slots.iter().enumerate() {
             numbers[slot] = Some(number);
         }
-        Self {
-            dimension,
-            numbers,
-            slots,
-        }
+        Self { dimension, numbers, slots }
     }
 
     /// Number of free dofs.
@@ -275,12 +265,8 @@ fn check_amount(name: &Argument, unit: &str, value: f64) -> Result<()> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    Err(Error::input(
-        name,
-        format!("{value} {unit}"),
-        "a finite value of at least 0",
-    )
-    .remedy("Leave it out where there is none."))
+    Err(Error::input(name, format!("{value} {unit}"), "a finite value of at least 0")
+        .remedy("Leave it out where there is none."))
 }
 
 // ---- the kinds
@@ -302,12 +288,7 @@ pub struct Beam {
 impl Beam {
     /// A beam with the default reference direction.
     pub fn new(nodes: [usize; 2], section: usize) -> Self {
-        Self {
-            nodes,
-            section,
-            reference: None,
-            factors: [1.0; 2],
-        }
+        Self { nodes, section, reference: None, factors: [1.0; 2] }
     }
 }
 
@@ -338,17 +319,12 @@ impl Part for Beam {
         place.check_pair(name, self.nodes)?;
         if self.section >= place.sections.len() {
             let wanted = format!("a section below {}", place.sections.len());
-            return Err(
-                Error::input(name, format!("section {}", self.section), wanted)
-                    .remedy("Sections are counted from 0, in the order in which they are given."),
-            );
+            return Err(Error::input(name, format!("section {}", self.section), wanted)
+                .remedy("Sections are counted from 0, in the order in which they are given."));
         }
         let (along, [a, b]) = (place.vector_m(self.nodes), self.nodes);
         if norm(along) <= place.shortest_m {
-            let got = format!(
-                "an element of length {:e} m between nodes {a} and {b}",
-                norm(along)
-            );
+            let got = format!("an element of length {:e} m between nodes {a} and {b}", norm(along));
             return Err(Error::input(name, got, "a length above zero")
                 .remedy("Join coincident nodes by node_springs, or make them one node."));
         }
@@ -360,12 +336,8 @@ impl Part for Beam {
             return Ok(());
         }
         let got = format!("{reference:?}, along its element");
-        Err(Error::input(
-            name.called("orientation"),
-            got,
-            "a direction across the element",
-        )
-        .remedy("It tells where the section's z axis points; leave it out for the default."))
+        Err(Error::input(name.called("orientation"), got, "a direction across the element")
+            .remedy("It tells where the section's z axis points; leave it out for the default."))
     }
 
     fn form(&self, side: Side, place: Place<'_>, dofs: &DofMap, up: [f64; 3], term: &mut Term) {
@@ -378,20 +350,14 @@ impl Part for Beam {
                     Side::Stiffness => plane_stiffness(a, b, &section),
                     Side::Mass => plane_mass(a, b, &section),
                 };
-                term.set_element(
-                    &dofs.pair::<6>(self.nodes),
-                    &(matrix * self.factors[side as usize]),
-                );
+                term.set_element(&dofs.pair::<6>(self.nodes), &(matrix * self.factors[side as usize]));
             }
             Dimension::Space => {
                 let matrix = match side {
                     Side::Stiffness => space_stiffness(a, b, up, &section),
                     Side::Mass => space_mass(a, b, up, &section),
                 };
-                term.set_element(
-                    &dofs.pair::<12>(self.nodes),
-                    &(matrix * self.factors[side as usize]),
-                );
+                term.set_element(&dofs.pair::<12>(self.nodes), &(matrix * self.factors[side as usize]));
             }
         }
     }
@@ -422,11 +388,7 @@ impl PointMass {
     #[expect(clippy::unnecessary_wraps, reason = "a row of some kinds can be wrong")]
     fn of_row((nodes, _, values): &Row, _: &Argument, _: Dimension) -> Result<Self> {
         let inertia_kg_m2 = std::array::from_fn(|axis| values[1 + axis]);
-        Ok(Self {
-            node: nodes[0],
-            mass_kg: values[0],
-            inertia_kg_m2,
-        })
+        Ok(Self { node: nodes[0], mass_kg: values[0], inertia_kg_m2 })
     }
 }
 
@@ -461,9 +423,7 @@ impl Part for PointMass {
 
     fn scale(&mut self, _: Side, factor: f64) {
         self.mass_kg *= factor;
-        self.inertia_kg_m2
-            .iter_mut()
-            .for_each(|inertia| *inertia *= factor);
+        self.inertia_kg_m2.iter_mut().for_each(|inertia| *inertia *= factor);
     }
 
     fn slots(&mut self, property: Property, dimension: Dimension) -> Option<&mut [f64]> {
@@ -499,17 +459,9 @@ pub struct GroundSpring {
 impl GroundSpring {
     const ARGUMENT: &'static str = "ground_springs";
 
-    fn of_row(
-        (nodes, direction, values): &Row,
-        name: &Argument,
-        dimension: Dimension,
-    ) -> Result<Self> {
+    fn of_row((nodes, direction, values): &Row, name: &Argument, dimension: Dimension) -> Result<Self> {
         let direction = dimension.direction(name, direction.as_deref().unwrap_or_default())?;
-        Ok(Self {
-            node: nodes[0],
-            direction,
-            stiffness_n_per_m: values[0],
-        })
+        Ok(Self { node: nodes[0], direction, stiffness_n_per_m: values[0] })
     }
 }
 
@@ -524,11 +476,7 @@ impl Part for GroundSpring {
 
     fn row(&self, dimension: Dimension) -> Row {
         let direction = dimension.directions()[self.direction].to_owned();
-        (
-            vec![self.node],
-            Some(direction),
-            vec![self.stiffness_n_per_m],
-        )
+        (vec![self.node], Some(direction), vec![self.stiffness_n_per_m])
     }
 
     fn check(&self, name: &Argument, place: Place<'_>) -> Result<()> {
@@ -547,8 +495,7 @@ impl Part for GroundSpring {
     }
 
     fn slots(&mut self, property: Property, _: Dimension) -> Option<&mut [f64]> {
-        (property == Property::SupportStiffness)
-            .then(|| std::slice::from_mut(&mut self.stiffness_n_per_m))
+        (property == Property::SupportStiffness).then(|| std::slice::from_mut(&mut self.stiffness_n_per_m))
     }
 
     fn is_fixed(&self, _: Property, _: Dimension, dofs: &DofMap) -> bool {
@@ -570,20 +517,9 @@ pub struct NodeSpring {
 impl NodeSpring {
     const ARGUMENT: &'static str = "node_springs";
 
-    fn of_row(
-        (nodes, direction, values): &Row,
-        name: &Argument,
-        dimension: Dimension,
-    ) -> Result<Self> {
-        let direction = direction
-            .as_deref()
-            .map(|d| dimension.direction(name, d))
-            .transpose()?;
-        Ok(Self {
-            nodes: [nodes[0], nodes[1]],
-            direction,
-            stiffness_n_per_m: values[0],
-        })
+    fn of_row((nodes, direction, values): &Row, name: &Argument, dimension: Dimension) -> Result<Self> {
+        let direction = direction.as_deref().map(|d| dimension.direction(name, d)).transpose()?;
+        Ok(Self { nodes: [nodes[0], nodes[1]], direction, stiffness_n_per_m: values[0] })
     }
 }
 
@@ -677,19 +613,12 @@ impl FrameDescription {
     }
 
     pub(super) fn place(&self) -> Place<'_> {
-        Place {
-            dimension: self.dimension,
-            nodes_m: &self.nodes_m,
-            sections: &self.sections,
-            shortest_m: 0.0,
-        }
+        Place { dimension: self.dimension, nodes_m: &self.nodes_m, sections: &self.sections, shortest_m: 0.0 }
     }
 
     /// The elements that one argument lists.
     pub fn listed(&self, argument: &str) -> impl Iterator<Item = &Element> {
-        self.elements
-            .iter()
-            .filter(move |element| element.argument() == argument)
+        self.elements.iter().filter(move |element| element.argument() == argument)
     }
 
     /// The beams: the first elements.
@@ -714,9 +643,7 @@ impl FrameDescription {
 
     /// Forms the term of element `i`; `up` is its reference direction.
     pub(super) fn form(&self, i: usize, side: Side, dofs: &DofMap, up: [f64; 3], term: &mut Term) {
-        self.elements[i]
-            .part()
-            .form(side, self.place(), dofs, up, term);
+        self.elements[i].part().form(side, self.place(), dofs, up, term);
     }
 
     /// Scales what element `i` adds to one matrix.
@@ -762,21 +689,14 @@ impl FrameDescription {
             Element::Beam(beam) => self.sections[beam.section] != then.sections[beam.section],
             _ => self.elements[i] != then.elements[i],
         };
-        reformed
-            || part
-                .joins()
-                .is_some_and(|nodes| nodes.into_iter().any(moved))
+        reformed || part.joins().is_some_and(|nodes| nodes.into_iter().any(moved))
     }
 
     /// The reference direction of a beam that has none of its own: z, or x for beams along z.
     pub(super) fn default_reference(&self, nodes: [usize; 2]) -> [f64; 3] {
         let along = self.place().vector_m(nodes);
         let up = [0.0, 0.0, 1.0];
-        if norm(cross(along, up)) > PARALLEL * norm(along) {
-            up
-        } else {
-            [1.0, 0.0, 0.0]
-        }
+        if norm(cross(along, up)) > PARALLEL * norm(along) { up } else { [1.0, 0.0, 0.0] }
     }
 
     /// Checks every part; the messages name it as the Python face calls it.
@@ -784,14 +704,12 @@ impl FrameDescription {
         let missing = if self.nodes_m.is_empty() {
             Some(("nodes_m", "at least two nodes"))
         } else {
-            self.beams()
-                .next()
-                .is_none()
-                .then_some(("elements", "at least one element"))
+            self.beams().next().is_none().then_some(("elements", "at least one element"))
         };
         if let Some((what, wanted)) = missing {
-            return Err(Error::input(what, "none", wanted)
-                .remedy("A frame is at least one beam between two nodes."));
+            return Err(
+                Error::input(what, "none", wanted).remedy("A frame is at least one beam between two nodes.")
+            );
         }
         for (i, node) in self.nodes_m.iter().enumerate() {
             if let Some(x) = node.iter().find(|x| !x.is_finite()) {
@@ -803,15 +721,10 @@ impl FrameDescription {
         for (i, section) in self.sections.iter().enumerate() {
             section.check(&Argument::from("sections").item(i))?;
         }
-        let place = Place {
-            shortest_m: SHORTEST * self.extent_m(),
-            ..self.place()
-        };
+        let place = Place { shortest_m: SHORTEST * self.extent_m(), ..self.place() };
         for kind in self.elements.chunk_by(|a, b| a.rank() == b.rank()) {
             for (i, element) in kind.iter().enumerate() {
-                element
-                    .part()
-                    .check(&Argument::from(element.argument()).item(i), place)?;
+                element.part().check(&Argument::from(element.argument()).item(i), place)?;
             }
             if matches!(kind[0], Element::Beam(_)) {
                 self.check_joined_once()?;
@@ -857,9 +770,5 @@ pub(super) fn norm(v: [f64; 3]) -> f64 {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -76,28 +76,16 @@ impl Frame {
     /// [`Error::InvalidInput`] when there is no such dof, or when it is fixed.
     pub fn dof(&self, node: usize, direction: &str) -> Result<usize> {
         check_node(&"node".into(), node, self.description.nodes_m.len())?;
-        let index = self
-            .description
-            .dimension
-            .direction(&"direction".into(), direction)?;
+        let index = self.description.dimension.direction(&"direction".into(), direction)?;
         self.dofs.number(node, index).ok_or_else(|| {
-            Error::input(
-                "direction",
-                format!("'{direction}' of node {node}, which is fixed"),
-                "a free dof",
-            )
-            .remedy(
-                "A fixed dof does not move: it has no response, and a force on it does nothing.",
-            )
+            Error::input("direction", format!("'{direction}' of node {node}, which is fixed"), "a free dof")
+                .remedy("A fixed dof does not move: it has no response, and a force on it does nothing.")
         })
     }
 
     fn check_every_dof_is_held(&self) -> Result<()> {
         let mut held = vec![false; self.dofs.n_free()];
-        for term in [Side::Stiffness, Side::Mass]
-            .into_iter()
-            .flat_map(|side| self.terms(side))
-        {
+        for term in [Side::Stiffness, Side::Mass].into_iter().flat_map(|side| self.terms(side)) {
             for &(row, col, value) in term.entries() {
                 held[row as usize] |= row == col && value > 0.0;
             }
@@ -117,9 +105,7 @@ impl Frame {
 
     /// All terms of one matrix.
     pub fn terms(&self, side: Side) -> Vec<Term> {
-        (0..self.terms[side as usize].len())
-            .map(|index| self.term(side, index))
-            .collect()
+        (0..self.terms[side as usize].len()).map(|index| self.term(side, index)).collect()
     }
 
     /// Term `index` of one matrix as it now is.
@@ -195,17 +181,13 @@ impl Frame {
         for &beam in group {
             for node in beams[beam] {
                 if !turning[node] {
-                    flood(&neighbours, node, |node| {
-                        !std::mem::replace(&mut turning[node], true)
-                    });
+                    flood(&neighbours, node, |node| !std::mem::replace(&mut turning[node], true));
                 }
             }
         }
         turning[pivot] = false;
         let other = (0..beams.len()).find(|beam| {
-            !group.contains(beam)
-                && touches(*beam)
-                && beams[*beam].iter().any(|&node| turning[node])
+            !group.contains(beam) && touches(*beam) && beams[*beam].iter().any(|&node| turning[node])
         });
         if let Some(beam) = other {
             return Err(Error::input(

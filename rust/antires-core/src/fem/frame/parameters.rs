@@ -30,10 +30,7 @@ impl Frame {
     /// no such carrier.
     fn values(&self, property: Property, index: usize) -> Option<Vec<f64>> {
         // A copy, since one table of places is better than two; only set-up calls this.
-        self.description
-            .clone()
-            .slots(property, index)
-            .map(|s| s.to_vec())
+        self.description.clone().slots(property, index).map(|s| s.to_vec())
     }
 
     /// Sets what the frame's own parameters govern; factors on terms are left to the caller.
@@ -42,12 +39,7 @@ impl Frame {
             match &parameter.quantity {
                 &Quantity::Property(property, scale) => {
                     for &index in &parameter.terms {
-                        for slot in self
-                            .description
-                            .slots(property, index)
-                            .into_iter()
-                            .flatten()
-                        {
+                        for slot in self.description.slots(property, index).into_iter().flatten() {
                             *slot = match scale {
                                 Scale::Value => value,
                                 Scale::Factor => *slot * value,
@@ -103,8 +95,7 @@ impl Frame {
     }
 
     fn scale(&mut self, side: Side, term: usize, factor: f64) {
-        self.description
-            .scale(self.terms[side as usize][term], side, factor);
+        self.description.scale(self.terms[side as usize][term], side, factor);
     }
 
     /// Checks that a property parameter called `name` governs something of this frame.
@@ -124,11 +115,8 @@ impl Frame {
         for &index in indices {
             let Some(values) = self.values(property, index) else {
                 let wanted = format!("a {carrier} of the model");
-                return Err(
-                    Error::input(name, format!("{carrier} {index}"), wanted).remedy(format!(
-                        "Each {carrier} is counted from 0, in the order of the model."
-                    )),
-                );
+                return Err(Error::input(name, format!("{carrier} {index}"), wanted)
+                    .remedy(format!("Each {carrier} is counted from 0, in the order of the model.")));
             };
             nominal.extend(values);
         }
@@ -181,11 +169,7 @@ impl Frame {
         let parts = self.description();
         let joined = parts.joined().map(|(i, nodes)| (nodes, group.contains(&i)));
         let mut edges: Vec<([usize; 2], bool)> = joined.collect();
-        edges.retain(|(nodes, _)| {
-            nodes
-                .iter()
-                .all(|n| *n == pivot || moving.binary_search(n).is_ok())
-        });
+        edges.retain(|(nodes, _)| nodes.iter().all(|n| *n == pivot || moving.binary_search(n).is_ok()));
         // Nodes of one carrier move alike. The carrier of a far end is itself.
         let mut carrier: Vec<Option<usize>> = vec![None; parts.nodes_m.len()];
         carrier[pivot] = Some(pivot);
@@ -199,17 +183,9 @@ impl Frame {
                 }
                 let node = nodes[usize::from(nodes[0] == from)];
                 if carrier[node].is_none() {
-                    carrier[node] = if *stretched {
-                        Some(node)
-                    } else {
-                        carrier[from]
-                    };
+                    carrier[node] = if *stretched { Some(node) } else { carrier[from] };
                     stretching[edge] = *stretched;
-                    way.push(Reach {
-                        node,
-                        from,
-                        stretched: *stretched,
-                    });
+                    way.push(Reach { node, from, stretched: *stretched });
                     pending.push(node);
                 }
             }
@@ -221,9 +197,7 @@ impl Frame {
                     format!("a group in a loop, which nodes {a} and {b} close"),
                     "elements outside loops, all reached from the pivot",
                 )
-                .remedy(
-                    "Move nodes by position instead, so that all members of the loop follow.",
-                ));
+                .remedy("Move nodes by position instead, so that all members of the loop follow."));
             }
         }
         Ok(way)
@@ -259,13 +233,7 @@ impl Frame {
     ///
     /// # Errors
     /// [`Error::InvalidInput`] naming the first beam that does.
-    pub fn check_way(
-        &self,
-        direction: [f64; 3],
-        nodes: &[usize],
-        low: f64,
-        high: f64,
-    ) -> Result<()> {
+    pub fn check_way(&self, direction: [f64; 3], nodes: &[usize], low: f64, high: f64) -> Result<()> {
         let parts = self.description();
         for (i, beam) in parts.beams().enumerate() {
             let [first, last] = beam.nodes.map(|node| nodes.contains(&node));
@@ -275,13 +243,9 @@ impl Frame {
             let along = parts.place().vector_m(beam.nodes);
             let sign = if last { 1.0 } else { -1.0 };
             // Where the moving end is nearest to the other.
-            let towards: f64 = (0..3)
-                .map(|axis| sign * direction[axis] * along[axis])
-                .sum();
+            let towards: f64 = (0..3).map(|axis| sign * direction[axis] * along[axis]).sum();
             let at = (-towards).clamp(low, high);
-            let left = norm(std::array::from_fn(|axis| {
-                along[axis] + sign * at * direction[axis]
-            }));
+            let left = norm(std::array::from_fn(|axis| along[axis] + sign * at * direction[axis]));
             if left < LEFT * norm(along) {
                 return Err(Error::input(
                     Argument::from("elements").item(i),
@@ -302,11 +266,7 @@ impl Frame {
     }
 
     /// Indices of the terms of one matrix in which this frame differs from `other`, formed from the same one.
-    pub fn terms_unlike<'a>(
-        &'a self,
-        other: &'a Self,
-        side: Side,
-    ) -> impl Iterator<Item = usize> + 'a {
+    pub fn terms_unlike<'a>(&'a self, other: &'a Self, side: Side) -> impl Iterator<Item = usize> + 'a {
         (0..self.terms[side as usize].len()).filter(move |&t| self.differs(other, side, t))
     }
 
@@ -355,11 +315,7 @@ struct Terms {
 impl Reform {
     /// The nominal state of `frame`.
     pub fn new(frame: &Frame) -> Self {
-        Self {
-            working: frame.clone(),
-            stiffness: Terms::default(),
-            mass: Terms::default(),
-        }
+        Self { working: frame.clone(), stiffness: Terms::default(), mass: Terms::default() }
     }
 
     /// Forms both matrices at `x`: (nominal, factors on its terms, matrix) for stiffness and mass.
@@ -374,10 +330,8 @@ impl Reform {
             self.working.reset_to(nominal);
             self.working.apply(parameters, x);
             let working = &self.working;
-            self.stiffness
-                .refresh(stiffness.0.terms, [working, nominal], Side::Stiffness);
-            self.mass
-                .refresh(mass.0.terms, [working, nominal], Side::Mass);
+            self.stiffness.refresh(stiffness.0.terms, [working, nominal], Side::Stiffness);
+            self.mass.refresh(mass.0.terms, [working, nominal], Side::Mass);
         }
         self.stiffness.sum(stiffness.0, stiffness.1, stiffness.2);
         self.mass.sum(mass.0, mass.1, mass.2);
@@ -407,11 +361,7 @@ impl Terms {
             return;
         }
         self.matrix_altered = altered;
-        let terms = if self.now.is_empty() {
-            nominal.terms
-        } else {
-            &self.now
-        };
+        let terms = if self.now.is_empty() { nominal.terms } else { &self.now };
         matrix.values.fill(0.0);
         for (t, (term, &factor)) in terms.iter().zip(factors).enumerate() {
             term.add_to(&mut matrix.values, nominal.places.of(t), factor);

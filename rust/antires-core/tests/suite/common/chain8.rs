@@ -2,17 +2,12 @@
 
 use antires_core::fem::model::{Model, mass_spring_chain};
 use antires_core::fem::parameters::{Parameter, Quantity};
-use antires_core::optimize::{
-    Bounds, Hooks, IslandOptions, Objective, Outcome, minimize_objective,
-};
+use antires_core::optimize::{Bounds, Hooks, IslandOptions, Objective, Outcome, minimize_objective};
 use antires_core::update::unknowns::Penalty;
 
 use super::bits;
 
-pub const PAPER: Penalty = Penalty {
-    gamma1: 0.1,
-    gamma2: 0.1,
-};
+pub const PAPER: Penalty = Penalty { gamma1: 0.1, gamma2: 0.1 };
 pub const INTACT: [f64; 7] = [56.7e3; 7];
 
 pub fn damaged() -> [f64; 7] {
@@ -29,12 +24,7 @@ pub fn chain8(springs: [f64; 7]) -> Model {
 
 /// One parameter for each of the first `count` terms.
 pub fn each(quantity: Quantity, count: usize) -> Vec<Parameter> {
-    (0..count)
-        .map(|term| Parameter {
-            quantity: quantity.clone(),
-            terms: vec![term],
-        })
-        .collect()
+    (0..count).map(|term| Parameter { quantity: quantity.clone(), terms: vec![term] }).collect()
 }
 
 /// The search for stiffness reductions of the springs.
@@ -59,10 +49,6 @@ pub fn assert_found(outcome: &Outcome) {
 pub fn assert_same_for_any_threads(objective: &impl Objective) {
     let one = bits(&search(objective, 7, 1));
     for threads in [2, 3, 8] {
-        assert_eq!(
-            one,
-            bits(&search(objective, 7, threads)),
-            "{threads} threads"
-        );
+        assert_eq!(one, bits(&search(objective, 7, threads)), "{threads} threads");
     }
 }

@@ -5,9 +5,7 @@ pub mod chain8;
 
 use std::f64::consts::TAU;
 
-use antires_core::optimize::{
-    Bounds, Hooks, IslandOptions, Objective, Outcome, minimize_objective,
-};
+use antires_core::optimize::{Bounds, Hooks, IslandOptions, Objective, Outcome, minimize_objective};
 use proptest::test_runner::Config;
 
 /// Cases of a property test: `cases`, or what `PROPTEST_CASES` asks for in a campaign.
@@ -21,38 +19,18 @@ pub fn sphere(x: &[f64]) -> f64 {
 }
 
 pub fn rastrigin(x: &[f64]) -> f64 {
-    x.iter()
-        .map(|x| x * x + 10.0 - 10.0 * (TAU * x).cos())
-        .sum()
+    x.iter().map(|x| x * x + 10.0 - 10.0 * (TAU * x).cos()).sum()
 }
 
 /// Distance to a sparse truth plus both penalties of damage: the minimum has exact zeros.
 pub fn sparse(x: &[f64]) -> f64 {
-    let misfit: f64 = x
-        .iter()
-        .enumerate()
-        .map(|(i, x)| (x - if i == 3 { 0.55 } else { 0.0 }).abs())
-        .sum();
+    let misfit: f64 = x.iter().enumerate().map(|(i, x)| (x - if i == 3 { 0.55 } else { 0.0 }).abs()).sum();
     let count = x.iter().filter(|x| **x > 0.0).count();
     misfit + 0.1 * x.iter().sum::<f64>() + 0.1 * count as f64
 }
 
-pub fn run(
-    objective: &impl Objective,
-    bounds: &Bounds,
-    options: &IslandOptions,
-    seed: u64,
-) -> Outcome {
-    minimize_objective(
-        objective,
-        bounds,
-        &[],
-        options,
-        seed,
-        1,
-        &mut Hooks::default(),
-    )
-    .unwrap()
+pub fn run(objective: &impl Objective, bounds: &Bounds, options: &IslandOptions, seed: u64) -> Outcome {
+    minimize_objective(objective, bounds, &[], options, seed, 1, &mut Hooks::default()).unwrap()
 }
 
 /// Every number of an outcome, as bits.

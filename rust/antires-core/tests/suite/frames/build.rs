@@ -8,20 +8,11 @@ use antires_core::fem::model::Model;
 use antires_core::fem::section::{Section, Shape, Shear};
 
 pub fn steel(shape: Shape) -> Section {
-    Section {
-        shape,
-        youngs_modulus_pa: 2.1e11,
-        density_kg_per_m3: 7850.0,
-        poisson: 0.3,
-        shear: Shear::Rigid,
-    }
+    Section { shape, youngs_modulus_pa: 2.1e11, density_kg_per_m3: 7850.0, poisson: 0.3, shear: Shear::Rigid }
 }
 
 pub fn tube() -> Section {
-    steel(Shape::Tube {
-        outer_diameter_m: 0.038,
-        thickness_m: 0.0015,
-    })
+    steel(Shape::Tube { outer_diameter_m: 0.038, thickness_m: 0.0015 })
 }
 
 /// The elements of one kind.
@@ -33,18 +24,14 @@ macro_rules! each {
         })
     };
     ($frame:expr, $kind:ident, $number:expr) => {
-        each!($frame.elements.iter_mut(), $kind)
-            .nth($number)
-            .unwrap()
+        each!($frame.elements.iter_mut(), $kind).nth($number).unwrap()
     };
 }
 pub(crate) use each;
 
 /// Takes all elements of one argument out.
 pub fn without(mut frame: FrameDescription, argument: &str) -> FrameDescription {
-    frame
-        .elements
-        .retain(|element| element.argument() != argument);
+    frame.elements.retain(|element| element.argument() != argument);
     frame
 }
 
@@ -53,54 +40,26 @@ pub fn beam(a: usize, b: usize, section: usize) -> Element {
 }
 
 pub fn lump(node: usize, mass_kg: f64, inertia_kg_m2: [f64; 3]) -> Element {
-    Element::PointMass(PointMass {
-        node,
-        mass_kg,
-        inertia_kg_m2,
-    })
+    Element::PointMass(PointMass { node, mass_kg, inertia_kg_m2 })
 }
 
 pub fn hanger(node: usize, direction: usize, stiffness_n_per_m: f64) -> Element {
-    Element::GroundSpring(GroundSpring {
-        node,
-        direction,
-        stiffness_n_per_m,
-    })
+    Element::GroundSpring(GroundSpring { node, direction, stiffness_n_per_m })
 }
 
 pub fn joint(nodes: [usize; 2], direction: Option<usize>, stiffness_n_per_m: f64) -> Element {
-    Element::NodeSpring(NodeSpring {
-        nodes,
-        direction,
-        stiffness_n_per_m,
-    })
+    Element::NodeSpring(NodeSpring { nodes, direction, stiffness_n_per_m })
 }
 
-pub fn plain(
-    dimension: Dimension,
-    nodes_m: Vec<[f64; 3]>,
-    elements: Vec<Element>,
-) -> FrameDescription {
+pub fn plain(dimension: Dimension, nodes_m: Vec<[f64; 3]>, elements: Vec<Element>) -> FrameDescription {
     let sections = vec![tube()];
-    FrameDescription {
-        dimension,
-        nodes_m,
-        sections,
-        elements,
-        fixed: vec![],
-    }
+    FrameDescription { dimension, nodes_m, sections, elements, fixed: vec![] }
 }
 
 /// A straight beam of `n` elements from the origin to `end`.
 pub fn line(dimension: Dimension, n: usize, end: [f64; 3], section: Section) -> FrameDescription {
-    let nodes = (0..=n)
-        .map(|i| end.map(|x| x * i as f64 / n as f64))
-        .collect();
-    let mut frame = plain(
-        dimension,
-        nodes,
-        (0..n).map(|i| beam(i, i + 1, 0)).collect(),
-    );
+    let nodes = (0..=n).map(|i| end.map(|x| x * i as f64 / n as f64)).collect();
+    let mut frame = plain(dimension, nodes, (0..n).map(|i| beam(i, i + 1, 0)).collect());
     frame.sections = vec![section];
     frame
 }
@@ -139,14 +98,8 @@ pub fn tree(dimension: Dimension) -> FrameDescription {
         beam(7, 8, 1),
     ];
     let mut frame = plain(dimension, nodes, beams);
-    frame.sections.push(steel(Shape::Tube {
-        outer_diameter_m: 0.05,
-        thickness_m: 0.002,
-    }));
-    frame.sections.push(steel(Shape::Rectangle {
-        width_m: 0.03,
-        height_m: 0.02,
-    }));
+    frame.sections.push(steel(Shape::Tube { outer_diameter_m: 0.05, thickness_m: 0.002 }));
+    frame.sections.push(steel(Shape::Rectangle { width_m: 0.03, height_m: 0.02 }));
     frame.elements.extend([
         lump(3, 2.0, [0.01; 3]),
         lump(5, 1.0, [0.002, 0.003, 0.004]),
@@ -154,9 +107,7 @@ pub fn tree(dimension: Dimension) -> FrameDescription {
         hanger(4, 1, 2e3),
     ]);
     let directions = 0..dimension.per_node();
-    frame
-        .elements
-        .extend(directions.map(|direction| joint([6, 7], Some(direction), 1e5)));
+    frame.elements.extend(directions.map(|direction| joint([6, 7], Some(direction), 1e5)));
     frame.elements.push(joint([6, 8], None, 3e4));
     frame
 }

@@ -22,16 +22,8 @@ const LENGTH_M: f64 = 1.7;
 const MESHES: [usize; 4] = [4, 8, 16, 32];
 
 /// Roots βL, to the last digit.
-const CANTILEVER: [f64; 3] = [
-    1.875_104_068_711_961,
-    4.694_091_132_974_175,
-    7.854_757_438_237_613,
-];
-const FREE_FREE: [f64; 3] = [
-    4.730_040_744_862_704,
-    7.853_204_624_095_838,
-    10.995_607_838_001_671,
-];
+const CANTILEVER: [f64; 3] = [1.875_104_068_711_961, 4.694_091_132_974_175, 7.854_757_438_237_613];
+const FREE_FREE: [f64; 3] = [4.730_040_744_862_704, 7.853_204_624_095_838, 10.995_607_838_001_671];
 const SUPPORTED: [f64; 3] = [PI, 2.0 * PI, 3.0 * PI];
 
 fn bending_hz(root: f64, section: &Section) -> f64 {
@@ -40,28 +32,14 @@ fn bending_hz(root: f64, section: &Section) -> f64 {
 }
 
 /// Relative errors [mesh][mode] of the lowest elastic frequencies.
-fn errors(
-    name: &str,
-    exact_hz: &[f64],
-    build: impl Fn(usize) -> FrameDescription,
-) -> Vec<Vec<f64>> {
+fn errors(name: &str, exact_hz: &[f64], build: impl Fn(usize) -> FrameDescription) -> Vec<Vec<f64>> {
     println!("{name}: relative error by number of elements");
     let mut table = Vec::new();
     for n in MESHES {
         let found = modes(&model(build(n))).unwrap().freq_hz;
-        let elastic: Vec<f64> = found
-            .into_iter()
-            .filter(|f| *f > 1e-3 * exact_hz[0])
-            .collect();
-        let row: Vec<f64> = exact_hz
-            .iter()
-            .zip(&elastic)
-            .map(|(e, f)| f / e - 1.0)
-            .collect();
-        println!(
-            "  {n:3}  {}",
-            row.iter().map(|e| format!("{e:10.2e}")).collect::<String>()
-        );
+        let elastic: Vec<f64> = found.into_iter().filter(|f| *f > 1e-3 * exact_hz[0]).collect();
+        let row: Vec<f64> = exact_hz.iter().zip(&elastic).map(|(e, f)| f / e - 1.0).collect();
+        println!("  {n:3}  {}", row.iter().map(|e| format!("{e:10.2e}")).collect::<String>());
         table.push(row);
     }
     table
@@ -71,10 +49,7 @@ fn errors(
 fn assert_order(table: &[Vec<f64>], order: f64) {
     let mut checked = 0;
     for (coarse, fine) in table[2].iter().zip(&table[3]) {
-        assert!(
-            *coarse > 0.0,
-            "a conforming element is too stiff: {coarse:e}"
-        );
+        assert!(*coarse > 0.0, "a conforming element is too stiff: {coarse:e}");
         if *fine > 2e-7 {
             let observed = (coarse / fine).log2();
             assert!((observed - order).abs() < 0.05, "order {observed}");
@@ -108,13 +83,10 @@ fn bending_converges_with_order_four() {
     let plane = Dimension::Plane;
     // Axial motion is held, so that only bending is left.
     let cantilever = errors("cantilever", &exact(CANTILEVER), |n| {
-        held(plane, n, tube(), |node, direction| {
-            node == 0 || direction == 0
-        })
+        held(plane, n, tube(), |node, direction| node == 0 || direction == 0)
     });
-    let free = errors("free-free", &exact(FREE_FREE), |n| {
-        held(plane, n, tube(), |_, direction| direction == 0)
-    });
+    let free =
+        errors("free-free", &exact(FREE_FREE), |n| held(plane, n, tube(), |_, direction| direction == 0));
     let supported = errors("simply supported", &exact(SUPPORTED), |n| {
         held(plane, n, tube(), |node, direction| {
             direction == 0 || (direction == 1 && (node == 0 || node == n))
@@ -141,10 +113,7 @@ fn hinged_hz(n: f64, section: &Section) -> f64 {
 
 #[test]
 fn hinged_beams_with_shear_converge_to_the_closed_form_with_order_two() {
-    let mut section = steel(Shape::Rectangle {
-        width_m: 0.05,
-        height_m: 0.25,
-    });
+    let mut section = steel(Shape::Rectangle { width_m: 0.05, height_m: 0.25 });
     section.shear = Shear::Cowper;
     let exact = [1.0, 2.0, 3.0].map(|n| hinged_hz(n, &section));
     let table = errors("hinged, with shear", &exact, |n| {
@@ -170,9 +139,7 @@ fn bars_and_shafts_converge_with_order_two() {
         ("torsion", 3, (r.torsion_nm2 / r.polar_kgm).sqrt()),
     ] {
         let table = errors(name, &exact(speed), |n| {
-            held(Dimension::Space, n, section, |node, d| {
-                node == 0 || d != direction
-            })
+            held(Dimension::Space, n, section, |node, d| node == 0 || d != direction)
         });
         assert_order(&table, 2.0);
         assert!(table[3][0] < 2e-4);
@@ -181,23 +148,16 @@ fn bars_and_shafts_converge_with_order_two() {
 
 #[test]
 fn a_space_cantilever_has_both_bending_families_torsion_and_axial_motion() {
-    let section = steel(Shape::Rectangle {
-        width_m: 0.05,
-        height_m: 0.08,
-    });
+    let section = steel(Shape::Rectangle { width_m: 0.05, height_m: 0.08 });
     let r = section.rigidity();
-    let bending = |ei: f64, root: f64| {
-        root * root * (ei / r.mass_kg_per_m).sqrt() / (LENGTH_M * LENGTH_M * TAU)
-    };
+    let bending =
+        |ei: f64, root: f64| root * root * (ei / r.mass_kg_per_m).sqrt() / (LENGTH_M * LENGTH_M * TAU);
     let fourth = 10.995_540_734_875_467;
     let mut exact: Vec<f64> = CANTILEVER
         .iter()
         .chain([&fourth])
         .flat_map(|&root| {
-            [
-                bending(r.bending_y.stiffness_nm2, root),
-                bending(r.bending_z.stiffness_nm2, root),
-            ]
+            [bending(r.bending_y.stiffness_nm2, root), bending(r.bending_z.stiffness_nm2, root)]
         })
         .collect();
     exact.push((r.torsion_nm2 / r.polar_kgm).sqrt() * FRAC_PI_2 / (LENGTH_M * TAU));

@@ -28,9 +28,7 @@ pub fn rigid_motions(model: &Model) -> Mat<f64> {
         if direction < axes {
             about.cross(&x)[direction]
         } else {
-            f64::from(u8::from(
-                direction - axes == if axes == 2 { 0 } else { axis },
-            ))
+            f64::from(u8::from(direction - axes == if axes == 2 { 0 } else { axis }))
         }
     })
 }
@@ -52,11 +50,7 @@ fn matrices_are_symmetric_to_the_last_bit_and_rigid_motions_free() {
         }
         let forces = model.stiffness().to_dense() * rigid_motions(&model);
         let scale = model.stiffness().norm_max();
-        assert!(
-            forces.norm_max() < 1e-14 * scale,
-            "{:e}",
-            forces.norm_max() / scale
-        );
+        assert!(forces.norm_max() < 1e-14 * scale, "{:e}", forces.norm_max() / scale);
         let zero = modes(&model).unwrap();
         let rigid = zero.freq_hz.iter().filter(|f| **f < 1e-2).count();
         assert_eq!(rigid, dimension.per_node(), "{:?}", &zero.freq_hz[..8]);
@@ -92,11 +86,7 @@ fn rigid_motions_carry_the_mass_and_inertia_of_the_structure() {
         }
         let last = dimension.per_node() - 1;
         // The polar inertia of slender tubes is a matter of 1e-4.
-        let slack = if dimension == Dimension::Plane {
-            1e-13
-        } else {
-            1e-3
-        };
+        let slack = if dimension == Dimension::Plane { 1e-13 } else { 1e-3 };
         assert!((total[(last, last)] / about_z - 1.0).abs() < slack);
     }
 }
@@ -110,10 +100,7 @@ fn the_order_of_an_elements_nodes_changes_nothing() {
             beam.nodes.reverse();
         }
         let reversed = model(description);
-        for (a, b) in [
-            (straight.stiffness(), reversed.stiffness()),
-            (straight.mass(), reversed.mass()),
-        ] {
+        for (a, b) in [(straight.stiffness(), reversed.stiffness()), (straight.mass(), reversed.mass())] {
             assert!((a.to_dense() - b.to_dense()).norm_max() < 1e-14 * a.norm_max());
         }
     }
@@ -135,15 +122,10 @@ fn a_plane_frame_is_the_space_frame_held_in_its_plane() {
         beam.reference = Some(Vector3::z().cross(&(b - a)).into());
     }
     for node in 0..description.nodes_m.len() {
-        description
-            .fixed
-            .extend([2, 3, 4].map(|direction| (node, direction)));
+        description.fixed.extend([2, 3, 4].map(|direction| (node, direction)));
     }
     let space = model(description);
-    for (a, b) in [
-        (plane.stiffness(), space.stiffness()),
-        (plane.mass(), space.mass()),
-    ] {
+    for (a, b) in [(plane.stiffness(), space.stiffness()), (plane.mass(), space.mass())] {
         assert!((a.to_dense() - b.to_dense()).norm_max() < 1e-14 * a.norm_max());
     }
 }

@@ -16,10 +16,7 @@ const BOTH: [Dimension; 2] = [Dimension::Plane, Dimension::Space];
 const AXIS: [f64; 3] = [0.3, -0.2, 0.9];
 
 fn set(property: Property, scale: Scale, terms: &[usize]) -> Parameter {
-    Parameter {
-        quantity: Quantity::Property(property, scale),
-        terms: terms.to_vec(),
-    }
+    Parameter { quantity: Quantity::Property(property, scale), terms: terms.to_vec() }
 }
 
 fn angle(model: &Model, group: &[usize], pivot: usize) -> Parameter {
@@ -37,10 +34,7 @@ fn angle(model: &Model, group: &[usize], pivot: usize) -> Parameter {
 /// One of each kind, all at once, with values off their nominal ones.
 fn all_kinds(model: &Model) -> (Vec<Parameter>, Vec<f64>) {
     use Property::{Density, Diameter, Inertia, Mass, SupportStiffness, Thickness, YoungsModulus};
-    let term = |quantity, terms: &[usize]| Parameter {
-        quantity,
-        terms: terms.to_vec(),
-    };
+    let term = |quantity, terms: &[usize]| Parameter { quantity, terms: terms.to_vec() };
     vec![
         (term(Quantity::StiffnessReduction, &[1]), 0.4),
         (term(Quantity::StiffnessReduction, &[3, 5]), 0.2),
@@ -65,11 +59,7 @@ fn all_kinds(model: &Model) -> (Vec<Parameter>, Vec<f64>) {
 fn close(a: &SparseMatrix, b: &SparseMatrix) {
     let (a, b) = (a.to_dense(), b.to_dense());
     let (scale, difference) = (b.norm_max(), (a - b).norm_max());
-    assert!(
-        difference <= 4.0 * f64::EPSILON * scale,
-        "{:e}",
-        difference / scale
-    );
+    assert!(difference <= 4.0 * f64::EPSILON * scale, "{:e}", difference / scale);
 }
 
 fn bits(assembly: &Assembly) -> Vec<u64> {
@@ -82,15 +72,10 @@ fn forming_again_is_building_anew_and_forgets_what_was_before() {
     for dimension in BOTH {
         let nominal = model(tree(dimension));
         let (mut parameters, mut x) = all_kinds(&nominal);
-        parameters.push(Parameter {
-            quantity: Quantity::Position([0.6, 0.8, 0.0]),
-            terms: vec![1, 3],
-        });
+        parameters.push(Parameter { quantity: Quantity::Position([0.6, 0.8, 0.0]), terms: vec![1, 3] });
         x.push(0.013);
         for (i, parameter) in parameters.iter().enumerate() {
-            parameter
-                .check(&Argument::from("parameters").item(i), &nominal)
-                .unwrap();
+            parameter.check(&Argument::from("parameters").item(i), &nominal).unwrap();
         }
         let mut assembly = Assembly::new(&nominal);
         let untouched = bits(&assembly);
@@ -101,10 +86,7 @@ fn forming_again_is_building_anew_and_forgets_what_was_before() {
         let first = bits(&assembly);
 
         // Each kind alone, too; and the state after it is that of the vector alone.
-        let rest: Vec<f64> = parameters
-            .iter()
-            .map(|p| p.nominal(&nominal).unwrap_or(1.0))
-            .collect();
+        let rest: Vec<f64> = parameters.iter().map(|p| p.nominal(&nominal).unwrap_or(1.0)).collect();
         for i in 0..x.len() {
             let mut one = rest.clone();
             one[i] = x[i];
@@ -129,13 +111,7 @@ fn the_updated_frame_is_nominal_at_its_new_state() {
         let updated = nominal.at(&parameters, &x).unwrap();
         let parts = updated.frame().unwrap().description();
         assert_eq!(parts.sections[1].youngs_modulus_pa, 1.9e11);
-        let Shape::Tube {
-            outer_diameter_m,
-            thickness_m,
-        } = parts.sections[0].shape
-        else {
-            panic!()
-        };
+        let Shape::Tube { outer_diameter_m, thickness_m } = parts.sections[0].shape else { panic!() };
         assert_eq!((outer_diameter_m, thickness_m), (0.038 * 1.05, 0.0018));
         let lump = each!(parts.elements.iter(), PointMass).next().unwrap();
         let hanger = each!(parts.elements.iter(), GroundSpring).nth(1).unwrap();
@@ -161,11 +137,7 @@ fn the_updated_frame_is_nominal_at_its_new_state() {
 fn rigid_motions_stay_free_at_any_angle() {
     for dimension in BOTH {
         let nominal = model(without(tree(dimension), "ground_springs"));
-        let parameters = [
-            angle(&nominal, &[2], 2),
-            angle(&nominal, &[3], 3),
-            angle(&nominal, &[4], 2),
-        ];
+        let parameters = [angle(&nominal, &[2], 2), angle(&nominal, &[3], 3), angle(&nominal, &[4], 2)];
         let mut assembly = Assembly::new(&nominal);
         for degrees in [0.1, 7.0, 45.0, 90.0, 137.0, 180.0, -260.0] {
             let x = [degrees, -0.7 * degrees, 0.3 * degrees];
@@ -173,11 +145,7 @@ fn rigid_motions_stay_free_at_any_angle() {
             let turned = nominal.at(&parameters, &x).unwrap();
             let forces = assembly.stiffness.to_dense() * rigid_motions(&turned);
             let scale = assembly.stiffness.norm_max();
-            assert!(
-                forces.norm_max() < 2e-14 * scale,
-                "{degrees}: {:e}",
-                forces.norm_max() / scale
-            );
+            assert!(forces.norm_max() < 2e-14 * scale, "{degrees}: {:e}", forces.norm_max() / scale);
             // The nominal rigid rotations are not those of the turned structure: the test can fail.
             let others = assembly.stiffness.to_dense() * rigid_motions(&nominal);
             assert!(others.norm_max() > 1e-5 * scale);
@@ -195,10 +163,7 @@ fn nested_angles_turn_what_lies_downstream() {
     assert_eq!(frame.downstream(&[1], 2).unwrap(), [0, 1]);
     let parameters = [angle(&nominal, &[2], 2), angle(&nominal, &[3], 3)];
     let turned = nominal.at(&parameters, &[90.0, -90.0]).unwrap();
-    let (then, now) = (
-        &frame.description().nodes_m,
-        &turned.frame().unwrap().description().nodes_m,
-    );
+    let (then, now) = (&frame.description().nodes_m, &turned.frame().unwrap().description().nodes_m);
     // Node 3 has turned about node 2; beam 3 points where it did.
     assert!((now[3][0] - (then[2][0] - (then[3][1] - then[2][1]))).abs() < 1e-15);
     assert!((now[3][1] - (then[2][1] + (then[3][0] - then[2][0]))).abs() < 1e-15);

@@ -48,23 +48,16 @@ fn a_space_portal_sways_as_the_formula_says_however_it_is_turned() {
     let exact = (sway / (4.0 * MASS_KG)).sqrt() / TAU;
 
     let corners = [[0.0, 0.0], [SPAN_M, 0.0], [SPAN_M, SPAN_M], [0.0, SPAN_M]];
-    for rotation in [
-        Rotation3::identity(),
-        Rotation3::from_euler_angles(0.4, -1.1, 2.3),
-    ] {
+    for rotation in [Rotation3::identity(), Rotation3::from_euler_angles(0.4, -1.1, 2.3)] {
         let nodes = [0.0, HEIGHT_M]
             .iter()
             .flat_map(|&z| corners.map(|[x, y]| (rotation * Vector3::new(x, y, z)).into()))
             .collect();
-        let beams = (0..4)
-            .flat_map(|i| [beam(i, i + 4, 0), beam(4 + i, 4 + (i + 1) % 4, 1)])
-            .collect();
+        let beams = (0..4).flat_map(|i| [beam(i, i + 4, 0), beam(4 + i, 4 + (i + 1) % 4, 1)]).collect();
         let mut frame = plain(Dimension::Space, nodes, beams);
         frame.sections = vec![massless(COLUMN_M4), massless(BEAM_M4)];
         frame.fixed = (0..24).map(|i| (i / 6, i % 6)).collect();
-        frame
-            .elements
-            .extend((4..8).map(|node| lump(node, MASS_KG, [0.0; 3])));
+        frame.elements.extend((4..8).map(|node| lump(node, MASS_KG, [0.0; 3])));
         let found = modes(&model(frame)).unwrap().freq_hz;
         // Four corners that move in three directions each; the rest carries no mass.
         assert_eq!(found.len(), 12);

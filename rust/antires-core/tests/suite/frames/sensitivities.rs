@@ -15,30 +15,20 @@ use super::build::{each, hanger, line, lump, model, steel, tube};
 /// A pipe of 18 beams, two sections, hung softly, with a silencer near its end: 57 dofs, a case for bands.
 fn pipe() -> FrameDescription {
     let mut frame = line(Dimension::Plane, 18, [1.9, 0.2, 0.0], tube());
-    frame.sections.push(steel(Shape::Tube {
-        outer_diameter_m: 0.045,
-        thickness_m: 0.0012,
-    }));
+    frame.sections.push(steel(Shape::Tube { outer_diameter_m: 0.045, thickness_m: 0.0012 }));
     for beam in each!(frame.elements.iter_mut(), Beam).skip(7) {
         beam.section = 1;
     }
-    frame
-        .elements
-        .extend([(4, 2.0), (13, 3.5)].map(|(node, mass)| lump(node, mass, [0.01; 3])));
+    frame.elements.extend([(4, 2.0), (13, 3.5)].map(|(node, mass)| lump(node, mass, [0.01; 3])));
     let hangers = [(0, 0), (1, 1), (9, 1), (17, 1)];
-    frame
-        .elements
-        .extend(hangers.map(|(node, direction)| hanger(node, direction, 2.5e3)));
+    frame.elements.extend(hangers.map(|(node, direction)| hanger(node, direction, 2.5e3)));
     frame
 }
 
 /// One parameter of each kind, several of them on the same beams, and where to take the slopes.
 fn parameters(model: &Model) -> (Vec<Parameter>, Vec<f64>) {
     let turned = model.frame().unwrap().downstream(&[10], 10).unwrap();
-    let angle = Angle {
-        pivot: 10,
-        axis: [0.0, 0.0, 1.0],
-    };
+    let angle = Angle { pivot: 10, axis: [0.0, 0.0, 1.0] };
     let longer = model.frame().unwrap().reach(&[14, 15], 14).unwrap();
     let along: Vec<usize> = longer.iter().map(|step| step.node).collect();
     let property = |p, scale| Quantity::Property(p, scale);
@@ -46,21 +36,13 @@ fn parameters(model: &Model) -> (Vec<Parameter>, Vec<f64>) {
         (Quantity::StiffnessReduction, vec![3], 0.3),
         (Quantity::StiffnessFactor, vec![2, 3, 11], 1.1),
         (Quantity::MassFactor, vec![12], 0.9),
-        (
-            property(Property::YoungsModulus, Scale::Value),
-            vec![0],
-            1.95e11,
-        ),
+        (property(Property::YoungsModulus, Scale::Value), vec![0], 1.95e11),
         (property(Property::Density, Scale::Factor), vec![0, 1], 1.04),
         (property(Property::Thickness, Scale::Value), vec![1], 0.0014),
         (property(Property::Diameter, Scale::Factor), vec![0], 0.97),
         (property(Property::Mass, Scale::Value), vec![1], 3.1),
         (property(Property::Inertia, Scale::Value), vec![0], 0.02),
-        (
-            property(Property::SupportStiffness, Scale::Factor),
-            vec![1, 2],
-            1.3,
-        ),
+        (property(Property::SupportStiffness, Scale::Factor), vec![1, 2], 1.3),
         (Quantity::Angle(angle), turned, 12.0),
         (Quantity::Position([0.6, 0.8, 0.0]), vec![6, 7], 0.02),
         (Quantity::Length(longer), along, 1.04),
@@ -80,21 +62,10 @@ fn sensitivities_of_frames_are_the_limit_of_differences() {
         freq_hz: vec![61.0, 118.0, 203.0, 310.0],
         ..Target::default()
     });
-    let objective = AntiresonanceObjective::new(
-        model,
-        parameters,
-        targets.to_vec(),
-        Misfit::Squared,
-        None,
-        0.0,
-    )
-    .unwrap();
+    let objective =
+        AntiresonanceObjective::new(model, parameters, targets.to_vec(), Misfit::Squared, None, 0.0).unwrap();
     let ws = &mut objective.workspace();
-    let Linearization {
-        residuals,
-        jacobian,
-        ..
-    } = objective.linearize(&at, ws).unwrap();
+    let Linearization { residuals, jacobian, .. } = objective.linearize(&at, ws).unwrap();
     let n = at.len();
     let mut largest = vec![0.0_f64; n];
     for index in 0..n {
@@ -103,10 +74,7 @@ fn sensitivities_of_frames_are_the_limit_of_differences() {
             let mut p = at.clone();
             p[index] += times * step;
             let pairs = objective.pairs(&p, ws).unwrap();
-            pairs
-                .iter()
-                .map(|f| eigenvalue(f.partner_hz.unwrap()))
-                .collect()
+            pairs.iter().map(|f| eigenvalue(f.partner_hz.unwrap())).collect()
         };
         let (a, b, c, d) = (moved(1.0), moved(-1.0), moved(2.0), moved(-2.0));
         for row in 0..residuals.len() {
