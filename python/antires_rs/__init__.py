@@ -110,9 +110,8 @@ _NAMES = {
     "watch.charts": ("Chart",),
     "watch.faults": ("Fault",),
     "watch.identify_series": ("identify_series",),
-    "watch.monitor": ("monitor",),
     "watch.series": ("Series",),
-    "watch.watched": ("Watched",),
+    "watch.monitor": ("monitor", "Watched"),
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names}
 # Modules to be found by completion; every other module is an attribute as well.

@@ -118,9 +118,8 @@ from .updating.update import update as update
 from .watch.charts import Chart as Chart
 from .watch.faults import Fault as Fault
 from .watch.identify_series import identify_series as identify_series
-from .watch.monitor import monitor as monitor
+from .watch.monitor import Watched as Watched, monitor as monitor
 from .watch.series import Series as Series
-from .watch.watched import Watched as Watched
 
 __all__ = [
     "AntiresError",

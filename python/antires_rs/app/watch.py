@@ -14,11 +14,10 @@ from ..damage.assessor import Assessor
 from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyError, reject
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
-from ..watch.monitor import monitor
+from ..watch.monitor import Watched, monitor
 from ..watch.series import Series
 from ..watch.sources import is_measurement, natural
 from ..watch.store import LastingStore
-from ..watch.watched import Watched
 from .command import arguments, existing
 
 # -- Files that arrive in a folder: which of them are complete, and a wait for more

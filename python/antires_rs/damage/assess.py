@@ -44,7 +44,7 @@ def checked_model(model: Any) -> StructuralModel:
 def checked_search(search: Any) -> SearchOptions:
     """Options of a search."""
     if search is not None and not isinstance(search, SearchOptions):
-        reject("search", search, "a SearchOptions", "As in search=SearchOptions(false_alarm_rate=0.05).")
+        reject("search", search, "a SearchOptions", "As in search=SearchOptions(std_common=0.001).")
     return search or SearchOptions()
 
 

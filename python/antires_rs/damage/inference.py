@@ -556,7 +556,7 @@ def learned_from(
 ) -> Learned:
     """What is known before the values of now are looked at; the hint at once, or where it is needed."""
     likelihood, error, odd, prior = prepared.likelihood, prepared.error, prepared.odd, question.prior
-    slopes, rate = intact_slopes(likelihood, len(question.elements)), question.options.false_alarm_rate
+    slopes, rate = intact_slopes(likelihood, len(question.elements)), question.options.alarm_rate
     return Learned(
         factors=np.exp(error.theta),
         tau=error.tau,

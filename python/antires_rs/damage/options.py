@@ -106,6 +106,11 @@ class SearchOptions(Options):
     x0: Any = option(None, "Guesses that join the initial populations.", kind="value", scope=ONE_STATE)
 
     @property
+    def alarm_rate(self) -> float | None:
+        """The share of intact tests in which damage may be declared; None where it is left open."""
+        return self.false_alarm_rate
+
+    @property
     def prices(self) -> tuple[float | None, float | None, float]:
         """Those of damage without a baseline, and what counts as none."""
         return self.gamma1, self.gamma2, self.snap

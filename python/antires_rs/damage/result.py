@@ -350,12 +350,7 @@ class DamageResult(UpdateResult):
             notes.append(
                 f"Smallest damage that would be seen: {self._visible()}. An element with less than its own "
                 "limit counts as undamaged"
-                + (
-                    f": gamma1 = {penalty.gamma1:.3g} and gamma2 = {penalty.gamma2:.3g} outweigh what its "
-                    "damage explains."
-                    if penalty
-                    else "."
-                )
+                + (f": {penalty.text} outweigh what its damage explains." if penalty else ".")
             )
         if penalty is not None and penalty.snap > 0:
             notes.append(f"Severities below {penalty.snap:g} were set to exactly 0.")

@@ -11,7 +11,7 @@ from .live_canvas import below, columns, hover, paper, stacked
 from .watch import HIGHEST, LABELS, LOWEST, panels
 
 if TYPE_CHECKING:
-    from ..watch.watched import Watched
+    from ..watch.monitor import Watched
 
 #: So many tests at most are drawn: of more, the alarms and the latest of the others.
 MOST_TESTS = 20_000

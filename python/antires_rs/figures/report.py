@@ -27,7 +27,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..updating.result import UpdateResult
-from ..watch.watched import alarm_lines, fault_lines, rate_lines
+from ..watch.monitor import alarm_lines, fault_lines, rate_lines
 from .canvas import picture
 from .live_watch import watched_figure
 from .report_parts import (
@@ -55,7 +55,7 @@ from .watch import draw_monitor, panels, size_in
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
-    from ..watch.watched import Watched
+    from ..watch.monitor import Watched
 
 #: What one measured set may be described by.
 Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]

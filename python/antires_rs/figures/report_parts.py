@@ -237,11 +237,7 @@ def of_search(result: UpdateResult) -> Facts:
     if isinstance(result, DamageResult) and result.has_baseline:
         return _of_assessment(result)
     penalty = problem.penalty
-    price = (
-        ""
-        if penalty is None
-        else (f", gamma1 {penalty.gamma1:.3g}, gamma2 {penalty.gamma2:.3g}, snap {penalty.snap:g}")
-    )
+    price = "" if penalty is None else (f", {penalty.text}, snap {penalty.snap:g}")
     options = [
         f"{name} {', '.join(value) if isinstance(value, list) else value}"
         for name, value in result.search.options.items()
@@ -263,7 +259,7 @@ def _of_assessment(result: DamageResult) -> Facts:
     threshold = (
         "damage is declared where it is more probable than none"
         if found.threshold is None
-        else f"damage is declared from log odds of {found.threshold:.2f} on, for the false_alarm_rate given"
+        else f"damage is declared from log odds of {found.threshold:.2f} on, for the rate of false alarms"
     )
     return {
         "Ended": [f"{result.status}: {result.message}"],

@@ -11,7 +11,7 @@ from ..support.checks import choice
 from .canvas import COLOURS, GREY, below, new_axes, offer
 
 if TYPE_CHECKING:
-    from ..watch.watched import Watched
+    from ..watch.monitor import Watched
 
 PANELS = ("charts", "T2", "EWMA", "events", "condition")
 #: Tests above the limit by more than this are drawn at the top.

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol, cast
+from inspect import getdoc, signature
+from typing import Any, Literal, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -320,19 +321,24 @@ def warn_far(parameters: Iterable[Parameter], names: Sequence[str], nominal: Flo
 #: Largest stiffness loss by default: a lost element would leave the structure in two parts.
 LARGEST_REDUCTION = 0.99
 
+Maker = TypeVar("Maker", bound=Callable[..., Any])
 
-def stiffness_reduction(
-    elements: Any, *, bounds: tuple[float, float] = (0.0, LARGEST_REDUCTION), together: bool = False
-) -> Any:
-    """Damage: loss ``beta`` of an element's stiffness, ``K = sum (1 - beta_i) K_i``.
+
+def _documented(terms: str, bounds: str, one: str, wrong: str = "not positive") -> Callable[[Maker], Maker]:
+    """Adds to the first sentence and the example of a function what all functions of parameters share."""
+
+    def add(function: Maker) -> Maker:
+        first, *rest = signature(function).parameters
+        relative = "    relative : bool\n        The value is a factor on the nominal one.\n"
+        head, _, example = (getdoc(function) or "").partition("\n\n")
+        function.__doc__ = f"""{head}
 
     Parameters
     ----------
-    elements : int or sequence of int
-        Zero-based stiffness terms.
+    {first} : {terms}
     bounds : (float, float)
-        Within [0, 1].
-    together : bool
+        {bounds}
+{relative if "relative" in rest else ""}    together : bool
         One parameter for the whole sequence.
 
     Returns
@@ -342,11 +348,32 @@ def stiffness_reduction(
     Raises
     ------
     InvalidInputError
-        Bounds out of order or outside [0, 1], an element listed twice.
+        Bounds out of order or {wrong}, a {one} listed twice.
 
     Examples
     --------
     >>> import antires_rs as ar
+    {example.replace(chr(10), chr(10) + "    ")}
+    """
+        return function
+
+    return add
+
+
+_TERMS = "int or sequence of int\n        Zero-based {}."
+_STIFFNESS_TERMS, _MASS_TERMS = _TERMS.format("stiffness terms"), _TERMS.format("mass terms")
+_SECTIONS = "int or str, or a sequence of them\n        Sections by index or name."
+_TUBES = "int or str, or a sequence of them\n        Sections by index or name, which must be tubes."
+_MASSES = _TERMS.format("positions in the model's ``point_masses``")
+_FACTORS = "Positive, for example ``(0.9, 1.1)``."
+
+
+@_documented(_STIFFNESS_TERMS, "Within [0, 1].", "element", "outside [0, 1]")
+def stiffness_reduction(
+    elements: Any, *, bounds: tuple[float, float] = (0.0, LARGEST_REDUCTION), together: bool = False
+) -> Any:
+    """Damage: loss ``beta`` of an element's stiffness, ``K = sum (1 - beta_i) K_i``.
+
     >>> ar.stiffness_reduction(4)
     Parameter(quantity='stiffness_reduction', terms=(4,), bounds=(0.0, 0.99))
     >>> len(ar.stiffness_reduction(range(7)))
@@ -355,60 +382,20 @@ def stiffness_reduction(
     return build("stiffness_reduction", elements, bounds, together)
 
 
+@_documented(_STIFFNESS_TERMS, _FACTORS, "element")
 def stiffness_factor(elements: Any, *, bounds: tuple[float, float], together: bool = False) -> Any:
     """Factor on the stiffness of elements; 1 leaves them as they are.
 
-    Parameters
-    ----------
-    elements : int or sequence of int
-        Zero-based stiffness terms.
-    bounds : (float, float)
-        Positive, for example ``(0.9, 1.1)``.
-    together : bool
-        One parameter for the whole sequence.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or not positive, an element listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.stiffness_factor([0, 1], bounds=(0.8, 1.2), together=True)
     Parameter(quantity='stiffness_factor', terms=(0, 1), bounds=(0.8, 1.2))
     """
     return build("stiffness_factor", elements, bounds, together)
 
 
+@_documented(_MASS_TERMS, _FACTORS, "term")
 def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = False) -> Any:
     """Factor on mass terms; for a :class:`MassSpringChain`, term i is mass i.
 
-    Parameters
-    ----------
-    terms : int or sequence of int
-        Zero-based mass terms.
-    bounds : (float, float)
-        Positive, for example ``(0.9, 1.1)``.
-    together : bool
-        One parameter for the whole sequence.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or not positive, a term listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.mass_factor(0, bounds=(0.9, 1.1))
     Parameter(quantity='mass_factor', terms=(0,), bounds=(0.9, 1.1))
     """
@@ -421,220 +408,89 @@ def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = Fal
 # also lets one parameter act on carriers of different values. Sections are named, or counted from zero.
 
 
+@_documented(_SECTIONS, "Positive; in Pa, or factors.", "section")
 def youngs_modulus(
     sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
 ) -> Any:
     """Young's modulus of sections, in Pa.
 
-    Parameters
-    ----------
-    sections : int or str, or a sequence of them
-        Sections by index or name.
-    bounds : (float, float)
-        Positive; in Pa, or factors.
-    relative : bool
-        The value is a factor on the nominal one.
-    together : bool
-        One parameter for the whole sequence.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or not positive, a section listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.youngs_modulus("pipe", bounds=(1.9e11, 2.2e11))
     Parameter(quantity='youngs_modulus', terms=('pipe',), bounds=(190000000000.0, 220000000000.0))
     """
     return build("youngs_modulus", sections, bounds, together, name="sections", relative=relative)
 
 
+@_documented(_SECTIONS, "Positive; in kg/m3, or factors.", "section")
 def density(
     sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
 ) -> Any:
     """Density of sections, in kg/m3.
 
-    Parameters
-    ----------
-    sections, relative, together
-        As in :func:`youngs_modulus`.
-    bounds : (float, float)
-        Positive; in kg/m3, or factors.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or not positive, a section listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.density(["pipe", "flange"], bounds=(0.95, 1.05), relative=True, together=True).terms
     ('pipe', 'flange')
     """
     return build("density", sections, bounds, together, name="sections", relative=relative)
 
 
+@_documented(_TUBES, "Positive; in m, or factors. At most half the outer diameter.", "section")
 def thickness(
     sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
 ) -> Any:
     """Wall thickness of tubes, in m; area and second moments follow.
 
-    Parameters
-    ----------
-    sections, relative, together
-        As in :func:`youngs_modulus`; the sections must be tubes.
-    bounds : (float, float)
-        Positive; in m, or factors. At most half the outer diameter.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or not positive, a section listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.thickness(0, bounds=(0.0012, 0.002))
     Parameter(quantity='thickness', terms=(0,), bounds=(0.0012, 0.002))
     """
     return build("thickness", sections, bounds, together, name="sections", relative=relative)
 
 
+@_documented(_TUBES, "Positive; in m, or factors.", "section")
 def diameter(
     sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
 ) -> Any:
     """Outer diameter of tubes, in m; the wall keeps its thickness.
 
-    Parameters
-    ----------
-    sections, relative, together
-        As in :func:`youngs_modulus`; the sections must be tubes.
-    bounds : (float, float)
-        Positive; in m, or factors.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or not positive, a section listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> len(ar.diameter([0, 1], bounds=(0.036, 0.040)))
     2
     """
     return build("diameter", sections, bounds, together, name="sections", relative=relative)
 
 
+@_documented(_MASSES, "In kg, at least 0; or positive factors.", "mass", "negative")
 def point_mass(
     masses: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
 ) -> Any:
     """Lumped mass at a node, in kg; its inertia stays.
 
-    Parameters
-    ----------
-    masses : int or sequence of int
-        Zero-based positions in the model's ``point_masses``.
-    bounds : (float, float)
-        In kg, at least 0; or positive factors.
-    relative, together : bool
-        As in :func:`youngs_modulus`.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or negative, a mass listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.point_mass(2, bounds=(0.8, 1.2), relative=True).relative
     True
     """
     return build("point_mass", masses, bounds, together, name="masses", relative=relative)
 
 
+@_documented(_MASSES, "In kg m2, at least 0; or positive factors.", "mass", "negative")
 def inertia(
     masses: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
 ) -> Any:
     """Rotational inertia of a lumped mass, in kg m2; in space about all three axes.
 
-    Parameters
-    ----------
-    masses : int or sequence of int
-        Zero-based positions in the model's ``point_masses``.
-    bounds : (float, float)
-        In kg m2, at least 0; or positive factors.
-    relative, together : bool
-        As in :func:`youngs_modulus`.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or negative, a mass listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.inertia(0, bounds=(0.001, 0.004)).bounds
     (0.001, 0.004)
     """
     return build("inertia", masses, bounds, together, name="masses", relative=relative)
 
 
+@_documented(
+    _TERMS.format("positions in the model's ``ground_springs``"),
+    "In N/m, at least 0; or positive factors.",
+    "spring",
+    "negative",
+)
 def support_stiffness(
     springs: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
 ) -> Any:
     """Stiffness of springs to ground, in N/m (N m/rad for rotations).
 
-    Parameters
-    ----------
-    springs : int or sequence of int
-        Zero-based positions in the model's ``ground_springs``.
-    bounds : (float, float)
-        In N/m, at least 0; or positive factors.
-    relative, together : bool
-        As in :func:`youngs_modulus`.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or negative, a spring listed twice.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.support_stiffness([0, 1], bounds=(500.0, 4000.0), together=True).terms
     (0, 1)
     """

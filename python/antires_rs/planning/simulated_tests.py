@@ -179,7 +179,7 @@ class Judge:
         found = roots_at(core, rows, slopes=True, threads=self.threads)
         self._tabulate(error, found)
         self.threshold = None
-        rate, common = self.options.false_alarm_rate, self.options.std_common
+        rate, common = self.options.alarm_rate, self.options.std_common
         if rate is not None:
             likelihood = Likelihood(core, n, error, self.baseline, self.baseline, common, self.threads)
             slopes = intact_slopes(likelihood, len(self.test.elements))

@@ -194,7 +194,8 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
         sets, weights = exact
         plain = type(problem)(problem.model, problem.parameters, sets, misfit=problem.misfit, weights=weights)
         undamaged = plain.cost(np.zeros_like(x))
-        return undamaged - (penalty.gamma1 * beta + penalty.gamma2 if penalty else 0.0)
+        loss, element = penalty.prices if penalty else (0.0, 0.0)
+        return undamaged - (loss * beta + element)
 
     visible = []
     for index, (_, high) in enumerate(problem.bounds):

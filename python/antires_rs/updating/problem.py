@@ -75,6 +75,16 @@ class DamagePenalty:
         finite_scalar("gamma2", self.gamma2, low=0.0)
         finite_scalar("snap", self.snap, low=0.0, high=1e-3)
 
+    @property
+    def prices(self) -> tuple[float, float]:
+        """Of a unit of loss, and of each damaged element."""
+        return self.gamma1, self.gamma2
+
+    @property
+    def text(self) -> str:
+        """The two prices by name."""
+        return f"gamma1 = {self.gamma1:.3g} and gamma2 = {self.gamma2:.3g}"
+
     @classmethod
     def scaled(
         cls,
@@ -320,7 +330,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         self._fill(_core=self._made_core())
 
     def _made_core(self) -> _core.Objective:
-        prices = (self.penalty.gamma1, self.penalty.gamma2) if self.penalty else None
+        prices = self.penalty.prices if self.penalty else None
         return self._targets.core(
             self.model,
             self.model.description.core_parameters(self.parameters),

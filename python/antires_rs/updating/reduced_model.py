@@ -547,7 +547,7 @@ class ReducedProblem:
             *self._model,
             parts,
             problem.misfit,
-            (penalty.gamma1, penalty.gamma2) if penalty else None,
+            penalty.prices if penalty else None,
             penalty.snap if penalty else 0.0,
             problem.weights,
         )
