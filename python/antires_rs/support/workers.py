@@ -299,7 +299,9 @@ class Processes:
             return future
 
     def _back(self, process: Any, future: Any) -> None:
-        if not future.cancelled() and future.exception() is None:
+        from concurrent.futures import BrokenExecutor
+
+        if future.cancelled() or not isinstance(future.exception(), BrokenExecutor):
             self._idle.append(process)
         elif process in self._all:
             self._all.remove(process)
