@@ -11,131 +11,69 @@ use pyo3::prelude::*;
 
 use crate::doorway::{InternalError, guarded};
 
-/// Tables of roots (r,) at levels (l,) of each element (n,), shared by all tests.
-#[pyclass(frozen, module = "antires_rs._core")]
-pub struct PreparedTables {
-    levels: Py<PyArray1<f64>>,
-    response: Py<PyArray1<i64>>,
-    seen: Py<PyArray1<bool>>,
-    old: Py<PyArray1<bool>>,
-    intact: Py<PyArray1<f64>>,
-    there: Py<PyArray3<bool>>,
-    place: Py<PyArray3<f64>>,
-    beside: Py<PyArray3<f64>>,
-    by_own: Py<PyArray3<f64>>,
-    slopes: Py<PyArray4<f32>>,
-    crossed: Py<PyArray4<f32>>,
-    errors: Py<PyArray4<f32>>,
-    spread: Py<PyArray2<f64>>,
-    new_variance: f64,
-}
-
-/// The arrays while they are read.
-struct Borrowed<'py> {
-    levels: PyReadonlyArray1<'py, f64>,
-    response: PyReadonlyArray1<'py, i64>,
-    seen: PyReadonlyArray1<'py, bool>,
-    old: PyReadonlyArray1<'py, bool>,
-    intact: PyReadonlyArray1<'py, f64>,
-    there: PyReadonlyArray3<'py, bool>,
-    place: PyReadonlyArray3<'py, f64>,
-    beside: PyReadonlyArray3<'py, f64>,
-    by_own: PyReadonlyArray3<'py, f64>,
-    slopes: PyReadonlyArray4<'py, f32>,
-    crossed: PyReadonlyArray4<'py, f32>,
-    errors: PyReadonlyArray4<'py, f32>,
-    spread: PyReadonlyArray2<'py, f64>,
-    new_variance: f64,
-}
-
-impl Borrowed<'_> {
-    fn tables(&self) -> PyResult<Tables<'_>> {
-        let shape = self.slopes.as_array().shape().to_vec();
-        Ok(Tables {
-            levels: self.levels.as_slice()?,
-            n: shape[0],
-            q: self.errors.as_array().shape()[3],
-            response: self.response.as_slice()?,
-            seen: self.seen.as_slice()?,
-            old: self.old.as_slice()?,
-            intact: self.intact.as_slice()?,
-            there: self.there.as_slice()?,
-            place: self.place.as_slice()?,
-            beside: self.beside.as_slice()?,
-            by_own: self.by_own.as_slice()?,
-            slopes: self.slopes.as_slice()?,
-            crossed: self.crossed.as_slice()?,
-            errors: self.errors.as_slice()?,
-            spread: self.spread.as_slice()?,
-            new_variance: self.new_variance,
-        })
-    }
-}
-
-impl PreparedTables {
-    fn borrowed<'py>(&self, py: Python<'py>) -> Borrowed<'py> {
-        Borrowed {
-            levels: self.levels.bind(py).readonly(),
-            response: self.response.bind(py).readonly(),
-            seen: self.seen.bind(py).readonly(),
-            old: self.old.bind(py).readonly(),
-            intact: self.intact.bind(py).readonly(),
-            there: self.there.bind(py).readonly(),
-            place: self.place.bind(py).readonly(),
-            beside: self.beside.bind(py).readonly(),
-            by_own: self.by_own.bind(py).readonly(),
-            slopes: self.slopes.bind(py).readonly(),
-            crossed: self.crossed.bind(py).readonly(),
-            errors: self.errors.bind(py).readonly(),
-            spread: self.spread.bind(py).readonly(),
-            new_variance: self.new_variance,
+/// The arrays of [`Tables`] by name, as they are kept, as they are read while the core runs, and handed over.
+macro_rules! prepared_tables {
+    ($($name:ident: $kept:ident, $read:ident, $number:ty;)*) => {
+        /// Tables of roots (r,) at levels (l,) of each element (n,), shared by all tests.
+        #[pyclass(frozen, module = "antires_rs._core")]
+        pub struct PreparedTables {
+            $($name: Py<$kept<$number>>,)*
+            new_variance: f64,
         }
-    }
+
+        /// The arrays while they are read.
+        struct Borrowed<'py> {
+            $($name: $read<'py, $number>,)*
+            new_variance: f64,
+        }
+
+        impl Borrowed<'_> {
+            fn tables(&self) -> PyResult<Tables<'_>> {
+                Ok(Tables {
+                    n: self.slopes.as_array().shape()[0],
+                    q: self.errors.as_array().shape()[3],
+                    $($name: self.$name.as_slice()?,)*
+                    new_variance: self.new_variance,
+                })
+            }
+        }
+
+        impl PreparedTables {
+            fn borrowed<'py>(&self, py: Python<'py>) -> Borrowed<'py> {
+                Borrowed { $($name: self.$name.bind(py).readonly(),)* new_variance: self.new_variance }
+            }
+        }
+
+        #[pymethods]
+        impl PreparedTables {
+            #[new]
+            #[allow(clippy::too_many_arguments)]
+            fn new(py: Python<'_>, $($name: Py<$kept<$number>>,)* new_variance: f64) -> PyResult<Self> {
+                let made = Self { $($name,)* new_variance };
+                if made.borrowed(py).tables()?.consistent() {
+                    Ok(made)
+                } else {
+                    Err(InternalError::new_err("tables of different shapes"))
+                }
+            }
+        }
+    };
 }
 
-#[pymethods]
-impl PreparedTables {
-    #[new]
-    #[allow(clippy::too_many_arguments)]
-    fn new(
-        py: Python<'_>,
-        levels: Py<PyArray1<f64>>,
-        response: Py<PyArray1<i64>>,
-        seen: Py<PyArray1<bool>>,
-        old: Py<PyArray1<bool>>,
-        intact: Py<PyArray1<f64>>,
-        there: Py<PyArray3<bool>>,
-        place: Py<PyArray3<f64>>,
-        beside: Py<PyArray3<f64>>,
-        by_own: Py<PyArray3<f64>>,
-        slopes: Py<PyArray4<f32>>,
-        crossed: Py<PyArray4<f32>>,
-        errors: Py<PyArray4<f32>>,
-        spread: Py<PyArray2<f64>>,
-        new_variance: f64,
-    ) -> PyResult<Self> {
-        let made = Self {
-            levels,
-            response,
-            seen,
-            old,
-            intact,
-            there,
-            place,
-            beside,
-            by_own,
-            slopes,
-            crossed,
-            errors,
-            spread,
-            new_variance,
-        };
-        if made.borrowed(py).tables()?.consistent() {
-            Ok(made)
-        } else {
-            Err(InternalError::new_err("tables of different shapes"))
-        }
-    }
+prepared_tables! {
+    levels: PyArray1, PyReadonlyArray1, f64;
+    response: PyArray1, PyReadonlyArray1, i64;
+    seen: PyArray1, PyReadonlyArray1, bool;
+    old: PyArray1, PyReadonlyArray1, bool;
+    intact: PyArray1, PyReadonlyArray1, f64;
+    there: PyArray3, PyReadonlyArray3, bool;
+    place: PyArray3, PyReadonlyArray3, f64;
+    beside: PyArray3, PyReadonlyArray3, f64;
+    by_own: PyArray3, PyReadonlyArray3, f64;
+    slopes: PyArray4, PyReadonlyArray4, f32;
+    crossed: PyArray4, PyReadonlyArray4, f32;
+    errors: PyArray4, PyReadonlyArray4, f32;
+    spread: PyArray2, PyReadonlyArray2, f64;
 }
 
 /// Values of one test against tables.

@@ -112,8 +112,7 @@ impl Columns {
         }
         let Self { u, w, mu } = self;
         for (column, load) in [(&mut *u, k), (&mut *w, i)] {
-            column.clear();
-            column.resize(matrices.stride(), 0.0);
+            zeros(column, matrices.stride());
             column[load] = 1.0;
             matrices.solve(column);
         }
@@ -123,6 +122,12 @@ impl Columns {
         // A dof without mass has no scale.
         slope.is_finite().then_some(slope)
     }
+}
+
+/// Makes a column of n zeros.
+fn zeros(column: &mut Vec<f64>, n: usize) {
+    column.clear();
+    column.resize(n, 0.0);
 }
 
 // ---- modal_columns
@@ -137,10 +142,8 @@ pub fn modal_columns(
 ) -> f64 {
     let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
     let n = phi.nrows();
-    for column in [&mut *left, &mut *right] {
-        column.clear();
-        column.resize(n, 0.0);
-    }
+    zeros(left, n);
+    zeros(right, n);
     let mut slope = 0.0;
     for r in 0..phi.ncols() {
         let stretch = lambda.get(r).map_or(1.0, |l| (l - x).recip());
@@ -174,10 +177,8 @@ pub fn on_pole(
 ) -> f64 {
     let (lambda, phi) = (modes.eigenvalues(), modes.vectors());
     let n = phi.nrows();
-    for column in [&mut *left, &mut *right] {
-        column.clear();
-        column.resize(n, 0.0);
-    }
+    zeros(left, n);
+    zeros(right, n);
     let first = lambda.partition_point(|&l| l < x - ONE_POLE * x);
     let last = lambda.partition_point(|&l| l <= x + ONE_POLE * x);
     let sees = |dof: usize, r: usize| {
