@@ -183,7 +183,7 @@ def edit(text: str) -> tuple[int | str, float, str]:
     return dof(name), freq_hz, reason
 
 
-# -- Arguments of the commands that read a measurement: ``antires identify`` and ``antires look``
+# -- Arguments of the commands, each with its help and how it is read
 
 
 DOF = "a number, or a name as the file has it"
@@ -191,180 +191,99 @@ _KINDS = (
     ".uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet .mseed, or a folder of files "
     "of one FRF each"
 )
-Command = Callable[[str, str], Callable[[argparse.Namespace], int]]
+Row = tuple[str, str, dict[str, Any]]
+_ONCE_EACH: dict[str, Any] = {"action": "append"}
+_SWITCH: dict[str, Any] = {"action": "store_true"}
+_DOF: dict[str, Any] = {"type": dof, "metavar": "DOF"}
+_HZ: dict[str, Any] = {"type": number(float, 0.0), "metavar": "HZ"}
+_BAND: dict[str, Any] = {"nargs": 2, "type": number(float, 0.0), "metavar": ("LOW", "HIGH")}
 
 
-def identify(commands: Any, command: Command) -> None:
-    """``antires identify``."""
-    found = commands.add_parser(
-        "identify",
-        help="antiresonances of a measurement",
-        description="Identify the antiresonances of every response in a file, or of the [data] of a job.",
-    )
-    found.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="+",
-        type=Path,
-        help=f"a measurement ({_KINDS}), several of one test, or a job (.toml)",
-    )
-    _measurement(found)
-    for option, what in (("drop", "leave a value out"), ("add", "add a value")):
-        found.add_argument(
-            f"--{option}",
-            action="append",
-            type=edit,
-            metavar="DOF=HZ",
-            help=f"{what}, with a reason after a blank that is kept in the file: "
-            '"3=31.9 mains hum"; once for each',
-        )
-    found.add_argument("--out", type=Path, metavar="FILE.json", help="save the antiresonances, for a job")
-    found.add_argument(
-        "--pictures", type=Path, metavar="DIR", help="draw the stabilization diagrams into a folder"
-    )
-    found.add_argument("--json", action="store_true", help="print JSON instead of the table")
-    found.set_defaults(run=command("studies", "identify"))
+def _path(metavar: str, **more: Any) -> dict[str, Any]:
+    return {"type": Path, "metavar": metavar, **more}
 
 
-def look(commands: Any, command: Command) -> None:
-    """``antires look``."""
-    found = commands.add_parser(
-        "look",
-        help="a page to look at a measurement or a result, to add and drop values",
-        description="Open a page in the browser of this computer: diagrams, curves and values of a "
-        "measurement or a set of antiresonances, which can be edited, or the figures of a result. It ends "
-        "with Ctrl-C, or when the page is closed.",
-    )
-    found.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="+",
-        type=Path,
-        help=f"a measurement ({_KINDS}), several of one test, antiresonances (.json), or a result.npz or "
-        "the folder that holds it",
-    )
-    _measurement(found)
-    found.add_argument(
-        "--out",
-        type=Path,
-        metavar="FILE.json",
-        help="where the page saves the set (default: by the name of the file, in this folder)",
-    )
-    found.add_argument(
-        "--edits", type=Path, metavar="FILE.json", help="a set that was saved: make its edits again"
-    )
-    found.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
-    found.set_defaults(run=command("look", "look"))
+def _count(least: int, **more: Any) -> dict[str, Any]:
+    return {"type": number(int, least), "metavar": "N", **more}
 
 
-def _measurement(command: argparse.ArgumentParser) -> None:
-    """How a measurement is read and identified."""
-    command.add_argument(
-        "--band",
-        nargs=2,
-        type=number(float, 0.0),
-        metavar=("LOW", "HIGH"),
-        help="lowest and highest frequency in Hz",
-    )
-    command.add_argument("--excitation", type=dof, metavar="DOF", help=f"dof of the one force: {DOF}")
-    command.add_argument(
+#: How a measurement is read and identified.
+_MEASUREMENT: tuple[Row, ...] = (
+    ("--band", "lowest and highest frequency in Hz", _BAND),
+    ("--excitation", f"dof of the one force: {DOF}", _DOF),
+    (
         "--format",
-        **one_of("uff", "mat", "hdf5", "csv", "npz", "tdms", "lvm", "wav", "excel", "parquet", "miniseed"),
-        help="format of the file (default: its ending tells)",
-    )
-    command.add_argument(
+        "format of the file (default: its ending tells)",
+        one_of("uff", "mat", "hdf5", "csv", "npz", "tdms", "lvm", "wav", "excel", "parquet", "miniseed"),
+    ),
+    (
         "--dof",
-        action="append",
-        type=pair,
-        metavar="CHANNEL=DOF",
-        dest="dofs",
-        help="name a channel's dof, or leave it out by CHANNEL=; once for each channel",
-    )
-    command.add_argument(
+        "name a channel's dof, or leave it out by CHANNEL=; once for each channel",
+        {"type": pair, "metavar": "CHANNEL=DOF", "dest": "dofs"} | _ONCE_EACH,
+    ),
+    (
         "--kind",
-        **one_of("frf", "transmissibility", "time", "spectra"),
-        help="what to read, where a file does not tell or holds several",
-    )
-    command.add_argument(
-        "--reference", type=dof, metavar="DOF", help=f"reference of transmissibilities: {DOF}"
-    )
-    command.add_argument("--force", metavar="CHANNEL", help="channel of the force")
-    command.add_argument(
-        "--fs",
-        type=number(float, 0.0),
-        metavar="HZ",
-        dest="fs_hz",
-        help="sampling rate in Hz, where the file does not tell",
-    )
-    command.add_argument(
-        "--unit", help="unit of the responses, such as g or m/s2, where the file does not tell"
-    )
-    command.add_argument("--first", **one_of("time", "freq", "channel"), help="first column of a table")
-    command.add_argument(
+        "what to read, where a file does not tell or holds several",
+        one_of("frf", "transmissibility", "time", "spectra"),
+    ),
+    ("--reference", f"reference of transmissibilities: {DOF}", _DOF),
+    ("--force", "channel of the force", {"metavar": "CHANNEL"}),
+    ("--fs", "sampling rate in Hz, where the file does not tell", _HZ | {"dest": "fs_hz"}),
+    ("--unit", "unit of the responses, such as g or m/s2, where the file does not tell", {}),
+    ("--first", "first column of a table", one_of("time", "freq", "channel")),
+    (
         "--pairs",
-        **one_of("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"),
-        help="what two neighbouring columns of a CSV file are, where their names do not tell",
-    )
-    command.add_argument(
-        "--df",
-        type=number(float, 0.0),
-        metavar="HZ",
-        dest="df_hz",
-        help="spacing of FRFs from 0 Hz on, where the file has no axis",
-    )
-    command.add_argument(
-        "--run",
-        type=number(int, 1),
-        metavar="N",
-        dest="of_run",
-        help="which run of a universal file with several, or segment of an .lvm",
-    )
-    command.add_argument(
+        "what two neighbouring columns of a CSV file are, where their names do not tell",
+        one_of("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"),
+    ),
+    ("--df", "spacing of FRFs from 0 Hz on, where the file has no axis", _HZ | {"dest": "df_hz"}),
+    ("--run", "which run of a universal file with several, or segment of an .lvm", _count(1, dest="of_run")),
+    (
         "--responses",
-        action="append",
-        metavar="NAME",
-        help="array or channel of the responses, * for any text; once for each (default: all)",
-    )
-    command.add_argument(
+        "array or channel of the responses, * for any text; once for each (default: all)",
+        {"metavar": "NAME"} | _ONCE_EACH,
+    ),
+    (
         "--roving",
-        type=dof,
-        metavar="SENSOR",
-        help="the sensor that stayed while the hammer roved: of a universal file with all hits, or "
-        "of several files, a hit each, which are identified one by one and joined",
-    )
-    command.add_argument(
+        "the sensor that stayed while the hammer roved: of a universal file with all hits, or of several "
+        "files, a hit each, which are identified one by one and joined",
+        {"type": dof, "metavar": "SENSOR"},
+    ),
+    (
         "--hit",
-        action="append",
-        type=dof,
-        metavar="DOF",
-        help="with --roving: where the force of each file acted, once for each in their order (default: as "
+        "with --roving: where the force of each file acted, once for each in their order (default: as "
         "universal files state)",
-    )
-    command.add_argument("--sheet", metavar="NAME", help="sheet of an Excel workbook (default: the first)")
-    command.add_argument(
+        _DOF | _ONCE_EACH,
+    ),
+    ("--sheet", "sheet of an Excel workbook (default: the first)", {"metavar": "NAME"}),
+    (
         "--full-scale",
-        type=number(float, 0.0),
-        metavar="VALUE",
-        help="what full scale of a WAV file stands for, in --unit",
-    )
-    command.add_argument("--pattern", metavar="GLOB", help="which files of a folder (default: *)")
-    command.add_argument(
-        "--preset", **one_of("paper", "strict", "sensitive"), help="options of the identification"
-    )
-    command.add_argument(
+        "what full scale of a WAV file stands for, in --unit",
+        {"type": number(float, 0.0), "metavar": "VALUE"},
+    ),
+    ("--pattern", "which files of a folder (default: *)", {"metavar": "GLOB"}),
+    ("--preset", "options of the identification", one_of("paper", "strict", "sensitive")),
+    (
         "--route",
-        **one_of("transmissibility", "frf"),
-        help="from the responses alone, or over the force (for a single channel; default: transmissibility)",
-    )
-    command.add_argument(
-        "--max-order", type=number(int, 2), metavar="N", help="highest order (default: as the data want)"
-    )
-    command.add_argument(
-        "--cross-check",
-        "--second-opinion",
-        **one_of("aaa", "vector_fitting"),
-        help="another method that confirms or flags every value",
-    )
+        "from the responses alone, or over the force (for a single channel; default: transmissibility)",
+        one_of("transmissibility", "frf"),
+    ),
+    ("--max-order", "highest order (default: as the data want)", _count(2)),
+    (
+        "--cross-check --second-opinion",
+        "another method that confirms or flags every value",
+        one_of("aaa", "vector_fitting"),
+    ),
+)
+_JSON: Row = ("--json", "print JSON instead of the tables", _SWITCH)
+_THREADS: Row = (
+    "--workers",
+    "threads of the search (default: all processors); no number depends on it",
+    _count(1, default=None),
+)
+_JOB: Row = ("job", "a job file, TOML", _path("JOB"))
+_EDIT = ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each'
+_EDITS = {"type": edit, "metavar": "DOF=HZ"} | _ONCE_EACH
 
 
 def parser() -> argparse.ArgumentParser:
@@ -383,206 +302,183 @@ def parser() -> argparse.ArgumentParser:
         parser_class=Parser,
         help="a command",
     )
-    _demo(commands)
-    _init(commands)
-    for verb in (identify, look):
-        verb(commands, _command)
+
+    def add(name: str, what: str, description: str, does: tuple[str, str], *rows: Row) -> Any:
+        """A command: its line in the list, its page of help, its function, its arguments."""
+        command = commands.add_parser(name, help=what, description=description)
+        for flags, about, how in rows:
+            command.add_argument(*flags.split(), help=about, **how)
+        command.set_defaults(run=_command(*does))
+        return command
+
+    add(
+        "demo",
+        "a whole study in a few seconds: record, identify, update, find the damage",
+        "Virtual test of an eight-mass chain: antiresonances from records alone, an updated model, and the "
+        "damaged spring. Writes pictures and reports.",
+        ("studies", "demo"),
+        (
+            "--out",
+            "folder for pictures, reports and summary.json (default: %(default)s)",
+            _path("DIR", default=Path("demo_output")),
+        ),
+        (
+            "--seed",
+            "another structure, another record, another search (default: %(default)s)",
+            _count(0, default=0),
+        ),
+        (
+            "--noise",
+            "sensor noise as a fraction of each channel's rms (default: %(default)s)",
+            {"type": number(float, 0.0, 1.0), "default": 0.01, "metavar": "FRACTION"},
+        ),
+        _THREADS,
+        _JSON,
+    )
+    add(
+        "init",
+        "write a job file with every key explained",
+        "Write a commented job file to be filled in.",
+        ("studies", "init"),
+        (
+            "job",
+            "the file to write (default: %(default)s)",
+            _path("JOB", nargs="?", default=Path("job.toml")),
+        ),
+        (
+            "--task",
+            "what the job is to do (default: %(default)s)",
+            one_of("damage", "update", "series") | {"default": "damage"},
+        ),
+        (
+            "--model",
+            "kind of model (default: %(default)s)",
+            one_of("chain", "frame", "matrices", "result") | {"default": "chain"},
+        ),
+        ("--data", "a measurement, whose channels are listed in the job", _path("FILE")),
+        ("--overwrite", "replace a job file that exists", _SWITCH),
+    )
+    add(
+        "identify",
+        "antiresonances of a measurement",
+        "Identify the antiresonances of every response in a file, or of the [data] of a job.",
+        ("studies", "identify"),
+        (
+            "files",
+            f"a measurement ({_KINDS}), several of one test, or a job (.toml)",
+            _path("FILE", nargs="+"),
+        ),
+        *_MEASUREMENT,
+        ("--drop", "leave a value out" + _EDIT, _EDITS),
+        ("--add", "add a value" + _EDIT, _EDITS),
+        ("--out", "save the antiresonances, for a job", _path("FILE.json")),
+        ("--pictures", "draw the stabilization diagrams into a folder", _path("DIR")),
+        ("--json", "print JSON instead of the table", _SWITCH),
+    )
+    add(
+        "look",
+        "a page to look at a measurement or a result, to add and drop values",
+        "Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set "
+        "of antiresonances, which can be edited, or the figures of a result. It ends with Ctrl-C, or when "
+        "the page is closed.",
+        ("look", "look"),
+        (
+            "files",
+            f"a measurement ({_KINDS}), several of one test, antiresonances (.json), or a result.npz or the "
+            "folder that holds it",
+            _path("FILE", nargs="+"),
+        ),
+        *_MEASUREMENT,
+        (
+            "--out",
+            "where the page saves the set (default: by the name of the file, in this folder)",
+            _path("FILE.json"),
+        ),
+        ("--edits", "a set that was saved: make its edits again", _path("FILE.json")),
+        ("--no-browser", "print the address, and open no browser", _SWITCH),
+    )
     for task, what in (
         ("update", "bring a model to the measured antiresonances"),
         ("damage", "locate and size damage"),
     ):
-        job = commands.add_parser(
+        add(
             task,
-            help=f"{what}, as a job file says",
-            description=f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C hands back the "
-            "best so far; 'antires resume' goes on from there.",
-        )
-        job.add_argument("job", metavar="JOB", type=Path, help="a job file, TOML")
-        job.add_argument("--fresh", action="store_true", help="begin anew, though a search of this job waits")
-        _common(job)
-        job.set_defaults(run=_command("studies", "search"), task=task)
-    series = commands.add_parser(
+            f"{what}, as a job file says",
+            f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C hands back the best so far; "
+            "'antires resume' goes on from there.",
+            ("studies", "search"),
+            _JOB,
+            ("--fresh", "begin anew, though a search of this job waits", _SWITCH),
+            _THREADS,
+            _JSON,
+        ).set_defaults(task=task)
+    add(
         "series",
-        help="antiresonances of many tests, as a job file says",
-        description="Identify all tests of a job with [series]; 'antires init --task series' writes one. Run "
-        "again it goes on where it was stopped, and takes in new files.",
+        "antiresonances of many tests, as a job file says",
+        "Identify all tests of a job with [series]; 'antires init --task series' writes one. Run again it "
+        "goes on where it was stopped, and takes in new files.",
+        ("studies", "series"),
+        _JOB,
+        (
+            "--workers",
+            "processes that identify (default: 1); no number depends on it",
+            _count(1, default=None),
+        ),
+        _JSON,
     )
-    series.add_argument("job", metavar="JOB", type=Path, help="a job file, TOML")
-    series.add_argument(
-        "--workers",
-        type=number(int, 1),
-        default=None,
-        metavar="N",
-        help="processes that identify (default: 1); no number depends on it",
-    )
-    series.add_argument("--json", action="store_true", help="print JSON instead of the tables")
-    series.set_defaults(run=_command("studies", "series"))
-    _watch(commands)
-    again = commands.add_parser(
-        "resume",
-        help="go on with a search that was interrupted",
-        description="Go on with a search; the result is bit-identical to that of one that never stopped.",
-    )
-    again.add_argument(
-        "target", metavar="JOB", type=Path, help="a job file, its results folder or its checkpoint"
-    )
-    _common(again)
-    again.set_defaults(run=_command("studies", "resume"))
-    _report(commands)
-    _explain(commands)
-    return top
-
-
-def _watch(commands: Any) -> None:
-    watch = commands.add_parser(
+    add(
         "watch",
-        help="identify new files of a folder as they come, and say which differ from the first",
-        description="Identify the measurements in a folder, and new ones when they are complete; tell which "
-        "differ from the baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.",
+        "identify new files of a folder as they come, and say which differ from the first",
+        "Identify the measurements in a folder, and new ones when they are complete; tell which differ from "
+        "the baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.",
+        ("watch", "watch"),
+        ("folder", "where the measurements arrive", _path("FOLDER")),
+        ("--excitation", f"of the force: {DOF}", _DOF | {"required": True}),
+        ("--band", "in Hz", _BAND | {"required": True}),
+        ("--baseline", "first tests (default: %(default)s)", _count(8, default=50)),
+        (
+            "--rate",
+            "of false alarms (default: 0.01)",
+            {"type": number(float, 1e-6, 0.2), "default": 0.01, "metavar": "P"},
+        ),
+        ("--conditions", "table of temperatures, by name of the file", _path("FILE")),
+        ("--assessor", "saved by Assessor.save: what is damaged, at each alarm", _path("FILE")),
+        ("--out", "series and page (default: %(default)s)", _path("DIR", default=Path("watch_output"))),
+        (
+            "--every",
+            "look at least so often (default: 5)",
+            {"type": number(float, 0.1), "default": 5.0, "metavar": "S"},
+        ),
+        ("--once", "end when all files that are there are judged", _SWITCH),
     )
-    watch.add_argument("folder", metavar="FOLDER", type=Path, help="where the measurements arrive")
-    watch.add_argument("--excitation", type=dof, required=True, metavar="DOF", help=f"of the force: {DOF}")
-    watch.add_argument(
-        "--band", type=number(float, 0.0), nargs=2, required=True, metavar=("LOW", "HIGH"), help="in Hz"
+    add(
+        "resume",
+        "go on with a search that was interrupted",
+        "Go on with a search; the result is bit-identical to that of one that never stopped.",
+        ("studies", "resume"),
+        ("target", "a job file, its results folder or its checkpoint", _path("JOB")),
+        _THREADS,
+        _JSON,
     )
-    watch.add_argument(
-        "--baseline", type=number(int, 8), default=50, metavar="N", help="first tests (default: %(default)s)"
-    )
-    watch.add_argument(
-        "--rate",
-        type=number(float, 1e-6, 0.2),
-        default=0.01,
-        metavar="P",
-        help="of false alarms (default: 0.01)",
-    )
-    watch.add_argument(
-        "--conditions", type=Path, metavar="FILE", help="table of temperatures, by name of the file"
-    )
-    watch.add_argument(
-        "--assessor", type=Path, metavar="FILE", help="saved by Assessor.save: what is damaged, at each alarm"
-    )
-    watch.add_argument(
-        "--out",
-        type=Path,
-        default=Path("watch_output"),
-        metavar="DIR",
-        help="series and page (default: %(default)s)",
-    )
-    watch.add_argument(
-        "--every",
-        type=number(float, 0.1),
-        default=5.0,
-        metavar="S",
-        help="look at least so often (default: 5)",
-    )
-    watch.add_argument("--once", action="store_true", help="end when all files that are there are judged")
-    watch.set_defaults(run=_command("watch", "watch"))
-
-
-def _demo(commands: Any) -> None:
-    demo = commands.add_parser(
-        "demo",
-        help="a whole study in a few seconds: record, identify, update, find the damage",
-        description="Virtual test of an eight-mass chain: antiresonances from records alone, an updated "
-        "model, and the damaged spring. Writes pictures and reports.",
-    )
-    demo.add_argument(
-        "--out",
-        type=Path,
-        default=Path("demo_output"),
-        metavar="DIR",
-        help="folder for pictures, reports and summary.json (default: %(default)s)",
-    )
-    demo.add_argument(
-        "--seed",
-        type=number(int, 0),
-        default=0,
-        metavar="N",
-        help="another structure, another record, another search (default: %(default)s)",
-    )
-    demo.add_argument(
-        "--noise",
-        type=number(float, 0.0, 1.0),
-        default=0.01,
-        metavar="FRACTION",
-        help="sensor noise as a fraction of each channel's rms (default: %(default)s)",
-    )
-    _common(demo)
-    demo.set_defaults(run=_command("studies", "demo"))
-
-
-def _init(commands: Any) -> None:
-    init = commands.add_parser(
-        "init",
-        help="write a job file with every key explained",
-        description="Write a commented job file to be filled in.",
-    )
-    init.add_argument(
-        "job",
-        metavar="JOB",
-        type=Path,
-        nargs="?",
-        default=Path("job.toml"),
-        help="the file to write (default: %(default)s)",
-    )
-    init.add_argument(
-        "--task",
-        **one_of("damage", "update", "series"),
-        default="damage",
-        help="what the job is to do (default: %(default)s)",
-    )
-    init.add_argument(
-        "--model",
-        **one_of("chain", "frame", "matrices", "result"),
-        default="chain",
-        help="kind of model (default: %(default)s)",
-    )
-    init.add_argument(
-        "--data", type=Path, metavar="FILE", help="a measurement, whose channels are listed in the job"
-    )
-    init.add_argument("--overwrite", action="store_true", help="replace a job file that exists")
-    init.set_defaults(run=_command("studies", "init"))
-
-
-def _report(commands: Any) -> None:
-    report = commands.add_parser(
+    add(
         "report",
-        help="one HTML file of a result",
-        description="Write the report of a result: one file that needs nothing else.",
+        "one HTML file of a result",
+        "Write the report of a result: one file that needs nothing else.",
+        ("studies", "report"),
+        ("result", "a result.npz, or the folder that holds it", _path("RESULT")),
+        ("--out", "the file to write (default: beside the result)", _path("FILE.html")),
+        ("--title", "heading of the report", {}),
+        ("--pictures", "write the pictures as PNG too", _path("DIR")),
+        _JSON,
     )
-    report.add_argument(
-        "result", metavar="RESULT", type=Path, help="a result.npz, or the folder that holds it"
-    )
-    report.add_argument(
-        "--out", type=Path, metavar="FILE.html", help="the file to write (default: beside the result)"
-    )
-    report.add_argument("--title", help="heading of the report")
-    report.add_argument("--pictures", type=Path, metavar="DIR", help="write the pictures as PNG too")
-    report.add_argument("--json", action="store_true", help="print JSON instead of the tables")
-    report.set_defaults(run=_command("studies", "report"))
-
-
-def _explain(commands: Any) -> None:
-    told = commands.add_parser(
+    add(
         "explain",
-        help="what a warning means",
-        description="What is seen, why, and what to do, for the names in brackets at the end of warnings.",
+        "what a warning means",
+        "What is seen, why, and what to do, for the names in brackets at the end of warnings.",
+        ("studies", "explain"),
+        ("names", "of a warning, finding or doubt; without any: all", {"metavar": "NAME", "nargs": "*"}),
     )
-    told.add_argument(
-        "names", metavar="NAME", nargs="*", help="of a warning, finding or doubt; without any: all"
-    )
-    told.set_defaults(run=_command("studies", "explain"))
-
-
-def _common(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--workers",
-        type=number(int, 1),
-        default=None,
-        metavar="N",
-        help="threads of the search (default: all processors); no number depends on it",
-    )
-    command.add_argument("--json", action="store_true", help="print JSON instead of the tables")
+    return top
 
 
 def _command(module: str, name: str) -> Callable[[argparse.Namespace], int]:
