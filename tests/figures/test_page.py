@@ -219,7 +219,7 @@ def test_it_says_all_that_a_reader_needs(reports):
         "4 of 1 kg, 4 kg in all",
         "3 of 500 N/m",
         "0 to 99",
-        "gamma1 0.0214, gamma2 0.0214",  # six values
+        "gamma1 = 0.0214 and gamma2 = 0.0214",  # six values
         "islands 4; population 40",
         "Seed 0",
         "antires damage job.toml",

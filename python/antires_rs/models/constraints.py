@@ -342,13 +342,13 @@ def equations_by_number(
 # Every dof keeps its number; which row of the core's matrices it is follows from what was taken out.
 
 
-MULTIPLIER, CONSTRAINT, STIFF, RIGID = range(4)
-#: Of what a dof is made, shares below this are those of a stiff spring and its neighbours.
+MULTIPLIER, CONSTRAINT = range(2)
+#: Of what a dof is made, shares below this are rounding.
 _SHARE = 1e-8
 
 
 class TakenOut(NamedTuple):
-    """A dof taken out: why, and its motion by rows that remain; its own may hold a difference."""
+    """A dof taken out: why, and its motion by rows that remain."""
 
     reason: int
     by: Mapping[int, float]
@@ -371,16 +371,15 @@ class Dependent(NamedTuple):
         return cls(np.array(dofs, dtype=np.uint32), reasons, Entries.joined(*map(np.array, by)))
 
     def transformation(self, n: int) -> Any:
-        """T (n, n), ``scipy.sparse``: columns of dofs taken out are empty, or hold a difference."""
+        """T (n, n), ``scipy.sparse``: columns of dofs taken out are empty."""
         own = np.setdiff1d(np.arange(n), self.dofs)
         rows, columns = np.concatenate([own, self.by.rows]), np.concatenate([own, self.by.columns])
         return Entries(rows, columns, np.concatenate([np.ones(own.size), self.by.values])).sparse(n)
 
     def rows(self, n: int) -> NDArray[np.intp]:
-        """Row of each of ``n`` dofs in matrices without those that hold nothing; -1 for these."""
+        """Row of each of ``n`` dofs in matrices without those taken out; -1 for these."""
         there = np.ones(n, dtype=bool)
         there[self.dofs] = False
-        there[self.by.columns] = True
         return np.where(there, np.cumsum(there) - 1, -1)
 
     def reason(self, dof: int) -> int | None:

@@ -1,8 +1,7 @@
-"""Matrices without what is no dof of its own: Lagrange multipliers, constraints, penalties, in this order."""
+"""Matrices without what is no dof of its own: Lagrange multipliers, constraints."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,8 +12,6 @@ from ..exceptions import part, reject
 from .constraints import (
     CONSTRAINT,
     MULTIPLIER,
-    RIGID,
-    STIFF,
     Dependent,
     Equation,
     TakenOut,
@@ -24,7 +21,6 @@ from .constraints import (
     without,
 )
 from .matrices import Entries
-from .stiff_parts import stiff_parts
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
@@ -62,32 +58,19 @@ class Independent(NamedTuple):
         What was taken out.
     rows : ndarray of int, (n,), or None
         Row of each dof in the matrices, -1 where it has none.
-    rounded : dict of int to float
-        As of :class:`StiffParts`.
     """
 
     matrices: Matrices
     dependent: Dependent | None
     rows: NDArray[np.intp] | None
-    rounded: Mapping[int, float]
 
     def core(self) -> CoreModel:
         """The core's model."""
         return _core.Model.from_matrices(*self.matrices)
 
 
-def independent_of(
-    given: Matrices,
-    constraints: Entries | None,
-    kept: set[int],
-    *,
-    penalties: bool = True,
-    whole: bool = False,
-) -> Independent:
-    """Of what a recipe holds; no dof of ``kept`` is taken out, ``penalties`` if so wanted.
-
-    With the motion over penalties where ``whole``, so that none of the highest roots is lost.
-    """
+def independent_of(given: Matrices, constraints: Entries | None, kept: set[int]) -> Independent:
+    """Of what a recipe holds; no dof of ``kept`` is taken out."""
     n = given.n
     taken: dict[int, TakenOut] = {}
     left, equations = _without_multipliers(given, taken)
@@ -99,21 +82,8 @@ def independent_of(
         if gone:
             left = left.transformed(Dependent.of(gone).transformation(n))
             taken |= gone
-    found = stiff_parts(*left, kept, whole=whole) if penalties else None
-    if found is not None:
-        gone = {dof: TakenOut(RIGID if dof in found.rigid else STIFF, by) for dof, by in found.gone.items()}
-        t = Dependent.of(gone).transformation(n)
-        left = Matrices(
-            n,
-            found.stiffness,
-            congruent(n, left.mass, t),
-            tuple(found.stiffness_terms),
-            tuple(congruent(n, term, t) for term in left.mass_terms),
-        )
-        taken = {dof: TakenOut(each.reason, _through(each.by, found.gone)) for dof, each in taken.items()}
-        taken |= gone
     if not taken:
-        return Independent(left, None, None, {})
+        return Independent(left, None, None)
     dependent = Dependent.of(taken)
     rows = dependent.rows(n)
     kept_rows = Matrices(
@@ -123,7 +93,7 @@ def independent_of(
         tuple(without(term, rows) for term in left.stiffness_terms),
         tuple(without(term, rows) for term in left.mass_terms),
     )
-    return Independent(kept_rows, dependent, rows, {} if found is None else found.rounded)
+    return Independent(kept_rows, dependent, rows)
 
 
 def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[Matrices, list[Equation]]:
@@ -155,12 +125,3 @@ def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[M
     return given._replace(stiffness=k.those(~(multiplier[k.rows] | multiplier[k.columns]))), list(
         equations.values()
     )
-
-
-def _through(by: Mapping[int, float], gone: Mapping[int, Mapping[int, float]]) -> dict[int, float]:
-    """A motion by dofs of which some are gone too."""
-    whole: dict[int, float] = {}
-    for dof, value in by.items():
-        for q, share in gone.get(dof, {dof: 1.0}).items():
-            whole[q] = whole.get(q, 0.0) + value * share
-    return whole

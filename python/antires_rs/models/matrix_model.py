@@ -10,11 +10,11 @@ import numpy as np
 
 from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
-from .constraints import CONSTRAINT, MULTIPLIER, RIGID, STIFF, Dependent, equations_by_number
+from .constraints import CONSTRAINT, MULTIPLIER, Dependent, equations_by_number
 from .dof_names import names_of
 from .independent import Independent
 from .matrices import Columns, as_masses, as_sparse, as_square, as_term
-from .penalties import warn_penalties, warn_rounded
+from .penalties import warn_penalties
 from .recipes import MatrixRecipe
 from .structural_model import ModelDescription, StructuralModel
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .._core import Model as CoreModel
 
 #: Cores for other dofs, made when asked for.
-_REMADE = {"_other", "_whole_core"}
+_REMADE = {"_other"}
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
 
@@ -59,16 +59,15 @@ class MatrixModel(StructuralModel):
     Warns
     -----
     AntiresWarning
-        An imaginary part; a mass below zero by rounding; penalties of which rounding in the assembly has
-        taken more than 2e-8 of the stiffness beside them; dofs tied by 1e17 and more that nothing holds.
+        An imaginary part; a mass below zero by rounding; penalties so stiff that rounding takes 1e-6 of a
+        frequency beside them; dofs tied by 1e17 and more that nothing holds.
 
     Notes
     -----
     Taken out are also Lagrange multipliers (rows without mass and with nothing on the diagonal of the
-    stiffness) and what is held by penalties: 3e5 times as stiff as the softer dofs and more, these without
-    the ties they may all be in. Modes, not antiresonances, leave out the motion over a penalty that is 1e7
-    times as stiff as most other dofs. All dofs keep their numbers, and a sensor or force may be at any of
-    them: where one was taken out, another dof of its equation is taken out instead.
+    stiffness). All dofs keep their numbers, and a sensor or force may be at any of them: where one was taken
+    out, another dof of its equation is taken out instead. A tie by a very stiff spring is no equation: it
+    stays in the matrices, where rounding takes as many digits as it is stiffer than its neighbours.
 
     Examples
     --------
@@ -111,12 +110,10 @@ class MatrixModel(StructuralModel):
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)
-        warn_rounded(self, independent.rounded)
         warn_penalties(
             self,
             self.stiffness(),
-            "Take ties and supports out by constraints=, or use penalties a million times softer.",
-            taken_out=() if independent.dependent is None else independent.dependent.dofs.tolist(),
+            "Give ties, rigid links and supports as constraints=, or use penalties a million times softer.",
         )
 
     @property
@@ -167,18 +164,6 @@ class MatrixModel(StructuralModel):
             )
         return dof
 
-    def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
-        return self._core_with(dofs, self._independent, self._core)
-
-    def _core_exactly(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
-        taken = self._independent.dependent
-        if taken is None or not np.any(taken.reasons == RIGID):
-            return self._core_for(dofs)
-        if "_whole_core" not in self.__dict__:
-            here = self._recipe.independent(whole=True)
-            self._fill(_whole_core=(here, self._applied(here.core())))
-        return self._core_with(dofs, *self.__dict__["_whole_core"], whole=True)
-
     @cached_property
     def _needs_both_methods(self) -> bool:
         if self.n_dof > _MOST_FOR_BOTH:
@@ -188,32 +173,20 @@ class MatrixModel(StructuralModel):
         rates = np.log10(k[moving]) - np.log10(m[moving])
         return bool(rates.size) and float(np.ptp(rates)) >= _APART
 
-    def _core_with(
-        self, dofs: Sequence[int], here: Independent, core: CoreModel, *, whole: bool = False
-    ) -> tuple[CoreModel, list[int]]:
+    def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        here, core = self._independent, self._core
         if here.dependent is None:
             return core, list(dofs)
         moving = _followed(here.dependent, dofs)
         if any(here.dependent.reason(dof) is not None for dof in moving):
-            here, core = self._with_rows(frozenset(moving), whole=whole)
+            here, core = self._with_rows(frozenset(moving))
         return core, moving if here.rows is None else here.rows[moving].tolist()
-
-    def _core_as_given(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
-        taken = self._independent.dependent
-        if taken is None or not np.any(taken.reasons >= STIFF):
-            return self._core_for(dofs)
-        here, moving = self._recipe.independent(penalties=False), list(dofs)
-        if here.dependent is not None:
-            moving = _followed(here.dependent, dofs)
-            if any(here.dependent.reason(dof) is not None for dof in moving):
-                here = self._recipe.independent(moving, penalties=False)
-        return self._applied(here.core()), moving if here.rows is None else here.rows[moving].tolist()
 
     def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
         dependent = self._independent.dependent
         if dependent is None:
             return super()._together(responses, force)
-        # Both ends of a penalty in one core would leave it there for the other responses.
+        # All dofs of one equation cannot be rows of one core.
         masters = dependent.masters(force)
         own = [i for i, dof in enumerate(responses) if dependent.reason(dof) is None and dof not in masters]
         alone = [[i] for i in range(len(responses)) if i not in own]
@@ -225,12 +198,12 @@ class MatrixModel(StructuralModel):
             core = self._description.applied_to(core, applied)
         return core
 
-    def _with_rows(self, dofs: frozenset[int], *, whole: bool) -> tuple[Independent, CoreModel]:
+    def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:
         """The same model with other dofs taken out than these; the last one is kept."""
         known = self.__dict__.get("_other")
-        if known is None or known[0] != (dofs, whole):
+        if known is None or known[0] != dofs:
             try:
-                here = self._recipe.independent(dofs, whole=whole)
+                here = self._recipe.independent(dofs)
             except InvalidInputError as exc:
                 reject(
                     "dofs",
@@ -239,7 +212,7 @@ class MatrixModel(StructuralModel):
                     "Ask for fewer of them at a time, or leave one out of what is measured.",
                 )
             core = self._applied(here.core())
-            known = (dofs, whole), here, core
+            known = dofs, here, core
             self._fill(_other=known)
         return known[1], known[2]
 

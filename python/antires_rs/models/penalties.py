@@ -7,20 +7,18 @@ cantilever on springs all of it at 1e13.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.checks import FloatArray
 from ..support.messages import warn
 from .matrices import Entries
-from .stiff_parts import without_ties
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from numpy.typing import NDArray
 
     from .structural_model import StructuralModel
 
@@ -129,21 +127,68 @@ def _of_eigenvalues(scaled: NDArray[np.float64]) -> float | None:
     return None
 
 
+# -- How stiff a dof is without the ties it is in
+#
+# Scaled to a diagonal of ones, :math:`|k_{ij}| / \sqrt{k_{ii} k_{jj}}`, dofs of a tie are joined by couplings
+# of the order of one, and to its neighbours by those that a penalty leaves, 2e-3 and less. Where what is
+# joined can move as a rigid body, these neighbours alone are what holds it. None of this depends on the units
+# of a dof, nor on how many of the dofs are soft.
+
+
+#: Part of its stiffness that a tie leaves, at most.
+_LEFT = 1.0 / 3e5
+#: Largest scaled coupling of a tie to soft neighbours.
+_WEAK = float(np.sqrt(_LEFT))
+#: Most dofs of one tie, and of one between two nodes, of which couplings below ``_ROUNDING`` count too: those
+#: of others may be the rounding of an angle.
+_MOST_TIED, _TWO_NODES = 300, 12
+
+
+def without_ties(n: int, stiffness: Entries) -> FloatArray:
+    """Diagonal of the stiffness (n,); of tied dofs twice their stiffest coupling to others, as in a chain."""
+    from scipy.sparse.csgraph import connected_components
+
+    k = stiffness.diagonal(n)
+    size = np.sqrt(np.where(k > 0.0, k, 1.0))
+    scaled = stiffness._replace(values=stiffness.values / size[stiffness.rows] / size[stiffness.columns])
+    weak = np.abs(scaled.values) <= _WEAK
+    if not weak.any():
+        return k
+    count, group = connected_components(scaled.those(~weak).sparse(n), directed=False)
+    number, at = np.bincount(group), group[stiffness.rows]
+    least = np.where(number[at] <= _TWO_NODES, 0.0, _ROUNDING)
+    between = weak & (np.abs(scaled.values) > least) & (at != group[stiffness.columns])
+    outward = np.zeros(count)
+    np.maximum.at(outward, at[between], np.abs(stiffness.values[between]))
+    tied = (outward > 0.0) & (number > 1) & (number <= _MOST_TIED)
+    if not tied.any():
+        return k
+    place = np.empty(n, dtype=np.intp)  # of each dof in its group
+    place[np.argsort(group, kind="stable")] = np.arange(n) - np.repeat(np.cumsum(number) - number, number)
+    inside = scaled.those(tied[at] & (at == group[stiffness.columns]))
+    held = group[inside.rows]
+    for size_of in np.unique(number[tied]):
+        these = np.flatnonzero(tied & (number == size_of))
+        own, chosen = np.zeros((these.size, size_of, size_of)), number[held] == size_of
+        part = inside.those(chosen)
+        own[np.searchsorted(these, held[chosen]), place[part.rows], place[part.columns]] = part.values
+        tied[these] = np.linalg.eigvalsh(own)[:, 0] <= _LEFT
+    return np.where(tied[group], np.minimum(k, 2.0 * outward[group]), k)
+
+
+# -- Warnings
+
+
 #: Stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost.
-_MOST = 1e8
-#: Share of a stiffness that rounding may have taken without a word.
-_LOST = 2e-8
+_MOST = 3e7
 #: So many dofs are named.
 _NAMED = 6
 
 
-def warn_penalties(
-    model: StructuralModel, stiffness: Any, remedy: str, *, taken_out: Sequence[int] = ()
-) -> None:
-    """Name the dofs that are too stiff beside the others, but for those ``taken_out`` of ``stiffness``."""
+def warn_penalties(model: StructuralModel, stiffness: Any, remedy: str) -> None:
+    """Name the dofs that are too stiff beside the others."""
     entries = Entries.of(stiffness) if isinstance(stiffness, np.ndarray) else Entries.of_sparse(stiffness)
     diagonal = np.abs(entries.diagonal(model.n_dof))
-    diagonal[list(taken_out)] = 0.0
     if not diagonal.any():
         return
     middle = float(np.median(np.abs(without_ties(model.n_dof, entries))[diagonal > 0.0]))
@@ -159,19 +204,6 @@ def warn_penalties(
         "stiff_penalties",
         f"stiffness: {_named(model, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the middle "
         f"dof: rounding may take 1e-6 of the frequencies and more. {remedy}",
-    )
-
-
-def warn_rounded(model: StructuralModel, rounded: Mapping[int, float]) -> None:
-    """Name the dofs beside penalties whose stiffness the assembly has rounded."""
-    spoiled = sorted(dof for dof, share in rounded.items() if share >= _LOST)
-    if not spoiled:
-        return
-    warn(
-        "rounded_penalties",
-        f"stiffness: penalties at {_named(model, spoiled)}: rounding in the assembly has changed the "
-        f"stiffness beside them by up to {max(rounded.values()):.1g} of it, and frequencies with it. "
-        "Give ties and rigid links as constraints=, without penalties.",
     )
 
 

@@ -87,16 +87,10 @@ class MatrixRecipe(_Recipe):
     constraints: Entries | None = None
     keep: tuple[int, ...] = ()
 
-    def independent(
-        self, keep: Iterable[int] = (), *, penalties: bool = True, whole: bool = False
-    ) -> Independent:
-        """Matrices and terms without what is no dof of its own; ``keep`` are further dofs to be kept.
-
-        Without ``penalties`` these stay in the matrices, as they were given; if ``whole``, the motion
-        over them is there too.
-        """
+    def independent(self, keep: Iterable[int] = ()) -> Independent:
+        """Matrices and terms without what is no dof of its own; ``keep`` are further dofs to be kept."""
         given = Matrices(self.n_dof, self.stiffness, self.mass, self.stiffness_terms, self.mass_terms)
-        return independent_of(given, self.constraints, {*self.keep, *keep}, penalties=penalties, whole=whole)
+        return independent_of(given, self.constraints, {*self.keep, *keep})
 
     def core(self) -> CoreModel:
         """The matrices and terms, handed over anew."""

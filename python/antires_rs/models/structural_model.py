@@ -229,18 +229,10 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         """The core's model in which ``dofs`` are rows, and these rows."""
         return self._core, list(dofs)
 
-    def _core_exactly(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
-        """The same with the motion over penalties, so that the highest roots are there too."""
-        return self._core_for(dofs)
-
     @property
     def _needs_both_methods(self) -> bool:
         """Whether only poles and QZ together, each root confirmed, are right: few dofs, K / M far apart."""
         return False
-
-    def _core_as_given(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
-        """The same with the penalties, which else are taken out."""
-        return self._core_for(dofs)
 
     def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
         """Places of responses that one core has with the force, core by core."""
@@ -583,8 +575,7 @@ class StructuralModel(Described):
         force = self._dof("excitation", excitation)
         found: list[Any] = [None] * len(dofs)
         for which in self._together(dofs, force):
-            own = self._core_as_given if bounds else self._core_exactly
-            core, at = own([*(dofs[i] for i in which), force])
+            core, at = self._core_for([*(dofs[i] for i in which), force])
             asked = (at[:-1], at[-1], limit, method, bool(include_cancelled))
             solved = (
                 core.bounded_antiresonances if bounds or self._needs_both_methods else core.antiresonances
