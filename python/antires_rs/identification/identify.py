@@ -32,7 +32,7 @@ from .._core import __version__
 from ..exceptions import UnsuitableDataError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.merge import merge_setups
-from ..measured.response_table import ResponseTable, label
+from ..measured.response_table import label
 from ..signals.averaging import Averages, average
 from ..signals.data_check import judged
 from ..signals.frequency_response import FrequencyResponse, band_of
@@ -368,12 +368,12 @@ def identify_antiresonances(
         step("cross-check")
         values = {dof: d.identified for dof, d in found.items()}
         compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
+    tables = {dof: graded(d.accepted) if fitted.of_numerators else d.accepted for dof, d in found.items()}
+    if known is not None:  # what the standard deviations rest on
+        tables = {dof: t.with_scores(averages=np.full(len(t), known)) for dof, t in tables.items()}
     return AntiresonanceSet.from_tables(
         excitation,
-        {
-            dof: _with_freedom(graded(d.accepted) if fitted.of_numerators else d.accepted, known)
-            for dof, d in found.items()
-        },
+        tables,
         diagrams=found,
         data_check=checked,
         cross_check=compared,
@@ -409,11 +409,6 @@ def _of_before(
         own = {} if fit is None else {name: getattr(fit, name) for name in fit.given}
         fit = FitOptions(**(own | of_fit))
     return fit, cross_check
-
-
-def _with_freedom(table: ResponseTable, known: float | None) -> ResponseTable:
-    """The table with what its standard deviations rest on."""
-    return table if known is None else table.with_scores(averages=np.full(len(table), known))
 
 
 def _checked(

@@ -259,18 +259,15 @@ def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
     if len(roots) < 2 or not s.size:
         return np.zeros(s.size)
     most = SAME_ROOT * np.abs(s)
-    shifts = np.array([_shifts(s, every, most) for every in roots])
+    shifts = np.tile(most, (len(roots), 1))
+    for row, every in zip(shifts, roots, strict=True):
+        if every.size:
+            nearest = every[np.argmin(np.abs(every - s[:, None]), axis=1)]
+            near = np.abs(nearest - s) <= most
+            row[near] = np.abs(np.abs(nearest) - np.abs(s))[near]
     shifts.sort(axis=0)
     shifts[-1] = np.minimum(shifts[-1], LARGEST * shifts[-2])
     return np.asarray(np.sqrt(np.mean(shifts**2, axis=0)) / (2 * np.pi))
-
-
-def _shifts(s: ComplexArray, every: ComplexArray, most: FloatArray) -> FloatArray:
-    """Change of the modulus to the nearest root, ``most`` where there is none so near."""
-    if not every.size:
-        return most
-    nearest = every[np.argmin(np.abs(every - s[:, None]), axis=1)]
-    return np.where(np.abs(nearest - s) <= most, np.abs(np.abs(nearest) - np.abs(s)), most)
 
 
 def select(

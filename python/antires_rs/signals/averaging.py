@@ -68,7 +68,14 @@ def _energy(rec: Recording, block: int, every: int = 1) -> FloatArray:
 
 def is_transient(rec: Recording) -> bool:
     """True if the energy profile is that of decaying events, False if it is steady."""
-    decaying = [_decays(part) for part in parts_of(rec)]
+    decaying = []
+    for part in parts_of(rec):
+        n = part.n_samples
+        # A hundredfold rise is told from any few thousand samples' median.
+        energy = (
+            _energy(part, n // COARSE_BLOCKS, max(1, n // MEDIAN_SAMPLES)) if n >= 2 * COARSE_BLOCKS else None
+        )
+        decaying.append(energy is not None and bool(energy.max() > DECAY_RATIO * np.quantile(energy, 0.2)))
     if any(decaying) and not all(decaying):
         raise UnsuitableDataError(
             "method",
@@ -79,14 +86,6 @@ def is_transient(rec: Recording) -> bool:
             "Leave out what does not belong, or say method='transient' or method='welch'.",
         )
     return all(decaying)
-
-
-def _decays(rec: Recording) -> bool:
-    if rec.n_samples < 2 * COARSE_BLOCKS:
-        return False
-    # A hundredfold rise is told from any few thousand samples' median.
-    energy = _energy(rec, rec.n_samples // COARSE_BLOCKS, max(1, rec.n_samples // MEDIAN_SAMPLES))
-    return bool(energy.max() > DECAY_RATIO * np.quantile(energy, 0.2))
 
 
 def find_events(rec: Recording) -> tuple[Event, ...]:

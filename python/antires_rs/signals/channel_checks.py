@@ -440,7 +440,15 @@ def in_phase(seen: Evidence) -> CheckResults:
         if not fits and not found:
             why = "at too few lines do the channels rise out of their noise in phase or against phase"
             return [NotTested(TIME_SHIFT, why), NotTested(QUADRATURE, why)]
-        off = sorted((p for p, fit in fits.items() if _is_off(seen, fit)), key=lambda p: fits[p].chance)
+        off = [
+            p
+            for p, fit in fits.items()
+            if fit.fits >= IN_PHASE
+            and fit.fits - fit.in_phase >= MENDED
+            and fit.chance < FALSE_ALARMS
+            and (fit.quadrature or _shift_deg(seen, fit) >= SHIFT_DEG)
+        ]
+        off.sort(key=lambda p: fits[p].chance)
         # What the others say of each other; of two no one knows which is off.
         others = (_fits(seen, [q for q in left if q != p]) if len(left) > 3 else {} for p in off)
         worst = next((p for p, rest in zip(off, others, strict=True) if _proved(fits[p], rest)), None)
@@ -457,11 +465,6 @@ def _fits(seen: Evidence, channels: list[int]) -> dict[int, Fit]:
     lines = Agreement(seen, channels)
     fits = {p: lines.fit(i, SHIFT_DEG) for i, p in enumerate(channels)}
     return {p: fit for p, fit in fits.items() if fit is not None}
-
-
-def _is_off(seen: Evidence, fit: Fit) -> bool:
-    mended = fit.fits >= IN_PHASE and fit.fits - fit.in_phase >= MENDED and fit.chance < FALSE_ALARMS
-    return mended and (fit.quadrature or _shift_deg(seen, fit) >= SHIFT_DEG)
 
 
 def _proved(fit: Fit, others: dict[int, Fit]) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import UnsuitableDataError, reject
-from ..support.checks import ComplexArray, FloatArray
+from ..support.checks import ComplexArray
 from ..support.progress import patient
 from ..support.values import frozen_or_none
 from . import channel_checks as channels, one_force
@@ -221,7 +221,10 @@ def _resolution(
     """Lines per bandwidth, the bandwidth being measured at the longest segments' resolution if need be."""
     length = averages.nperseg
     spacing = float(spectra.freq_hz[1] - spectra.freq_hz[0])
-    lines = channels.sharpest_lines(_power(spectra), leakage=length is not None)
+    auto = np.einsum("fii->if", spectra.matrix).real
+    mean = np.maximum(auto.mean(axis=1, keepdims=True), 1e-300)
+    power = (auto / mean).sum(axis=0)  # all channels at equal weight
+    lines = channels.sharpest_lines(power, leakage=length is not None)
     if length is None:
         # An exponential window has widened the resonances by a known amount.
         widened = spectra.added_decay_per_s / np.pi
@@ -243,13 +246,6 @@ def _resolution(
         chosen=averages.options.nperseg is None,
         known=lines is not None and lines >= 1.0,
     )
-
-
-def _power(spectra: CrossSpectra) -> FloatArray:
-    """All channels at equal weight, by line."""
-    auto = np.einsum("fii->if", spectra.matrix).real
-    mean = np.maximum(auto.mean(axis=1, keepdims=True), 1e-300)
-    return np.asarray((auto / mean).sum(axis=0), dtype=np.float64)
 
 
 def _none_by_line(why: str) -> CheckResults:

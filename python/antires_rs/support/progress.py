@@ -234,36 +234,25 @@ def one_blas_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:
-        _enter()
+        _nested(1)
         try:
             return function(*args, **kwargs)
         finally:
-            _leave()
+            _nested(-1)
 
     return limited
 
 
-def _enter() -> None:
+def _nested(by: int) -> None:
+    """Count the calls: the first limits the threads, the last lets them go."""
     global _inside
     with _lock:
-        if _inside == 0:
-            _in_a_thread_of_its_own(_limit)
-        _inside += 1
-
-
-def _leave() -> None:
-    global _inside
-    with _lock:
-        _inside -= 1
-        if _inside == 0:
-            _in_a_thread_of_its_own(_restore)
-
-
-def _in_a_thread_of_its_own(action: Callable[[], None]) -> None:
-    # The thread that sets a limit owns it while it lives, and no other can restore it.
-    thread = threading.Thread(target=action)
-    thread.start()
-    thread.join()
+        _inside += by
+        if _inside == (1 if by > 0 else 0):
+            # The thread that sets a limit owns it while it lives, and no other can restore it.
+            thread = threading.Thread(target=_limit if by > 0 else _restore)
+            thread.start()
+            thread.join()
 
 
 def _limit() -> None:
