@@ -25,14 +25,6 @@ from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
 from ..support.checks import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer
 from ..support.values import ReadOnly, frozen
-from .limits import (
-    CANDIDATE_DOMINANCE,
-    CANDIDATE_SNR,
-    CONFIRMING_DOMINANCE,
-    CROSS_CHECK_DAMPING,
-    LEAST_POLES,
-    MORE_POLES,
-)
 from .lines import Lines, lines_of
 from .rational_fit import share_of_curve
 from .scores import shared
@@ -216,6 +208,14 @@ def _dominance_vector_fitting(
     curve = np.linalg.norm(_with_line(_fractions(at, poles), at) @ x, axis=1)
     return share_of_curve(residue, poles.real, curve)
 
+
+# Poles: this many more than the dof with most values has, and never fewer than the second number.
+MORE_POLES, LEAST_POLES = 8, 12
+# A pole that owns less of the curve confirms nothing, one that owns less than the second is no candidate;
+# a candidate has this signal-to-noise power beside it (3 dB).
+CONFIRMING_DOMINANCE, CANDIDATE_DOMINANCE = 0.3, 0.7
+CANDIDATE_SNR = 2.0
+CROSS_CHECK_DAMPING = 0.10
 
 METHODS: dict[str, Callable[..., tuple[ComplexArray, FloatArray]]] = {
     "aaa": set_valued_aaa,
@@ -430,8 +430,3 @@ def _apart(freq: FloatArray, values: FloatArray, tol: float) -> FloatArray:
         if not _near(values, f, 2.0 * tol) and not (kept and f <= kept[-1] * (1.0 + tol)):
             kept.append(float(f))
     return np.array(kept)
-
-
-#: The names that these had before.
-SecondOpinion = CrossCheck
-second_opinion = cross_check

@@ -44,6 +44,7 @@ from ..support.messages import warn, warn_of_change
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
 from .lines import FORCE, Lines, lines_of
+from .numerators import freedom, independent_averages
 from .options import (
     OF_BOTH,
     OF_SWEEP,
@@ -56,7 +57,7 @@ from .options import (
 )
 from .paper import sweep_of
 from .scores import graded, scored, unexplained, without_common
-from .selection import freedom, independent_averages, select
+from .selection import select
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
 from .windows import HIGHEST_ORDER, LINES_PER_ORDER, SCALES, local_diagrams
 
@@ -404,11 +405,7 @@ def _of_before(
             )
         cross_check = cross_check if second is None else second
     warn_of_change(f"identify_antiresonances: {' and '.join(older)}: write {', '.join(places)}")
-    of_fit = {name: value for name, value in older.items() if name in known and value is not None}
-    if of_fit:
-        own = {} if fit is None else {name: getattr(fit, name) for name in fit.given}
-        fit = FitOptions(**(own | of_fit))
-    return fit, cross_check
+    return (fit or FitOptions()).joined({name: older[name] for name in older if name in known}), cross_check
 
 
 def _checked(

@@ -133,9 +133,9 @@ class Lines:
         return others, np.sum(others.real**2 + others.imag**2, axis=0)
 
 
-def unit(vectors: ComplexArray) -> ComplexArray:
-    """Vectors (n_rows, n_freq) scaled to unit norm at every line."""
-    norm = np.linalg.norm(vectors, axis=0)
+def unit(vectors: ComplexArray, axis: int = 0) -> ComplexArray:
+    """Vectors (n_rows, n_freq) scaled to unit norm at every line; ``axis`` is that of the rows."""
+    norm = np.linalg.norm(vectors, axis=axis, keepdims=True)
     return np.asarray(vectors / np.where(norm > 0.0, norm, 1.0))
 
 

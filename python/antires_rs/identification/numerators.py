@@ -7,23 +7,17 @@ scaled to unit noise in every channel, the likelihood of N (the factors a being 
     Q(N) = sum_f [ lam_f - N' C_f N / (N' N) ],      lam_f = largest eigenvalue of C_f
 
 so only the *direction* of N counts: the resonances, the force and its spectrum have dropped out. By
-Lagrange's identity Q is the sum of the misfits of all transmissibilities T_pq at once. A joint fit over one
-reference knows N_p only where that reference is strong; here every pair contributes, which lifts the
-lowest antiresonances of a response, 20 to 30 dB under its noise, out of it.
+Lagrange's identity Q is the sum of the misfits of all transmissibilities T_pq at once: every pair
+contributes, which lifts the lowest antiresonances of a response, 20 to 30 dB under its noise, out of it.
 
 With the weights 1 / N'N taken from the iteration before, Q is a quadratic form c' A c in the coefficients. On
-Forsythe's polynomials for the same weights the noise adds a multiple of the identity to A, hence
+Forsythe's polynomials for the same weights the noise adds a multiple of the identity to A: "likeliest", the
+eigenvector of the smallest eigenvalue, has no bias for the true order; "low", all of the lowest coefficient
+that there can be, sends spurious roots, common to all N_p, to the right half plane, and serves the sweep over
+orders. A is ordered by degree: one Cholesky factor serves every order.
 
-- "likeliest": the eigenvector of the smallest eigenvalue; without bias, for the true order;
-- "low": all of the lowest coefficient that there can be. Spurious roots, common to all N_p, go
-  to the right half plane, so this one serves the sweep over orders.
-
-A is ordered by degree: one Cholesky factor serves every order. The zeros of N_j are the antiresonances of j;
-roots common to all N_p cancel in every transmissibility.
-
-References: Lagrange's identity and projectors as in M. Viberg and B. Ottersten, IEEE Trans. Signal Process.
-39 (1991) 1110-1121 (subspace fitting); C. K. Sanathanan and J. Koerner, IEEE Trans. Autom. Control 8 (1963)
-56-58 (reweighting); Forsythe's basis as in :mod:`~antires_rs.identification.rational_fit`.
+References: M. Viberg and B. Ottersten, IEEE Trans. Signal Process. 39 (1991) 1110-1121 (subspace fitting);
+C. K. Sanathanan and J. Koerner, IEEE Trans. Autom. Control 8 (1963) 56-58 (reweighting).
 """
 
 from __future__ import annotations
@@ -35,8 +29,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import NumericalError
-from ..signals.spectra import dominant, pieces
+from ..signals.spectra import CrossSpectra, dominant, pieces
 from ..support.checks import ComplexArray, FloatArray
+from .lines import Lines
 from .rational_fit import Basis, dominance, forsythe_basis, roots
 from .scores import shared
 
@@ -412,3 +407,158 @@ def _misfits(
         share[lines] = np.einsum("fsk,fsk->fs", x, y)
         share[lines] /= np.maximum(np.einsum("fsk,fsk->fs", x, x), 1e-300)
     return np.asarray(np.maximum(capped @ (largest[:, None] - share), 1e-300))
+
+
+# -- How far an identified value may be off: standard deviations from the scatter of the segments
+#
+# The coefficients c solve (A - mu I) c = 0, so a change dA moves them by
+#
+#     dc = -(A - mu I)^+ dA c,      dA c = -sum_f g_f Re phi' (dC_f N - (N' dC_f N / N'N) N)
+#
+# and a zero s of N_j by its slope ds/dc. Each Welch segment is one independent draw of all C_f at once;
+# what its own x x' would move the zero by is its influence, and the variance of the mean of K influences is
+# the variance of the zero (the infinitesimal jackknife). Nothing is assumed of the noise: coloured noise,
+# leakage, and what the segments share between neighbouring lines are in the scatter. Where there are no
+# segments, blocks of neighbouring lines take their place.
+#
+# R records of one test, R impacts, or the curves of R tests are R draws, u_r, with
+# b^2 = R / (R - 1) sum_r (u_r - mean u)^2, which holds whatever differs from record to record, but has R - 1
+# degrees of freedom only. The scatter inside the records (of their segments; of an impact or a curve, in
+# blocks of lines), w^2, has many, and knows noise and leakage alone. Their ratio is much the same for all
+# zeros of a test, so that all tell of it together:
+#
+#     q = max(1, median of b^2 / w^2 over all zeros / median of chi^2_{R-1} / (R - 1)),
+#
+# and the variance of one zero is ((R - 1) b^2 + n_0 q w^2) / (R - 1 + n_0), with n_0 = 8.
+#
+# References: B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, SIAM 1982, ch. 6; H. White,
+# Econometrica 50 (1982) 1-25; G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004) article 3 (moderated
+# variances).
+
+# Degrees of freedom with which the whole test speaks on the variance of one zero.
+PRIOR = 8.0
+# Without segments: so many blocks of neighbouring lines stand for independent draws.
+BLOCKS = 64
+# Directions of the coefficients that the data do not determine (a common factor) move no zero of one
+# numerator; below this share of the largest eigenvalue they are left out.
+UNDETERMINED = 1e-12
+# Roots of more damping than this are no zeros of a structure.
+WIDEST = 0.15
+
+
+def excess(between: FloatArray, within: FloatArray, n_draws: int) -> float:
+    """q, from the variances of many zeros, (n,) each."""
+    from scipy.stats import chi2  # slow to import
+
+    if not between.size:
+        return 1.0
+    middle = float(chi2.ppf(0.5, n_draws - 1)) / (n_draws - 1)
+    return max(1.0, float(np.median(between / np.maximum(within, 1e-300))) / middle)
+
+
+def freedom(n_draws: int) -> float:
+    """Degrees of freedom of a variance that :func:`combined` gives."""
+    return n_draws - 1.0 + PRIOR
+
+
+def combined(between: FloatArray, within: FloatArray, n_draws: int, q: float) -> FloatArray:
+    """Variance of each zero."""
+    return np.asarray(((n_draws - 1.0) * between + PRIOR * q * within) / freedom(n_draws))
+
+
+def independent_averages(spectra: CrossSpectra) -> float:
+    """How many independent averages stand behind the standard deviations that these spectra give."""
+    if spectra.draws is None:
+        return spectra.n_effective
+    return min(freedom(np.unique(spectra.draws).size), max(spectra.n_effective, PRIOR))
+
+
+class Influence:
+    """Derivatives of zeros of the ``best`` solution by the covariances.
+
+    What a draw x x' would move the coefficients' right-hand side by is summed over its lines once for all
+    zeros, ``(n_coefficients, n_draws)``; a zero's influences are one product with it.
+    """
+
+    def __init__(self, best: Likeliest, lines: Lines) -> None:
+        self.fit, self.c = best.fit, best.coefficients
+        self._values = self.fit.values(self.c)
+        self._sums: FloatArray | None = None
+        self._excess = 1.0
+        values, self._vectors = np.linalg.eigh(self.fit.form[: self.c.size, : self.c.size])
+        gap = values - best.misfit
+        # The solution itself, the smallest, is a matter of scale.
+        keep = gap > max(UNDETERMINED * values[-1], 1e-300)
+        keep[0] = False
+        self._inverse = np.where(keep, 1.0 / np.where(keep, gap, 1.0), 0.0)
+        # Neighbouring lines that stand for independent draws.
+        n_lines = lines.freq_hz.size
+        ends = np.linspace(0, n_lines, min(BLOCKS, n_lines) + 1).round().astype(int)
+        blocks = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        if lines.segments is None:
+            single = (np.sqrt(lines.snr) * lines.vectors).T[:, :, None]
+            push = np.concatenate([self._pushed(single.__getitem__, block, 1) for block in blocks], axis=1)
+            self._push, self._scale = _centred(push), len(blocks) / (len(blocks) - 1)
+            return
+        draws, count = lines.segments.at, lines.segments.count
+        self._push = _centred(self._pushed(draws, slice(0, n_lines), count))
+        self._scale = lines.averages_ratio / count**2 * count / (count - 1)
+        if lines.draws is None:
+            return
+        by_draw = [self._push[:, lines.draws == draw].sum(axis=1) for draw in np.unique(lines.draws)]
+        self._sums = np.stack(by_draw, axis=1) / count
+        if len(by_draw) == count:  # of one impact each: inside it, blocks of lines
+            each = [_centred(self._pushed(draws, block, count)) for block in blocks]
+            self._push = np.concatenate(each, axis=1)
+            self._scale = 1.0 / (count * (count - 1.0))
+
+    def _pushed(self, draws: Callable[[slice], ComplexArray], lines: slice, n_draws: int) -> FloatArray:
+        """Products of the polynomials with x x' N less its part along N, (n_coefficients, n_draws).
+
+        Summed over some lines; the draws x at lines are (n_lines, n, n_draws).
+        """
+        total = np.zeros((self.c.shape[0], self.c.shape[1] * n_draws))
+        for some in pieces(lines.stop - lines.start, self._values.shape[1] * n_draws):
+            at = slice(lines.start + some.start, lines.start + some.stop)
+            n, x = self._values[at], draws(at)
+            along = n.conj()[:, None, :] @ x
+            length = np.sum(np.abs(n) ** 2, axis=1)[:, None, None]
+            part = x * along.conj()
+            part -= n[:, :, None] * (np.abs(along) ** 2 / length)
+            total += self.fit.projected(part.reshape(len(part), -1), self.c.shape[0] - 1, at)
+        return total.reshape(self.c.size, -1)
+
+    def pool(self, roots: Sequence[ComplexArray]) -> None:
+        """Let the zeros of all rows tell how much repeats of the test scatter beyond what is inside each."""
+        if self._sums is None:
+            return
+        light = [s[(s.imag > 0.0) & (np.abs(s.real) <= WIDEST * np.abs(s))] for s in roots]
+        both = [self.variances(row, s) for row, s in enumerate(light) if s.size]
+        within, between = np.concatenate([np.empty((2, 0)), *map(np.stack, both)], axis=1)
+        self._excess = excess(between, within, self._sums.shape[1])
+
+    def standard_deviations(self, row: int | FloatArray, s: ComplexArray) -> FloatArray:
+        """Standard deviation in Hz of zeros ``s`` (rad/s) of one row, or of a weighted sum of all rows."""
+        within, between = self.variances(row, s)
+        if self._sums is not None:
+            within = combined(between, within, self._sums.shape[1], self._excess)
+        return np.asarray(np.sqrt(within))
+
+    def variances(self, row: int | FloatArray, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Variances in Hz^2 from the scatter inside the draws, and from that between them (0 for one)."""
+        weights = np.eye(self.c.shape[1])[row] if isinstance(row, int) else row
+        slope = self.fit.slopes(self.c @ weights, s)
+        by_size = (slope * s.conj()[:, None]).real / np.abs(s)[:, None]
+        gradient = by_size[:, :, None] * weights
+        flat = gradient.reshape(s.size, self.c.size) @ self._vectors
+        moves = (flat * self._inverse) @ self._vectors.T / (2 * np.pi)
+        within = self._scale * np.sum((moves @ self._push) ** 2, axis=1)
+        if self._sums is None:
+            return within, np.zeros(s.size)
+        n = self._sums.shape[1]
+        return within, n / (n - 1.0) * np.sum((moves @ self._sums) ** 2, axis=1)
+
+
+def _centred(push: FloatArray) -> FloatArray:
+    """Columns less their mean."""
+    return np.asarray(push - push.mean(axis=1, keepdims=True))

@@ -1,38 +1,15 @@
 r"""The options of an identification: each is declared here once, with its sentence and its range.
 
-Named sets of them decide what is physical:
-
-==============  =============  ==============  ===========  ===========
-option          None           "paper"         "strict"     "sensitive"
-==============  =============  ==============  ===========  ===========
-formulation     "auto"         "eq10_squared"  "auto"       "auto"
-max_order       60             70              60           60
-freq_tol        0.01           0.01            0.01         0.01
-damping_tol     0.10           0.05            0.05         0.30
-min_rows        10             10              10           5
-max_damping     0.10           0.10            0.05         0.20
-min_dominance   0.05           0               0.90         0.02
-persistent      True           False           False        True
-min_share       0.5            0.5             0.8          0.3
-min_depth_db    3.0            3.0             6.0          2.0
-==============  =============  ==============  ===========  ===========
-
-The highest order of the fit of all numerators ("auto" of averaged records) is no number unless one is
-given: 36 above the likeliest, which the data tell, up to 200.
-
-"paper" is the identification of V. Meruane, J. Sound Vib. 332 (2013) 807-820: the absolute value of Eq.
-10, here its square, fitted by rational functions of f^2 (:mod:`~antires_rs.identification.paper`), and
-values that are stable within 1 % and 5 % in more than 10 consecutive orders, with no other test; the
-kinks of that curve take more orders. With ``route="frf"`` its rule is applied to the joint fit. "strict"
-wants poles that own their curve and stand still: for values that must be right. "sensitive" is for values
-that someone will look at afterwards. The last two options are of the fits over windows (single curves),
-those before of the sweep over orders.
+Presets are named sets of them, :data:`PRESETS`. "paper" is the identification of V. Meruane, J. Sound Vib.
+332 (2013) 807-820 (:mod:`~antires_rs.identification.paper`): stable within 1 % and 5 % in more than ten
+consecutive orders, and no other test; with ``route="frf"`` by the joint fit. "strict" wants poles that own
+their curve and stand still: for values that must be right. "sensitive" is for values that someone will look
+at afterwards. ``min_share`` and ``min_depth_db`` are of fits over windows, ``damping_tol``, ``min_rows``,
+``min_dominance`` and ``persistent`` of the sweep over orders.
 
 On six states of a measured plate (80 clear dips; ``benchmarks/measured_identification.py --only presets``)
 "strict", the default and "sensitive" find 77, 80 and 80 of them, with 2 of 114, 13 of 151 and 50 of 198
-values without a dip. What the presets mean on simulated records is the output of
-``benchmarks/preset_tables.py``: the default is careful; "strict" buys fewer false ones where modes are
-many, and pays with what lies near the noise; "sensitive" has something to add there only.
+values without a dip; on simulated records see ``benchmarks/preset_tables.py``.
 """
 
 from __future__ import annotations
@@ -57,43 +34,34 @@ USUAL_ORDER = 60
 # Real numbers of data that an order needs: with fewer, poles follow the noise of single lines.
 DATA_PER_ORDER = 3
 
-FORMULATIONS = ("joint", "power", "eq10", "eq10_squared")
+FORMULATIONS = ("joint", "eq10", "eq10_squared")
 #: Real functions of f^2; one number a line.
 OF_MAGNITUDES = FORMULATIONS[1:]
 CHOICES = ("auto", "windows", "numerators", *FORMULATIONS)
+#: Formulations that were left out, and why.
+LEFT_OUT = {
+    "sum": "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise",
+    "power": "The fit of all squared magnitudes was left out, being behind 'joint' at every noise",
+}
 
+PRESET_NAMES = ("paper", "strict", "sensitive")
+#: By option: what each of these presets sets; None where it keeps the default.
+_PRESET_TABLE: dict[str, tuple[Any, Any, Any]] = {
+    "formulation": ("eq10_squared", None, None),
+    "max_order": (70, None, None),
+    "damping_tol": (0.05, 0.05, 0.30),
+    "min_rows": (None, None, 5),
+    "max_damping": (None, 0.05, 0.20),
+    "min_dominance": (0.0, 0.90, 0.02),
+    "persistent": (False, False, None),
+    "min_share": (None, 0.8, 0.3),
+    "min_depth_db": (None, 6.0, 2.0),
+}
 #: Options by name of the preset; what a preset does not mention is the default.
 PRESETS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
-        "paper": MappingProxyType(
-            {
-                "formulation": "eq10_squared",
-                "max_order": 70,
-                "damping_tol": 0.05,
-                "min_dominance": 0.0,
-                "persistent": False,
-            }
-        ),
-        "strict": MappingProxyType(
-            {
-                "damping_tol": 0.05,
-                "max_damping": 0.05,
-                "min_dominance": 0.90,
-                "persistent": False,
-                "min_share": 0.8,
-                "min_depth_db": 6.0,
-            }
-        ),
-        "sensitive": MappingProxyType(
-            {
-                "damping_tol": 0.30,
-                "min_rows": 5,
-                "max_damping": 0.20,
-                "min_dominance": 0.02,
-                "min_share": 0.3,
-                "min_depth_db": 2.0,
-            }
-        ),
+        preset: MappingProxyType({k: row[i] for k, row in _PRESET_TABLE.items() if row[i] is not None})
+        for i, preset in enumerate(PRESET_NAMES)
     }
 )
 
@@ -146,37 +114,7 @@ class FitOptions(Options):
 
     Attributes
     ----------
-    formulation : {"auto", "windows", "numerators", "joint", "power", "eq10", "eq10_squared"}
-        What is fitted; for the last three see :mod:`~antires_rs.identification.paper`. "auto" takes "windows"
-        for given curves and single impacts; for averaged records, and from two impacts on, "numerators" with
-        ``estimator="rank1"``, else "joint".
-    method : {"auto", "welch", "transient"}
-        How a record is averaged; "auto" looks at its energy profile.
-    noverlap : int or None
-        Samples that neighbouring segments share; None: half a segment.
-    window : str, tuple or array_like
-        As for ``scipy.signal.get_window``; for impacts "rectangular" or "exponential" ("hann" there means:
-        rectangular if the response dies, else exponential).
-    min_order : int
-        Lowest order of the sweep; 1 or more.
-    freq_tol, damping_tol : float
-        Relative changes of frequency and damping from order to order that count as stable; to 0.5 and 1.
-    min_rows : int
-        A value must be stable in more consecutive orders than this.
-    max_damping : float
-        Largest damping ratio of an antiresonance, to 1.
-    min_dominance : float
-        Share of the curve that a value must own.
-    min_share : float
-        Of fits over windows: accepted is what this share of those that could see it does see, to 1.
-    min_depth_db : float
-        Of fits over windows: depth in dB of the dip that an antiresonance makes, in the direction of the
-        responses and, where its size is known, in the response itself. Curves that are better than measured
-        ones need less.
-    persistent : bool
-        Of the sweep: accept also what is there in most orders without standing still.
-    keep_common : bool
-        Keep values that all of three or more channels share.
+    {options}
 
     Raises
     ------
@@ -190,14 +128,25 @@ class FitOptions(Options):
     (5, 10)
     """
 
-    formulation: str = option("auto", ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}".')
+    formulation: str = option(
+        "auto",
+        ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}": what is fitted. "auto" takes '
+        '"windows" for given curves and single impacts; for averaged records, and from two impacts on, '
+        '"numerators" with estimator "rank1", else "joint".',
+    )
     method: str = option(
-        "auto", '"auto", "welch" for random records, "transient" for impacts.', choices=METHODS
+        "auto",
+        '"auto", "welch" for random records, "transient" for impacts; "auto" looks at the energy profile.',
+        choices=METHODS,
     )
     noverlap: int | None = option(
         None, "Samples shared by neighbouring segments; by default half.", kind="segment"
     )
-    window: Any = option("hann", "Window of the segments.")
+    window: Any = option(
+        "hann",
+        'Window of the segments, as for scipy.signal.get_window; for impacts "rectangular" or "exponential" '
+        '("hann" there means: rectangular if the response dies, else exponential).',
+    )
     min_order: int = option(2, "Lowest order of the stabilization diagram.", low=1)
     freq_tol: float = option(
         0.01,
@@ -224,12 +173,17 @@ class FitOptions(Options):
         low_open=True,
     )
     min_depth_db: float = option(
-        3.0, "Depth in dB of the dip that a value must make, in fits over windows.", low=0.0, low_open=True
+        3.0,
+        "Depth in dB of the dip that a value must make, in fits over windows: in the direction of the "
+        "responses and, where its size is known, in the response itself. Curves that are better than "
+        "measured ones need less.",
+        low=0.0,
+        low_open=True,
     )
     persistent: bool = option(
         True, "Whether the sweep accepts values that are there at most orders without being stable."
     )
-    keep_common: bool = option(False, "Whether to keep values that all channels share.")
+    keep_common: bool = option(False, "Whether to keep values that all of three or more channels share.")
     # Zeros, unlike poles, may lie right of the axis: measured ones of light damping often do, a little.
     both_sides: bool = field(default=False, repr=False)
 
@@ -272,6 +226,14 @@ class FitOptions(Options):
         return range(low, high + 1)
 
 
+FitOptions.__doc__ = (FitOptions.__doc__ or "").format(
+    options="\n    ".join(
+        f"{name} : {one.kind}, by default {one.default}\n        {one.sentence}"
+        + (f" From {one.low:g} to {one.high or np.inf:g}." if one.low is not None else "")
+        for name, one in FitOptions.declared().items()
+    )
+)
+
 #: Options that only one kind of fit knows: the sweep over orders, and fits over windows.
 OF_SWEEP = ("damping_tol", "min_rows", "min_dominance", "persistent")
 OF_WINDOWS = ("min_share", "min_depth_db")
@@ -279,14 +241,13 @@ OF_BOTH = ("freq_tol", "max_damping")
 
 
 def check_formulation(formulation: str) -> str:
-    """One of the formulations; "sum", which there was, is refused with what to take instead."""
-    if formulation == "sum":
+    """One of the formulations; those that there were are refused with what to take instead."""
+    if formulation in LEFT_OUT:
         reject(
             "formulation",
-            "'sum'",
+            repr(formulation),
             "one of " + ", ".join(repr(name) for name in CHOICES),
-            "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise; "
-            "use formulation='joint'.",
+            f"{LEFT_OUT[formulation]}; use formulation='joint'.",
         )
     return choice("formulation", formulation, CHOICES)
 
@@ -400,7 +361,6 @@ def sorted_out(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options by name, as a job has them, as arguments of ``identify_antiresonances``."""
     of_fit = {name: value for name, value in options.items() if name in FitOptions.declared()}
     if "second_opinion" in options:
-        second = options["second_opinion"]
-        options = {"cross_check": second} | {k: v for k, v in options.items() if k != "second_opinion"}
-    rest = {name: value for name, value in options.items() if name not in of_fit}
+        options = {"cross_check": options["second_opinion"], **options}
+    rest = {name: value for name, value in options.items() if name not in of_fit and name != "second_opinion"}
     return {**rest, "fit": FitOptions(**of_fit)} if of_fit else rest

@@ -3,13 +3,11 @@ r"""Rational fraction polynomials with a common denominator, fitted in orthogona
 Model: Y_o(s) = N_o(s) / D(s) for every output o, numerators and denominator of one order, real
 coefficients in s. The residual w_n (N_o - Y_o D) is linear in the coefficients. With the numerators on a
 Forsythe basis for w^2 and the denominator on one for w^2 sum_o abs(Y_o)^2, all numerators are eliminated
-at no cost and the denominator minimises d' G d, G = I - sum_o X_o' X_o (Richardson & Formenti 1982).
-The X_o are computed once: their leading blocks serve every lower order.
-
-d = 0 is excluded in one of two ways. "low" sets the lowest coefficient to one: spurious poles then go to
-the right half plane, where they are told from physical ones. "norm" takes the eigenvector of the smallest
-eigenvalue of G: more accurate where it finds a pole. A monic denominator would be wrong here: a
-transmissibility of two dofs can have a numerator of higher order than its denominator.
+at no cost and the denominator minimises d' G d, G = I - sum_o X_o' X_o (Richardson & Formenti 1982); leading
+blocks of X_o serve every lower order. d = 0 is excluded in one of two ways: "low" sets the lowest coefficient
+to one, and spurious poles go to the right half plane, where they are told from physical ones; "norm" takes
+the eigenvector of the smallest eigenvalue of G, more accurate where it finds a pole. A monic denominator
+would be wrong: a transmissibility can have a numerator of higher order than its denominator.
 """
 
 from __future__ import annotations
@@ -27,14 +25,11 @@ from ..support.checks import ComplexArray, FloatArray, complex_rows, frequency_b
 
 # -- Orthogonal polynomials on the imaginary axis, and the roots of their sums
 #
-# With x = f / f_max on the symmetric set of lines -x_n and x_n, weighted by w_n^2, the Forsythe polynomials
-# p_k have the parity of k and obey
-#
-#     x p_k = b_{k+1} p_{k+1} + b_k p_{k-1},     sum_n w_n^2 p_i p_k = delta_ik  (over the half plane)
-#
-# so that phi_k(s) = i^k p_k(x), s = i x, is a polynomial in s with real coefficients. Half the lines serve,
-# and no complex coefficient ever appears. A sum of phi_k has its roots at the eigenvalues of a comrade
-# matrix made of the b_k; power coefficients, whose condition passes 1e13 at order 40, are never formed.
+# With x = f / f_max on the lines -x_n and x_n, weighted by w_n^2, the Forsythe polynomials p_k have the
+# parity of k and obey x p_k = b_{k+1} p_{k+1} + b_k p_{k-1}, so that phi_k(s) = i^k p_k(x), s = i x, is a
+# polynomial in s with real coefficients; half the lines serve. A sum of phi_k has its roots at the
+# eigenvalues of a comrade matrix made of the b_k; power coefficients, whose condition passes 1e13 at order
+# 40, are never formed.
 #
 # References: G. E. Forsythe, J. SIAM 5 (1957) 74-88; M. H. Richardson and D. L. Formenti, Proc. IMAC 1
 # (1982) 167-181; S. Barnett, Linear Algebra Appl. 12 (1975) 165-178 (comrade matrix).
@@ -120,12 +115,10 @@ def comrade_roots(
 
 # -- Where to start a rational fit: weights from a denominator guessed by eye
 #
-# The linear residual N - Y D carries the weight abs(D)^2 of a denominator that is not known yet. Over a
-# wide band, or at high order, abs(D) spans tens of decades and the first fit is lost in rounding, whatever
-# is reweighted afterwards. A coarse guess is enough: poles a third off bring the span down from 1e60 to a
-# few decades. So half as many pole pairs as the order are laid where the curve moves, at equal steps of the
-# integral of abs(d log P / d f), P the power of all curves, each as wide as its distance from the next.
-# Curves that are rough with noise move evenly: then the guess is even, too.
+# The linear residual N - Y D carries the weight abs(D)^2 of a denominator that is not known yet. At high
+# order it spans tens of decades, and the first fit is lost in rounding. Poles a third off bring 1e60 down to
+# a few decades: so half as many pole pairs as the order are laid where the curve moves, at equal steps of
+# the integral of abs(d log P / d f), P the power of all curves, each as wide as its distance from the next.
 
 
 # Share of the poles that is laid evenly, wherever the curve moves.
@@ -198,6 +191,11 @@ class CommonDenominator:
 
     x: FloatArray
 
+    def numerators(self, coefficients: FloatArray) -> FloatArray:
+        """Coefficients of every numerator, (n_outputs, order + 1)."""
+        n1 = coefficients.size
+        return self.x[:, :n1, :n1] @ coefficients
+
     def gram(self, order: int) -> FloatArray:
         """G of one order: the denominator minimises d' G d."""
         block = self.x[:, : order + 1, : order + 1].reshape(-1, order + 1)
@@ -254,14 +252,9 @@ class NestedFit(CommonDenominator):
 
     def zeros(self, coefficients: FloatArray, output: int) -> ComplexArray:
         """Roots of one numerator in rad/s."""
-        n1 = coefficients.size
-        numerator = self.x[output, :n1, :n1] @ coefficients
-        return roots(numerator, self.numerator_basis.b) * (2 * np.pi * self.scale_hz)
-
-    def numerators(self, coefficients: FloatArray) -> FloatArray:
-        """Coefficients of every numerator, (n_outputs, order + 1)."""
-        n1 = coefficients.size
-        return self.x[:, :n1, :n1] @ coefficients
+        return roots(self.numerators(coefficients)[output], self.numerator_basis.b) * (
+            2 * np.pi * self.scale_hz
+        )
 
     def low_and_norm(self, order: int) -> FloatArray:
         """Both solutions of one order without squaring the condition, (2, order + 1).
@@ -529,10 +522,8 @@ def share_of_curve(residue: FloatArray, distance: FloatArray, curve: FloatArray)
 #
 #     Y_o(f) = sum_r [ A_ro / (s - s_r) + conj(A_ro) / (s - conj(s_r)) ] + sum_m C_om s^m,      s = 2 pi i f
 #
-# The powers m = -2 ... 2 with real coefficients stand for what lies outside the band (lower and upper
-# residuals) and for the quantity measured: s^2 / (s - s_r) of an accelerance is s + s_r plus the fraction
-# of a receptance times s_r^2, so the shape is the same for receptance, mobility and accelerance, up to one
-# factor for each mode.
+# The powers m = -2 ... 2 with real coefficients stand for what lies outside the band and for the quantity
+# measured: s^2 / (s - s_r) of an accelerance is s + s_r plus the fraction of a receptance times s_r^2.
 #
 # Reference: W. Heylen, S. Lammens, P. Sas, Modal Analysis Theory and Testing, KU Leuven, 1997 (LSFD).
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +13,10 @@ from ..signals.spectra import LEAST_NOISE as ROUNDING, aligned, noise_shares
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen
-from .limits import CLUSTER, DIP_OVER_NOISE, LEAST_DIP_DB, ONE_DIP, OWN_DIP_WITHIN, OWNER_WITHIN
 from .lines import FORCE, SNR_CAP, Lines, unit
-from .numerators import Likeliest, likeliest
+from .numerators import Influence, Likeliest, combined, excess, likeliest
 from .options import FitOptions, IdentificationOptions
 from .scores import dips, scored, window_grades
-from .selection import Influence, combined, excess
 from .stabilization import StabilizationDiagram
 
 # -- Where the windows lie: on a grid that depends on the spacing of the lines, never on the band
@@ -27,75 +24,48 @@ from .stabilization import StabilizationDiagram
 # Of each scale the edges ascend by a fourth of a window, so that every frequency lies well inside three. A
 # window is as wide as a given ratio of frequencies or, at low frequency, as a given number of lines.
 
-
-#: (highest over lowest frequency, least number of lines) of the windows of each scale: the wide ones hold
-#: several modes and know the trend between them, the narrow ones suffer less from what is not rational.
+# (highest over lowest frequency, least number of lines) of the windows of each scale: the wide ones hold
+# several modes and know the trend between them, the narrow ones suffer less from what is not rational.
 SCALES = ((1.5, 96), (1.25, 48))
-#: Windows of one scale that cover a frequency.
+# Windows of one scale that cover a frequency.
 OVERLAP = 4
-#: A window that the band cuts must keep this share of its width, and so many lines.
+# A window that the band cuts must keep this share of its width, and so many lines.
 LEAST_SHARE, LEAST_LINES = 0.6, 24
-#: This share of a window at either end is its margin: what lies there others see better.
+# This share of a window at either end is its margin: what lies there others see better.
 MARGIN = 0.08
 
 
-@dataclass(frozen=True)
-class LocalWindow:
-    """Lines ``first`` to ``last`` (exclusive)."""
-
-    first: int
-    last: int
-
-    def inside(self, freq_hz: FloatArray, at_hz: FloatArray) -> NDArray[np.bool_]:
-        """Which frequencies lie in the window but not in its margins."""
-        low, high = freq_hz[self.first], freq_hz[self.last - 1]
-        margin = MARGIN * (high - low)
-        return np.asarray((at_hz > low + margin) & (at_hz < high - margin))
-
-    def covers(self, freq_hz: FloatArray, at_hz: FloatArray) -> NDArray[np.bool_]:
-        """Which frequencies lie in the window."""
-        return np.asarray((at_hz >= freq_hz[self.first]) & (at_hz <= freq_hz[self.last - 1]))
-
-
-def local_windows(freq_hz: FloatArray) -> list[LocalWindow]:
-    """All windows that the lines fill well enough; the whole if there is none."""
-    step = float(np.median(np.diff(freq_hz)))
+def local_windows(freq_hz: FloatArray) -> list[slice]:
+    """Lines of all windows that they fill well enough; the whole if there is none."""
+    step_hz, highest_hz = float(np.median(np.diff(freq_hz))), float(freq_hz[-1])
     found = []
     for ratio, lines in SCALES:
-        edges = _edges(step, float(freq_hz[-1]), ratio, lines)
+        edges = [0.0]
+        while edges[-1] < highest_hz * ratio:
+            edges.append(max(edges[-1] * ratio ** (1.0 / OVERLAP), edges[-1] + lines * step_hz / OVERLAP))
         for low, high in zip(edges[:-OVERLAP], edges[OVERLAP:], strict=True):
-            kept = min(high, freq_hz[-1]) - max(low, freq_hz[0])
+            kept = min(high, highest_hz) - max(low, freq_hz[0])
             first, last = np.searchsorted(freq_hz, low), np.searchsorted(freq_hz, high)
             if kept >= LEAST_SHARE * (high - low) and last - first >= max(LEAST_LINES, lines // 2):
-                found.append(LocalWindow(int(first), int(last)))
-    return found or [LocalWindow(0, freq_hz.size)]
-
-
-def _edges(step_hz: float, highest_hz: float, ratio: float, lines: int) -> list[float]:
-    """From zero up, each a fourth of a window above the one before."""
-    edges = [0.0]
-    while edges[-1] < highest_hz * ratio:
-        edges.append(max(edges[-1] * ratio ** (1.0 / OVERLAP), edges[-1] + lines * step_hz / OVERLAP))
-    return edges
+                found.append(slice(int(first), int(last)))
+    return found or [slice(0, freq_hz.size)]
 
 
 # -- The likeliest numerators of one window
 #
 # The channels are brought to equal noise, and to the few directions that hold their signal: numerators of
-# order m span at most m + 1 of them, however many channels there are. Where nothing tells the noise, the
-# residual of a first fit does, by channel and by line; a second fit is weighted by it, so that lines and
-# channels at which the structure is not what the fit can be (a joint that slips, tests at which a mode had
-# moved) lose their say. Noise that came with the curves keeps its weights, and errors are never less than
-# it makes them.
+# order m span at most m + 1 of them. Where nothing tells the noise, the residual of a first fit does, by
+# channel and by line; a second fit is weighted by it, so that lines and channels at which the structure is
+# not what the fit can be (a joint that slips, tests at which a mode had moved) lose their say. Noise that
+# came with the curves keeps its weights, and errors are never less than it makes them.
 
-
-#: Highest order of a window, and lines that each order needs.
+# Highest order of a window, and lines that each order needs.
 HIGHEST_ORDER, LINES_PER_ORDER = 16, 5
-#: Directions kept of the channels: those in which there is more signal than noise, within these numbers.
+# Directions kept of the channels: those in which there is more signal than noise, within these numbers.
 LEAST_DIRECTIONS, MOST_DIRECTIONS = 3, 14
-#: Iterations of weights and order in each of the fits, the second with the noise from the first's residual.
+# Iterations of weights and order in each of the fits, the second with the noise from the first's residual.
 ITERATIONS = (3, 3)
-#: Lines over which a residual is averaged, and the least share of its median that one may have.
+# Lines over which a residual is averaged, and the least share of its median that one may have.
 RESIDUAL_LINES, LEAST_RESIDUAL = 15, 0.05
 
 
@@ -104,18 +74,16 @@ class LocalFit:
 
     def __init__(self, lines: Lines, max_order: int) -> None:
         self.freq_hz = lines.freq_hz
-        most = max(2, min(max_order, HIGHEST_ORDER, lines.freq_hz.size // LINES_PER_ORDER))
-        self._highest = most
+        self.highest = max(2, min(max_order, HIGHEST_ORDER, lines.freq_hz.size // LINES_PER_ORDER))
         directions = aligned(lines.vectors)
         row, line = np.ones(len(directions)), 1.0 / lines.snr
         #: Standard deviation of the rows of the directions, (n_rows, n_freq).
         self.noise = np.sqrt(row[:, None] * line)
+        self._more = 1.0
         if lines.segments is not None:
-            self._more = 1.0
-            self._fit(lines, row, most, sum(ITERATIONS))
+            self._fit(lines, row, sum(ITERATIONS))
             return
         start = None
-        self._more = 1.0
         for iterations in ITERATIONS:
             if start is not None:
                 given = self.noise
@@ -127,18 +95,15 @@ class LocalFit:
                     row, line = np.ones(len(directions)), 1.0 / lines.snr
             scaled = directions / np.sqrt(row)[:, None]
             power = np.sum(np.abs(scaled) ** 2, axis=0)
-            weighed = Lines(self.freq_hz, unit(scaled), power / line, runs=_rescaled(lines.runs, row))
-            self._fit(weighed, row, most, iterations, start)
-            start = (
-                self.best.order,
-                np.sum(np.abs(self.best.fit.values(self.best.coefficients)) ** 2, axis=1),
-            )
+            runs = None if lines.runs is None else unit(lines.runs / np.sqrt(row)[:, None], axis=1)
+            self._fit(Lines(self.freq_hz, unit(scaled), power / line, runs=runs), row, iterations, start)
+            size = np.sum(np.abs(self.best.fit.values(self.best.coefficients)) ** 2, axis=1)
+            start = (self.best.order, size)
 
     def _fit(
         self,
         lines: Lines,
         row_noise: FloatArray,
-        max_order: int,
         iterations: int,
         start: tuple[int, FloatArray] | None = None,
     ) -> None:
@@ -155,7 +120,7 @@ class LocalFit:
             self._lines.covariance,
             SNR_CAP,
             lines.independent,
-            max_order,
+            self.highest,
             iterations=iterations,
             start=start,
         )
@@ -172,30 +137,20 @@ class LocalFit:
         line = np.maximum(line, LEAST_RESIDUAL * float(np.median(line)))
         return row, np.maximum(line, ROUNDING)
 
-    def orders(self, around: tuple[int, ...], lowest: int) -> list[int]:
-        """Orders this far from the likeliest one, those that there are."""
-        some = {min(max(self.best.order + k, lowest), self._highest) for k in around} | {self.best.order}
-        return sorted(some)
-
-    def coefficients(self, order: int) -> FloatArray:
-        """Coefficients of all rows, (order + 1, n_rows)."""
-        return np.asarray(self._own(order) @ self._mix.T)
-
     def numerators(self, order: int) -> ComplexArray:
         """All rows at the lines, (n_rows, n_freq)."""
         return np.asarray(self._mix @ self.best.fit.values(self._own(order)).T)
 
     def zeros(self, order: int) -> list[ComplexArray]:
         """Roots of every row in rad/s."""
-        c = self.coefficients(order)
-        return [self.best.fit.zeros(own) for own in c.T]
+        coefficients = np.asarray(self._own(order) @ self._mix.T)
+        return [self.best.fit.zeros(own) for own in coefficients.T]
 
-    def standard_deviations(self, row: int, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """Of zeros of the likeliest order in Hz: by noise, and by the scatter between tests (0 for one)."""
+    def variances(self, row: int, s: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Of zeros of the likeliest order in Hz^2: by noise, and by the scatter between tests (0 for one)."""
         within, between = self._influence.variances(self._mix[row], s)
         # Where there are several tests, the noise is what they differ by.
-        more = self._more if self._lines.runs is None else 1.0
-        return more * np.sqrt(within), np.sqrt(between)
+        return (self._more**2 if self._lines.runs is None else 1.0) * within, between
 
     def _own(self, order: int) -> FloatArray:
         """Coefficients of the directions that are held."""
@@ -203,16 +158,7 @@ class LocalFit:
 
     @cached_property
     def _influence(self) -> Influence:
-        lines = self._lines.by_test()
-        return Influence(self.best.fit, self.best.coefficients, self.best.misfit, lines)
-
-
-def _rescaled(runs: ComplexArray | None, row_noise: FloatArray) -> ComplexArray | None:
-    """Unit vectors of every test with their rows brought to equal noise."""
-    if runs is None:
-        return None
-    scaled = runs / np.sqrt(row_noise)[:, None]
-    return np.asarray(scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), 1e-300))
+        return Influence(self.best, self._lines.by_test())
 
 
 # -- What one fit of one window sees: the zeros of each response, and which of them make a dip
@@ -224,50 +170,28 @@ def _rescaled(runs: ComplexArray | None, row_noise: FloatArray) -> ComplexArray 
 # response itself is looked for too: where a sensor lies on the node of a mode the others resonate and it
 # does not, which is a peak of its transmissibilities, but no dip of its own curve.
 
-
-#: Orders that are looked at, relative to the likeliest.
+# Orders that are looked at, relative to the likeliest.
 AROUND = (-1, 0, 1)
+# How far the root that a dip belongs to may lie from it, and a dip of the response's own curve from that of
+# its direction, as shares of the frequency.
+OWNER_WITHIN, OWN_DIP_WITHIN = 0.01, 0.02
+# A dip must be so many standard deviations of the noise beside it deep, where that is less than the rule
+# asks for: what is shallow is believed only of curves that are as good as exact. Shallower ones never count.
+DIP_OVER_NOISE, LEAST_DIP_DB = 35.0, 0.5
 
-
-@dataclass(frozen=True)
-class Sightings:
-    """Zeros seen, one entry each, (n,).
-
-    ``row`` is that of the response, ``fit`` numbers the fits of all windows; ``std_hz`` and ``between_hz``
-    (the scatter between tests, 0 for one) are NaN but for the likeliest order, ``own_depth_db`` where the
-    size of the responses is not known. Zeros without a dip have ``depth_db`` 0: they are for the diagram, and
-    ``apart_hz`` tells those beside a resonance from a pair that all responses share: how far the nearest zero
-    of that response lies which has none so near (NaN for one response).
-    """
-
-    row: NDArray[np.intp]
-    fit: NDArray[np.intp]
-    order: NDArray[np.intp]
-    freq_hz: FloatArray
-    damping_ratio: FloatArray
-    std_hz: FloatArray
-    between_hz: FloatArray
-    depth_db: FloatArray
-    own_depth_db: FloatArray
-    apart_hz: FloatArray
-
-    @classmethod
-    def joined(cls, parts: list[Self]) -> Self:
-        """All entries of some."""
-        return cls(*(np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(cls)))
-
-    def of_tests(self, count: int) -> Self:
-        """With the scatter between ``count`` tests in ``std_hz``, see :mod:`..repeat_scatter`."""
-        if count < 2:
-            return self
-        known = np.isfinite(self.std_hz)
-        within, between = self.std_hz**2, self.between_hz**2
-        q = excess(between[known], within[known], count)
-        return replace(self, std_hz=np.sqrt(combined(between, within, count, q)))
-
-    def where(self, keep: NDArray[np.bool_]) -> Self:
-        """Some of the entries."""
-        return type(self)(*(getattr(self, one.name)[keep] for one in fields(self)))
+# A zero that a fit sees: ``row`` is that of the response, ``fit`` numbers the fits of all windows; the
+# variances by noise and between tests are NaN but for the likeliest order, ``own_depth_db`` where the size
+# of the responses is not known. Zeros without a dip have ``depth_db`` 0: they are for the diagram, and
+# ``apart_hz`` tells those beside a resonance from a pair that all responses share: how far the nearest zero
+# of that response lies which has none so near (NaN for one response).
+SIGHTING = np.dtype(
+    [(name, np.intp) for name in ("row", "fit", "order")]
+    + [
+        (name, np.float64)
+        for name in ("freq_hz", "damping_ratio", "within", "between", "depth_db", "own_depth_db", "apart_hz")
+    ]
+)
+Sightings = NDArray[np.void]
 
 
 def sightings_of(
@@ -277,52 +201,46 @@ def sightings_of(
     numerators, roots = fit.numerators(order), fit.zeros(order)
     size = np.linalg.norm(numerators, axis=0)
     own = _own_levels(numerators, lines, use_force)
-    columns: list[FloatArray] = []
+    tables = []
     for row in range(n_responses):
-        s = _in_band(roots[row], lines)
+        s, hz = roots[row], np.abs(roots[row]) / (2 * np.pi)
+        s = s[(s.imag > 0.0) & (hz >= lines.freq_hz[0]) & (hz <= lines.freq_hz[-1])]
         level = _level(numerators[row], size)
         at, depth = dips(lines.freq_hz, level, LEAST_DIP_DB)
-        needed = _needed(fit.noise[row][at], level[at] + depth, rule)
+        # Of its shoulders: what the dip needs to be more than noise.
+        relative = fit.noise[row][at] / 10.0 ** ((level[at] + depth) / 20.0)
+        enough = DIP_OVER_NOISE * 20.0 / np.log(10.0) * relative
+        needed = np.minimum(np.maximum(enough, LEAST_DIP_DB), rule.min_depth_db)
         deep = depth >= needed
         at, depth, needed = at[deep], depth[deep], needed[deep]
         others = [roots[k] for k in range(n_responses) if k != row]
         owner, dip = _owners(lines.freq_hz, s, at, others)
         moved = s + lines.added_decay_per_s
-        freq = np.abs(moved) / (2 * np.pi)
-        table = np.full((10, s.size), np.nan)
-        table[:3] = np.array([row, number, order])[:, None]
-        table[3], table[4] = freq, -moved.real / np.abs(moved)
-        table[7] = 0.0
-        table[7, owner] = depth[dip]
+        table = np.zeros(s.size, dtype=SIGHTING)
+        for name in ("within", "between", "own_depth_db", "apart_hz"):
+            table[name] = np.nan
+        table["row"], table["fit"], table["order"] = row, number, order
+        table["freq_hz"], table["damping_ratio"] = np.abs(moved) / (2 * np.pi), -moved.real / np.abs(moved)
+        table["depth_db"][owner] = depth[dip]
         if order == fit.best.order and owner.size:
-            table[5:7, owner] = fit.standard_deviations(row, s[owner])
+            table["within"][owner], table["between"][owner] = fit.variances(row, s[owner])
         if own is not None:
-            table[8] = 0.0
-            seen = np.array([_own_depth(lines.freq_hz, own[row], int(at[k])) for k in dip])
-            table[8, owner] = np.where(seen >= needed[dip], seen, 0.0)
+            table["own_depth_db"] = 0.0
+            for root, k in zip(owner, dip, strict=True):
+                value = float(lines.freq_hz[at[k]])
+                around = (value * (1.0 - OWN_DIP_WITHIN), value * (1.0 + OWN_DIP_WITHIN))
+                seen = dips(lines.freq_hz, own[row], LEAST_DIP_DB, around)[1].max(initial=0.0)
+                table["own_depth_db"][root] = seen if seen >= needed[k] else 0.0
         if others:
-            table[9] = np.max([_nearest(s, other) for other in others], axis=0) / (2 * np.pi)
-        columns.append(table[:, np.abs(table[4]) <= rule.max_damping])
-    flat = np.concatenate(columns, axis=1)
-    return Sightings(*flat[:3].astype(np.intp), *flat[3:])
-
-
-def _in_band(s: ComplexArray, lines: Lines) -> ComplexArray:
-    """One of each conjugate pair, between the first and the last line."""
-    size = np.abs(s) / (2 * np.pi)
-    return np.asarray(s[(s.imag > 0.0) & (size >= lines.freq_hz[0]) & (size <= lines.freq_hz[-1])])
+            nearest = [np.abs(s[:, None] - other).min(axis=1, initial=np.inf) for other in others]
+            table["apart_hz"] = np.max(nearest, axis=0) / (2 * np.pi)
+        tables.append(table[np.abs(table["damping_ratio"]) <= rule.max_damping])
+    return np.concatenate(tables)
 
 
 def _level(values: ComplexArray, size: FloatArray) -> FloatArray:
     """In dB."""
     return np.asarray(20.0 * np.log10(np.maximum(np.abs(values) / np.maximum(size, 1e-300), 1e-300)))
-
-
-def _needed(noise: FloatArray, shoulder_db: FloatArray, rule: FitOptions) -> FloatArray:
-    """Depths in dB that dips with such shoulders need to be more than noise."""
-    relative = noise / 10.0 ** (shoulder_db / 20.0)
-    enough = DIP_OVER_NOISE * 20.0 / np.log(10.0) * relative
-    return np.asarray(np.minimum(np.maximum(enough, LEAST_DIP_DB), rule.min_depth_db), dtype=np.float64)
 
 
 def _own_levels(numerators: ComplexArray, lines: Lines, use_force: bool) -> FloatArray | None:
@@ -336,40 +254,23 @@ def _own_levels(numerators: ComplexArray, lines: Lines, use_force: bool) -> Floa
     return _level(numerators * (along * lines.size), np.ones(lines.freq_hz.size))
 
 
-def _own_depth(freq_hz: FloatArray, level_db: FloatArray, line: int) -> float:
-    """Depth of the deepest dip of the response's own curve beside a line; 0 without one."""
-    reach = OWN_DIP_WITHIN * freq_hz[line]
-    near = (freq_hz[line] - reach, freq_hz[line] + reach)
-    return float(dips(freq_hz, level_db, LEAST_DIP_DB, near)[1].max(initial=0.0))
-
-
 def _owners(
     freq_hz: FloatArray, s: ComplexArray, at: NDArray[np.intp], others: list[ComplexArray]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Of each root that owns a dip its index, and that of its first dip."""
     found: dict[int, int] = {}
-    step = float(np.median(np.diff(freq_hz)))
+    step_hz = float(np.median(np.diff(freq_hz)))
     for k, line in enumerate(at.tolist()):
         value = freq_hz[line]
-        reach = max(OWNER_WITHIN * value, 2.0 * step)
+        within = np.abs(np.abs(s) / (2 * np.pi) - value) <= max(OWNER_WITHIN * value, 2.0 * step_hz)
         for root in np.argsort(np.abs(s - 2j * np.pi * value)).tolist():
-            if abs(abs(s[root]) / (2 * np.pi) - value) > reach:
-                continue
-            if not _cancels(s[root], others, np.pi * step):
+            # A root cancels if all of two or more other rows have it too, nearer than it lies to the axis.
+            reach = max(abs(s[root].real), np.pi * step_hz)
+            distances = (np.abs(other - s[root]).min(initial=np.inf) for other in others)
+            if within[root] and not (len(others) > 1 and all(each < reach for each in distances)):
                 found.setdefault(root, k)
                 break
     return np.array(list(found), dtype=np.intp), np.array(list(found.values()), dtype=np.intp)
-
-
-def _nearest(s: ComplexArray, others: ComplexArray) -> FloatArray:
-    """How far the nearest of others is from each root; infinity without any."""
-    return np.asarray(np.abs(s[:, None] - others).min(axis=1, initial=np.inf))
-
-
-def _cancels(s: complex, others: list[ComplexArray], least: float) -> bool:
-    """Whether all of two or more other rows have the root too, nearer than it lies to the axis."""
-    reach = max(abs(s.real), least)
-    return len(others) > 1 and all(np.abs(other - s).min(initial=np.inf) < reach for other in others)
 
 
 # -- What most of the fits that could see it do see
@@ -380,216 +281,195 @@ def _cancels(s: complex, others: list[ComplexArray], least: float) -> bool:
 # fits disagree, which holds the noise too, leakage, the choice of the order and what is not rational in the
 # curves.
 
-
+# Zeros of several fits are one antiresonance within this share of the frequency tolerance; two that are
+# accepted lie at least ONE_DIP apart.
+CLUSTER, ONE_DIP = 0.7, 0.01
 ONLY_TRANSMISSIBILITY = "seen by transmissibilities only"
 TOO_FEW = "in too few fits"
 BESIDE = "beside an accepted one"
 HIDDEN = "hidden by a resonance beside it"
-#: Of a zero without a dip: most damping, most scatter between the fits (relative), and how many times further
-#: the zeros of another response lie. A pair of roots that shapes a trend is damped more and wanders, one that
-#: all responses share cancels. Of 30 chains with a resonance beside antiresonances these scatter by up to
-#: 2.5e-4, roots that follow the trend of a measured plate by 6e-4 and more.
+# Of a zero without a dip: most damping, most scatter between the fits (relative), and how many times further
+# the zeros of another response lie. A pair of roots that shapes a trend is damped more and wanders, one that
+# all responses share cancels. Of 30 chains with a resonance beside antiresonances these scatter by up to
+# 2.5e-4, roots that follow the trend of a measured plate by 6e-4 and more.
 HIDDEN_DAMPING, HIDDEN_SCATTER, HIDDEN_APART = 0.03, 4e-4, 5.0
-#: Narrow windows know less than all fits together do: the noise is taken as this quantile of what fits tell.
+# Narrow windows know less than all fits together do: the noise is taken as this quantile of what fits tell.
 BEST_INFORMED = 0.25
-#: What is in fewer fits is not worth mentioning.
+# What is in fewer fits is not worth mentioning.
 WORTH_MENTIONING = 0.25
 
 
 def agreed(
-    seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: FitOptions
+    seen: Sightings, std_hz: FloatArray, inside: Any, covers: Any, rule: FitOptions
 ) -> tuple[ResponseTable, ResponseTable]:
-    """The antiresonances of one response, and what was left out with the score "why"."""
-    dipped = seen.depth_db > 0.0
-    groups = _groups(seen.where(dipped), inside[dipped], covers[dipped], rule)
-    found = [_row(seen.where(dipped), group, share) for group, share in groups if share >= WORTH_MENTIONING]
-    flat = seen.where(~dipped)
-    hidden = [
-        _row(flat, group, share)
-        for group, share in _groups(flat, inside[~dipped], covers[~dipped], rule)
-        if share >= rule.min_share and _stands_alone(flat, group)
-    ]
-    return _chosen(found, hidden, rule)
+    """The antiresonances of one response, and what was left out with the score "why".
 
-
-def _groups(
-    seen: Sightings, inside: NDArray[np.bool_], covers: NDArray[np.bool_], rule: FitOptions
-) -> list[tuple[NDArray[np.intp], float]]:
-    """Sightings that are one zero, the most frequent first, each with its share of the fits."""
-    left = np.argsort(seen.freq_hz, kind="stable")
-    groups: list[tuple[NDArray[np.intp], float]] = []
-    while left.size:
-        freq = seen.freq_hz[left]
-        tol = CLUSTER * rule.freq_tol
-        near = np.abs(freq[:, None] / freq - 1.0) <= tol
-        counts = np.array([np.unique(seen.fit[left[own]]).size for own in near])
-        best = int(np.argmax(counts))
-        group = left[near[best]]
-        groups.append(_share(seen, group, inside, covers))
-        left = left[~near[best]]
-    return groups
-
-
-def _stands_alone(seen: Sightings, group: NDArray[np.intp]) -> bool:
-    """Whether fits agree on a zero that is lightly damped and that not all responses have."""
-    damping, freq = float(np.median(seen.damping_ratio[group])), float(np.median(seen.freq_hz[group]))
-    scatter = float(np.median(np.abs(seen.freq_hz[group] - freq)))
-    steady = scatter <= min(HIDDEN_SCATTER * freq, float(np.median(seen.apart_hz[group])) / HIDDEN_APART)
-    return steady and 0.0 < damping <= HIDDEN_DAMPING
-
-
-def _share(
-    seen: Sightings, group: NDArray[np.intp], inside: NDArray[np.bool_], covers: NDArray[np.bool_]
-) -> tuple[NDArray[np.intp], float]:
-    """The sightings of a group that count, and the share of the fits that have it."""
-    middle = group[np.argsort(seen.freq_hz[group], kind="stable")[group.size // 2]]
-    asked = inside[middle] if inside[middle].any() else covers[middle]
-    counted = group[asked[seen.fit[group]]]
-    if not counted.size:
-        return group, 0.0
-    return counted, np.unique(seen.fit[counted]).size / max(int(asked.sum()), 1)
-
-
-def _row(seen: Sightings, group: NDArray[np.intp], share: float) -> tuple[float, ...]:
-    """Frequency, damping, std, fits, spread, depth, depth of the own curve, share."""
-    freq = seen.freq_hz[group]
-    value = float(np.median(freq))
-    spread = float(np.std(freq))
-    noise = seen.std_hz[group]
-    noise = noise[np.isfinite(noise)]
-    own = seen.own_depth_db[group]
-    return (
-        value,
-        float(np.median(seen.damping_ratio[group])),
-        max(float(np.quantile(noise, BEST_INFORMED)), spread) if noise.size else np.nan,
-        np.unique(seen.fit[group]).size,
-        spread / value,
-        float(np.median(seen.depth_db[group])),
-        float(np.median(own)) if np.isfinite(own).all() else np.nan,
-        share,
-    )
-
-
-def _chosen(
-    found: list[tuple[float, ...]], hidden: list[tuple[float, ...]], rule: FitOptions
-) -> tuple[ResponseTable, ResponseTable]:
-    """Accepted and left out, the most agreed first where two are one dip."""
+    ``inside`` and ``covers``, (n_seen, n_fits), tell in which windows a zero lies, margins left out or not.
+    """
     kept: list[tuple[float, ...]] = []
     out: list[tuple[tuple[float, ...], str]] = []
-    for one in sorted(found, key=lambda row: -row[7]):
-        if any(abs(one[0] / other[0] - 1.0) <= ONE_DIP for other in kept):
-            if one[7] >= rule.min_share:
-                out.append((one, BESIDE))
+    dipped = seen["depth_db"] > 0.0
+    groups = _groups(seen, np.flatnonzero(dipped), inside, covers, rule)
+    for group, share in sorted(groups, key=lambda one: -one[1]):
+        if share < WORTH_MENTIONING:
             continue
-        if one[7] < rule.min_share:
+        one = _row(seen[group], std_hz[group], share)
+        *_, own_depth, _ = one
+        if _beside(one, kept):
+            if share >= rule.min_share:
+                out.append((one, BESIDE))
+        elif share < rule.min_share:
             out.append((one, TOO_FEW))
-        elif one[6] <= 0.0:
+        elif own_depth <= 0.0:
             out.append((one, ONLY_TRANSMISSIBILITY))
         else:
             kept.append(one)
-    dips = [*kept, *(one for one, _ in out)]
-    for one in hidden:
-        if not any(abs(one[0] / other[0] - 1.0) <= ONE_DIP for other in dips):
-            out.append((one, HIDDEN))
+    visible = [*kept, *(one for one, _ in out)]
+    for group, share in _groups(seen, np.flatnonzero(~dipped), inside, covers, rule):
+        if share >= rule.min_share and _stands_alone(seen[group]):
+            one = _row(seen[group], std_hz[group], share)
+            if not _beside(one, visible):
+                out.append((one, HIDDEN))
     out.sort(key=lambda left: left[0][0])
     whys = np.array([why for _, why in out], dtype=np.str_)
     return _table(kept), _table([row for row, _ in out]).with_scores(why=whys)
 
 
+def _groups(
+    seen: Sightings, left: NDArray[np.intp], inside: Any, covers: Any, rule: FitOptions
+) -> list[tuple[NDArray[np.intp], float]]:
+    """Sightings that are one zero, the most frequent first, each with its share of the fits."""
+    freq_hz = seen["freq_hz"]
+    left = left[np.argsort(freq_hz[left], kind="stable")]
+    groups = []
+    while left.size:
+        freq = freq_hz[left]
+        near = np.abs(freq[:, None] / freq - 1.0) <= CLUSTER * rule.freq_tol
+        counts = np.array([np.unique(seen["fit"][left[own]]).size for own in near])
+        best = near[int(np.argmax(counts))]
+        group, left = left[best], left[~best]
+        middle = group[group.size // 2]
+        asked = inside[middle] if inside[middle].any() else covers[middle]
+        counted = group[asked[seen["fit"][group]]]
+        share = np.unique(seen["fit"][counted]).size / max(int(asked.sum()), 1)
+        groups.append((counted if counted.size else group, share))
+    return groups
+
+
+def _stands_alone(group: Sightings) -> bool:
+    """Whether fits agree on a zero that is lightly damped and that not all responses have."""
+    damping, freq = float(np.median(group["damping_ratio"])), float(np.median(group["freq_hz"]))
+    scatter = float(np.median(np.abs(group["freq_hz"] - freq)))
+    steady = scatter <= min(HIDDEN_SCATTER * freq, float(np.median(group["apart_hz"])) / HIDDEN_APART)
+    return steady and 0.0 < damping <= HIDDEN_DAMPING
+
+
+def _row(group: Sightings, noise: FloatArray, share: float) -> tuple[float, ...]:
+    """Frequency, damping, std, fits, spread, depth, depth of the own curve, share."""
+    value, spread = float(np.median(group["freq_hz"])), float(np.std(group["freq_hz"]))
+    noise = noise[np.isfinite(noise)]
+    own = group["own_depth_db"]
+    return (
+        value,
+        float(np.median(group["damping_ratio"])),
+        max(float(np.quantile(noise, BEST_INFORMED)), spread) if noise.size else np.nan,
+        np.unique(group["fit"]).size,
+        spread / value,
+        float(np.median(group["depth_db"])),
+        float(np.median(own)) if np.isfinite(own).all() else np.nan,
+        share,
+    )
+
+
+def _beside(one: tuple[float, ...], others: list[tuple[float, ...]]) -> bool:
+    """Whether another is the same dip."""
+    return any(abs(one[0] / other[0] - 1.0) <= ONE_DIP for other in others)
+
+
 def _table(rows: list[tuple[float, ...]]) -> ResponseTable:
-    columns: FloatArray = np.array(rows, dtype=np.float64).reshape(-1, 8).T
+    columns: FloatArray = np.array(sorted(rows, key=lambda row: row[0]), dtype=np.float64).reshape(-1, 8).T
     freq, damping, std, fits, spread, depth, own, share = columns
     table = ResponseTable.of_sweep(
         freq, damping, std, rows=fits, spread=spread, dominance=np.full(len(rows), np.nan), how="windows"
     )
-    rank = np.argsort(freq, kind="stable")
-    return table.with_scores(
-        share=share[rank],
-        depth_db=depth[rank],
-        own_depth_db=own[rank],
-        grade=window_grades(share, spread, np.fmin(depth, own))[rank],
-    )
+    grade = window_grades(share, spread, np.fmin(depth, own))
+    return table.with_scores(share=share, depth_db=depth, own_depth_db=own, grade=grade)
 
 
 def local_diagrams(
     lines: Lines, n_responses: int, band_hz: tuple[float, float], options: IdentificationOptions
 ) -> list[StabilizationDiagram]:
     """One diagram for each of the first ``n_responses`` rows of ``lines``."""
-    windows = local_windows(lines.freq_hz)
+    cut, rule = local_windows(lines.freq_hz), options.rule
     parts: list[Sightings] = []
     owner: list[int] = []
+    # At each line the numerators of the window in whose middle it lies best.
     fitted = np.zeros(lines.vectors.shape, dtype=np.complex128)
     centre = np.full(lines.freq_hz.size, np.inf)
-    for number, window in enumerate(windows):
-        step(f"window {number + 1} of {len(windows)}")
-        some = lines.part(window.first, window.last)
+    for number, at in enumerate(cut):
+        step(f"window {number + 1} of {len(cut)}")
+        some = lines.part(at.start, at.stop)
         fit = LocalFit(some, options.max_order)
-        for order in fit.orders(AROUND, options.rule.min_order):
-            parts.append(
-                sightings_of(fit, some, order, len(owner), n_responses, options.rule, options.use_force)
-            )
+        best = fit.best.order
+        for order in sorted({min(max(best + k, rule.min_order), fit.highest) for k in AROUND} | {best}):
+            parts.append(sightings_of(fit, some, order, len(owner), n_responses, rule, options.use_force))
             owner.append(number)
-        _keep_nearest(fitted, centre, lines.freq_hz, window, fit)
-    seen = Sightings.joined(parts).of_tests(lines.n_tests)
-    seen = seen.where((seen.freq_hz >= band_hz[0]) & (seen.freq_hz <= band_hz[1]))
-    of_fit = [windows[number] for number in owner]
-    return [
-        _diagram(seen.where(seen.row == row), of_fit, lines, row, fitted, band_hz, options)
-        for row in range(n_responses)
-    ]
-
-
-def _keep_nearest(
-    fitted: ComplexArray, centre: FloatArray, freq_hz: FloatArray, window: LocalWindow, fit: LocalFit
-) -> None:
-    """At each line the numerators of the window in whose middle it lies best."""
-    at = slice(window.first, window.last)
-    middle = 0.5 * (freq_hz[window.first] + freq_hz[window.last - 1])
-    off = np.abs(freq_hz[at] - middle) / (freq_hz[window.last - 1] - freq_hz[window.first])
-    nearer = off < centre[at]
-    fitted[:, at][:, nearer] = fit.numerators(fit.best.order)[:, nearer]
-    centre[at][nearer] = off[nearer]
+        low, high = some.freq_hz[[0, -1]]
+        off = np.abs(some.freq_hz - 0.5 * (low + high)) / (high - low)
+        nearer = off < centre[at]
+        fitted[:, at][:, nearer] = fit.numerators(best)[:, nearer]
+        centre[at][nearer] = off[nearer]
+    seen = np.concatenate(parts)
+    std = np.sqrt(seen["within"])
+    if lines.n_tests > 1:
+        told = np.isfinite(std)
+        q = excess(seen["between"][told], seen["within"][told], lines.n_tests)
+        std = np.sqrt(combined(seen["between"], seen["within"], lines.n_tests, q))
+    ends = lines.freq_hz[np.array([(cut[number].start, cut[number].stop - 1) for number in owner])]
+    in_band = (seen["freq_hz"] >= band_hz[0]) & (seen["freq_hz"] <= band_hz[1])
+    diagrams = []
+    for row in range(n_responses):
+        own = in_band & (seen["row"] == row)
+        diagrams.append(_diagram(seen[own], std[own], ends, lines, row, fitted, band_hz, rule))
+    return diagrams
 
 
 def _diagram(
     seen: Sightings,
-    of_fit: list[LocalWindow],
+    std_hz: FloatArray,
+    ends_hz: FloatArray,
     lines: Lines,
     row: int,
     fitted: ComplexArray,
     band_hz: tuple[float, float],
-    options: IdentificationOptions,
+    rule: FitOptions,
 ) -> StabilizationDiagram:
-    """What the fits agree on, with all zeros by order."""
-    rule = options.rule
-    inside = np.stack([w.inside(lines.freq_hz, seen.freq_hz) for w in of_fit], axis=1)
-    covers = np.stack([w.covers(lines.freq_hz, seen.freq_hz) for w in of_fit], axis=1)
-    accepted, left_out = agreed(seen, inside, covers, rule)
+    """What the fits agree on, with all zeros by order; ``ends_hz`` (n_fits, 2) are those of their windows."""
+    low, high = ends_hz.T
+    margin, freq = MARGIN * (high - low), seen["freq_hz"][:, None]
+    inside = (freq > low + margin) & (freq < high - margin)
+    accepted, left_out = agreed(seen, std_hz, inside, (freq >= low) & (freq <= high), rule)
     quotients = lines.quotients(row)[0]
-    own = fitted[row]
-    own = np.where(np.abs(own) > 0.0, own, 1e-300)
+    own = np.where(np.abs(fitted[row]) > 0.0, fitted[row], 1e-300)
     background = np.abs(quotients.sum(axis=0))
     accepted = scored(accepted, lines.freq_hz, background, quotients, np.delete(fitted, row, axis=0) / own)
-    orders = np.unique(seen.order) if seen.order.size else np.array([options.rule.min_order])
-    by_order = [seen.where(seen.order == order) for order in orders]
-    ranks = [np.argsort(one.freq_hz, kind="stable") for one in by_order]
-    freq = [one.freq_hz[rank] for one, rank in zip(by_order, ranks, strict=True)]
-    tol = CLUSTER * rule.freq_tol
+    seen = seen[np.lexsort((seen["freq_hz"], seen["order"]))]
+    orders, first = np.unique(seen["order"], return_index=True)
+    if not seen.size:
+        orders, first = np.array([rule.min_order]), np.array([0])
+    off = np.abs(seen["freq_hz"][:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf)
+
+    def by_order(column: Any) -> tuple[Any, ...]:
+        return tuple(frozen(part) for part in np.split(column, first[1:]))
+
     return StabilizationDiagram(
         orders=frozen(orders),
-        freq_hz=tuple(frozen(one) for one in freq),
-        damping_ratio=tuple(frozen(one.damping_ratio[r]) for one, r in zip(by_order, ranks, strict=True)),
-        stable=tuple(frozen(_near(one, accepted, tol)) for one in freq),
+        freq_hz=by_order(seen["freq_hz"]),
+        damping_ratio=by_order(seen["damping_ratio"]),
+        stable=by_order(off <= CLUSTER * rule.freq_tol),
         accepted=accepted,
         background_freq_hz=frozen(lines.freq_hz),
         background=frozen(background),
         band_hz=band_hz,
         left_out=left_out,
     )
-
-
-def _near(freq_hz: FloatArray, accepted: ResponseTable, tol: float) -> FloatArray:
-    """Whether a zero belongs to an accepted antiresonance."""
-    if not len(accepted):
-        return np.zeros(freq_hz.size, dtype=bool)
-    return np.asarray(np.abs(freq_hz[:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf) <= tol)
