@@ -1,14 +1,11 @@
 """Do the antiresonances stand when found by another method?
 
-The identification chooses values that stay while the order of a polynomial fit rises. Here one rational
-function of fixed size is fitted to the same transmissibilities by a method that shares none of that: AAA
-(supports chosen one after the other, no polynomial, no sweep) or vector fitting (poles moved from an even
-grid, none of them taken from the identification). A value is *confirmed* if a pole of the other method that
-owns a part of the curve lies within ``tol`` of it. Strong poles that the identification does not have are
-*candidates*.
-
-Both methods see the same averages of the same record: agreement tells that a value is no artefact of the
-fit, not that the record is free of fault.
+One rational function of fixed size is fitted to the same transmissibilities by a method that shares nothing
+with the sweep over orders: AAA (supports chosen one after the other, no polynomial) or vector fitting (poles
+moved from an even grid, none of them taken from the identification). A value is *confirmed* if a pole of the
+other method that owns a part of the curve lies within ``tol`` of it; strong poles that the identification
+does not have are *candidates*. Both see the same averages of the same record: agreement tells that a value is
+no artefact of the fit, not that the record is free of fault.
 """
 
 from __future__ import annotations
@@ -26,23 +23,20 @@ from ..signals.recording import Recording
 from ..support.checks import ComplexArray, FloatArray, choice, finite_scalar, frequency_band, integer
 from ..support.values import ReadOnly, frozen
 from .lines import Lines, lines_of
-from .rational_fit import share_of_curve
+from .rational_fit import scaled_lstsq, share_of_curve, stacked
 from .scores import shared
 from .stabilization import Window, flanked, windows
 
 # -- AAA for many curves at once: barycentric rational functions with common poles
 #
-# r_o(z) = sum_k w_k Y_o(z_k) / (z - z_k)  /  sum_k w_k / (z - z_k): with lines z_k as supports, one set
-# of barycentric weights w_k for all outputs o. The next support is the line of largest misfit; then w is
-# the right
-# singular vector, for the smallest singular value, of the Loewner matrices of all outputs on the other lines,
-# one under the other. Lines carry the weights of the fit, so that noise attracts no supports. The poles are
-# those of an arrowhead pencil.
+# r_o(z) = sum_k w_k Y_o(z_k) / (z - z_k)  /  sum_k w_k / (z - z_k), lines z_k as supports. The next support
+# is the line of largest misfit, with the weights of the fit, so that noise attracts none; then w is the right
+# singular vector, for the smallest singular value, of the Loewner matrices of all outputs one under the
+# other. The poles are those of an arrowhead pencil.
 #
 # References: Y. Nakatsukasa, O. Sete and L. N. Trefethen, SIAM J. Sci. Comput. 40 (2018) A1494-A1522;
 # P. Lietaert, K. Meerbergen, J. Perez and B. Vandereycken, IMA J. Numer. Anal. 42 (2022) 1087-1115
 # (set-valued).
-
 
 #: Weighted misfit over the weighted norm of the data at which exact data are exhausted.
 EXHAUSTED = 1e-12
@@ -71,11 +65,16 @@ def set_valued_aaa(
         w = np.linalg.svd(np.linalg.qr(loewner, mode="r"))[2][-1].conj()
         fitted = values.copy()
         fitted[:, rest] = ((cauchy @ (w[:, None] * values[:, supports].T)) / (cauchy @ w)[:, None]).T
-    poles = _poles_aaa(z[supports], w)
-    return poles * (2 * np.pi * freq_hz[-1]), _dominance(z[supports], values[:, supports].T, w, poles)
+    at, above = z[supports], w[:, None] * values[:, supports].T
+    poles = _poles_of_pencil(at, w)
+    # Residue = numerator over the slope of the denominator.
+    cauchy, beside = _cauchy(poles, at), _cauchy(np.asarray(1j * poles.imag), at)
+    residue = np.linalg.norm(cauchy @ above, axis=1) / np.maximum(np.abs(cauchy**2 @ w), 1e-300)
+    curve = np.linalg.norm(beside @ above, axis=1) / np.maximum(np.abs(beside @ w), 1e-300)
+    return poles * (2 * np.pi * freq_hz[-1]), share_of_curve(residue, poles.real, curve)
 
 
-def _poles_aaa(supports: ComplexArray, w: ComplexArray) -> ComplexArray:
+def _poles_of_pencil(supports: ComplexArray, w: ComplexArray) -> ComplexArray:
     """Finite eigenvalues of the arrowhead pencil that lie above the real axis."""
     from scipy.linalg import eigvals  # slow to import
 
@@ -92,18 +91,6 @@ def _poles_aaa(supports: ComplexArray, w: ComplexArray) -> ComplexArray:
     return np.asarray(found[found.imag > 0.0], dtype=np.complex128)
 
 
-def _dominance(
-    supports: ComplexArray, values: ComplexArray, w: ComplexArray, poles: ComplexArray
-) -> FloatArray:
-    """Residue = numerator over the slope of the denominator; ``values`` are (n_supports, n_outputs)."""
-    above = w[:, None] * values
-    cauchy = _cauchy(poles, supports)
-    residue = np.linalg.norm(cauchy @ above, axis=1) / np.maximum(np.abs(cauchy**2 @ w), 1e-300)
-    beside = _cauchy(np.asarray(1j * poles.imag), supports)
-    curve = np.linalg.norm(beside @ above, axis=1) / np.maximum(np.abs(beside @ w), 1e-300)
-    return share_of_curve(residue, poles.real, curve)
-
-
 def _cauchy(z: ComplexArray, supports: ComplexArray) -> ComplexArray:
     gap = z[:, None] - supports
     # A point on a support itself: the limit is reached to rounding a hair beside it.
@@ -112,12 +99,10 @@ def _cauchy(z: ComplexArray, supports: ComplexArray) -> ComplexArray:
 
 # -- Vector fitting with common poles: rational functions found by moving their poles
 #
-# Model: Y_o(s) = sum_k c_ok / (s - a_k) + d_o + s e_o for every output o, the poles a_k common. With poles
-# a_k given, sigma(s) = sum_k c_k / (s - a_k) + d is sought for which all sigma Y_o have these same poles;
-# then the zeros of sigma are better poles, and the step is repeated. The unknowns of the outputs are
-# projected out one output after the other, and of sigma only Re sum_n sigma(s_n) = n_freq is asked
-# ("relaxed"). Poles that wander into the right half plane are left there: mirrored, spurious ones would
-# come back as sharp peaks.
+# Y_o(s) = sum_k c_ok / (s - a_k) + d_o + s e_o. With poles a_k given, sigma(s) = sum_k c_k / (s - a_k) + d is
+# sought for which all sigma Y_o have these same poles; the zeros of sigma are better poles. The unknowns of
+# the outputs are projected out, and of sigma only Re sum_n sigma(s_n) = n_freq is asked ("relaxed"). Poles
+# that wander into the right half plane stay there: mirrored, spurious ones would come back as sharp peaks.
 #
 # References: B. Gustavsen and A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052-1061; B. Gustavsen, ibid.
 # 21 (2006) 1587-1592 (relaxed); D. Deschrijver, M. Mrozowski, T. Dhaene and D. De Zutter, IEEE Microw. Wirel.
@@ -137,25 +122,29 @@ def vector_fitting(
     """Poles of the outputs and how much of the curves each owns."""
     s = 1j * freq_hz / freq_hz[-1]
     root = np.sqrt(weights / weights.sum())[:, None]
-    low, high = freq_hz[0] / freq_hz[-1], 1.0
-    start = low + (np.arange(n_poles) + 0.5) * (high - low) / n_poles
+    low = freq_hz[0] / freq_hz[-1]
+    start = low + (np.arange(n_poles) + 0.5) * (1.0 - low) / n_poles
     poles = start * (-START_DAMPING + 1j)
     size = float(np.linalg.norm(root.T * values))
     for _ in range(ITERATIONS):
         phi = _fractions(s, poles)
-        q = np.linalg.qr(_stack(root * _with_line(phi, s)))[0]
+        q = np.linalg.qr(stacked(root * _with_line(phi, s)))[0]
         one = root * np.hstack([phi, np.ones((s.size, 1))])
         blocks = []
         for value in values:
-            rest = _stack(one * value[:, None])
+            rest = stacked(one * value[:, None])
             blocks.append(np.linalg.qr(rest - q @ (q.T @ rest), mode="r"))
         relaxed = np.append(phi.real.mean(axis=0), 1.0) * size
         rows = np.concatenate([*blocks, relaxed[None, :]])
         target = np.zeros(rows.shape[0])
         target[-1] = size
-        solution = _scaled_lstsq(rows, target[:, None])[:, 0]
+        solution = scaled_lstsq(rows, target[:, None])[:, 0]
         poles = _zeros(poles, solution[:-1], float(solution[-1]))
-    return poles * (2 * np.pi * freq_hz[-1]), _dominance_vector_fitting(s, values, root, poles)
+    x = scaled_lstsq(stacked(root * _with_line(_fractions(s, poles), s)), stacked(root * values.T))
+    residue = np.linalg.norm(x[0 : 2 * poles.size : 2] + 1j * x[1 : 2 * poles.size : 2], axis=1)
+    at = np.asarray(1j * poles.imag)
+    curve = np.linalg.norm(_with_line(_fractions(at, poles), at) @ x, axis=1)
+    return poles * (2 * np.pi * freq_hz[-1]), share_of_curve(residue, poles.real, curve)
 
 
 def _fractions(s: ComplexArray, poles: ComplexArray) -> ComplexArray:
@@ -169,16 +158,6 @@ def _fractions(s: ComplexArray, poles: ComplexArray) -> ComplexArray:
 def _with_line(phi: ComplexArray, s: ComplexArray) -> ComplexArray:
     """The constant and the term in s, which stand for all poles far outside the band."""
     return np.hstack([phi, np.ones((s.size, 1)), s[:, None]])
-
-
-def _stack(z: ComplexArray) -> FloatArray:
-    return np.concatenate([z.real, z.imag])
-
-
-def _scaled_lstsq(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Least squares with columns of unit norm, or their sizes would decide on the rank."""
-    scale = np.maximum(np.linalg.norm(left, axis=0), 1e-300)
-    return np.asarray(np.linalg.lstsq(left / scale, right, rcond=None)[0] / scale[:, None])
 
 
 def _zeros(poles: ComplexArray, c: FloatArray, d: float) -> ComplexArray:
@@ -195,18 +174,6 @@ def _zeros(poles: ComplexArray, c: FloatArray, d: float) -> ComplexArray:
     # Two real poles become a pair with the same sum; they belong to no antiresonance anyway.
     pairs = 0.5 * (real[0::2] + real[1::2]) + 1j * np.maximum(0.5 * (real[1::2] - real[0::2]), 1e-3)
     return np.concatenate([upper, pairs])
-
-
-def _dominance_vector_fitting(
-    s: ComplexArray, values: ComplexArray, root: FloatArray, poles: ComplexArray
-) -> FloatArray:
-    """Residues from a last linear fit."""
-    left = _stack(root * _with_line(_fractions(s, poles), s))
-    x = _scaled_lstsq(left, _stack(root * values.T))
-    residue = np.linalg.norm(x[0 : 2 * poles.size : 2] + 1j * x[1 : 2 * poles.size : 2], axis=1)
-    at = np.asarray(1j * poles.imag)
-    curve = np.linalg.norm(_with_line(_fractions(at, poles), at) @ x, axis=1)
-    return share_of_curve(residue, poles.real, curve)
 
 
 # Poles: this many more than the dof with most values has, and never fewer than the second number.
@@ -261,28 +228,22 @@ class CrossCheck(ReadOnly):
         return bool(self.confirmed[dof][at[0]]) if at.size else None
 
     def __repr__(self) -> str:
-        total = sum(f.size for f in self.freq_hz.values())
         more = sum(f.size for f in self.candidates_hz.values())
-        return (
-            f"CrossCheck(method={self.method!r}, {total - len(self.flagged)} of {total} values "
-            f"confirmed, {more} candidates)"
-        )
+        return f"CrossCheck(method={self.method!r}, {self._counted} confirmed, {more} candidates)"
+
+    @property
+    def _counted(self) -> str:
+        total = sum(f.size for f in self.freq_hz.values())
+        return f"{total - len(self.flagged)} of {total} values"
 
     def __str__(self) -> str:
-        total = sum(f.size for f in self.freq_hz.values())
         name = {"aaa": "AAA", "vector_fitting": "vector fitting"}[self.method]
-        lines = [
-            f"cross-check by {name}: {total - len(self.flagged)} of {total} values confirmed "
-            f"within {100 * self.tol:g} %"
-        ]
+        lines = [f"cross-check by {name}: {self._counted} confirmed within {100 * self.tol:g} %"]
         for dof, ok in self.confirmed.items():
             for i in np.flatnonzero(~ok):
-                near = self.nearest_hz[dof][i]
-                said = (
-                    f"its nearest pole is {near:.3f} Hz, {100 * self.distance[dof][i]:.1f} % away"
-                    if np.isfinite(near)
-                    else "it has no pole in the band"
-                )
+                near, off = self.nearest_hz[dof][i], self.distance[dof][i]
+                said = f"its nearest pole is {near:.3f} Hz, {100 * off:.1f} % away"
+                said = said if np.isfinite(near) else "it has no pole in the band"
                 lines.append(f"  dof {dof}: {self.freq_hz[dof][i]:.3f} Hz not confirmed: {said}")
         for dof, more in self.candidates_hz.items():
             if more.size:
@@ -305,12 +266,9 @@ def cross_check(
 ) -> CrossCheck:
     """Judge identified antiresonances by a method that had no part in finding them.
 
-    Notes
-    -----
     Vector fitting is the default: near the noise it confirms more of what is true, AAA takes a fifth of its
-    time (``benchmarks/cross_check_table.py`` on the eight-mass chain).
-    Candidates are asked to rise out of the noise on both sides: the lowest antiresonances of a response,
-    where it lies near its noise, are confirmed, but are not proposed.
+    time (``benchmarks/cross_check_table.py``). Candidates are asked to rise out of the noise on both sides:
+    the lowest antiresonances of a response are confirmed, but not proposed.
     """
     choice("method", method, tuple(METHODS))
     choice("averaging", averaging, AVERAGING_METHODS)
@@ -376,17 +334,16 @@ def judge(
         # What all channels share is the zero beside a mode that the force hardly excites.
         everywhere = [np.concatenate([found[dof][0], values[dof]]) for dof in found]
         strong = {dof: freq[~shared(freq, everywhere, tol)] for dof, freq in strong.items()}
-    nearest = {dof: _nearest(found[dof][0], f) for dof, f in values.items()}
+    nearest = {}
+    for dof, f in values.items():
+        poles = found[dof][0] if found[dof][0].size else np.array([np.nan])
+        nearest[dof] = poles[np.argmin(np.abs(poles / f[:, None] - 1.0), axis=1)]
     distance = {dof: np.abs(nearest[dof] / f - 1.0) for dof, f in values.items()}
-    return CrossCheck(
-        method,
-        float(tol),
-        {dof: frozen(f) for dof, f in values.items()},
-        {dof: frozen(f) for dof, f in nearest.items()},
-        {dof: frozen(d) for dof, d in distance.items()},
-        {dof: frozen(d <= tol) for dof, d in distance.items()},
-        {dof: frozen(np.asarray(strong[dof], dtype=np.float64)) for dof in values},
-    )
+    confirmed = {dof: d <= tol for dof, d in distance.items()}
+    strong = {dof: np.asarray(strong[dof], dtype=np.float64) for dof in values}
+    columns = (values, nearest, distance, confirmed, strong)
+    by_dof: list[Any] = [{dof: frozen(column[dof]) for dof in values} for column in columns]
+    return CrossCheck(method, float(tol), *by_dof)
 
 
 def _poles(lines: Lines, row: int, window: Window, method: str, n_poles: int) -> tuple[FloatArray, Any]:
@@ -413,20 +370,10 @@ def _poles(lines: Lines, row: int, window: Window, method: str, n_poles: int) ->
     return freq[keep], strong[keep]
 
 
-def _near(freq: FloatArray, value: float, tol: float) -> bool:
-    return bool(freq.size) and float(np.abs(freq / value - 1.0).min()) <= tol
-
-
-def _nearest(freq: FloatArray, values: FloatArray) -> FloatArray:
-    if not freq.size:
-        return np.full(values.size, np.nan)
-    return np.asarray(freq[np.argmin(np.abs(freq[None, :] / values[:, None] - 1.0), axis=1)])
-
-
 def _apart(freq: FloatArray, values: FloatArray, tol: float) -> FloatArray:
     """Ascending, none near a value already there, of several near each other the first."""
     kept: list[float] = []
-    for f in np.sort(freq):
-        if not _near(values, f, 2.0 * tol) and not (kept and f <= kept[-1] * (1.0 + tol)):
-            kept.append(float(f))
+    for f in np.sort(freq).tolist():
+        if not np.any(np.abs(values / f - 1.0) <= 2.0 * tol) and not (kept and f <= kept[-1] * (1.0 + tol)):
+            kept.append(f)
     return np.array(kept)

@@ -1,21 +1,16 @@
 r"""From what was measured to antiresonances.
 
 Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk have the antiresonances for
-zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Three ways:
+zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Three ways start
+from one complex vector of responses a line, known up to a factor that cancels:
 
-- "numerators": all N_pk at once from the whole spectral matrix of the responses
+- "numerators": all N_pk at once from the whole spectral matrix
   (:mod:`~antires_rs.identification.numerators`). For averaged records and repeated impacts, whose segments
   tell the noise and the errors.
-- "windows": the same over many overlapping windows, and what most of them agree on
-  (:mod:`~antires_rs.identification`). For single impacts and given curves, which are no rational
-  functions with white noise.
-- "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j. For
-  averages by other estimators.
-
-With the first and the last the order is swept and what stays is kept. Everything starts from one complex
-vector of responses a line, known up to a factor that cancels: so transmissibilities to any one reference
-serve all dofs (T_pq = T_pj / T_qj). On the "joint" way lines are weighted by
-SNR / (1 + SNR / 1e4) / (1 + sum_p abs(T_pj)^2): by what they are worth, but never so much that leakage rules.
+- "windows": the same over many overlapping windows, and what most of them agree on. For single impacts and
+  given curves, which are no rational functions with white noise.
+- "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j
+  (:mod:`~antires_rs.identification.paper`). For averages by other estimators.
 
 Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 """
@@ -24,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -64,54 +59,30 @@ from .windows import HIGHEST_ORDER, LINES_PER_ORDER, SCALES, local_diagrams
 # -- From lines to stabilization diagrams, window by window, by either formulation
 
 
-@dataclass(frozen=True)
-class Fitted:
-    """Diagrams by dof; whether a fit of all numerators made them, and what kind of curve they speak of."""
-
-    diagrams: dict[Any, StabilizationDiagram]
-    of_numerators: bool
-    sees: Literal["frf", "transmissibility"]
-
-
 def diagrams_of(
     dofs: tuple[Any, ...],
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
-) -> Fitted:
+) -> dict[Any, StabilizationDiagram]:
     """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto"."""
     first = lines_for(FORCE if options.use_force else 0)
-    formulation = options.formulation
-    if formulation == "windows":
+    if options.formulation == "windows":
         found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
-    elif formulation == "numerators":
-        found = _from_numerators(dofs, first, band, options)
+    elif options.formulation == "numerators":
+        cut = windows(first.freq_hz, band)
+        parts = [select(first.part(w.first, w.last), len(dofs), w, options) for w in cut]
+        joined = [join(list(rows), cut, band, options.rule.freq_tol) for rows in zip(*parts, strict=True)]
+        found = dict(zip(dofs, joined, strict=True))
     else:
-        found = _one_by_one(dofs, lines_for, band, options, formulation)
+        found = _one_by_one(dofs, lines_for, band, options)
     if not options.rule.keep_common:
         found = without_common(found)
     for row, (dof, one) in enumerate(found.items()):
-        peaks = unexplained(
-            one.background_freq_hz,
-            one.background,
-            np.concatenate([one.identified, one.left_out.freq_hz]),
-            first.channel_snr(row),
-        )
+        known = np.concatenate([one.identified, one.left_out.freq_hz])
+        peaks = unexplained(one.background_freq_hz, one.background, known, first.channel_snr(row))
         found[dof] = replace(one, unexplained_hz=frozen(peaks))
-    of_responses = options.use_force or (formulation == "windows" and first.size is not None)
-    return Fitted(found, formulation == "numerators", "frf" if of_responses else "transmissibility")
-
-
-def _from_numerators(
-    dofs: tuple[Any, ...], lines: Lines, band: tuple[float, float], options: IdentificationOptions
-) -> dict[Any, StabilizationDiagram]:
-    """All dofs from one fit a window."""
-    cut = windows(lines.freq_hz, band)
-    parts = [lines.part(w.first, w.last) for w in cut]
-    found = [select(part, len(dofs), w, options) for part, w in zip(parts, cut, strict=True)]
-    return {
-        dof: join([d[row] for d in found], cut, band, options.rule.freq_tol) for row, dof in enumerate(dofs)
-    }
+    return found
 
 
 def _one_by_one(
@@ -119,7 +90,6 @@ def _one_by_one(
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
-    formulation: str,
 ) -> dict[Any, StabilizationDiagram]:
     """Every dof from its own joint fit of all T_pj; with a force, from one joint fit of all H_jk."""
     rule, use_force = options.rule, options.use_force
@@ -135,7 +105,7 @@ def _one_by_one(
         for window in cut:
             part = lines.part(window.first, window.last)
             if not use_force or window.first not in shared:
-                shared[window.first] = sweep_of(part, below, *options.orders, rule, formulation)
+                shared[window.first] = sweep_of(part, below, *options.orders, rule, options.formulation)
             parent, swept, background = shared[window.first]
             sweep: PoleSweep = parent
             if use_force:
@@ -152,10 +122,8 @@ def _one_by_one(
     return found
 
 
-# -- Which fit suits the lines, and which options count for it
-#
-# Curves and records may be identified by one call with the same options, and by one job: what has no effect
-# is said, not refused.
+# -- Which fit suits the lines, and which options count for it: what has no effect is said, not refused, since
+# curves and records may be identified by one job
 
 
 #: With fewer lines there is no window of the narrow scale, and no fit that others could confirm.
@@ -190,18 +158,16 @@ def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptio
             f"identify_antiresonances: {' and '.join(idle)} {verb} no effect on {fit}; what counts there is "
             f"{', '.join(counts)}.",
         )
-    if formulation == "windows" and lines.freq_hz.size < FEW_LINES:
-        warn("few_lines", f"identify_antiresonances: {_of_few_lines(lines)}")
-    return replace(options, formulation=formulation)
-
-
-def _of_few_lines(lines: Lines) -> str:
     count, width = lines.freq_hz.size, float(lines.freq_hz[-1] - lines.freq_hz[0])
-    return (
-        f"the band holds {count} lines, which carry {count // LINES_PER_ORDER} orders; fits over windows "
-        f"want {FEW_LINES} lines or more, else antiresonances are missed or misplaced. Measure with lines "
-        f"{width / FEW_LINES:.2g} Hz apart or finer; if the band holds one mode alone, widen it."
-    )
+    if formulation == "windows" and count < FEW_LINES:
+        warn(
+            "few_lines",
+            f"identify_antiresonances: the band holds {count} lines, which carry {count // LINES_PER_ORDER} "
+            f"orders; fits over windows want {FEW_LINES} lines or more, else antiresonances are missed or "
+            f"misplaced. Measure with lines {width / FEW_LINES:.2g} Hz apart or finer; if the band holds one "
+            "mode alone, widen it.",
+        )
+    return replace(options, formulation=formulation)
 
 
 @patient("identifying antiresonances")
@@ -243,8 +209,7 @@ def identify_antiresonances(
         record, rounded to a power of two.
     estimator : {"rank1", "h1", "h2", "hv"}
         "rank1" for the dominant eigenvector of all channels scaled to equal noise; the others as in
-        :func:`~antires_rs.transmissibility` and
-        :func:`~antires_rs.frf`.
+        :func:`~antires_rs.transmissibility` and :func:`~antires_rs.frf`.
     preset : {None, "paper", "strict", "sensitive"}
         A named set of the options of ``fit`` and of ``max_order``, see
         :mod:`~antires_rs.identification.options`. What is given beside it wins.
@@ -254,7 +219,7 @@ def identify_antiresonances(
         thirds of their number. Fits over windows know orders up to 16.
     cross_check : {None, "aaa", "vector_fitting"}
         Ask another method about every value; the answer is ``.cross_check`` of the set, see
-        :func:`~antires_rs.identification.cross_check.cross_check`. It changes no value.
+        :mod:`~antires_rs.identification.cross_check`. It changes no value.
     check : {"warn", "raise", "off"}
         What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
         something fatal, or leave it out. The answer is ``.data_check`` of the set.
@@ -269,7 +234,7 @@ def identify_antiresonances(
     -------
     AntiresonanceSet
         Frequencies ``abs(s) / 2 pi`` and damping ratios by dof, ``.std_hz`` with their standard deviations
-        (not with "joint", "power" and "eq10"), ``.scores`` with what speaks for each, ``.diagrams`` with the
+        (not with "joint" and "eq10"), ``.scores`` with what speaks for each, ``.diagrams`` with the
         evidence. A dof without any antiresonance in the band has an empty array. ``.sees`` is
         "transmissibility" where the values are what transmissibilities see: a peak also where the sensor
         sits on a node of a mode, a root that cancels in its FRF. It is "frf" on that route, and for FRFs and
@@ -290,30 +255,23 @@ def identify_antiresonances(
 
     Notes
     -----
-    A list of records of one test (several runs of the shaker, several impacts in a file each) gives one set:
-    their segments, or their impacts, are averaged together, and the standard deviations hold what differs
-    from record to record (:mod:`~antires_rs.identification.selection`). So do several impacts in one
-    record, which is cut before each. Records must have the same dofs and sampling rate. A list of FRFs or of
-    transmissibilities is averaged (:mod:`~antires_rs.signals.repeats`), and the standard deviations hold what
-    differs between them, too. Setups with other places of the sensors are identified
+    Records of one test in a list (several runs of the shaker, several impacts), of the same dofs and sampling
+    rate, give one set: their segments or impacts are averaged together, as are several impacts in one record,
+    and lists of curves (:mod:`~antires_rs.signals.repeats`). The standard deviations then hold what differs
+    from record to record; those of a single test do not: a clamp that is set again or a temperature moves
+    antiresonances by more (:func:`~antires_rs.track`). Setups with other places of the sensors are identified
     apart and joined by :func:`~antires_rs.merge_setups`.
 
-    Near their noise, responses have antiresonances that are there in most orders but do not stand still;
-    they are accepted by a second rule (modules ``persistence``, ``selection``) and marked "persistent" in
-    ``.scores[dof]["how"]``. What the fit of the likeliest order shows clearly is accepted without either;
-    it is marked "likeliest order".
-    Fits over windows accept a zero that makes a visible dip, see ``min_depth_db``; of curves whose noise is
-    so low that 35 standard deviations make less, a dip of that depth is enough, but never less than 0.5 dB.
-    What they see and do not accept is ``.left_out`` of the set with the reason, such as a zero that the
-    resonance beside it all but cancels, which makes no dip; peaks of the curve behind a
-    diagram that nothing explains are ``.unexplained_hz``.
-    Deviations of a single test do not contain the scatter between tests: a clamp that is set again or a
-    temperature moves antiresonances by more. Several records of one test tell it (``source`` as a list), and
-    :func:`~antires_rs.track` over repeats.
-    An antiresonance that *all* channels share, when there are three or more, is not one of the responses: it
-    is the zero beside the pole of a mode that the force hardly excites (a force near a node, a local or
-    sideways mode). A model without that mode does not have it, and one with it has it cancelled; so it is
-    left out.
+    What is there in most orders without standing still is marked "persistent" in ``.scores[dof]["how"]``,
+    what the fit of the likeliest order shows clearly without either "likeliest order"
+    (:mod:`~antires_rs.identification.selection`). Fits over windows accept a zero that makes a visible dip,
+    see ``min_depth_db``; of curves whose noise is so low that 35 standard deviations make less, a dip of that
+    depth is enough, but never less than 0.5 dB. What they see and do not accept is ``.left_out`` of the set
+    with the reason; peaks of the curve behind a diagram that nothing explains are ``.unexplained_hz``.
+
+    An antiresonance that *all* of three or more channels share is not one of the responses: it is the zero
+    beside the pole of a mode that the force hardly excites (a force near a node, a local or sideways mode),
+    and is left out.
 
     Examples
     --------
@@ -344,7 +302,20 @@ def identify_antiresonances(
     band = band_of(one, band_hz)
     excitation = label("excitation", excitation)
     wanted = _wanted_dofs(dofs, one.dofs)
-    _can_answer(one, options.use_force)
+    if not options.use_force and len(one.dofs) < 2:
+        raise UnsuitableDataError(
+            "source",
+            "a single channel",
+            "two or more for the route 'transmissibility', whose poles are the antiresonances",
+            "Add a channel, or measure the force and take the route 'frf'.",
+        )
+    if options.use_force and isinstance(one, Recording) and one.force is None:
+        raise UnsuitableDataError(
+            "route",
+            "'frf' for a Recording without force",
+            "a measured force",
+            "Take the route 'transmissibility': it needs none.",
+        )
     step("spectra")
     averages = None
     if isinstance(one, Recording):
@@ -354,13 +325,9 @@ def identify_antiresonances(
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    fitted = diagrams_of(one.dofs, lines_for, band, options)
-    found = {dof: fitted.diagrams[dof] for dof in wanted}
-    known = None
-    if isinstance(one, AveragedResponse):
-        known = freedom(len(one.runs))
-    elif averages is not None and fitted.of_numerators:
-        known = independent_averages(averages.spectra)
+    diagrams = diagrams_of(one.dofs, lines_for, band, options)
+    found = {dof: diagrams[dof] for dof in wanted}
+    of_numerators = options.formulation == "numerators"
     compared = None
     if options.call.cross_check is not None:
         # Of the lines that are there already; imported here, since few calls ask for it.
@@ -369,16 +336,22 @@ def identify_antiresonances(
         step("cross-check")
         values = {dof: d.identified for dof, d in found.items()}
         compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
-    tables = {dof: graded(d.accepted) if fitted.of_numerators else d.accepted for dof, d in found.items()}
-    if known is not None:  # what the standard deviations rest on
+    tables = {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()}
+    known = None  # what the standard deviations rest on
+    if isinstance(one, AveragedResponse):
+        known = freedom(len(one.runs))
+    elif averages is not None and of_numerators:
+        known = independent_averages(averages.spectra)
+    if known is not None:
         tables = {dof: t.with_scores(averages=np.full(len(t), known)) for dof, t in tables.items()}
+    of_size = options.formulation == "windows" and lines_for(0).size is not None
     return AntiresonanceSet.from_tables(
         excitation,
         tables,
         diagrams=found,
         data_check=checked,
         cross_check=compared,
-        sees=fitted.sees,
+        sees="frf" if options.use_force or of_size else "transmissibility",
         channels=one.dofs,
         options={"antires_rs": __version__, "band_hz": list(band), **options.values()},
     )
@@ -433,24 +406,6 @@ def _checked(
         said = "\n".join(f"data check: {line}" for line in checked.warnings)
         warn(tuple(dict.fromkeys(f.name for f in checked.findings if f.severity != "note")), said)
     return checked
-
-
-def _can_answer(source: Recording | FrequencyResponse, use_force: bool) -> None:
-    """Refuse sources that lack what the route needs."""
-    if not use_force and len(source.dofs) < 2:
-        raise UnsuitableDataError(
-            "source",
-            "a single channel",
-            "two or more for the route 'transmissibility', whose poles are the antiresonances",
-            "Add a channel, or measure the force and take the route 'frf'.",
-        )
-    if use_force and isinstance(source, Recording) and source.force is None:
-        raise UnsuitableDataError(
-            "route",
-            "'frf' for a Recording without force",
-            "a measured force",
-            "Take the route 'transmissibility': it needs none.",
-        )
 
 
 def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -181,6 +182,10 @@ def curve_lines(
         else:
             # Noise that is known counts as it is, over a vector that the force, without noise, makes longer.
             snr = snr * (size / np.where(responses > 0.0, responses, 1.0)) ** 2
+    if runs is not None:  # the force, no row or one, is the same in all
+        forces = np.broadcast_to(scaled[len(values) :], (len(runs), len(scaled) - len(values), freq_hz.size))
+        vectors = unit(np.concatenate([runs / np.sqrt(row)[:, None], forces], axis=1), axis=1)
+        runs = np.ascontiguousarray(vectors.transpose(2, 1, 0))
     return Lines(
         freq_hz,
         unit(scaled),
@@ -188,14 +193,8 @@ def curve_lines(
         added_decay_per_s=added_decay_per_s,
         size=size if size_known else None,
         noise_given=std is not None,
-        runs=None if runs is None else _units(runs / np.sqrt(row)[:, None], scaled[len(values) :]),
+        runs=runs,
     )
-
-
-def _units(runs: ComplexArray, force: ComplexArray) -> ComplexArray:
-    """Unit vectors of every test, the force (no row or one) the same in all: (n_freq, n_rows, R)."""
-    rows = [unit(np.vstack([run, force])) for run in runs]
-    return np.stack(rows, axis=2).transpose(1, 0, 2)
 
 
 def _weighty(force: ComplexArray, responses: ComplexArray) -> ComplexArray:
@@ -223,11 +222,11 @@ def lines_of(
 
     ``averages`` are those of a record, with the force where it is used; None for measured curves.
     """
-    if isinstance(source, Recording):
-        assert averages is not None
-        return lines_of_recording(source, averages, band_hz, use_force=use_force, estimator=estimator)
-    same = lines_of_response(source, band_hz, use_force=use_force)
-    return lambda row: same
+    if isinstance(source, FrequencyResponse):
+        same = lines_of_response(source, band_hz, use_force=use_force)
+        return lambda row: same
+    assert averages is not None
+    return lines_of_recording(source, averages, band_hz, use_force=use_force, estimator=estimator)
 
 
 def lines_of_recording(
@@ -237,15 +236,7 @@ def lines_of_recording(
     spectra = averages.spectra
     _require_lines(spectra.freq_hz.size, band_hz, 0.5 * rec.fs_hz)
     auto = np.einsum("fii->i", spectra.matrix).real
-    if not auto.all():
-        dead = int(np.flatnonzero(auto == 0.0)[0])
-        name = f"dof {rec.dofs[dead]!r}" if dead < rec.n_channels else "the force"
-        raise UnsuitableDataError(
-            "source",
-            f"no signal at all from {name} in the band",
-            "a live channel",
-            "Leave the dead channel out of the Recording.",
-        )
+    require_live(auto, rec.dofs, "no signal at all from {} in the band", "Recording")
     vectors, snr = response_vectors(spectra.matrix, spectra.noise)
     if averages.nperseg is None and spectra.n_averages < LEAST_IMPACTS:
         size = np.sqrt(np.einsum("fii->f", spectra.matrix).real)
@@ -268,7 +259,8 @@ def lines_of_recording(
     white = vectors / np.sqrt(noise)[:, None]
     scale = 1.0 / np.sqrt(noise)
     if use_force:
-        scale[FORCE] *= _middling(white[:FORCE] / white[FORCE])
+        # The force weighs as much as all responses together at the median line.
+        scale[FORCE] *= float(np.median(np.linalg.norm(white[:FORCE] / white[FORCE], axis=0)))
     segments = _segments(spectra, scale, use_force)
 
     def lines(row: int) -> Lines:
@@ -309,14 +301,7 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
     _require_lines(inside.stop - inside.start, band_hz, float(resp.freq_hz[-1]))
     freq, values = resp.freq_hz[inside], resp.values[:, inside]
     power = np.mean(np.abs(values) ** 2, axis=1)
-    if not power.all():
-        dead = resp.dofs[int(np.flatnonzero(power == 0.0)[0])]
-        raise UnsuitableDataError(
-            "source",
-            f"zeros only for dof {dead!r} in the band",
-            "a live channel",
-            "Leave the dead channel out of the FrequencyResponse.",
-        )
+    require_live(power, resp.dofs, "zeros only for {} in the band", "FrequencyResponse")
     if resp.kind == "transmissibility" and use_force:
         reject(
             "route",
@@ -334,9 +319,12 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
     )
 
 
-def _middling(frfs: ComplexArray) -> float:
-    """A force of this size weighs as much as all responses together at the median line."""
-    return float(np.median(np.linalg.norm(frfs, axis=0)))
+def require_live(power: FloatArray, dofs: tuple[Any, ...], got: str, kind: str) -> None:
+    """Refuse channels without any power; the one after the dofs is the force."""
+    for dead in np.flatnonzero(power == 0.0):
+        name = f"dof {dofs[dead]!r}" if dead < len(dofs) else "the force"
+        remedy = f"Leave the dead channel out of the {kind}."
+        raise UnsuitableDataError("source", got.format(name), "a live channel", remedy)
 
 
 def _require_lines(count: int, band_hz: tuple[float, float], highest_hz: float) -> None:

@@ -1,13 +1,10 @@
 r"""Resonances, damping ratios and mode shapes from FRFs, or from responses alone.
 
-FRFs of one force are fitted jointly, the order is swept, and the poles of H that stay are the resonances
-(module ``stabilization_diagram``); residues at them give the shapes (module ``residues``). Without the
-force the same is done with the positive half spectra of the responses (module ``half_spectra``), on the
-assumption that the spectrum of the force is flat where the resonances are: a peak of the force would come
-out as a mode.
-
-Modes just outside the band reach into it, and no smooth residual term can stand for them. So the lines around
-the band, as far as there are any, are fitted too; the poles found there enter the residues, and are dropped.
+FRFs of one force are fitted jointly, the order is swept, and the poles of H that stay are the resonances;
+residues at them give the shapes. Without the force the same is done with the positive half spectra of the
+responses, on the assumption that the spectrum of the force is flat where the resonances are: a peak of the
+force would come out as a mode. Modes just outside the band reach into it, and no smooth residual term can
+stand for them: lines around the band are fitted too, and the poles found there enter the residues.
 """
 
 from __future__ import annotations
@@ -26,7 +23,7 @@ from ..signals.recording import Recording
 from ..signals.spectra import two_channel
 from ..support.checks import ComplexArray, FloatArray, choice, integer
 from ..support.progress import one_blas_thread, patient
-from .lines import FORCE, lines_of_response
+from .lines import FORCE, lines_of_response, require_live
 from .options import FitOptions
 from .rational_fit import NestedFit, dominant_shapes, residues
 from .stabilization import PoleSweep, StabilizationDiagram, diagram, join, windows
@@ -86,15 +83,12 @@ def identify_modes(
         Time records under one force, or FRFs of one excitation.
     band_hz : (low, high)
         Resonances that are kept; rigid-body modes lie outside. Shapes are fitted on the lines around it too
-        (from a third of ``low`` to 1.5 ``high``, as far as there are any), so that modes just outside do not
-        spoil them.
+        (from a third of ``low`` to 1.5 ``high``, as far as there are any).
     route : {"auto", "frf", "responses"}
         From FRFs, or from the responses alone (the force is then not read). "auto": FRFs where there is a
         force.
-    method : {"auto", "welch", "transient"}
-        How a record is averaged, as for :func:`~antires_rs.identify_antiresonances`.
-    nperseg : int, optional
-        Samples per Welch segment. Default: that of the antiresonances, for FRFs twice it.
+    method, nperseg
+        As for :func:`~antires_rs.identify_antiresonances`; segments of FRFs are twice as long by default.
     estimator : {"h1", "h2", "hv"}
         Of the FRFs of a record.
     max_order, min_order, freq_tol, damping_tol, min_rows, max_damping, min_dominance
@@ -120,14 +114,13 @@ def identify_modes(
     -----
     Measured on chain8 (7 resonances, 1 % damping and noise, 200 s; largest of three runs): from FRFs within
     0.001 % in frequency and 0.6 % in damping, from responses within 0.12 % and 12 % (1,200 s: 0.05 % and
-    3.4 %). The scatter from responses is about twice that which no method can beat, and falls with the root
-    of the record's length, see module ``half_spectra``.
+    3.4 %). The scatter from responses is about twice that which no method can beat.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from antires_rs.identification.modes import identify_modes
     >>> from antires_rs.signals.frequency_response import FrequencyResponse
+    >>> from antires_rs.identification.modes import identify_modes
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> mode = lambda fn: -f**2 / (fn**2 - f**2 + 0.02j * fn * f)
     >>> h = np.array([mode(8.0) + mode(20.0), mode(8.0) - 0.5 * mode(20.0)])
@@ -231,14 +224,7 @@ def _of_frfs(resp: FrequencyResponse, band: tuple[float, float], added_decay_per
 def _of_responses(rec: Recording, nperseg: int | None) -> Callable[[tuple[float, float]], Curves]:
     """Half spectra of channels at unit rms; their errors are relative to their own size, down to a floor."""
     scale = rec.responses.std(axis=1)
-    if not scale.all():
-        dead = rec.dofs[int(np.flatnonzero(scale == 0.0)[0])]
-        raise UnsuitableDataError(
-            "source",
-            f"no signal at all from dof {dead!r}",
-            "a live channel",
-            "Leave the dead channel out of the Recording.",
-        )
+    require_live(scale, rec.dofs, "no signal at all from {}", "Recording")
     half = half_spectra(rec, nperseg=nperseg)
     units = scale[np.array(half.references)][:, None] * scale
 

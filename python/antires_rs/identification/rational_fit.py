@@ -159,10 +159,8 @@ class RootSet:
     ----------
     s : (n,) complex
         rad/s, imaginary part not negative.
-    freq_hz : (n,)
-        ``abs(s) / (2 pi)``.
-    damping_ratio : (n,)
-        ``-Re(s) / abs(s)``; negative in the right half plane, +-1 for a real root.
+    freq_hz, damping_ratio : (n,)
+        ``abs(s) / (2 pi)``; ``-Re(s) / abs(s)``, negative in the right half plane, +-1 for a real root.
     """
 
     s: ComplexArray
@@ -173,10 +171,9 @@ class RootSet:
         s = self.s[self.s.imag >= 0.0]
         s = s[np.argsort(np.abs(s), kind="stable")]
         size = np.abs(s)
-        put = object.__setattr__
-        put(self, "s", s)
-        put(self, "freq_hz", size / (2 * np.pi))
-        put(self, "damping_ratio", np.divide(-s.real, size, out=np.zeros(s.size), where=size > 0))
+        damping = np.divide(-s.real, size, out=np.zeros(s.size), where=size > 0)
+        for name, value in (("s", s), ("freq_hz", size / (2 * np.pi)), ("damping_ratio", damping)):
+            object.__setattr__(self, name, value)
 
     def __len__(self) -> int:
         return int(self.s.size)
@@ -211,10 +208,7 @@ class CommonDenominator:
 
 
 class NestedFit(CommonDenominator):
-    """The one factorisation behind every order up to ``max_order``.
-
-    ``weights`` multiply squared residuals and are (n_freq,). Solutions are asked for by order.
-    """
+    """The one factorisation behind every order up to ``max_order``; ``weights`` (n_freq,) are of squares."""
 
     def __init__(
         self, freq_hz: FloatArray, values: ComplexArray, weights: FloatArray, max_order: int
@@ -259,8 +253,8 @@ class NestedFit(CommonDenominator):
     def low_and_norm(self, order: int) -> FloatArray:
         """Both solutions of one order without squaring the condition, (2, order + 1).
 
-        The sweep over orders can live with the normal equations, whose floor of 1e-8 lies far below any
-        measurement; a single fit of exact data need not.
+        The sweep can live with the normal equations, whose floor is 1e-8; a single fit of exact data need
+        not.
         """
         n1 = order + 1
         root_w = np.sqrt(self.weights)[:, None]
@@ -542,14 +536,20 @@ def residues(
         [near + far, 1j * (near - far), np.stack([(s / top) ** m for m in RESIDUAL_POWERS], axis=1)], axis=1
     )
     root_w = np.sqrt(weights / weights.max())[:, None]
-    columns, right = columns * root_w, values.T * root_w
-    # Columns of very different size (far residuals, light damping) would spoil the rank decision.
-    size = np.linalg.norm(columns, axis=0)
-    stacked = np.concatenate([(columns / size).real, (columns / size).imag])
-    solution = np.linalg.lstsq(stacked, np.concatenate([right.real, right.imag]), rcond=None)[0]
-    solution /= size[:, None]
+    solution = scaled_lstsq(stacked(columns * root_w), stacked(values.T * root_w))
     n = poles.size
     return np.asarray(solution[:n] + 1j * solution[n : 2 * n], dtype=np.complex128)
+
+
+def stacked(z: ComplexArray) -> FloatArray:
+    """Real parts over imaginary parts."""
+    return np.concatenate([z.real, z.imag])
+
+
+def scaled_lstsq(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Least squares with columns of unit norm: far residuals, light damping would decide on the rank."""
+    size = np.maximum(np.linalg.norm(left, axis=0), 1e-300)
+    return np.asarray(np.linalg.lstsq(left / size, right, rcond=None)[0] / size[:, None])
 
 
 def dominant_shapes(residue: ComplexArray) -> ComplexArray:

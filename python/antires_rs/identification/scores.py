@@ -9,14 +9,14 @@ dominance        share of the curve that the pole owns at its frequency; 1 is al
 how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still;
                  "likeliest order": accepted at once from the fit of the order that the data support;
                  "windows": seen by most of the fits over windows
-residual         relative misfit of the fit around the value, :func:`local_misfit`
-prominence_db    height of its peak in the summed transmissibilities, :func:`prominence_db`
+residual         relative misfit of the fit around the value
+prominence_db    height of its peak in the summed transmissibilities
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only
 averages         independent averages behind its standard deviation, where it is told by segments
 ===============  =====================================================================================
 
 None of them tells true from false alone: a true antiresonance in the noise may have no peak at all, a false
-one may own its curve or lie where the fit is perfect. Together they do, see :func:`grades`.
+one may own its curve or lie where the fit is perfect. Together they do.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def scored(
     data: ComplexArray,
     fitted: ComplexArray,
 ) -> ResponseTable:
-    """The same antiresonances with residual and prominence, see the two functions below."""
+    """The same antiresonances with residual and prominence."""
     at = (table.freq_hz, table.damping_ratio)
     return table.with_scores(
         residual=local_misfit(freq_hz, data, fitted, *at),
@@ -68,7 +68,7 @@ def scored(
 
 
 def graded(table: ResponseTable) -> ResponseTable:
-    """The same antiresonances with a grade, see :func:`grades`."""
+    """The same antiresonances with a grade."""
     return table.with_scores(
         grade=grades(table.rows, table.spread, table.dominance, table.residual, table.prominence_db)
     )
@@ -84,7 +84,7 @@ def local_misfit(
     """Relative misfit within three half-power bandwidths of each value."""
     out = np.full(value_hz.size, np.nan)
     for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
-        near = np.flatnonzero(_within(freq_hz, value, NEAR_WIDTHS * _width(freq_hz, value, damping)))
+        near = np.flatnonzero(np.abs(freq_hz - value) <= NEAR_WIDTHS * _width(freq_hz, value, damping))
         if near.size:
             some = slice(near[0], near[-1] + 1)
             size = np.maximum(np.sum(np.abs(fitted[:, some]) ** 2, axis=0), 1e-300)
@@ -99,11 +99,8 @@ def prominence_db(
     power = np.abs(background) ** 2
     out = np.full(value_hz.size, np.nan)
     for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
-        width = _width(freq_hz, value, damping)
-        peak = _within(freq_hz, value, 0.5 * width)
-        foot = _within(freq_hz, value, FOOT_WIDTHS[1] * width) & ~_within(
-            freq_hz, value, FOOT_WIDTHS[0] * width
-        )
+        width, off = _width(freq_hz, value, damping), np.abs(freq_hz - value)
+        peak, foot = off <= 0.5 * width, (off <= FOOT_WIDTHS[1] * width) & (off > FOOT_WIDTHS[0] * width)
         if peak.any() and foot.any():
             low = max(float(np.median(power[foot])), 1e-300)
             out[i] = 10.0 * np.log10(max(float(power[peak].mean()), 1e-300) / low)
@@ -115,24 +112,16 @@ def _width(freq_hz: FloatArray, value: float, damping: float) -> float:
     return max(2.0 * abs(damping) * value, LEAST_LINES * float(np.median(np.diff(freq_hz))) / 2.0)
 
 
-def _within(freq_hz: FloatArray, value: float, reach: float) -> Any:
-    return np.abs(freq_hz - value) <= reach
-
-
 def grades(
     rows: Any, spread: FloatArray, dominance: FloatArray, residual: FloatArray, prominence_db: FloatArray
 ) -> Any:
-    """One word for each value.
+    """One word for each value, of averaged records.
 
     Five tests: more than 20 rows, spread of at most 0.1 %, dominance of at least 0.9, residual of at most
     0.1, prominence of at least 6 dB. "sure" passes four or five, "fair" three, "weak" fewer. What is not
-    known (NaN) is not passed.
-
-    Notes
-    -----
-    The limits were set on 317 values of chain8 (seeds 100 to 102; a third of them false, by a lax rule). On
-    other records, with the default rule (chain8 with 0 to 10 % noise, seeds 103 to 106; ten other structures
-    with 1 and 5 % noise, seeds 110 and 111; an error is the relative distance from the undamped truth):
+    known (NaN) is not passed. The limits were set on 317 values of chain8 (seeds 100 to 102; a third of them
+    false, by a lax rule). On other records with the default rule (chain8 with 0 to 10 % noise, seeds 103 to
+    106; ten other structures with 1 and 5 % noise, seeds 110 and 111; relative to the undamped truth):
 
     =====  ======  =====  =============  ================
     grade  values  false  median error   error, 95 % below
@@ -141,9 +130,6 @@ def grades(
     fair   261     2.3 %  0.03 %         0.3 %
     weak   51      10 %   0.1 %          0.4 %
     =====  ======  =====  =============  ================
-
-    Even "weak" is true nine times of ten: it asks for a look. All this holds for averaged records; for given
-    curves and single impacts see :func:`window_grades`.
     """
     tests = [
         rows > MORE_ROWS,
@@ -160,13 +146,10 @@ def window_grades(share: FloatArray, spread: FloatArray, depth_db: FloatArray) -
     """One word for each antiresonance of fits over windows.
 
     "sure": nine of ten fits see it, within 0.3 %, as a dip of 6 dB at least. "weak": fewer than seven of ten
-    fits do, or the dip has less than 4 dB. "fair": all others.
-
-    Notes
-    -----
-    On six states of a measured plate (20 FRFs each) 1 of 104 "sure" values, 2 of 27 "fair" and 10 of 20
-    "weak" ones had no dip of 3 dB. Three tests of one plate had 26 of 48 "sure", 9 of 15 "fair" and 2 of 13
-    "weak" ones in common: a grade says that the curve shows it, not that the next test will.
+    fits do, or the dip has less than 4 dB. "fair": all others. On six states of a measured plate (20 FRFs
+    each) 1 of 104 "sure" values, 2 of 27 "fair" and 10 of 20 "weak" ones had no dip of 3 dB. Three tests of
+    one plate had 26 of 48 "sure", 9 of 15 "fair" and 2 of 13 "weak" ones in common: a grade says that the
+    curve shows it, not that the next test will.
     """
     sure = (share >= SURE_SHARE) & (spread <= SURE_SPREAD) & (depth_db >= SURE_DEPTH_DB)
     weak = (share < WEAK_SHARE) | (depth_db < WEAK_DEPTH_DB)
@@ -186,29 +169,23 @@ def dips(
 ) -> tuple[NDArray[np.intp], FloatArray]:
     """Lines at which a curve has a dip, and the depths in dB."""
 
+    def climb(side: FloatArray, floor: float) -> float:
+        below = np.flatnonzero(side < floor)
+        some = side[: below[0]] if below.size else side
+        return float(some.max(initial=floor) - floor)
+
     # No dip is deeper within its reach than without bounds.
     lines = prominent_peaks(-level_db, least_db)
     if around_hz is not None:
         lines = lines[(freq_hz[lines] >= around_hz[0]) & (freq_hz[lines] <= around_hz[1])]
     step = float(np.median(np.diff(freq_hz)))
-    at, depths = [], []
-    for line in lines.tolist():
+    depths = np.empty(lines.size)
+    for i, line in enumerate(lines.tolist()):
         reach = max(DIP_LINES, int(DIP_REACH * freq_hz[line] / step))
-        left = level_db[max(line - reach, 0) : line][::-1]
-        depth = min(
-            _climb(left, level_db[line]), _climb(level_db[line + 1 : line + 1 + reach], level_db[line])
-        )
-        if depth >= least_db:
-            at.append(line)
-            depths.append(depth)
-    return np.array(at, dtype=np.intp), np.array(depths)
-
-
-def _climb(side: FloatArray, floor: float) -> float:
-    """How far a side rises over the minimum before it falls below it."""
-    below = np.flatnonzero(side < floor)
-    some = side[: below[0]] if below.size else side
-    return float(some.max(initial=floor) - floor)
+        left, right = level_db[max(line - reach, 0) : line][::-1], level_db[line + 1 : line + 1 + reach]
+        depths[i] = min(climb(left, level_db[line]), climb(right, level_db[line]))
+    deep = depths >= least_db
+    return np.asarray(lines[deep], dtype=np.intp), depths[deep]
 
 
 # A peak of the curve behind a diagram this high, after averaging the power over so many lines, is named
@@ -219,10 +196,7 @@ PEAK_DB, PEAK_LINES, EXPLAINED_WITHIN = 10.0, 5, 0.02
 def unexplained(
     freq_hz: FloatArray, background: FloatArray, known_hz: FloatArray, snr: FloatArray
 ) -> FloatArray:
-    """Frequencies in Hz of high peaks of a curve beside which no antiresonance was seen.
-
-    A response must rise out of its noise on both flanks of a peak.
-    """
+    """Frequencies in Hz of high peaks of a curve, not of noise, beside which nothing was seen."""
     if freq_hz.size < 2 * PEAK_LINES:
         return np.empty(0)
     power = np.convolve(np.abs(background) ** 2, np.full(PEAK_LINES, 1.0 / PEAK_LINES), mode="same")
@@ -252,8 +226,7 @@ COMMON_DEPTH_DB = 10.0
 def shared(values: Any, others: Sequence[Any], within: float = SHARED) -> NDArray[np.bool_]:
     """Whether all of two or more ``others`` have a member within this share of each value, (n,).
 
-    Values may be roots in the complex plane or frequencies. One of ``others`` may be (n, m), with members
-    of its own for each value.
+    Values may be roots or frequencies. One of ``others`` may be (n, m), with members of its own for each.
     """
     if len(others) < 2:
         return np.zeros(values.size, dtype=bool)
@@ -283,16 +256,11 @@ def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, Stabiliz
         once = all(np.sum(np.abs(each - value) <= COMMON * value) <= 1 for each in values)
         if once and max(same) - min(same) <= COMMON * value:
             for dof, i in zip(found, nearest, strict=True):
-                if not _deep(found[dof].accepted, i):
+                scores = found[dof].accepted.scores
+                depths = [scores[name][i] for name in ("depth_db", "own_depth_db") if name in scores]
+                if not (depths and np.fmin(*depths) >= COMMON_DEPTH_DB):
                     drop[dof].add(i)
     return {
         dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size) if i not in drop[dof]]))
         for dof, d in found.items()
     }
-
-
-def _deep(table: ResponseTable, i: int) -> bool:
-    """Whether an antiresonance of fits over windows has a deep dip."""
-    if "depth_db" not in table.scores:
-        return False
-    return float(np.fmin(table.scores["depth_db"][i], table.scores["own_depth_db"][i])) >= COMMON_DEPTH_DB

@@ -90,12 +90,13 @@ def select(
     if len(above) < len(ABOVE):
         # There are hardly any orders above the likeliest, which may be beyond them.
         named = best.fit.max_order == options.max_order
+        remedy = "Leave max_order out, or raise it" if named else "Narrow the band, or record longer"
         low, high = window.report_hz
         warn(
             "highest_order",
             f"identify_antiresonances: from {low:.4g} to {high:.4g} Hz the likeliest order, {best.order}, is "
             f"hardly below the highest that is fitted, {best.fit.max_order}; antiresonances may be missing "
-            f"or wrong. {'Leave max_order out, or raise it' if named else 'Narrow the band, or record longer'}.",
+            f"or wrong. {remedy}.",
         )
     orders = range(orders[0], best.fit.max_order + 1)
     influence = Influence(best, lines.by_test())

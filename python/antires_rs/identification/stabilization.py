@@ -177,15 +177,9 @@ def stabilization(
     band_hz : (low, high), optional
         Lines fitted, and limits of the poles kept.
     weights : array_like, (n_freq,), optional
-        See :func:`~antires_rs.identification.rational_fit.fit_rational`.
-    freq_tol, damping_tol : float
-        Relative change from order to order up to which a pole is stable.
-    min_rows : int
-        Accepted are poles stable in *more than* this many consecutive orders.
-    max_damping : float
-        Poles with more damping are dropped, as are those with none.
-    min_dominance : float
-        Least share of the curve at the pole's own frequency, see the module. 0 switches the test off.
+        See :func:`~antires_rs.fit_rational`.
+    freq_tol, damping_tol, min_rows, max_damping, min_dominance
+        See :class:`~antires_rs.FitOptions`. Poles without damping are dropped.
 
     Returns
     -------
@@ -243,29 +237,24 @@ class Sweep(Protocol):
 
 
 class PoleSweep:
-    """Roots of the common denominator, order by order.
-
-    A sweep answers three questions of an order: the roots under "low", those under "norm", and the dominance
-    of a root. :class:`ZeroSweep` answers the same for one numerator.
-    """
+    """Roots of the common denominator, order by order; :class:`ZeroSweep` has those of one numerator."""
 
     refines = True
 
     def __init__(self, nested: NestedFit) -> None:
         self.nested = nested
-        self._gram: dict[int, FloatArray] = {}
-        self._low: dict[int, FloatArray] = {}
-        self._norm: dict[int, FloatArray] = {}
+        self._grams: dict[int, FloatArray] = {}
+        self._solutions: dict[tuple[int, bool], FloatArray] = {}
         self._roots: dict[tuple[int, bool], ComplexArray] = {}
 
     def _solution(self, order: int, norm: bool) -> FloatArray:
-        store = self._norm if norm else self._low
-        if order not in store:
-            if order not in self._gram:
-                self._gram[order] = self.nested.gram(order)
-            gram = self._gram[order]
-            store[order] = np.linalg.eigh(gram)[1][:, 0] if norm else self.nested.denominator(gram)
-        return store[order]
+        if (order, norm) not in self._solutions:
+            if order not in self._grams:
+                self._grams[order] = self.nested.gram(order)
+            gram = self._grams[order]
+            found = np.linalg.eigh(gram)[1][:, 0] if norm else self.nested.denominator(gram)
+            self._solutions[order, norm] = found
+        return self._solutions[order, norm]
 
     def roots(self, order: int, norm: bool = False) -> ComplexArray:
         """All roots in rad/s, kept: several tests ask for them."""
@@ -297,12 +286,9 @@ class PoleSweep:
         return share
 
     def _share(self, order: int, s: ComplexArray) -> FloatArray:
-        d = self._solution(order, False)
-        return dominance(
-            (self.nested.numerator_basis, self.nested.numerators(d)),
-            (self.nested.denominator_basis, d),
-            s / (2 * np.pi * self.nested.scale_hz),
-        )
+        nested, d = self.nested, self._solution(order, False)
+        above = (nested.numerator_basis, nested.numerators(d))
+        return dominance(above, (nested.denominator_basis, d), s / (2 * np.pi * nested.scale_hz))
 
 
 class ZeroSweep(PoleSweep):
@@ -310,7 +296,7 @@ class ZeroSweep(PoleSweep):
 
     def __init__(self, parent: PoleSweep, output: int) -> None:
         self.nested, self.output = parent.nested, output
-        self._gram, self._low, self._norm = parent._gram, parent._low, parent._norm
+        self._grams, self._solutions = parent._grams, parent._solutions
         self._roots = {}
 
     def _find(self, solution: FloatArray) -> ComplexArray:
@@ -324,13 +310,10 @@ class ZeroSweep(PoleSweep):
 
     def _share(self, order: int, s: ComplexArray) -> FloatArray:
         """Of each root's own peak in the reciprocal of the fitted curve."""
-        d = self._solution(order, False)
-        numerator = self.nested.numerators(d)[self.output]
-        return dominance(
-            (self.nested.denominator_basis, d[None, :]),
-            (self.nested.numerator_basis, numerator),
-            s / (2 * np.pi * self.nested.scale_hz),
-        )
+        nested, d = self.nested, self._solution(order, False)
+        own = nested.numerators(d)[self.output]
+        below = (nested.numerator_basis, own)
+        return dominance((nested.denominator_basis, d[None, :]), below, s / (2 * np.pi * nested.scale_hz))
 
 
 def diagram(
@@ -420,11 +403,7 @@ PERSISTENT_SNR = 4.0
 
 
 def flanked(freq_hz: FloatArray, snr: FloatArray, at_hz: FloatArray, least_snr: float) -> Any:
-    """Whether half the lines at least of either flank of ``at_hz`` (n,) reach ``least_snr``.
-
-    ``snr`` is the signal-to-noise power of the response at ``freq_hz``. Beyond the edge of the band there is
-    no line: where a flank has none it cannot be told, and the answer is no.
-    """
+    """Whether half the lines at least of either flank of ``at_hz`` (n,) reach ``least_snr``; no flank, no."""
     good = np.concatenate([[0], np.cumsum(snr >= least_snr)])
 
     def half(low: float, high: float) -> Any:
@@ -455,10 +434,7 @@ def add_persistent(
     channel_snr: FloatArray,
     added_decay_per_s: float,
 ) -> StabilizationDiagram:
-    """The diagram with persistent values added to the stable ones.
-
-    ``channel_snr`` is the signal-to-noise power of the response itself at ``found.background_freq_hz``.
-    """
+    """The diagram with persistent values added; ``channel_snr`` is that of the response at its lines."""
     orders = found.orders.astype(int)
     pool = _dominant(sweep, orders, found, channel_snr, added_decay_per_s)
     new: list[tuple[float, float, int, float]] = []
@@ -493,11 +469,8 @@ def add_persistent(
 def _dominant(
     sweep: Sweep, orders: Any, found: StabilizationDiagram, snr: FloatArray, added: float
 ) -> FloatArray:
-    """(n, 3) of frequency, order, damping of the poles that may count, by frequency.
-
-    Left out, before anything is computed for them: what is already identified, and what has no signal beside
-    it.
-    """
+    """(n, 3) of frequency, order, damping of the poles that may count, by frequency: not yet identified, and
+    with a signal beside them."""
     rows: list[tuple[float, float, float]] = []
     grid = found.background_freq_hz
     beside = flanked(grid, snr, grid, PERSISTENT_SNR)
@@ -546,21 +519,13 @@ def windows(freq_hz: FloatArray, band_hz: tuple[float, float]) -> list[Window]:
     count = int(np.ceil(2.0 * n / WINDOW_LINES)) - 1
     width = 2.0 * n / (count + 1)
     cuts = [(round(i * width / 2), min(round(i * width / 2 + width), n)) for i in range(count)]
-    edges = [(freq_hz[a], freq_hz[b - 1]) for a, b in cuts]
-    middles = [0.5 * (edges[i][1] + edges[i + 1][0]) for i in range(count - 1)]
-    made = []
-    for i, (low, high) in enumerate(edges):
-        margin = MARGIN * (high - low)
-        report = (
-            band_hz[0] if i == 0 else float(low + margin),
-            band_hz[1] if i == count - 1 else float(high - margin),
-        )
-        core = (
-            band_hz[0] if i == 0 else float(middles[i - 1]),
-            band_hz[1] if i == count - 1 else float(middles[i]),
-        )
-        made.append(Window(*cuts[i], report, core))
-    return made
+    low, high = (freq_hz[[at[0] for at in cuts]], freq_hz[[at[1] - 1 for at in cuts]])
+    middles = (0.5 * (high[:-1] + low[1:])).tolist()
+    margin = MARGIN * (high - low)
+    first, last = [band_hz[0], *(low + margin)[1:].tolist()], [*(high - margin)[:-1].tolist(), band_hz[1]]
+    reports = zip(first, last, strict=True)
+    cores = zip([band_hz[0], *middles], [*middles, band_hz[1]], strict=True)
+    return [Window(*at, report, core) for at, report, core in zip(cuts, reports, cores, strict=True)]
 
 
 def join(
@@ -569,34 +534,26 @@ def join(
     """One diagram of all windows: each shows the poles of its core; values found twice count once."""
     if len(parts) == 1:
         return parts[0]
-    orders = parts[0].orders
-    inside = [
-        [(f >= w.core_hz[0]) & (f < w.core_hz[1]) for f in d.freq_hz] for d, w in zip(parts, cut, strict=True)
-    ]
 
-    def rows(name: str) -> tuple[FloatArray, ...]:
-        return tuple(
-            frozen(
-                np.concatenate([getattr(d, name)[k][keep[k]] for d, keep in zip(parts, inside, strict=True)])
-            )
-            for k in range(orders.size)
+    def joined(arrays: Sequence[Any], freq_hz: Sequence[FloatArray]) -> Any:
+        inside = [(f >= w.core_hz[0]) & (f < w.core_hz[1]) for f, w in zip(freq_hz, cut, strict=True)]
+        return frozen(np.concatenate([own[keep] for own, keep in zip(arrays, inside, strict=True)]))
+
+    columns: dict[str, Any] = {
+        name: tuple(
+            joined([getattr(d, name)[k] for d in parts], [d.freq_hz[k] for d in parts])
+            for k in range(parts[0].orders.size)
         )
-
-    lines = [
-        (d.background_freq_hz >= w.core_hz[0]) & (d.background_freq_hz < w.core_hz[1])
-        for d, w in zip(parts, cut, strict=True)
-    ]
+        for name in ("freq_hz", "damping_ratio", "stable")
+    }
+    lines = [d.background_freq_hz for d in parts]
     return replace(
         parts[0],
-        freq_hz=rows("freq_hz"),
-        damping_ratio=rows("damping_ratio"),
-        stable=rows("stable"),
         band_hz=band_hz,
-        background_freq_hz=frozen(
-            np.concatenate([d.background_freq_hz[k] for d, k in zip(parts, lines, strict=True)])
-        ),
-        background=frozen(np.concatenate([d.background[k] for d, k in zip(parts, lines, strict=True)])),
+        background_freq_hz=joined(lines, lines),
+        background=joined([d.background for d in parts], lines),
         accepted=_once([d.accepted for d in parts], tol),
+        **columns,
     )
 
 
