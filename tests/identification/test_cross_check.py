@@ -5,8 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.identification.cross_check import METHODS, cross_check, set_valued_aaa, vector_fitting
-from antires_rs.identification.limits import CONFIRMING_DOMINANCE
+from antires_rs.identification.cross_check import CONFIRMING_DOMINANCE, METHODS, cross_check, set_valued_aaa
 
 CHAIN = ar.MassSpringChain(np.ones(4), [500.0, 450.0, 520.0])
 BAND = (0.5, 9.0)
@@ -49,16 +48,6 @@ def test_exact_curves_give_back_their_poles(method, n_poles):
     assert np.all(dominance[off.argmin(axis=1)] > CONFIRMING_DOMINANCE)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_superfluous_poles_of_exact_curves_own_nothing(method):
-    freq = np.linspace(1.0, 40.0, 500)
-    values, poles = rational(np.random.default_rng(15), freq, 3, 2)
-    s, dominance = METHODS[method](freq, values, np.ones(500), 10)
-    in_band = (s.imag > 2 * np.pi) & (s.imag < 80 * np.pi) & (np.abs(s.real) < 0.1 * np.abs(s))
-    near = (np.abs(s[:, None] - poles) < 1e-6 * np.abs(poles)).any(axis=1)
-    assert np.all(dominance[in_band & ~near] < 0.01)
-
-
 def test_one_curve_with_equal_weights_is_scipys_aaa():
     interpolate = pytest.importorskip("scipy.interpolate")
     if not hasattr(interpolate, "AAA"):
@@ -72,16 +61,6 @@ def test_one_curve_with_equal_weights_is_scipys_aaa():
         theirs = interpolate.AAA(z, values[0], max_terms=9, rtol=1e-13, clean_up=False).poles()
     ours = set_valued_aaa(freq, values, np.ones(300), 8)[0] / (2 * np.pi * freq[-1])
     np.testing.assert_allclose(np.sort_complex(ours), np.sort_complex(theirs[theirs.imag > 0.0]), rtol=1e-6)
-
-
-def test_lines_without_weight_do_not_count():
-    freq = np.linspace(1.0, 40.0, 400)
-    values, poles = rational(np.random.default_rng(17), freq, 3, 2)
-    weights = np.ones(400)
-    weights[100:110] = 1e-20
-    values[:, 100:110] += 100.0
-    s, _ = vector_fitting(freq, values, weights, 3)
-    assert np.abs(np.sort(s.imag) / np.sort(poles.imag) - 1.0).max() < 1e-6
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -107,16 +86,6 @@ def test_a_strong_antiresonance_that_is_missing_is_a_candidate(record, truth, me
     assert not any(
         np.abs(f / truth[1][0] - 1.0).min(initial=1.0) < 0.02 for f in complete.candidates_hz.values()
     )
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_nothing_of_where_the_values_lie_reaches_the_other_method(record, truth, method):
-    more = {dof: np.sort(np.concatenate([f, 1.3 * f])) for dof, f in truth.items()}
-    few, many = (
-        cross_check(record, values, band_hz=BAND, method=method, n_poles=12) for values in (truth, more)
-    )
-    for dof, f in truth.items():
-        np.testing.assert_array_equal(few.nearest_hz[dof], many.nearest_hz[dof][np.isin(more[dof], f)])
 
 
 def test_frfs_of_one_channel_go_by_their_reciprocal():

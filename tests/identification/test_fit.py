@@ -5,69 +5,12 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.identification.rational_fit import fit_rational, forsythe_basis, roots
-
-
-def partial_fractions(freq, poles_hz, damping, residues):
-    """sum of r / (s - p) + conjugate, s in units of 2 pi Hz."""
-    s = 1j * freq
-    p = poles_hz * (-damping + 1j * np.sqrt(1 - damping**2))
-    return (residues / (s[:, None] - p) + residues.conj() / (s[:, None] - p.conj())).sum(axis=1)
-
-
-def synthetic(n_poles, seed, n_outputs=2):
-    rng = np.random.default_rng(seed)
-    poles = np.linspace(8.0, 190.0, n_poles) + rng.uniform(-1.0, 1.0, n_poles)
-    damping = 10 ** rng.uniform(-3, np.log10(0.05), n_poles)
-    freq = np.linspace(1.0, 200.0, 2400)
-    values = []
-    for _ in range(n_outputs):
-        residues = rng.uniform(0.5, 2, n_poles) * 1j ** rng.integers(0, 4, n_poles)
-        values.append(partial_fractions(freq, poles, damping, residues))
-    return freq, np.array(values), poles, damping
-
-
-def test_basis_is_orthonormal_at_order_100():
-    freq = np.linspace(0.02, 1.0, 3000)
-    weight = np.random.default_rng(0).uniform(0.1, 10.0, freq.size)
-    basis = forsythe_basis(freq, weight, 100)
-    phi = basis.p * 1j ** np.arange(101)
-    gram = (phi.conj() * weight[:, None]).T @ phi
-    # Over the half plane real parts count; other parities cancel between the two halves.
-    assert np.abs(gram.real - np.eye(101)).max() < 1e-12
-    # The recurrence in s gives the same values as the one in frequency.
-    assert np.allclose(basis.at(1j * freq[::100], 100), phi[::100], rtol=0, atol=1e-9 * np.abs(phi).max())
-
-
-def test_roots_are_where_the_sum_vanishes():
-    basis = forsythe_basis(np.linspace(0.1, 1.0, 500), np.ones(500), 20)
-    coefficients = np.random.default_rng(1).standard_normal(21)
-    found = roots(coefficients, basis.b)
-    assert found.size == 20
-    terms = basis.at(found, 20) * coefficients
-    assert np.all(np.abs(terms.sum(axis=1)) < 1e-9 * np.abs(terms).sum(axis=1))
-
-
-def test_a_vanishing_top_coefficient_is_no_root():
-    basis = forsythe_basis(np.linspace(0.1, 1.0, 500), np.ones(500), 6)
-    assert roots(np.array([1.0, 0.3, 0.8, 0.1, 1e-18, 0.0, 0.0]), basis.b).size == 3
-    assert roots(np.array([1.0, 0.0]), basis.b).size == 0
+from antires_rs.identification.rational_fit import fit_rational
+from reference.rational_curves import draw
 
 
 @pytest.mark.parametrize("constraint", ["low", "norm"])
-@pytest.mark.parametrize(("n_poles", "tol"), [(5, 1e-12), (10, 1e-12), (20, 1e-12), (30, 1e-10)])
-def test_exact_data_are_recovered(n_poles, tol, constraint):
-    # Orders 10 to 60, damping from 0.1 %: measured 4e-15 to order 50 and 1e-12 at 60.
-    freq, values, poles, damping = synthetic(n_poles, n_poles)
-    fit = fit_rational(freq, values, 2 * n_poles, constraint=constraint)
-    assert fit.residual < tol
-    assert fit.poles.freq_hz.size == n_poles
-    assert np.abs(fit.poles.freq_hz / poles - 1.0).max() < tol
-    assert np.abs(fit.poles.damping_ratio - damping).max() < tol
-    assert np.allclose(fit.evaluate(freq), values, rtol=0, atol=1e-8 * np.abs(values).max())
-
-
-def test_zeros_are_those_of_each_output():
+def test_zeros_are_those_of_each_output(constraint):
     freq = np.linspace(1.0, 30.0, 600)
     s = 1j * freq
 
@@ -76,7 +19,8 @@ def test_zeros_are_those_of_each_output():
 
     below = pair(8.0, 0.01) * pair(19.0, 0.02)
     values = np.array([pair(12.0, 0.005) / below, pair(25.0, -0.01) * pair(4.0, 0.03) / below])
-    fit = fit_rational(freq, values, 4)
+    fit = fit_rational(freq, values, 4, constraint=constraint)
+    assert np.allclose(fit.evaluate(freq), values, rtol=0, atol=1e-8 * np.abs(values).max())
     assert np.allclose(fit.poles.freq_hz, [8.0, 19.0], rtol=1e-9)
     assert np.allclose(fit.zeros[1].freq_hz, [4.0, 25.0], rtol=1e-9)
     # A zero in the right half plane has negative damping.
@@ -98,9 +42,9 @@ def test_an_improper_quotient_needs_no_monic_denominator():
 @settings(max_examples=25, deadline=None)
 @given(scale=st.floats(1e-9, 1e9), stretch=st.floats(1e-3, 1e4))
 def test_units_do_not_matter(scale, stretch):
-    freq, values, poles, _ = synthetic(4, 3, n_outputs=1)
-    fit = fit_rational(freq * stretch, scale * values[0], 8)
-    assert np.allclose(fit.poles.freq_hz, poles * stretch, rtol=1e-9)
+    freq, values, poles, _ = draw("spread", 8, 3)
+    fit = fit_rational(freq * stretch, scale * values, 8)
+    assert np.allclose(np.sort(fit.poles.s.imag), np.sort(poles.imag) * stretch, rtol=1e-9)
 
 
 GOOD = (np.linspace(1.0, 10.0, 50), np.exp(1j * np.linspace(0, 1, 50)), 4)

@@ -106,13 +106,6 @@ def test_a_selection_of_dofs_and_the_band_are_kept():
     assert found.damping_ratio[4].shape == found[4].shape
 
 
-def test_the_same_record_gives_the_same_bits():
-    rec = record(0.02, 9, 64.0)
-    assert identify_antiresonances(rec, excitation=0, band_hz=BAND) == identify_antiresonances(
-        rec, excitation=0, band_hz=BAND
-    )
-
-
 def test_scale_and_order_of_channels_do_not_matter():
     rec = record(0.0, 10, 128.0)
     gains = np.array([1.0, 1e3, 1e-3, 5.0, -1.0, 20.0, 0.1, 1.0])[:, None]

@@ -8,10 +8,8 @@ from antires_rs.cases import exhaust
 from antires_rs.cases.exhaust_truth import TestedStructure
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.identification.modes import identify_modes
-from antires_rs.identification.rational_fit import residues
 from antires_rs.measured.modal_set import ModalSet
 from antires_rs.signals.frequency_response import FrequencyResponse
-from antires_rs.signals.half_spectra import half_spectra
 from antires_rs.signals.recording import Recording
 from reference.virtual_records import accelerance, chain8_matrices, hit_record, random_record
 from tests.support.measured_data import FLOORS, needs_southampton, southampton
@@ -60,12 +58,6 @@ def test_the_responses_alone():
     assert np.all(np.abs(found.freq_hz / TRUTH.freq_hz - 1.0) < 8 * np.sqrt(0.01 / (4 * np.pi * cycles)))
     assert np.all(np.abs(found.damping_ratio / 0.01 - 1.0) < 8 / np.sqrt(2 * np.pi * 0.01 * cycles))
     assert np.diag(found.mac(TRUTH)).min() > 0.99
-
-
-def test_the_responses_of_a_long_record():
-    # Measured 0.05 % and 3.4 %: the scatter falls with the root of the length.
-    found = identify_modes(record(seed=14, duration_s=1200.0), band_hz=BAND, route="responses")
-    assert_modes(found, 1e-3, 0.05)
 
 
 def test_the_force_is_not_read_on_the_way_of_responses():
@@ -167,41 +159,6 @@ def test_bad_arguments_are_named(source, kwargs, name):
     with pytest.raises(InvalidInputError) as caught:
         identify_modes(source, **{"band_hz": (3.0, 15.0), **kwargs})
     assert str(caught.value).startswith(f"{name}: got ")
-
-
-# ---- half spectra and residues -----------------------------------------------------------------------
-
-
-def test_half_spectra_are_the_transform_of_the_correlation():
-    """A channel and the same one delayed: the correlation is one at the delay, zero elsewhere."""
-    x = np.random.default_rng(13).standard_normal(200_000)
-    delay = 7
-    half = half_spectra(Recording([x[delay:], x[:-delay]], 256.0), nperseg=1024)
-    lag = delay / 256.0
-    expected = np.exp(-(half.added_decay_per_s + 2j * np.pi * half.freq_hz) * lag)
-    # Scatter of a correlation over 2e5 samples, summed over 512 damped lags.
-    assert np.abs(half.values[0, 1] - expected).max() < 0.12
-    assert np.abs(half.values[1, 0]).max() < 0.12  # at negative lags only
-
-
-def test_references_are_few_where_channels_are_many():
-    rec = Recording(np.random.default_rng(13).standard_normal((20, 8192)), 256.0)
-    half = half_spectra(rec, nperseg=512)
-    assert half.values.shape[:2] == (3, 20)
-    assert len(set(half.references)) == 3
-
-
-def test_residues_of_close_poles_with_far_modes():
-    freq = np.linspace(20.0, 30.0, 400)
-    s = 2j * np.pi * freq
-    poles = 2 * np.pi * np.array([-0.05 + 24.9j, -0.05 + 25.1j, -0.5 + 90.0j])
-    true = np.array([[1.0 - 2j, 0.5], [0.3j, -1.0], [4.0, 5.0]])
-    values = sum(
-        true[r][:, None] / (s - p) + true[r].conj()[:, None] / (s - p.conj()) for r, p in enumerate(poles)
-    )
-    found = residues(freq, values, np.ones(freq.size), poles[:2])
-    # The far mode is told from two conjugate pairs by powers of s alone.
-    assert np.allclose(found, true[:2], rtol=0, atol=2e-5)
 
 
 # ---- the modal set -----------------------------------------------------------------------------------

@@ -7,13 +7,6 @@ from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.options import PRESETS, CallOptions, options_of
 
 
-def test_the_papers_rule():
-    held = FitOptions().under("paper")
-    assert (held.freq_tol, held.damping_tol, held.min_rows) == (0.01, 0.05, 10)
-    assert held.min_dominance == 0.0  # no test
-    assert held.persistent is False
-
-
 @pytest.mark.parametrize("preset", [None, *PRESETS])
 def test_what_is_given_wins(preset):
     held = FitOptions(min_rows=3, persistent=False).under(preset)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.identification.scores import graded
 from antires_rs.measured.response_table import ResponseTable
 
 
@@ -54,13 +53,6 @@ def test_tables_are_joined_in_order():
     assert joined.same_as(table)
     for name, column in table.scores.items():
         np.testing.assert_array_equal(joined.scores[name], column)
-
-
-def test_a_score_replaces_and_adds():
-    table = graded(example())
-    assert set(table.scores) == {*example().scores, "grade"}
-    assert table.with_scores(how=["a", "b", "c"]).how.tolist() == ["a", "b", "c"]
-    assert table.how.tolist() == ["persistent", "chain", "chain"]
 
 
 def test_columns_of_another_length_are_named():

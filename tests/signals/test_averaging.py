@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.signals import spectra
-from antires_rs.signals.averaging import Autocorrelation, Averaging, average, choose_nperseg, narrow_width
+from antires_rs.signals.averaging import Autocorrelation, choose_nperseg
 from antires_rs.signals.recording import Recording
 
 BAND = (3.0, 130.0)
@@ -82,27 +82,3 @@ def test_the_choice_follows_the_damping():
         for damping in (0.01, 0.02)
     ]
     assert chosen == [16384, 8192]
-
-
-def test_channels_that_do_not_move_have_no_say():
-    rng = np.random.default_rng(1)
-    x = rng.standard_normal(4096)
-    with_dead = Autocorrelation(Recording(np.stack([x, np.full(4096, 2.0)]), 64.0))
-    alone = Autocorrelation(Recording(x[None], 64.0))
-    np.testing.assert_array_equal(with_dead.power(256, (1.0, 30.0)), alone.power(256, (1.0, 30.0)))
-
-
-def test_widths_of_known_peaks():
-    f = np.arange(1000.0)
-    power = 1e-6 + sum(1.0 / (1.0 + ((f - at) / half) ** 2) for at, half in ((200.0, 4.0), (700.0, 10.0)))
-    # The lower quartile of two, 6.4 and 16 lines wide.
-    assert narrow_width(power) == pytest.approx(8.8, rel=0.02)
-
-
-def test_lines_in_the_band_are_those_of_all():
-    rec = Recording(np.random.default_rng(0).standard_normal((2, 4096)), 100.0)
-    every = spectra.cross_spectra(rec, nperseg=512)
-    made = average(rec, (0.0, 20.0), Averaging(nperseg=512, method="welch"))
-    inside = (every.freq_hz > 0.0) & (every.freq_hz <= 20.0)
-    np.testing.assert_array_equal(made.spectra.freq_hz, every.freq_hz[inside])
-    np.testing.assert_array_equal(made.spectra.matrix, every.matrix[inside])

@@ -5,7 +5,6 @@ import tracemalloc
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.signals.spectra import Segments
 
 
 def record(n_samples):
@@ -41,19 +40,3 @@ def test_a_read_only_array_of_ones_own_is_not_copied():
     kept = ar.Recording(mine, 256.0)
     mine[:] = 0.0
     assert kept.responses.any()
-
-
-def test_segments_scaled_by_rows_and_lines_keep_their_covariance():
-    rng = np.random.default_rng(1)
-    x = rng.standard_normal((5, 3, 40)) + 1j * rng.standard_normal((5, 3, 40))
-    rows, lines = rng.uniform(0.5, 2.0, 3), rng.uniform(0.5, 2.0, 5)
-    scaled = Segments.of(x).times(rows).times(lines[:, None])
-    wanted = x * rows[:, None] * lines[:, None, None]
-    np.testing.assert_allclose(scaled.at(slice(1, 4)), wanted[1:4], rtol=1e-12)
-    np.testing.assert_allclose(
-        scaled.covariance(), wanted @ wanted.conj().transpose(0, 2, 1) / 40, rtol=1e-12, atol=1e-14
-    )
-    basis = np.linalg.qr(rng.standard_normal((3, 2)))[0]
-    np.testing.assert_allclose(
-        scaled.projected(basis).covariance(), basis.T @ scaled.covariance() @ basis, rtol=1e-9, atol=1e-12
-    )

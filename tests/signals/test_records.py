@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.signals.channel_checks import of_segments
 from antires_rs.signals.data_check import check_data
-from antires_rs.signals.one_force import DataCheck, Finding, noise_ratio
+from antires_rs.signals.one_force import DataCheck, Finding
 from antires_rs.signals.recording import Recording
-from antires_rs.signals.spectra import cross_spectra, noise_power
 from reference.virtual_records import hit_record
 from tests.support.campaign import some_of
 from tests.support.checked_records import BAND, FS, MASS, STIFFNESS, check, data, record, seen
@@ -16,26 +14,12 @@ from tests.support.checked_records import BAND, FS, MASS, STIFFNESS, check, data
 # ---- no false alarm ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("noise", "damping_ratio", "duration_s", "seed"),
-    [
-        (0.0, 0.005, 60.0, 31),
-        (0.0, 0.01, 200.0, 32),
-        (0.0, 0.02, 60.0, 33),
-        (0.01, 0.005, 200.0, 34),
-        (0.01, 0.01, 60.0, 35),
-        (0.01, 0.02, 200.0, 36),
-        (0.05, 0.005, 60.0, 37),
-        (0.05, 0.01, 200.0, 38),
-        (0.05, 0.02, 60.0, 39),
-        (0.1, 0.005, 200.0, 40),
-        (0.1, 0.01, 60.0, 41),
-        (0.1, 0.02, 200.0, 42),
-    ],
-)
-def test_good_records_pass(noise, damping_ratio, duration_s, seed):
-    responses, force = data(noise, seed, duration_s, damping_ratio=damping_ratio)
-    result = check(Recording(responses, FS, force=force if seed % 2 else None))
+@pytest.mark.parametrize("duration_s", [60.0, 200.0])
+@pytest.mark.parametrize("damping_ratio", [0.005, 0.02])
+@pytest.mark.parametrize("noise", [0.0, 0.01, 0.1])
+def test_good_records_pass(noise, damping_ratio, duration_s):
+    responses, force = data(noise, 31, duration_s, damping_ratio=damping_ratio)
+    result = check(Recording(responses, FS, force=force if duration_s > 100.0 else None))
     assert result.ok, str(result)
     assert result.not_tested == {}
     for some in ([0, 3, 6], [0, 2, 4, 7], [1, 4, 6]):
@@ -72,34 +56,6 @@ def test_two_channels_and_few_averages_do_not_tell_a_second_force(good):
     long = check(Recording(good[0], FS), nperseg=32768)
     assert "independent averages" in long.not_tested["one_force"]
     assert [name for name, _ in seen(long)] == ["averages"]
-
-
-@pytest.mark.parametrize(("n", "averages"), [(4, 12), (8, 14), (8, 40), (5, 200)])
-def test_the_second_eigenvalue_of_noise_is_as_expected(n, averages):
-    rng = np.random.default_rng(50)
-    shape = (3000, n, averages)
-    segments = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
-    segments[:, 0] *= 1e3  # one strong signal in the first channel
-    values = np.linalg.eigvalsh(segments @ segments.conj().transpose(0, 2, 1) / averages)[:, ::-1]
-    got = values[:, 1].mean() / values[:, 2:].mean()
-    # The law is asymptotic and 8 % low for 4 channels and 12 averages; lines count from twice its value on.
-    assert noise_ratio(n, averages) == pytest.approx(got, rel=0.1)
-
-
-def test_noise_of_channels_is_found_whatever_the_number_of_forces():
-    levels = np.array([0.02, 0.05, 0.02, 0.1, 0.02, 0.03, 0.02, 0.02])
-    for forces in (1, 2):
-        rng = np.random.default_rng(51)
-        clean, _ = data(0.0, 52)
-        if forces == 2:
-            clean = clean + 0.5 * data(0.0, 53, excitation=5)[0]
-        rec = Recording(clean + levels[:, None] * rng.standard_normal(clean.shape), FS)
-        spectra = cross_spectra(rec, nperseg=4096)
-        inside = (spectra.freq_hz > 3) & (spectra.freq_hz < 130)
-        got = noise_power(spectra.matrix[inside], spectra.n_effective)
-        # White noise of unit variance has a one-sided density of 2 / fs. The median over lines and the little
-        # that the others do not tell of a channel leave 25 %.
-        np.testing.assert_allclose(got, levels**2 * 2 / FS, rtol=0.25)
 
 
 # ---- place of the force -----------------------------------------------------------------------------------
@@ -145,15 +101,6 @@ def test_too_coarse_segments_are_named(good, nperseg, severity):
         assert result.findings[0].advice.endswith("or let nperseg=None choose.")
 
 
-def test_who_left_the_choice_of_segments_is_not_told_to(good, monkeypatch):
-    from antires_rs.signals import averaging
-
-    monkeypatch.setattr(averaging, "choose_nperseg", lambda rec, band, correlation: 512)
-    [finding] = check(Recording(good[0], FS)).named("resolution")
-    assert finding.advice.startswith("Use longer segments, of ")
-    assert "nperseg" not in finding.advice
-
-
 @pytest.mark.parametrize(
     ("duration_s", "severity"), [(2.0, "fatal"), (8.0, "fatal"), (20.0, "warning"), (60.0, None)]
 )
@@ -161,15 +108,6 @@ def test_too_short_records_are_named(duration_s, severity):
     result = check(record(seed=59, duration_s=duration_s))
     assert [f.severity for f in result.named("record_length")] == [severity] * (severity is not None)
     assert result.ok == (severity is None)
-
-
-@pytest.mark.parametrize("duration_s", [100.0, 82.0, 50.0])
-def test_no_one_is_told_to_record_less(duration_s):
-    """Segments are powers of two, so that a record may be too short which is long enough by the count."""
-    [short] = of_segments(0.244, 0.125, duration_s, longer=False, chosen=True, known=True)
-    assert short.advice == (
-        "Record 82 s, better 660 s." if duration_s < 81.0 else "Record for longer, at best 660 s."
-    )
 
 
 # ---- hits -------------------------------------------------------------------------------------------------
@@ -250,12 +188,6 @@ def test_several_faults_are_ordered_by_severity(good):
     responses[2] = np.clip(responses[2], -limit, limit)
     result = check(Recording(responses, FS))
     assert seen(result) == [("dead_channel", (4,)), ("clipped_channel", (2,))]
-
-
-def test_the_same_data_give_the_same_findings(good):
-    first, again = (check(Recording(good[0], FS)) for _ in range(2))
-    assert np.array_equal(first.eigenvalues, again.eigenvalues)
-    assert first.findings == again.findings
 
 
 @pytest.mark.parametrize(

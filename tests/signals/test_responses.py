@@ -7,6 +7,7 @@ from antires_rs.signals.data_check import check_data
 from antires_rs.signals.frequency_response import FrequencyResponse
 from antires_rs.signals.recording import Recording
 from reference.virtual_records import accelerance, chain8_matrices
+from tests.support.checked_records import seen
 from tests.support.measured_data import BRAKE_REUSS, FLOORS, needs_brake_reuss, needs_southampton, southampton
 
 STIFFNESS, MASS = chain8_matrices()
@@ -14,11 +15,6 @@ STIFFNESS, MASS = chain8_matrices()
 
 def check(resp, excitation=0):
     return check_data(resp, excitation=excitation, band_hz=(3.0, 130.0))
-
-
-def seen(result):
-    """Names and dofs of all that is worse than a note."""
-    return [(f.name, f.where) for f in result.findings if f.severity != "note"]
 
 
 def frfs(df=1 / 16, excitation=0, noise=1e-4):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
+from antires_rs.exceptions import UnsuitableDataError
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.signals.averaging import find_events, is_transient, transient_spectra
 from antires_rs.signals.recording import Recording
@@ -97,8 +97,3 @@ def test_the_windows_damping_is_taken_off():
         assert np.allclose(found[dof], long[dof], rtol=5e-3)
         # Without the correction the damping at 16 Hz would be 2 % instead of 0.9 %.
         assert np.allclose(found.damping_ratio[dof], long.damping_ratio[dof], atol=2e-3)
-
-
-def test_unknown_window_is_named():
-    with pytest.raises(InvalidInputError, match="^window: got .?hamming"):
-        transient_spectra(hit(), window="hamming")

@@ -16,11 +16,9 @@ from .spectra import CrossSpectra, Segments, cross_spectra, lines_in, window_val
 
 # -- Hammer impacts: one transform over the whole event, from before the impact until it has died
 #
-# Welch's segments would each start in the middle of a decay, with an unknown state; the quotient of two
-# such spectra is not a transmissibility. A transform over the whole event, from rest, is exact: every
-# response is then the FRF times the spectrum of the force, whatever its shape (double impacts too). If the
-# response has not died at the end, an exponential window forces it to. That window moves every root of
-# every quotient by its decay rate along the real axis, so its damping can be taken off again exactly.
+# Welch's segments would each start in the middle of a decay, with an unknown state. Of a transform from rest
+# every response is the FRF times the spectrum of the force, whatever its shape. If the response has not died
+# at the end, an exponential window forces it to, and moves every root by its decay rate along the real axis.
 
 
 # Blocks of the energy profile: coarse ones tell a decay from steady vibration, fine ones find the impact.
@@ -185,14 +183,9 @@ def _window_decay(rec: Recording, event: Event, window: str) -> float:
 
 # -- How wide the sharp resonances of a record are, and the power spectrum that tells it
 #
-# Averaged over all places that a segment can have, Welch's auto spectrum with the taper w is the transform of
-# the autocorrelation R of the record times that of the taper,
-#
-#     S(f) = sum over lags of  R(lag) r_w(lag) exp(-2 pi i f lag),
-#
-# so one transform of the whole record gives the spectrum at the resolution of any segment length, and no
-# segment is transformed to choose one (R. B. Blackman and J. W. Tukey, The Measurement of Power Spectra,
-# 1959; P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73).
+# Averaged over all places of a segment, Welch's auto spectrum is the transform of the autocorrelation of the
+# record times that of the taper: one transform of the whole record gives the spectrum at the resolution of
+# any segment length (R. B. Blackman and J. W. Tukey, The Measurement of Power Spectra, 1959).
 
 
 # Segments are not longer than this share of the record, so that their scatter can be told.
@@ -309,11 +302,7 @@ def owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
 
 # -- How long the segments of Welch's method should be when the user does not say
 #
-# 16 / (narrow half-power bandwidth), at most a tenth of the record; rounded to the nearest power of two; with
-# no more than 5,000 lines in the band. The bandwidth is the lower quartile of those of the peaks that stand
-# 10 dB over the median of the summed, channel-normalised power spectrum in the band, at the resolution of the
-# longest segments allowed. For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a record of 600 s, 16 s
-# of one of 200 s, 8 s of one of 60 s.
+# For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a record of 600 s, 16 s of 200 s, 8 s of 60 s.
 
 
 # Segments of this many half-power bandwidths' reciprocals. On a chain with 1 % damping (narrowest resonance

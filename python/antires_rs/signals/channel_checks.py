@@ -228,32 +228,14 @@ def _much_of_the_band(
 # -- Are all channels on one clock and of one kind?
 #
 # A channel that was sampled later turns against the others in proportion to frequency; one of another kind
-# (a velocity among accelerations) stands at right angles. What it takes to say so is more than a phase that
-# is off: real structures have channels, near a clamp for instance, whose phase is off at every resonance. A
-# finding needs a delay, or a right angle, that brings the channel back into the common phase
-# (``agreement``) about as well as the other channels keep it, at so many modes that random phases would not
-# do so: the bound of that probability, times the number of channels of this structure that are out of phase
-# without such a reason, has to be small.
+# (a velocity among accelerations) stands at right angles. Real structures have channels whose phase is off at
+# every resonance, so a finding needs a delay, or a right angle, that brings the channel back into the common
+# phase about as well as the other channels keep it, at so many modes that random phases would not do so.
 #
-# Polarity cannot be seen: a sensor upside down is at half a turn, like a mode shape with a node in between.
-
-
-# -- How well a channel keeps the common phase, and how sure that is
-#
-# Where the modes are real all responses at one line are in phase or against phase. That holds at the
-# resonances of any lightly damped structure; between them, near clamps and at nodes, what is left may be
-# noise, cross-talk or the imaginary part of the modes, and its phase means nothing. So a line speaks about
-# channel p only where
-#
-# - the *others* are in phase or against phase among themselves, in power, each at its typical share of the
-#   line (the shares are those of the direction of the vector of responses, which FRFs and transmissibilities
-#   have in common);
-# - p itself takes part: it has at least half of its typical share of the line. A channel that follows no
-#   resonance falls below it exactly there.
-#
-# Twice the phase, which does not know the sign, is compared: z_p = exp(2i (phase of p - phase of the
-# others)). Neighbouring lines of one direction are one mode, and one piece of evidence, however many they
-# are. For a delay t and an offset c the agreement is
+# A line speaks about channel p only where the *others* are in phase or against phase among themselves, in
+# power, each at its typical share of the line, and where p has at least half of its typical share. Twice the
+# phase, which does not know the sign, is compared: z_p = exp(2i (phase of p - phase of the others)).
+# Neighbouring lines of one direction are one mode, and one piece of evidence. For a delay t and an offset c
 #
 #     R(t, c) = mean over modes of the mean over their lines of Re(z_p exp(2i (2 pi f t - c)))
 #

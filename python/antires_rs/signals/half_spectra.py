@@ -5,19 +5,13 @@ Under a broadband force the correlation of channels a and b decays like the stru
     R_ab(tau) = E[x_a(t) x_b(t + tau)] = sum_r g_ra phi_rb exp(s_r tau) + its conjugate,      tau > 0
 
 so that its transform over positive lags is a rational function with the poles s_r and the shapes phi_r, as an
-FRF is. (The full auto spectrum has each pole twice, and no phase.) The transform back from Welch's spectra
-gives R times the autocorrelation of the taper, which is known and divided out: leakage, which widens every
-peak of a Welch spectrum, is gone. An exponential over the lags keeps the tail, where only scatter is left,
-from counting; its decay is taken off the poles exactly. White noise of a sensor lives at lag zero and adds a
-constant.
+FRF is. The transform back from Welch's spectra gives R times the autocorrelation of the taper, which is
+divided out: leakage is gone. An exponential over the lags keeps the tail, where only scatter is left, from
+counting; its decay is taken off the poles exactly. No method can do better than a relative standard deviation
+of 1 / sqrt(2 pi zeta N) in damping and sqrt(zeta / (4 pi N)) in frequency, N the cycles of the mode.
 
-What remains is scatter: the force is known only on average. For well separated modes no method can do
-better than a relative standard deviation of 1 / sqrt(2 pi zeta N) in damping and sqrt(zeta / (4 pi N)) in
-frequency, N the cycles of the mode in the record: 6 % and 0.04 % for 22 Hz with 1 % damping in 200 s.
-
-References: J. S. Bendat and A. G. Piersol, Random Data, 4th ed., 2010 (correlation from spectra); B.
-Cauberghe, Ph.D. thesis, Vrije Universiteit Brussel, 2004 (positive half spectra); S.-K. Au, Mech. Syst.
-Signal Process. 48 (2014) 15-33 (limits).
+References: J. S. Bendat and A. G. Piersol, Random Data, 4th ed., 2010; B. Cauberghe, Ph.D. thesis, Vrije
+Universiteit Brussel, 2004; S.-K. Au, Mech. Syst. Signal Process. 48 (2014) 15-33 (limits).
 """
 
 from __future__ import annotations

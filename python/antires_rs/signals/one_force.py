@@ -203,14 +203,11 @@ class DataCheck(ReadOnly, Viewed):
 
 # -- Does one force explain the responses?
 #
-# Under one force and independent noise the spectral matrix, scaled to equal noise, has one large
-# eigenvalue; the others are noise and scatter as those of a Wishart matrix. A second, independent force
-# lifts the second eigenvalue. Two other things do so too and must not be taken for it: the scatter of few
-# averages, whose mean is known, and leakage. Within the width of the window the response changes its
-# direction, so a segment's line holds a mixture of neighbouring directions; the first vectors, spread by
+# Under one force and independent noise the spectral matrix, scaled to equal noise, has one large eigenvalue.
+# A second, independent force lifts the second; so do the scatter of few averages, whose mean is known, and
+# leakage: within the width of the window the response changes its direction, and the first vectors, spread by
 # the window as the window spreads power, tell how much second eigenvalue that makes. A line counts when its
-# second eigenvalue stands above both, and above a share of the first below which a second force does not
-# matter.
+# second eigenvalue stands above both, and above a share of the first.
 #
 # References: K. Johansson, Commun. Math. Phys. 209 (2000) 437-476, and I. M. Johnstone, Ann. Stat. 29 (2001)
 # 295-327 (largest eigenvalue of noise); C. Y. Shih et al., Mech. Syst. Signal Process. 2 (1988) 367-377
@@ -450,23 +447,15 @@ def noise_ratio(n: int, n_averages: float) -> float:
 
 # -- Does the force act where it is said to?
 #
-# At the driving point k every mode has a residue of one sign, phi_kr^2, and so resonances and
-# antiresonances of H_kk alternate: exactly one zero between neighbouring poles. Any other dof lacks one
-# somewhere, unless its mode shapes have the signs of those of k in all modes of the band.
-#
-# No force is needed to see that, and no zero has to be found. The responses at one line are N_p(w) / D(w),
-# with D common to all, so the vector N(w), real but for damping, is known at each line up to a factor. It
-# moves steadily from line to line; followed through the lines between two resonances, the sign of its
-# component k at the next one, compared with the last, tells whether the number of zeros of H_kk between
-# them is odd or even. The signs are read at the resonances, where every response is far above its noise,
-# and the direction in between from all channels together; the zero itself may lie deep in noise.
-#
-# With the force recorded the residues are seen directly: the imaginary parts of the accelerance H_kk at the
-# resonances have one sign.
+# At the driving point k every mode has a residue of one sign, and so resonances and antiresonances of H_kk
+# alternate. Any other dof lacks one somewhere, unless its mode shapes have the signs of those of k in all
+# modes of the band. No force is needed to see that, and no zero has to be found: the vector of responses at a
+# line, real but for damping, is known up to a factor and moves steadily; followed from one resonance to the
+# next, the sign of its component k tells whether the number of zeros of H_kk between them is odd or even.
+# With the force recorded the residues are seen directly.
 #
 # References: D. K. Miu, ASME J. Dyn. Syst. Meas. Control 113 (1991) 419-424 (zeros of a driving point
-# interlace with the poles); D. J. Ewins, Modal Testing, 2nd ed., 2000, ch. 2 (antiresonances of point
-# FRFs).
+# interlace with the poles); D. J. Ewins, Modal Testing, 2nd ed., 2000, ch. 2.
 
 
 FORCE_LOCATION = "force_location"

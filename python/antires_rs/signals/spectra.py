@@ -1,18 +1,11 @@
-r"""Welch spectra, frequency responses and transmissibilities from records.
+r"""Welch spectra of records, the noise that they tell, and what one force or two channels make of them.
 
-Conventions: S_ab is what ``scipy.signal.csd(a, b)`` computes, the average of conj(A) B. So
-X_p = T_pj X_j gives
-
-    H1:  T = S_jp / S_jj      H2:  T = S_pp / S_pj      Hv:  total least squares on (x_j, x_p)
-
-and the same with the force for x_j in an FRF. H1 is biased low by noise on the input, H2 biased high by
-noise on the output. For a transmissibility H1 is at its worst exactly where it matters: at an antiresonance
-of j the channel x_j is mostly noise, the estimate is the true T divided by 1 + noise / signal of x_j at that
-line, and the peak of T_pj is flattened. No averaging helps: a bias, unlike scatter, stays. Nor does the
-coherence-based standard deviation show it. H2 has that bias at the antiresonances of p instead, Hv lies
-between. "rank1" uses that one force acts: the matrix of all spectra has rank one but for noise, and its
-dominant eigenvector, with the channels scaled to equal noise, holds the responses up to a common factor,
-without bias to first order.
+S_ab is what ``scipy.signal.csd(a, b)`` computes, the average of conj(A) B. H1 is biased low by noise on the
+input, H2 biased high by noise on the output. At an antiresonance of j the channel x_j is mostly noise: H1
+divides T_pj by 1 + noise / signal of x_j at that line, and flattens its peak, which no averaging helps and
+the coherence-based standard deviation does not show. "rank1" uses that one force acts: the dominant
+eigenvector of the matrix of all spectra, with the channels scaled to equal noise, holds the responses up to a
+common factor, without bias to first order.
 
 References: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73; J. S. Bendat and A. G. Piersol,
 Random Data, 4th ed., 2010; G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (1985) 272-278 (Hv).
@@ -35,10 +28,8 @@ from .recording import Recording, check_recording, parts_of, rows_of, shortest
 
 # -- Spectra of many segments, kept in half the digits beside their exact average
 #
-# Sums over segments are made in double precision while the segments are transformed, some at a time. What is
-# kept of each is asked for standard deviations only, so seven digits do: of a record whose band reaches up to
-# the Nyquist frequency, segments that overlap by half take as much memory as the record.
-
+# What is kept of each segment is asked for standard deviations only, so seven digits do: of a record whose
+# band reaches up to the Nyquist frequency, segments that overlap by half take as much memory as the record.
 
 #: Numbers that are worked on at a time: a few times this is what a step needs beside its input.
 AT_A_TIME = 1 << 17
@@ -106,10 +97,6 @@ class Segments:
 
 
 # -- The noise of channels and of lines, as averaged spectra tell it
-#
-# - :func:`noise_power`: each channel's own noise, whatever number of forces acts on the structure;
-# - :func:`channel_noise`: relative noise of the channels under one force;
-# - :func:`noise_floor`, :func:`floors`: the level of the matrix, for all lines and by line.
 
 
 def spectrum(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, ComplexArray]:
@@ -145,10 +132,9 @@ FLOOR_LINES = 101
 def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
     """Noise power of each channel at the median line, (n_channels,), units of the diagonal.
 
-    What the other channels together do not tell of a channel is its noise: ``1 / inv(S)_pp``, the variance of
-    p given all others, corrected for the averages that the regression uses up. No assumption on the number
-    of forces enters, as long as there are fewer than channels. With too few averages for an inverse, what the
-    dominant eigenvector leaves of the diagonal is taken.
+    What the other channels together do not tell of a channel is its noise: ``1 / inv(S)_pp``, corrected for
+    the averages that the regression uses up, for any number of forces below that of channels. With too few
+    averages for an inverse, what the dominant eigenvector leaves of the diagonal is taken.
     """
     n = matrix.shape[1]
     mean = np.einsum("fii->fi", matrix).real.mean(axis=0)
@@ -178,8 +164,7 @@ def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
 def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> FloatArray:
     """Relative noise power of every channel: what the dominant vector leaves of the diagonal, (n_channels,).
 
-    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n); ``start`` is a first estimate, by default
-    the same share of every channel's power.
+    ``matrix`` holds averages of conj(A) B, (n_freq, n, n).
     """
     some = matrix[:: max(1, matrix.shape[0] // LINES)]
     auto = np.einsum("fii->fi", some).real
@@ -246,11 +231,7 @@ def typical_noise(values: ComplexArray) -> FloatArray:
 
 
 def local_noise(values: ComplexArray) -> FloatArray:
-    """Noise power of every curve around every line, (n_outputs, n_freq).
-
-    At a sharp resonance the curve itself bends within a line; there the noise comes out too high, which only
-    keeps the few lines of the peak from ruling the fit.
-    """
+    """Noise power of every curve around every line, (n_outputs, n_freq); too high at sharp resonances."""
     from scipy.ndimage import median_filter  # slow to import
 
     power = np.mean(np.abs(values) ** 2, axis=1)[:, None]
@@ -278,11 +259,9 @@ def running_mean(values: FloatArray, width: int) -> FloatArray:
 
 
 def prominent_peaks(curve: FloatArray, least: float) -> NDArray[np.int64]:
-    """Indices of the maxima with a prominence of ``least`` at least, ascending.
+    """Indices of the maxima with a prominence of ``least`` at least, ascending; of a flat top the middle.
 
-    The prominence is the height over the higher of the two lowest points that lie between the peak and the
-    next higher point, or the end, on either side. Of a flat top the middle is taken. As
-    ``scipy.signal.find_peaks``, whose import takes longer than the identification of a short record.
+    As ``scipy.signal.find_peaks``, whose import takes longer than the identification of a short record.
     """
     # Stretches of equal values; a peak is one with lower ones on both sides.
     first = np.flatnonzero(np.diff(curve, prepend=np.nan) != 0.0)
@@ -356,10 +335,7 @@ class CrossSpectra:
 def effective_averages(taper: FloatArray, step: int, n_segments: int) -> float:
     """Number of independent averages with the variance of ``n_segments`` that overlap.
 
-    Notes
-    -----
-    P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73: variance of the averaged spectrum of a
-    signal that is white over the width of the window.
+    P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73, for a signal that is white over the window.
     """
     shifts = np.arange(1, min(n_segments, -(-taper.size // step)))
     shared = np.array([(taper[j * step :] @ taper[: taper.size - j * step]) ** 2 for j in shifts])
@@ -470,13 +446,8 @@ def window_values(window: Any, n: int) -> FloatArray:
     return taper
 
 
-# -- The direction of the responses at each line, and its noise
-#
-# Under one force the responses at a line are a vector known up to a factor: of measured FRFs and of the
-# transmissibilities made of them the factor differs, the direction does not. So the noise of given curves is
-# taken from their directions, and is the same for both: what is rough from line to line in curves that turn
-# smoothly.
-
+# -- The direction of the responses at each line, and its noise: what is rough from line to line in curves
+# that turn smoothly. Of FRFs and of the transmissibilities made of them it is the same.
 
 # No channel is taken to have less noise than this share of the typical one.
 LEAST_SHARE = 1e-2
@@ -507,12 +478,8 @@ def noise_shares(noise: FloatArray) -> tuple[FloatArray, FloatArray]:
     return row, np.mean(noise / row[:, None], axis=0)
 
 
-# -- One force acts: the responses as one vector a line
-#
-# Under a single force at k the spectral matrix of the responses is S = s s^H + diag(noise), where the
-# vector s is proportional to the FRFs H_pk. With the channels scaled to equal noise its dominant eigenvector
-# is the maximum-likelihood estimate of s up to a complex factor, and every transmissibility is a ratio of two
-# of its entries. The factor, and with it the resonances, cancels.
+# -- One force acts: S = s s^H + diag(noise), s proportional to the FRFs H_pk. With channels of equal noise
+# its dominant eigenvector is the maximum-likelihood estimate of s up to a complex factor, which cancels.
 
 
 def response_vectors(
@@ -520,8 +487,7 @@ def response_vectors(
 ) -> tuple[ComplexArray, FloatArray]:
     """Dominant vectors, (n_channels, n_freq) in the channels' units, and signal-to-noise power, (n_freq,).
 
-    ``matrix`` holds averages of conj(A) B, shape (n_freq, n, n). ``noise`` is each channel's noise power in
-    the same units; where it is not known it is estimated.
+    ``noise`` is each channel's noise power in the same units; where it is not known it is estimated.
     """
     known = noise is not None and noise.min() > 0.0
     scale = noise if noise is not None and known else channel_noise(matrix)
@@ -532,34 +498,20 @@ def response_vectors(
 
 # -- Two-channel estimators, and how far each estimate scatters
 #
-# With S_ab the average of conj(A) B over n_d independent pieces, and j the input:
+# With n_d independent averages an H1 or H2 scatters, in its real and its imaginary part alike, by
 #
-#     H1 = S_jp / S_jj    H2 = S_pp / S_pj    Hv: total least squares on (x_j, x_p)
+#     std^2 = abs(H)^2 (1 - g2) / (2 g2 (n_d - 1)),    g2 the ordinary coherence,
 #
-# Noise on the input makes H1 too small by the factor 1 / (1 + noise_j / signal_j), noise on the output
-# makes H2 too large by 1 + noise_p / signal_p. An estimate H scatters, in its real and its imaginary part
-# alike, by
-#
-#     std^2 = abs(H)^2 (1 - g2) / (2 g2 (n_d - 1)),    g2 the ordinary coherence.
-#
-# That is the textbook's expression (there with n_d: the coherence itself is estimated from the same averages
-# and comes out too high by one part in n_d). It is exact to first order for H1 and H2, and an upper limit for
-# Hv, whose magnitude may scatter less by up to sqrt(g2).
-#
-# For the rank-one estimate T = v_p / v_j, v the dominant eigenvector of a matrix whose channels are scaled to
-# equal noise, first-order perturbation moves v along every other eigenvector e_k (eigenvalue l_k, that of v
-# l_1) by a random amount of variance l_1 l_k / (n_d (l_1 - l_k)^2), hence
+# the textbook's expression (there with n_d: the coherence itself comes out too high by one part in n_d), and
+# an upper limit for Hv. For the rank-one estimate T = v_p / v_j first-order perturbation moves v along every
+# other eigenvector e_k by a random amount of variance l_1 l_k / (n_d (l_1 - l_k)^2), hence
 #
 #     std^2 = sum_k abs(e_kp - T e_kj)^2 / abs(v_j)^2  l_1 l_k / (2 (n_d - 1) (l_1 - l_k)^2).
 #
-# In white noise that is abs(T)^2 (1 + 1/q) (1/q_p + 1/q_j) / (2 n_d), q the signal-to-noise power of all
-# channels together, q_p that of one; for H1 the factor (1 + 1/q) (1/q_p + 1/q_j) reads 1/q_p + 1/q_j +
-# 1/(q_p q_j). So the eigenvector gains over H1 where both channels are weak; with two channels both are the
-# same.
+# So the eigenvector gains over H1 where both channels are weak; with two channels both are the same.
 #
 # References: J. S. Bendat and A. G. Piersol, Random Data, 4th ed., 2010, ch. 9 (random errors of H1 and H2);
-# G. T. Rocklin, J. Crowley, H. Vold, Proc. IMAC 3 (1985) 272-278 (Hv); T. W. Anderson, Ann. Math. Stat. 34
-# (1963) 122-148 (scatter of eigenvectors).
+# T. W. Anderson, Ann. Math. Stat. 34 (1963) 122-148 (scatter of eigenvectors).
 
 
 # Below this a coherence is that of a line without energy.
@@ -598,10 +550,7 @@ def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexAr
 
 
 def std_of_coherence(values: ComplexArray, coherence: FloatArray, n_averages: float) -> FloatArray:
-    """Standard deviation of real and imaginary part, (n_channels, n_freq).
-
-    A line without any coherence knows nothing; its deviation is kept finite, and very large.
-    """
+    """Standard deviation of real and imaginary part, (n_channels, n_freq); finite without coherence."""
     known = np.maximum(coherence, LEAST_COHERENCE)
     # H1 is zero where coherence is: the scatter there must not be.
     size = np.maximum(np.abs(values), LEAST_COHERENCE * np.abs(values).max(axis=1, keepdims=True))
