@@ -86,14 +86,6 @@ def test_a_selection_of_channels_and_their_labels():
     assert np.diag(found.mac(few)).min() > 0.9999
 
 
-def test_channels_of_very_different_size():
-    rec = record()
-    gain = 10.0 ** np.arange(-4, 4)
-    found = identify_modes(Recording(gain[:, None] * rec.responses, FS, force=rec.force), band_hz=BAND)
-    unscaled = ModalSet(found.freq_hz, found.shapes / gain)
-    assert np.diag(unscaled.mac(TRUTH)).min() > 0.9999
-
-
 def test_modes_just_outside_the_band_do_not_spoil_the_shapes():
     """Of the exhaust: rigid-body modes up to 2.6 Hz below a band from 8 Hz, a mode at 269.7 Hz above it."""
     case, tested = exhaust(), TestedStructure(0)

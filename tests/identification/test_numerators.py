@@ -8,7 +8,7 @@ import pytest
 from antires_rs import FitOptions
 from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.identification.lines import Lines
-from antires_rs.identification.numerators import Influence, NumeratorFit, likeliest
+from antires_rs.identification.numerators import Influence, likeliest
 from antires_rs.signals.recording import Recording
 from antires_rs.signals.spectra import Segments
 from reference.virtual_records import (
@@ -47,28 +47,6 @@ def exact_zeros(row):
     s = np.roots(total)
     s = s[(s.imag > 1.0) & (np.abs(s) < 2 * np.pi * 70)]
     return s[np.argsort(np.abs(s))]
-
-
-def covariance_of(x):
-    return x[:, :, None] * x[:, None, :].conj()
-
-
-def fit_of(covariance, order):
-    largest = np.linalg.eigvalsh(covariance)[:, -1]
-    return NumeratorFit(FREQ, covariance.__getitem__, largest, 1.0 / largest, order)
-
-
-def nearest(roots, wanted):
-    return np.array([np.abs(roots / s - 1.0).min() for s in wanted])
-
-
-@pytest.mark.parametrize("kind", ["low", "likeliest"])
-def test_exact_data_give_the_exact_zeros(kind):
-    fit = fit_of(covariance_of(vectors()), 6)
-    c = fit.low(6) if kind == "low" else fit.likeliest(6)[0]
-    assert [exact_zeros(row).size for row in range(4)] == [3, 2, 1, 0]
-    for row in range(3):
-        assert nearest(fit.zeros(c[:, row]), exact_zeros(row)).max() < 1e-7
 
 
 def draw(rng, level, count=40):
@@ -130,16 +108,6 @@ def test_what_no_reference_alone_shows():
             assert found[dof].size == sum(near)
     assert counts["numerators"] == 28
     assert counts["joint"] < 28
-
-
-def test_only_averaged_records_have_standard_deviations_of_segments():
-    stiffness, mass = chain8_matrices()
-    responses, _ = random_record(stiffness, mass, duration_s=64.0, noise=0.01, seed=15)
-    found = identify_antiresonances(Recording(responses, 512.0), excitation=0, band_hz=BAND8)
-    assert all(found.std_hz[dof].size == found[dof].size for dof in found)
-    for dof in found:
-        assert (found.std_hz[dof] > 0).all()
-        assert (found.std_hz[dof] < 0.005 * found[dof]).all()
 
 
 @pytest.mark.parametrize("options", [{"fit": FitOptions(keep_common=True)}, {"channels": 2}])

@@ -46,15 +46,6 @@ def test_rows_are_taken_with_all_their_columns():
     assert none.rows.dtype == np.int64
 
 
-def test_tables_are_joined_in_order():
-    table = example()
-    parts = [table.take([2]), table.take([0, 1])]
-    joined = ResponseTable.concatenated(parts)
-    assert joined.same_as(table)
-    for name, column in table.scores.items():
-        np.testing.assert_array_equal(joined.scores[name], column)
-
-
 def test_columns_of_another_length_are_named():
     with pytest.raises(InvalidInputError, match=r"^std_hz: got an array of shape \(1,\); wanted 2"):
         ResponseTable([1.0, 2.0], std_hz=[0.1])

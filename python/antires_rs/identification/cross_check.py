@@ -108,7 +108,6 @@ def _cauchy(z: ComplexArray, supports: ComplexArray) -> ComplexArray:
 # 21 (2006) 1587-1592 (relaxed); D. Deschrijver, M. Mrozowski, T. Dhaene and D. De Zutter, IEEE Microw. Wirel.
 # Compon. Lett. 18 (2008) 383-385 (projection).
 
-
 ITERATIONS = 12
 #: Damping ratio of the starting poles, which lie evenly over the band.
 START_DAMPING = 0.01

@@ -125,7 +125,6 @@ def _one_by_one(
 # -- Which fit suits the lines, and which options count for it: what has no effect is said, not refused, since
 # curves and records may be identified by one job
 
-
 #: With fewer lines there is no window of the narrow scale, and no fit that others could confirm.
 FEW_LINES = SCALES[-1][1]
 

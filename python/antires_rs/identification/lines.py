@@ -20,7 +20,6 @@ from ..signals.recording import Recording
 from ..signals.repeats import AveragedResponse
 from ..signals.spectra import (
     LEAST_NOISE as ROUNDING,
-    CrossSpectra,
     Segments,
     aligned,
     channel_noise,
@@ -45,16 +44,14 @@ SNR_CAP = 1e4
 class Lines:
     """Response vectors ``(n_rows, n_freq)``, of unit norm at every line, and their ``snr``, (n_freq,).
 
-    ``segments`` are the spectra that were averaged, (n_freq, n_rows, n_segments), scaled to unit noise in
-    every row; None where there are fewer than two. ``independent`` is the number of independent lines over
-    the number of lines: the spectra of tapered, overlapping segments are correlated from line to line.
-    ``averages_ratio`` is the number of segments over that of independent averages. ``draws`` are the
-    independent draws (impacts, or records of one test) to which the segments belong, (n_segments,); None for
-    one record. ``size`` is what the vectors were divided by, where that is a property of the structure: the
-    norm of measured FRFs or of the responses to one impact, (n_freq,); None for transmissibilities and for
-    responses to a force of unknown spectrum. ``noise_given`` says that the signal-to-noise ratio came with
-    the curves. ``runs`` are the unit vectors of each of several tests whose average the vectors are, scaled
-    alike, (n_freq, n_rows, n_tests).
+    ``segments`` are the spectra that were averaged, scaled to unit noise in every row; None where there are
+    fewer than two. ``independent`` is the number of independent lines over all: spectra of tapered,
+    overlapping segments are correlated. ``averages_ratio`` is the number of segments over that of independent
+    averages. ``draws`` are the independent draws (impacts, or records of one test) to which the segments
+    belong; None for one record. ``size`` is what the vectors were divided by, where that is a property of the
+    structure: the norm of measured FRFs or of the responses to one impact. ``noise_given``: the
+    signal-to-noise ratio came with the curves. ``runs`` are the unit vectors of each of several tests whose
+    average the vectors are, scaled alike, (n_freq, n_rows, n_tests).
     """
 
     freq_hz: FloatArray
@@ -205,7 +202,6 @@ def _weighty(force: ComplexArray, responses: ComplexArray) -> ComplexArray:
 
 # -- Every kind of source brought to the common form, a complex vector of responses a line
 
-
 # From so many impacts on, their scatter tells the noise; of a single one the roughness of its curves does.
 LEAST_IMPACTS = 2
 
@@ -261,7 +257,15 @@ def lines_of_recording(
     if use_force:
         # The force weighs as much as all responses together at the median line.
         scale[FORCE] *= float(np.median(np.linalg.norm(white[:FORCE] / white[FORCE], axis=0)))
-    segments = _segments(spectra, scale, use_force)
+    segments = None
+    if spectra.segments is not None and spectra.n_averages >= 2:
+        # Of unit noise in every row; of two rows or more the others tell how much there is at each line.
+        segments = spectra.segments.times(scale)
+        some = slice(FORCE if use_force else None)
+        if scale[some].size >= 2:
+            ones = np.ones(scale[some].size)
+            largest, rest, _ = dominant(segments.covariance()[:, some, some], ones)
+            segments = segments.times(1.0 / np.sqrt(floors(largest, rest))[:, None])
 
     def lines(row: int) -> Lines:
         own = (
@@ -281,18 +285,6 @@ def lines_of_recording(
         )
 
     return lines
-
-
-def _segments(spectra: CrossSpectra, scale: FloatArray, use_force: bool) -> Segments | None:
-    """Spectra of the segments scaled to unit noise in every row."""
-    if spectra.segments is None or spectra.n_averages < 2:
-        return None
-    scaled = spectra.segments.times(scale)
-    some = slice(FORCE if use_force else None)
-    if scale[some].size < 2:
-        return scaled
-    largest, rest, _ = dominant(scaled.covariance()[:, some, some], np.ones(scale[some].size))
-    return scaled.times(1.0 / np.sqrt(floors(largest, rest))[:, None])
 
 
 def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, use_force: bool) -> Lines:

@@ -25,7 +25,7 @@ from ..support.checks import ComplexArray, FloatArray, choice, integer
 from ..support.progress import one_blas_thread, patient
 from .lines import FORCE, lines_of_response, require_live
 from .options import FitOptions
-from .rational_fit import NestedFit, dominant_shapes, residues
+from .rational_fit import NestedFit, residues
 from .stabilization import PoleSweep, StabilizationDiagram, diagram, join, windows
 
 # A joint fit needs resolution at its poles more than averages: segments longer by this than for
@@ -207,10 +207,9 @@ def _of_recording(
 def _of_frfs(resp: FrequencyResponse, band: tuple[float, float], added_decay_per_s: float) -> Curves:
     """FRFs scaled to equal noise; lines weighted by what they are worth.
 
-    The linear residual N - H D is small at the poles by itself. Weighted by the signal-to-noise ratio alone
-    it is best for noise, but lets the leakage at the peaks rule (damping three times as far off); over 1 +
-    sum abs(H)^2 the few lines of a sharp peak count for nothing and its damping scatters. The root of that
-    lies between.
+    The linear residual N - H D is small at the poles. Weighted by the signal-to-noise ratio alone the leakage
+    at the peaks rules; over 1 + sum abs(H)^2 the few lines of a sharp peak count for nothing. The root lies
+    between.
     """
     lines = lines_of_response(resp, band, use_force=True)
     frfs, power = lines.quotients(FORCE)
@@ -266,15 +265,13 @@ def _shapes(
     hz = np.concatenate([hz, wider.identified[new]])
     zeta = np.concatenate([zeta, wider.identified_damping[new]])
     poles = 2 * np.pi * hz * (-zeta + 1j * np.sqrt(1.0 - zeta**2)) - curves.added_decay_per_s
-    weights = curves.weights * _taper(curves.freq_hz, found.band_hz)
+    # One in the band, falling to nil at the last lines around it: there the next modes reach in.
+    freq, (low, high) = curves.freq_hz, found.band_hz
+    below, above = (low - freq) / max(low - freq[0], 1e-300), (freq - high) / max(freq[-1] - high, 1e-300)
+    weights = curves.weights * np.cos(0.5 * np.pi * np.clip(np.maximum(below, above), 0.0, 1.0)) ** 2
     residue = residues(curves.freq_hz, curves.flat, weights, poles)[: found.identified.size]
-    shapes = dominant_shapes(residue.reshape(-1, n_references, n_dofs)) * curves.scale
+    # The residues of one mode to several references have rank one; with one reference they are the shape.
+    dominant = np.linalg.svd(residue.reshape(-1, n_references, n_dofs), full_matrices=False)[2][:, 0]
+    shapes = dominant * curves.scale
     largest = np.take_along_axis(shapes, np.argmax(np.abs(shapes), axis=1)[:, None], axis=1)
     return np.asarray(shapes / largest, dtype=np.complex128)
-
-
-def _taper(freq_hz: FloatArray, band: tuple[float, float]) -> FloatArray:
-    """One in the band, falling to nil at the last lines around it: there the next modes reach in."""
-    below = (band[0] - freq_hz) / max(band[0] - freq_hz[0], 1e-300)
-    above = (freq_hz - band[1]) / max(freq_hz[-1] - band[1], 1e-300)
-    return np.asarray(np.cos(0.5 * np.pi * np.clip(np.maximum(below, above), 0.0, 1.0)) ** 2)

@@ -43,12 +43,7 @@ ITERATIONS = 4
 
 
 class NumeratorFit:
-    """The quadratic form of the weighted direction misfit, factored once for all orders up to ``max_order``.
-
-    Parameters are the lines' frequencies (n_freq,), a function that gives the covariances of a slice of them,
-    (n_lines, n, n), their largest eigenvalues,
-    and the weights of the iteration, all checked by the caller.
-    """
+    """The quadratic form of the weighted direction misfit, factored once for all orders to ``max_order``."""
 
     def __init__(
         self,
@@ -77,9 +72,8 @@ class NumeratorFit:
     ) -> FloatArray:
         """A of Q = c' A c, ordered by degree, then by channel.
 
-        Its entries are sums over the lines of z phi_i phi_j, z the weighted entries of lam I - C. By the
-        recurrence of the polynomials b_{i+1} <i+1, j> + b_i <i-1, j> = b_{j+1} <i, j+1> + b_j <i, j-1>, so
-        that all follow from the sums <0, k> with k up to twice the highest order.
+        Its entries are sums over the lines of z phi_i phi_j, z the weighted entries of lam I - C. By
+        b_{i+1} <i+1, j> + b_i <i-1, j> = b_{j+1} <i, j+1> + b_j <i, j-1> all follow from the sums <0, k>.
         """
         n, terms, b = self.n, self.max_order + 1, whole.b[:, None]
         one, other = np.triu_indices(n)
@@ -264,18 +258,16 @@ class NumeratorSweep:
 
 # -- The likeliest numerators: weights and order found together
 #
-# Beyond the true order the numerators share a factor that the data do not determine, and the solution of
-# least misfit loses its accuracy; below it, the fit is wrong. So the order is the one of least
+# Beyond the true order the numerators share a factor that the data do not determine; below it, the fit is
+# wrong. So the order is the one of least
 #
 #     BIC = (n_data - n_free) log Q(m) + n_free(m) log(n_data)
 #
-# with n_data the number of independent real data and n_free = (n - 1)(m + 1) (the common factor is not
-# counted); the level of the noise need not be known. The weights of each iteration come from the one
-# before: of the lowest order that fits nearly as well as the best, and once that stands, of the best order.
-# Q itself does not depend on the weights, so that the best of all iterations can be kept.
+# with n_data independent real data and n_free = (n - 1)(m + 1) (the common factor is not counted); the level
+# of the noise need not be known. The weights of each iteration come from the one before; Q itself does not
+# depend on them, so that the best of all iterations can be kept.
 #
 # Reference: G. Schwarz, Ann. Stat. 6 (1978) 461-464.
-
 
 # Orders settle in two or three iterations of the weights; the others may find better ones.
 ITERATIONS_LIKELIHOOD = 6
@@ -300,11 +292,7 @@ LEAST_ORDER = 2
 
 @dataclass(frozen=True)
 class Likeliest:
-    """Numerators of least misfit.
-
-    ``fit`` holds the weights (and all orders up to its highest), ``coefficients`` are (order + 1, n),
-    ``misfit`` is their Rayleigh quotient, the smallest eigenvalue but for rounding.
-    """
+    """Numerators of least misfit: ``coefficients`` (order + 1, n), ``misfit`` their Rayleigh quotient."""
 
     fit: NumeratorFit
     order: int
@@ -322,12 +310,11 @@ def likeliest(
     iterations: int = ITERATIONS_LIKELIHOOD,
     start: tuple[int, FloatArray] | None = None,
 ) -> Likeliest:
-    """Iterate weights and order until they stand, or so many times.
+    """Iterate weights and order until they stand, or so many times; no order above ``max_order`` is fitted.
 
-    ``max_order`` is the highest order of all: whatever the likeliest is, none above it is fitted.
     ``covariance`` gives the covariances of a slice of the lines, (n_lines, n, n). ``cap`` bounds the
-    signal-to-noise power a line may count with; ``independent`` is the number of independent lines over the
-    number of lines. ``start`` is the order of an earlier fit and the squared norm of its numerators there.
+    signal-to-noise power a line may count with; ``independent`` is the number of independent lines over all.
+    ``start`` is the order of an earlier fit and the squared norm of its numerators.
     """
     n = covariance(slice(0, 1)).shape[1]
     largest = np.empty(freq_hz.size)

@@ -40,7 +40,6 @@ from .stabilization import PoleSweep
 #
 # References: G. E. Forsythe, J. SIAM 5 (1957) 74-88; S. Barnett, Linear Algebra Appl. 12 (1975) 165-178.
 
-
 # Without phase a wider hump is no evidence of a pole: all that ten orders agreed on beyond it was the
 # curvature of a background (5 to 9 % damping, above the last resonance of a chain whose modes have 1 %).
 MAX_DAMPING = 0.05

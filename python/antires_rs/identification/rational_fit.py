@@ -34,7 +34,6 @@ from ..support.checks import ComplexArray, FloatArray, complex_rows, frequency_b
 # References: G. E. Forsythe, J. SIAM 5 (1957) 74-88; M. H. Richardson and D. L. Formenti, Proc. IMAC 1
 # (1982) 167-181; S. Barnett, Linear Algebra Appl. 12 (1975) 165-178 (comrade matrix).
 
-
 # A top coefficient this far below the largest carries rounding only; its root would be at infinity.
 TOP_COEFFICIENT = 1e-13
 
@@ -43,17 +42,11 @@ TOP_COEFFICIENT = 1e-13
 class Basis:
     """Forsythe polynomials: recurrence and values on the lines.
 
-    ``b[0]`` is the norm of the constant, ``b[k]`` couples orders k - 1 and k; ``p`` has shape
-    (n_lines, order + 1).
+    ``b[0]`` is the norm of the constant, ``b[k]`` couples orders k - 1 and k; ``p`` is (n_lines, order + 1).
     """
 
     b: FloatArray
     p: FloatArray
-
-    @property
-    def order(self) -> int:
-        """Highest order."""
-        return int(self.b.size) - 1
 
     def at(self, s: ComplexArray, order: int) -> ComplexArray:
         """phi_0 ... phi_order at complex points s (in units of 2 pi f_max), shape (n_points, order + 1)."""
@@ -76,9 +69,8 @@ def forsythe_basis(x: FloatArray, weight: FloatArray, order: int) -> Basis:
 def roots(coefficients: FloatArray, b: FloatArray, near: ComplexArray | None = None) -> ComplexArray:
     """All roots in s / (2 pi f_max) of sum_k coefficients[k] phi_k.
 
-    ``near`` are roots of a polynomial much like it, as of the order before; from there all roots are refined
-    at once (Ehrlich and Aberth). Where they do not all stand in the end, and without ``near``, they are
-    eigenvalues.
+    Eigenvalues, unless ``near`` are roots of a polynomial much like it, from which all can be refined at once
+    (Ehrlich and Aberth).
     """
     if near is not None:
         kept = coefficients[: _order(coefficients) + 1]
@@ -120,31 +112,26 @@ def comrade_roots(
 # a few decades: so half as many pole pairs as the order are laid where the curve moves, at equal steps of
 # the integral of abs(d log P / d f), P the power of all curves, each as wide as its distance from the next.
 
-
 # Share of the poles that is laid evenly, wherever the curve moves.
 EVEN = 0.25
 # Exponents beyond this would leave the range of floating point.
 MOST_EXPONENT = 300.0
 
 
-def guessed_poles(freq_hz: FloatArray, power: FloatArray, count: int) -> ComplexArray:
-    """``count`` poles in the upper left quarter of the plane, rad/s."""
-    size = np.maximum(power, 1e-30 * power.max())
-    moved = np.abs(np.diff(np.log(size)))
-    even = np.diff(freq_hz) / (freq_hz[-1] - freq_hz[0])
-    total = moved.sum()
-    share = even if total == 0.0 else EVEN * even + (1.0 - EVEN) * moved / total
-    climbed = np.concatenate([[0.0], np.cumsum(share)])
-    hz = np.interp((np.arange(count) + 0.5) / count, climbed / climbed[-1], freq_hz)
-    width = np.gradient(hz) if count > 1 else hz
-    return np.asarray(2 * np.pi * (-0.5 * width + 1j * hz), dtype=np.complex128)
-
-
 def guessed_weights(freq_hz: FloatArray, power: FloatArray, order: int) -> FloatArray:
     """1 / abs(D)^2 of a guessed denominator of even order up to ``order``, one in the geometric mean."""
     if order < 2:
         return np.ones(freq_hz.size)
-    poles = guessed_poles(freq_hz, power, order // 2)
+    count = order // 2
+    moved = np.abs(np.diff(np.log(np.maximum(power, 1e-30 * power.max()))))
+    share = np.diff(freq_hz) / (freq_hz[-1] - freq_hz[0])
+    total = moved.sum()
+    if total > 0.0:
+        share = EVEN * share + (1.0 - EVEN) * moved / total
+    climbed = np.concatenate([[0.0], np.cumsum(share)])
+    hz = np.interp((np.arange(count) + 0.5) / count, climbed / climbed[-1], freq_hz)
+    width = np.gradient(hz) if count > 1 else hz
+    poles = 2 * np.pi * (-0.5 * width + 1j * hz)
     s = 2j * np.pi * freq_hz[:, None]
     exponent = -2.0 * (np.log(np.abs(s - poles)) + np.log(np.abs(s - poles.conj()))).sum(axis=1)
     exponent -= exponent.mean()
@@ -182,8 +169,7 @@ class RootSet:
 class CommonDenominator:
     """What fits of every order share once the numerators are eliminated.
 
-    ``x``, (n_outputs, max_order + 1, max_order + 1), couples the orthonormal bases of numerators and
-    denominator; its leading blocks serve the lower orders.
+    ``x``, (n_outputs, max_order + 1, max_order + 1), couples the bases of numerators and denominator.
     """
 
     x: FloatArray
@@ -402,9 +388,9 @@ def fit_rational(
     constraint : {"low", "norm"}
         What excludes the zero solution: lowest Forsythe coefficient of the denominator one, or unit norm.
     reweightings : int
-        Repetitions with the weights over ``abs(D)**2`` of the fit before (Sanathanan & Koerner 1963), so that
-        the residual becomes that of the curve itself. One is enough for exact data: it takes the error of
-        the poles at order 50 from 1e-2 to 1e-14.
+        Repetitions with the weights over ``abs(D)**2`` of the fit before (C. K. Sanathanan and J. Koerner,
+        IEEE Trans. Autom. Control 8 (1963) 56-58), so that the residual becomes that of the curve itself. One
+        is enough for exact data: it takes the error of the poles at order 50 from 1e-2 to 1e-14.
 
     Returns
     -------
@@ -416,12 +402,6 @@ def fit_rational(
         Wrong shapes, NaN, band outside the data, or no more lines than the order.
     NumericalError
         The data leave the fit undefined.
-
-    Notes
-    -----
-    Orthogonal Forsythe bases and comrade-matrix roots, see the module. Source: M. H. Richardson and
-    D. L. Formenti, Proc. IMAC 1 (1982) 167-181; C. K. Sanathanan and J. Koerner, IEEE Trans. Autom. Control 8
-    (1963) 56-58.
 
     Examples
     --------
@@ -489,9 +469,8 @@ def dominance(
 ) -> FloatArray:
     """Norm of residues / abs(Re s), over the norm of above/below at i Im s.
 
-    ``above`` holds the coefficients of one or more numerators, (n_outputs, order + 1), ``below`` those of the
-    denominator, (order + 1,), or both for each root, with its number in front; ``s`` are roots of the latter
-    in units of 2 pi f_max.
+    ``above`` are coefficients of one or more numerators, (n_outputs, order + 1), ``below`` those of the
+    denominator, (order + 1,), or both for each root; ``s`` are roots of the latter in units of 2 pi f_max.
     """
     order = below[1].shape[-1] - 1
     step = 1e-6 * np.abs(s)  # central difference: error 1e-12 of a derivative that needs two digits
@@ -521,7 +500,6 @@ def share_of_curve(residue: FloatArray, distance: FloatArray, curve: FloatArray)
 #
 # Reference: W. Heylen, S. Lammens, P. Sas, Modal Analysis Theory and Testing, KU Leuven, 1997 (LSFD).
 
-
 RESIDUAL_POWERS = (-2, -1, 0, 1, 2)
 
 
@@ -550,13 +528,3 @@ def scaled_lstsq(left: FloatArray, right: FloatArray) -> FloatArray:
     """Least squares with columns of unit norm: far residuals, light damping would decide on the rank."""
     size = np.maximum(np.linalg.norm(left, axis=0), 1e-300)
     return np.asarray(np.linalg.lstsq(left / size, right, rcond=None)[0] / size[:, None])
-
-
-def dominant_shapes(residue: ComplexArray) -> ComplexArray:
-    """Shapes (n_modes, n_dofs) from residues (n_modes, n_references, n_dofs), of unit norm.
-
-    The residues of one mode to several references have rank one; with one reference they are the shape.
-    """
-    if not residue.size:
-        return np.empty((residue.shape[0], residue.shape[2]), dtype=np.complex128)
-    return np.asarray(np.linalg.svd(residue, full_matrices=False)[2][:, 0], dtype=np.complex128)

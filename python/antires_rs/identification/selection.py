@@ -169,24 +169,21 @@ def _candidates(
     s, share, std = s[known], share[known], std[known]
     size = np.abs(s)
     freq, damping = size / (2 * np.pi), -(s.real + lines.added_decay_per_s) / size
+    apart, error = np.abs(damping[:, None] - damping), std / freq
+    paired = (apart > PAIR_DAMPING + 3.0 * (error[:, None] + error)) & (
+        np.abs(freq[:, None] / freq - 1.0) <= PAIR * apart
+    )
     keep = (
         (freq >= report_hz[0])
         & (freq <= report_hz[1])
         & (damping >= -MOST_NEGATIVE)
         & (damping <= rule.max_damping)
         & (share >= rule.min_dominance)
-        & ~_paired(freq, damping, std / freq)
+        & ~paired.any(axis=1)
     )
     # In the order of the table that is made of them.
     rank = sorted(np.flatnonzero(keep), key=lambda i: abs(complex(s[i]) + lines.added_decay_per_s))
     return s[rank], share[rank], std[rank]
-
-
-def _paired(freq: FloatArray, damping: FloatArray, std: FloatArray) -> Any:
-    """Which zeros have another of the same modulus and clearly another damping."""
-    apart = np.abs(damping[:, None] - damping)
-    least = PAIR_DAMPING + 3.0 * (std[:, None] + std)
-    return ((apart > least) & (np.abs(freq[:, None] / freq - 1.0) <= PAIR * apart)).any(axis=1)
 
 
 def _credible(s: ComplexArray, zeros: ResponseTable, stays: Any, others: list[ComplexArray]) -> Any:
@@ -222,16 +219,6 @@ def _seen(
     return seen
 
 
-def _chains_of(freq_hz: FloatArray, chains: ResponseTable) -> Any:
-    """The chain nearest to each zero; -1 if there is none, or if another zero is nearer to it."""
-    if not len(chains):
-        return np.full(freq_hz.size, -1)
-    distance = np.abs(chains.freq_hz[:, None] / freq_hz - 1.0)
-    row, zero = np.argmin(distance, axis=0), np.arange(freq_hz.size)
-    near = distance[row, zero] <= np.minimum(SAME, distance.min(axis=1, initial=np.inf)[row])
-    return np.where(near, row, -1)
-
-
 def _table(
     s: ComplexArray,
     dominance: FloatArray,
@@ -244,7 +231,13 @@ def _table(
     """The zeros less the decay of an exponential window, with the scores of a chain where they have one."""
     size = [abs(zero) for zero in s.tolist()]
     moved = (s + added_decay_per_s).tolist()
-    chain = _chains_of(np.array(size) / (2 * np.pi), chains)
+    # The chain nearest to each zero; -1 if there is none, or if another zero is nearer to it.
+    chain = np.full(s.size, -1)
+    if len(chains):
+        distance = np.abs(chains.freq_hz[:, None] / (np.array(size) / (2 * np.pi)) - 1.0)
+        nearest, own_distance = np.argmin(distance, axis=0), distance.min(axis=0)
+        first = distance.min(axis=1, initial=np.inf)[nearest]
+        chain = np.where(own_distance <= np.minimum(SAME, first), nearest, -1)
     rows, spread = [], []
     for own_size, own, row in zip(size, seen, chain, strict=True):
         rows.append(chains.rows[row] if row >= 0 else len(own))

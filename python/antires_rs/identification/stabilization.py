@@ -98,7 +98,7 @@ class StabilizationDiagram(ReadOnly, Viewed):
     freq_hz, damping_ratio, stable : tuple of n_orders arrays
         Poles of each order inside the band, left half plane, by ascending frequency.
     accepted : ResponseTable
-        What was accepted, with its scores, see :class:`~antires_rs.measured.response_table.ResponseTable`.
+        What was accepted, with its scores, see :mod:`~antires_rs.identification.scores`.
     background_freq_hz, background : (n_freq,)
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)

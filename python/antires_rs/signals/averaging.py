@@ -20,7 +20,6 @@ from .spectra import CrossSpectra, Segments, cross_spectra, lines_in, window_val
 # every response is the FRF times the spectrum of the force, whatever its shape. If the response has not died
 # at the end, an exponential window forces it to, and moves every root by its decay rate along the real axis.
 
-
 # Blocks of the energy profile: coarse ones tell a decay from steady vibration, fine ones find the impact.
 COARSE_BLOCKS = 64
 FINE_BLOCK_SAMPLES = 8
@@ -187,7 +186,6 @@ def _window_decay(rec: Recording, event: Event, window: str) -> float:
 # record times that of the taper: one transform of the whole record gives the spectrum at the resolution of
 # any segment length (R. B. Blackman and J. W. Tukey, The Measurement of Power Spectra, 1959).
 
-
 # Segments are not longer than this share of the record, so that their scatter can be told.
 SEGMENTS = 10.0
 # Peaks lower than this over the band's median are not taken for resonances.
@@ -304,7 +302,6 @@ def owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
 #
 # For the 8-mass chain with 1 % damping at 512 Hz: 32 s of a record of 600 s, 16 s of 200 s, 8 s of 60 s.
 
-
 # Segments of this many half-power bandwidths' reciprocals. On a chain with 1 % damping (narrowest resonance
 # 0.46 Hz wide) 32 s have a third of the leakage error of 16 s, and no more scatter: a joint fit over all
 # lines does not mind whether it sees many averages or many lines.
@@ -316,32 +313,29 @@ MOST_LINES = 5000
 LEAST_LINES = 8
 
 
-def choose_nperseg(
-    rec: Recording, band_hz: tuple[float, float], correlation: Autocorrelation | None = None
-) -> int:
-    """Samples per segment from the record's length and the sharpness of its resonances."""
-    n_long = longest_segments(rec, band_hz)
-    if n_long < LEAST_SAMPLES:
-        reject(
-            "nperseg",
-            f"None for a record of {rec.n_samples} samples",
-            f"a record of at least {int(LEAST_SAMPLES * SEGMENTS)} samples",
-            "Give nperseg, or record for longer.",
-        )
-    power = (correlation or Autocorrelation(rec)).power(n_long, band_hz)
-    width = narrow_width(power) if power.size >= LEAST_LINES else None
-    if width is None:
-        return n_long
-    bandwidth = width * rec.fs_hz / n_long
-    return max(LEAST_SAMPLES, min(n_long, power_of_two(BANDWIDTHS / bandwidth * rec.fs_hz)))
-
-
 def longest_segments(rec: Recording, band_hz: tuple[float, float]) -> int:
     """Samples of the longest segments that leave enough averages, and not too many lines in the band."""
     n_long = Autocorrelation(rec).longest
     while n_long * (band_hz[1] - band_hz[0]) / rec.fs_hz > MOST_LINES:
         n_long //= 2
     return n_long
+
+
+def choose_nperseg(
+    rec: Recording, band_hz: tuple[float, float], correlation: Autocorrelation | None = None
+) -> int:
+    """Samples per segment from the record's length and the sharpness of its resonances."""
+    n_long = longest_segments(rec, band_hz)
+    if n_long < LEAST_SAMPLES:
+        wanted = f"a record of at least {int(LEAST_SAMPLES * SEGMENTS)} samples"
+        got = f"None for a record of {rec.n_samples} samples"
+        reject("nperseg", got, wanted, "Give nperseg, or record for longer.")
+    power = (correlation or Autocorrelation(rec)).power(n_long, band_hz)
+    width = narrow_width(power) if power.size >= LEAST_LINES else None
+    if width is None:
+        return n_long
+    bandwidth = width * rec.fs_hz / n_long
+    return max(LEAST_SAMPLES, min(n_long, power_of_two(BANDWIDTHS / bandwidth * rec.fs_hz)))
 
 
 METHODS = ("auto", "welch", "transient")

@@ -244,7 +244,6 @@ def _much_of_the_band(
 #
 # Reference: K. V. Mardia and P. E. Jupp, Directional Statistics, 2000, ch. 4 (sums of random phases).
 
-
 # Signal-to-noise power of an averaged line from which its phase counts: an error of 13 degrees.
 LEAST_SNR = 10.0
 # The others agree on a line if doubled phases leave this part of their power: a scatter of 13 degrees.
@@ -486,7 +485,6 @@ def _finding(seen: Evidence, where: tuple[int, ...], fit: Fit) -> Finding:
 
 
 # -- Is the resolution enough for the damping, and the record long enough for the resolution?
-
 
 RESOLUTION, LENGTH, AVERAGES = "resolution", "record_length", "averages"
 COARSE = "The resolution is too coarse: "

@@ -32,7 +32,6 @@ from .spectra import CrossSpectra, roughness
 
 # -- Findings of several records of one test, each said once, with the records that show it
 
-
 CHANGED = (
     "If nothing else acted, the structure has changed from record to record: identify them one by one and "
     "compare the sets."
@@ -64,7 +63,6 @@ def grouped(each: Sequence[CheckResults]) -> CheckResults:
 
 
 # -- All tests of a time record
-
 
 BY_LINE = (
     channels.DEAD,
@@ -254,7 +252,6 @@ def _none_by_line(why: str) -> CheckResults:
 
 # -- The tests that measured frequency responses allow
 
-
 # Roughness from line to line over the power of a curve above which it is noise, white noise having one; if
 # another curve is smooth: lines too far apart make all of them rough.
 ROUGH, SMOOTH = 0.5, 0.1
@@ -359,9 +356,8 @@ def check_data(
     Returns
     -------
     DataCheck
-        ``.findings`` with numbers and advice, one of a kind over all its channels,
-        ``.not_tested`` with reasons, ``.ok``, ``.fatal``; print it for
-        a table, ``.plot()`` it for the eigenvalues.
+        ``.findings`` with numbers and advice, one of a kind over all its channels, ``.not_tested`` with
+        reasons, ``.ok``, ``.fatal``; print it for a table, ``.plot()`` it for the eigenvalues.
 
     Raises
     ------
@@ -375,10 +371,8 @@ def check_data(
     - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
     - ``clipped_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings): in the time records;
     - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
-      brings it back into phase at several modes; a phase that is off without such a reason is none, and one
-      or two modes do not prove any. Polarity cannot be seen in data: a sensor upside down looks like a mode
-      shape with a node more, nor can two channels that are exchanged, unless the driving point is one of
-      them (``force_location``);
+      brings it back into phase at several modes. Polarity cannot be seen in data, nor can two channels that
+      are exchanged, unless the driving point is one of them (``force_location``);
     - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
@@ -388,8 +382,7 @@ def check_data(
     - ``single_hit`` (note), ``missed_hit`` (fatal): of hammer records.
 
     Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to
-    600 s), those of the phase on measured plates too. They stand, with their reasons, in the modules of this
-    package.
+    600 s), those of the phase on measured plates too.
 
     Examples
     --------

@@ -98,23 +98,15 @@ class FrequencyResponse(ReadOnly, Viewed):
         in_range("values", array)
         labels = dof_labels("dofs", dofs, array.shape[0])
         choice("kind", kind, ("frf", "transmissibility"))
-        if kind == "transmissibility" and reference not in labels:
-            reject(
-                "reference",
-                reference,
-                f"the reference dof j of the transmissibilities, one of {labels}",
-                "Include the row of ones of the reference itself.",
-            )
         if kind == "transmissibility":
-            own = array[labels.index(reference)]
-            if np.abs(own - 1.0).max() > 1e-6:
-                reject(
-                    "values",
-                    f"a row of the reference {reference!r} that is not one everywhere",
-                    f"T_jj = 1 in row {labels.index(reference)}",
-                    "Divide all rows by the reference's row.",
-                )
-        if kind == "frf" and reference is not None:
+            if reference not in labels:
+                wanted = f"the reference dof j of the transmissibilities, one of {labels}"
+                reject("reference", reference, wanted, "Include the row of ones of the reference itself.")
+            row = labels.index(reference)
+            if np.abs(array[row] - 1.0).max() > 1e-6:
+                got = f"a row of the reference {reference!r} that is not one everywhere"
+                reject("values", got, f"T_jj = 1 in row {row}", "Divide all rows by the reference's row.")
+        elif reference is not None:
             reject("reference", reference, "None for kind='frf'", "Only transmissibilities have a reference.")
         if coherence is not None:
             wanted = f"a real array of the shape of values, {array.shape}, from 0 to 1"
@@ -137,15 +129,16 @@ class FrequencyResponse(ReadOnly, Viewed):
                 reject("std", f"values from {std.min():g}", wanted, "Leave std out where it is not known.")
         elif coherence is not None and n_averages is not None and n_averages > 1.0:
             std = frozen(std_of_coherence(array, coherence, n_averages))
-        put = object.__setattr__
-        put(self, "freq_hz", frozen(freq))
-        put(self, "values", frozen(array))
-        put(self, "dofs", labels)
-        put(self, "kind", kind)
-        put(self, "reference", reference)
-        put(self, "coherence", coherence)
-        put(self, "n_averages", n_averages)
-        put(self, "std", std)
+        self._fill(
+            freq_hz=frozen(freq),
+            values=frozen(array),
+            dofs=labels,
+            kind=kind,
+            reference=reference,
+            coherence=coherence,
+            n_averages=n_averages,
+            std=std,
+        )
 
     @property
     def n_outputs(self) -> int:

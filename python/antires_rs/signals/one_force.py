@@ -213,9 +213,7 @@ class DataCheck(ReadOnly, Viewed):
 # 295-327 (largest eigenvalue of noise); C. Y. Shih et al., Mech. Syst. Signal Process. 2 (1988) 367-377
 # (singular values by line).
 
-
 # -- What the tests look at: spectra in the band, brought to equal noise, and their eigenvalues
-
 
 # A line's power spreads at least as the Hann window lets it, whatever window is said to be used.
 HANN_SPREAD = (1.0, 0.25)
@@ -456,7 +454,6 @@ def noise_ratio(n: int, n_averages: float) -> float:
 #
 # References: D. K. Miu, ASME J. Dyn. Syst. Meas. Control 113 (1991) 419-424 (zeros of a driving point
 # interlace with the poles); D. J. Ewins, Modal Testing, 2nd ed., 2000, ch. 2.
-
 
 FORCE_LOCATION = "force_location"
 # A resonance stands this much (dB) over the valleys beside it, in the power of all channels together,

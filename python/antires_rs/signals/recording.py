@@ -62,25 +62,16 @@ class Recording(ReadOnly, Viewed):
     ) -> None:
         wanted = "a real array (n_channels, n_samples), one row a channel"
         array = real_array("responses", responses, ndim=2, wanted=wanted)
+        got = f"an array of shape {array.shape}"
         if array.shape[1] < 2:
-            reject(
-                "responses",
-                f"an array of shape {array.shape}",
-                wanted + " with at least two samples",
-                "Transpose it if channels are in the columns.",
-            )
+            remedy = "Transpose it if channels are in the columns."
+            reject("responses", got, f"{wanted} with at least two samples", remedy)
         if array.shape[0] > array.shape[1]:
-            reject(
-                "responses",
-                f"an array of shape {array.shape}",
-                wanted + " with more samples than channels",
-                "Transpose it: channels come first.",
-            )
+            remedy = "Transpose it: channels come first."
+            reject("responses", got, f"{wanted} with more samples than channels", remedy)
         in_range("responses", array)
-        put = object.__setattr__  # the one place where a frozen value is filled
-        put(self, "responses", frozen(array, responses))
-        put(self, "fs_hz", finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz"))
-        put(self, "dofs", dof_labels("dofs", dofs, array.shape[0]))
+        rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
+        labels = dof_labels("dofs", dofs, array.shape[0])
         if force is not None:
             wanted = f"a real array ({array.shape[1]},), one value for each sample of responses"
             force = real_array("force", force, ndim=1, wanted=wanted)
@@ -90,7 +81,7 @@ class Recording(ReadOnly, Viewed):
                 )
             in_range("force", force)
             force = frozen(force)
-        put(self, "force", force)
+        self._fill(responses=frozen(array, responses), fs_hz=rate, dofs=labels, force=force)
 
     @property
     def n_channels(self) -> int:

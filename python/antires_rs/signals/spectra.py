@@ -206,7 +206,6 @@ def _rounding(largest: FloatArray) -> float:
 
 # -- What is rough from line to line is noise: second differences of curves that are smooth without it
 
-
 # Lines over which the noise of measured curves is taken to be constant.
 NOISE_LINES = 31
 # With fewer lines nothing tells noise from curve.
@@ -512,7 +511,6 @@ def response_vectors(
 #
 # References: J. S. Bendat and A. G. Piersol, Random Data, 4th ed., 2010, ch. 9 (random errors of H1 and H2);
 # T. W. Anderson, Ann. Math. Stat. 34 (1963) 122-148 (scatter of eigenvectors).
-
 
 # Below this a coherence is that of a line without energy.
 LEAST_COHERENCE = 1e-12

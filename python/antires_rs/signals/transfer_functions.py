@@ -30,10 +30,10 @@ def frf(
     rec : Recording
         With ``force``.
     nperseg, noverlap, window
-        As for :func:`~antires_rs.signals.spectra.cross_spectra`; not used for impacts.
+        Samples of a Welch segment and of their overlap (default half), window as for
+        ``scipy.signal.get_window``; not used for impacts.
     estimator : {"h1", "h2", "hv"}
-        ``S_fx / S_ff``, ``S_xx / S_xf``, or total least squares with both signals scaled to unit rms, so that
-        units do not matter.
+        ``S_fx / S_ff``, ``S_xx / S_xf``, or total least squares with both signals scaled to unit rms.
     method : {"auto", "welch", "transient"}
         "auto" refuses Welch on a record that decays; "welch" forces it; "transient" transforms whole impacts.
 
@@ -41,8 +41,7 @@ def frf(
     -------
     FrequencyResponse
         ``kind="frf"``, with ordinary coherence, the effective number of averages and the standard deviation
-        of every value (no coherence and no deviation for a single average, where coherence is one by
-        construction).
+        of every value (neither coherence nor deviation for a single average).
 
     Raises
     ------
@@ -152,7 +151,7 @@ def transmissibility(
 
 
 def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
-    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``, the paper's equation 10.
+    """Sum over p of ``abs(Re T_pj) + i abs(Im T_pj)``: V. Meruane, J. Sound Vib. 332 (2013) 807-820, Eq. 10.
 
     Parameters
     ----------
@@ -162,17 +161,13 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
     Returns
     -------
     (n_freq,) complex
-        Its absolute value, which the paper fits, has its peaks at the antiresonances of the reference.
+        Its absolute value, which the paper fits (its square: ``preset="paper"``), has its peaks at the
+        antiresonances of the reference.
 
     Raises
     ------
     InvalidInputError
         FRFs instead of transmissibilities.
-
-    Notes
-    -----
-    V. Meruane, J. Sound Vib. 332 (2013) 807-820, Eq. 10. ``preset="paper"`` of the identification fits
-    the square of its absolute value, see :mod:`~antires_rs.identification.paper`.
 
     Examples
     --------
