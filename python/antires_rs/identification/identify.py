@@ -36,6 +36,7 @@ from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
 from ..support.checks import FloatArray
 from ..support.messages import warn, warn_of_change
+from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
 from .lines import FORCE, Lines, lines_of
@@ -358,26 +359,16 @@ def identify_antiresonances(
 
 def _of_before(
     older: dict[str, Any], fit: FitOptions | None, cross_check: str | None
-) -> tuple[FitOptions | None, str | None]:
+) -> tuple[FitOptions, str | None]:
     """Options as they were given until 0.1, with a warning that names the new place."""
-    known = FitOptions.declared()
-    for name in older:
-        if name not in known and name != "second_opinion":
-            raise TypeError(f"identify_antiresonances() got an unexpected keyword argument {name!r}")
-    places = [f"fit=FitOptions({name}=...)" for name in older if name in known]
     if "second_opinion" in older:
-        places.append("cross_check=...")
-        second = older["second_opinion"]
-        if cross_check not in (None, second) and second is not None:
-            reject(
-                "second_opinion",
-                second,
-                f"None beside cross_check={cross_check!r}",
-                "It is the older name of cross_check; give that alone.",
-            )
+        second = older.pop("second_opinion")
+        if second is not None and cross_check not in (None, second):
+            wanted = f"None beside cross_check={cross_check!r}"
+            reject("second_opinion", second, wanted, "It is the older name of cross_check; give that alone.")
+        warn_of_change("identify_antiresonances: second_opinion: write cross_check=...")
         cross_check = cross_check if second is None else second
-    warn_of_change(f"identify_antiresonances: {' and '.join(older)}: write {', '.join(places)}")
-    return (fit or FitOptions()).joined({name: older[name] for name in older if name in known}), cross_check
+    return gathered("identify_antiresonances", "fit", fit or FitOptions(), older), cross_check
 
 
 def _checked(
@@ -411,19 +402,15 @@ def _wanted_dofs(dofs: Iterable[Any] | None, known: tuple[Any, ...]) -> tuple[An
     """The dofs asked for, all of them channels of the source."""
     if dofs is None:
         return known
+    wanted = f"dofs out of {known}"
     if isinstance(dofs, str | bytes) or not isinstance(dofs, Iterable):
-        reject("dofs", dofs, f"a list of dofs out of {known}", "Put the dofs in a list, such as dofs=[0, 1].")
+        reject("dofs", dofs, f"a list of {wanted}", "Put the dofs in a list, such as dofs=[0, 1].")
     named = list(dofs)
-    wanted = tuple(dof for i, dof in enumerate(named) if dof not in named[:i])
-    strange = [dof for dof in wanted if dof not in known]
-    if strange or not wanted:
-        reject(
-            "dofs",
-            strange or "an empty list",
-            f"dofs out of {known}",
-            "Name dofs of the source, or leave dofs out for all.",
-        )
-    return tuple(known[known.index(dof)] for dof in wanted)
+    strange = [dof for dof in named if dof not in known]
+    if strange or not named:
+        remedy = "Name dofs of the source, or leave dofs out for all."
+        reject("dofs", strange or "an empty list", wanted, remedy)
+    return tuple(known[known.index(dof)] for i, dof in enumerate(named) if dof not in named[:i])
 
 
 # -- A hammer that roved: each hit is identified by itself, all are joined at the sensor that stayed

@@ -20,11 +20,10 @@ from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..signals.averaging import METHODS, Averaging
-from ..support.checks import FloatArray, choice, integer
+from ..support.checks import choice, integer
 from ..support.options import Option, Options, option
 
 # Beyond, a narrower band or windows serve better than more orders.
@@ -196,12 +195,15 @@ class FitOptions(Options):
 
     def checked(self) -> Self:
         """The same options, or the error that names the first bad one."""
-        check_formulation(self.formulation)
+        if self.formulation in LEFT_OUT:
+            reject(
+                "formulation",
+                repr(self.formulation),
+                "one of " + ", ".join(repr(name) for name in CHOICES),
+                f"{LEFT_OUT[self.formulation]}; use formulation='joint'.",
+            )
+        choice("formulation", self.formulation, CHOICES)
         return super().checked()
-
-    def of_one_damping(self, damping: FloatArray, own: float, apart: float) -> NDArray[np.bool_]:
-        """Which damping ratios are that of a value, within the tolerance and what is no difference."""
-        return np.abs(damping - own) <= self.damping_tol * abs(own) + apart
 
     def check_span(self, min_order: int, max_order: int) -> None:
         """Refuse orders among which no chain could be long enough."""
@@ -238,18 +240,6 @@ FitOptions.__doc__ = (FitOptions.__doc__ or "").format(
 OF_SWEEP = ("damping_tol", "min_rows", "min_dominance", "persistent")
 OF_WINDOWS = ("min_share", "min_depth_db")
 OF_BOTH = ("freq_tol", "max_damping")
-
-
-def check_formulation(formulation: str) -> str:
-    """One of the formulations; those that there were are refused with what to take instead."""
-    if formulation in LEFT_OUT:
-        reject(
-            "formulation",
-            repr(formulation),
-            "one of " + ", ".join(repr(name) for name in CHOICES),
-            f"{LEFT_OUT[formulation]}; use formulation='joint'.",
-        )
-    return choice("formulation", formulation, CHOICES)
 
 
 def declared() -> dict[str, Option]:
@@ -350,11 +340,11 @@ def flat(options: Mapping[str, Any]) -> dict[str, Any]:
     by_call = {name: value for name, value in options.items() if name in CallOptions.declared()}
     by_fit = {name: value for name, value in options.items() if name in FitOptions.declared()}
     options_of(CallOptions(**by_call), FitOptions(**by_fit))
-    return {name: value for name, value in options.items() if name == "dofs" or _differs(value, known[name])}
 
+    def differs(value: Any, usual: Any) -> bool:
+        return np.ndim(value) > 0 or type(value) is not type(usual) or value != usual
 
-def _differs(value: Any, said: Option) -> bool:
-    return np.ndim(value) > 0 or type(value) is not type(said.default) or value != said.default
+    return {k: value for k, value in options.items() if k == "dofs" or differs(value, known[k].default)}
 
 
 def sorted_out(options: Mapping[str, Any]) -> dict[str, Any]:

@@ -59,12 +59,23 @@ def scored(
     data: ComplexArray,
     fitted: ComplexArray,
 ) -> ResponseTable:
-    """The same antiresonances with residual and prominence."""
-    at = (table.freq_hz, table.damping_ratio)
-    return table.with_scores(
-        residual=local_misfit(freq_hz, data, fitted, *at),
-        prominence_db=prominence_db(freq_hz, background, *at),
-    )
+    """The same antiresonances with the misfit of the fit around each, and its height over its foot in dB."""
+    power, spacing = np.abs(background) ** 2, float(np.median(np.diff(freq_hz)))
+    residual, prominence = np.full((2, len(table)), np.nan)
+    for i, (value, damping) in enumerate(zip(table.freq_hz, table.damping_ratio, strict=True)):
+        width = max(2.0 * abs(damping) * value, LEAST_LINES * spacing / 2.0)
+        off = np.abs(freq_hz - value)
+        near = np.flatnonzero(off <= NEAR_WIDTHS * width)
+        if near.size:
+            some = slice(near[0], near[-1] + 1)
+            size = np.maximum(np.sum(np.abs(fitted[:, some]) ** 2, axis=0), 1e-300)
+            misfit = np.sum(np.abs(data[:, some] - fitted[:, some]) ** 2, axis=0)
+            residual[i] = np.sqrt((misfit / size).mean())
+        peak, foot = off <= 0.5 * width, (off <= FOOT_WIDTHS[1] * width) & (off > FOOT_WIDTHS[0] * width)
+        if peak.any() and foot.any():
+            low = max(float(np.median(power[foot])), 1e-300)
+            prominence[i] = 10.0 * np.log10(max(float(power[peak].mean()), 1e-300) / low)
+    return table.with_scores(residual=residual, prominence_db=prominence)
 
 
 def graded(table: ResponseTable) -> ResponseTable:
@@ -72,44 +83,6 @@ def graded(table: ResponseTable) -> ResponseTable:
     return table.with_scores(
         grade=grades(table.rows, table.spread, table.dominance, table.residual, table.prominence_db)
     )
-
-
-def local_misfit(
-    freq_hz: FloatArray,
-    data: ComplexArray,
-    fitted: ComplexArray,
-    value_hz: FloatArray,
-    damping_ratio: FloatArray,
-) -> FloatArray:
-    """Relative misfit within three half-power bandwidths of each value."""
-    out = np.full(value_hz.size, np.nan)
-    for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
-        near = np.flatnonzero(np.abs(freq_hz - value) <= NEAR_WIDTHS * _width(freq_hz, value, damping))
-        if near.size:
-            some = slice(near[0], near[-1] + 1)
-            size = np.maximum(np.sum(np.abs(fitted[:, some]) ** 2, axis=0), 1e-300)
-            out[i] = np.sqrt((np.sum(np.abs(data[:, some] - fitted[:, some]) ** 2, axis=0) / size).mean())
-    return out
-
-
-def prominence_db(
-    freq_hz: FloatArray, background: FloatArray, value_hz: FloatArray, damping_ratio: FloatArray
-) -> FloatArray:
-    """Height in dB of the background's peak at each value over its surroundings."""
-    power = np.abs(background) ** 2
-    out = np.full(value_hz.size, np.nan)
-    for i, (value, damping) in enumerate(zip(value_hz, damping_ratio, strict=True)):
-        width, off = _width(freq_hz, value, damping), np.abs(freq_hz - value)
-        peak, foot = off <= 0.5 * width, (off <= FOOT_WIDTHS[1] * width) & (off > FOOT_WIDTHS[0] * width)
-        if peak.any() and foot.any():
-            low = max(float(np.median(power[foot])), 1e-300)
-            out[i] = 10.0 * np.log10(max(float(power[peak].mean()), 1e-300) / low)
-    return out
-
-
-def _width(freq_hz: FloatArray, value: float, damping: float) -> float:
-    """Half-power bandwidth in Hz, but not less than a few lines."""
-    return max(2.0 * abs(damping) * value, LEAST_LINES * float(np.median(np.diff(freq_hz))) / 2.0)
 
 
 def grades(

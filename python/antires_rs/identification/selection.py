@@ -210,7 +210,7 @@ def _seen(
         own_size, own_damping = abs(zero), -zero.real / abs(zero)
         near = np.flatnonzero(
             (np.abs(size / own_size - 1.0) <= rule.freq_tol)
-            & rule.of_one_damping(damping, own_damping, SAME_DAMPING)
+            & (np.abs(damping - own_damping) <= rule.damping_tol * abs(own_damping) + SAME_DAMPING)
         )
         # Of each order the nearest.
         near = near[np.argsort(np.abs(roots[near] - zero), kind="stable")]

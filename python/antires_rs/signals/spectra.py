@@ -42,14 +42,6 @@ def pieces(count: int, size: int, at_a_time: int = AT_A_TIME) -> Iterator[slice]
         yield slice(start, min(start + step, count))
 
 
-def add_products(total: ComplexArray, spectra: ComplexArray) -> None:
-    """Add the sums of conj(A) B over the segments, (n_freq, n_rows, n_segments), to ``total`` in place."""
-    _, n, count = spectra.shape
-    for some in pieces(len(spectra), n * (n + count)):
-        part = spectra[some]
-        total[some] += part.conj() @ part.transpose(0, 2, 1)
-
-
 @dataclass(frozen=True, eq=False)
 class Segments:
     """Scaled spectra of what was averaged."""
@@ -182,11 +174,6 @@ def channel_noise(matrix: ComplexArray, start: FloatArray | None = None) -> Floa
         scale = scale * share / max(float(share.mean()), 1e-300)
         scale = np.maximum(scale, LEAST_NOISE * first * float(np.median(scale / first)))
     return np.asarray(scale)
-
-
-def noise_floor(largest: FloatArray, rest: FloatArray) -> float:
-    """Noise level of all lines: the typical mean of all eigenvalues but the largest."""
-    return max(float(np.median(rest)), _rounding(largest))
 
 
 def floors(largest: FloatArray, rest: FloatArray) -> FloatArray:
@@ -375,7 +362,9 @@ def cross_spectra(
     done = 0
     for own in rows:
         for some in _transforms(own, unit, taper, step, lines):
-            add_products(products, some)
+            for lines_at in pieces(len(some), unit.size * (unit.size + some.shape[2])):
+                part = some[lines_at]
+                products[lines_at] += part.conj() @ part.transpose(0, 2, 1)
             segments[:, :, done : done + some.shape[2]] = some
             done += some.shape[2]
     scale = factor[:, None] * unit
@@ -491,7 +480,7 @@ def response_vectors(
     known = noise is not None and noise.min() > 0.0
     scale = noise if noise is not None and known else channel_noise(matrix)
     largest, rest, vectors = dominant(matrix, scale)
-    floor = 1.0 if known else noise_floor(largest, rest)
+    floor = 1.0 if known else max(float(np.median(rest)), _rounding(largest))
     return np.ascontiguousarray((vectors * np.sqrt(scale)).T), largest / floor
 
 
