@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from antires_rs.exceptions import InvalidInputError
+from antires_rs.identification.scores import grades
 from antires_rs.measured.response_table import ResponseTable
 
 
@@ -62,3 +63,17 @@ def test_nothing_of_it_can_be_changed(copied):
     for array in (table.freq_hz, table.damping_ratio, table.std_hz, table.by_hand, *table.scores.values()):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = array[1]
+
+
+def test_grades_count_what_is_passed():
+    good = (30, 1e-4, 0.95, 0.05, 10.0)
+    bad = (12, 1e-2, 0.50, 0.50, 1.0)
+    for passed, word in enumerate(["weak", "weak", "weak", "fair", "sure", "sure"]):
+        mixed = [np.array([g if i < passed else b]) for i, (g, b) in enumerate(zip(good, bad, strict=True))]
+        assert grades(*mixed).tolist() == [word]
+
+
+def test_what_is_not_known_is_not_passed():
+    unknown = [np.array([value]) for value in (30, 1e-4, np.nan, np.nan, 10.0)]
+    assert grades(*unknown).tolist() == ["fair"]
+    assert grades(*[np.empty(0)] * 5).size == 0

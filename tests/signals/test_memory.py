@@ -30,13 +30,3 @@ def test_averages_and_their_check_need_less_than_the_record_beside_it():
     tracemalloc.stop()
     # Segments from 5 to 60 of 128 Hz, half overlapping, in single precision, take 0.43 of it.
     assert peak < long.responses.nbytes
-
-
-def test_a_read_only_array_of_ones_own_is_not_copied():
-    first = record(1 << 12)
-    again = ar.Recording(first.responses, first.fs_hz)
-    assert np.shares_memory(first.responses, again.responses)
-    mine = np.array(first.responses)
-    kept = ar.Recording(mine, 256.0)
-    mine[:] = 0.0
-    assert kept.responses.any()

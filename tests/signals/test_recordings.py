@@ -99,3 +99,8 @@ def test_the_deviation_follows_from_coherence_and_averages_unless_given():
         {"coherence": coherence, "n_averages": 1},
     ):
         assert FrequencyResponse(FREQ, values, **unknown).std is None
+
+
+def test_a_read_only_array_of_ones_own_is_not_copied():
+    first = Recording(DATA, 5.0)
+    assert np.shares_memory(first.responses, Recording(first.responses, 5.0).responses)

@@ -1,5 +1,7 @@
 """Spectra against scipy, estimators against what is known of their bias."""
 
+import subprocess
+import sys
 from functools import partial
 
 import numpy as np
@@ -9,7 +11,7 @@ import scipy.signal
 from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
 from antires_rs.signals.frequency_response import FrequencyResponse
 from antires_rs.signals.recording import Recording
-from antires_rs.signals.spectra import cross_spectra, effective_averages
+from antires_rs.signals.spectra import cross_spectra, effective_averages, prominent_peaks
 from antires_rs.signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from reference.virtual_records import chain8_matrices, random_record
 
@@ -193,3 +195,26 @@ def test_a_dead_channel_is_named():
     dead = np.vstack([RECORD.responses[:2], np.zeros(5000)])
     with pytest.raises(UnsuitableDataError, match="channel 2"):
         transmissibility(Recording(dead, 200.0), 0, nperseg=256)
+
+
+@pytest.mark.parametrize("digits", [0, 1, 6])
+def test_the_peaks_are_those_of_scipy_also_on_flat_tops_and_among_equals(digits):
+    from scipy.signal import find_peaks
+
+    rng = np.random.default_rng(digits)
+    for size in (*range(9), 50, 400):
+        for _ in range(40):
+            curve = np.round(rng.standard_normal(size).cumsum(), digits)
+            for least in (0.0, 0.5, 1.0, 3.0):
+                wanted = find_peaks(curve, prominence=least)[0]
+                np.testing.assert_array_equal(prominent_peaks(curve, least), wanted)
+
+
+def test_identifying_a_record_does_not_import_scipy_signal():
+    code = (
+        "import sys, warnings, antires_rs as ar\nwarnings.simplefilter('ignore')\n"
+        "record = ar.cases.chain8().experiment(noise=0.01, duration_s=32.0, rng=0)\n"
+        "assert ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130))[0].size\n"
+        "assert 'scipy.signal' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
