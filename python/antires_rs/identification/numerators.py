@@ -402,17 +402,14 @@ def _misfits(
 #
 #     dc = -(A - mu I)^+ dA c,      dA c = -sum_f g_f Re phi' (dC_f N - (N' dC_f N / N'N) N)
 #
-# and a zero s of N_j by its slope ds/dc. Each Welch segment is one independent draw of all C_f at once;
-# what its own x x' would move the zero by is its influence, and the variance of the mean of K influences is
-# the variance of the zero (the infinitesimal jackknife). Nothing is assumed of the noise: coloured noise,
-# leakage, and what the segments share between neighbouring lines are in the scatter. Where there are no
-# segments, blocks of neighbouring lines take their place.
+# and a zero s of N_j by its slope ds/dc. Each Welch segment (without segments: each block of neighbouring
+# lines) is one independent draw of all C_f; what its own x x' would move the zero by is its influence, and
+# the variance of the mean of K influences is the variance of the zero (the infinitesimal jackknife). Nothing
+# is assumed of the noise.
 #
-# R records of one test, R impacts, or the curves of R tests are R draws, u_r, with
-# b^2 = R / (R - 1) sum_r (u_r - mean u)^2, which holds whatever differs from record to record, but has R - 1
-# degrees of freedom only. The scatter inside the records (of their segments; of an impact or a curve, in
-# blocks of lines), w^2, has many, and knows noise and leakage alone. Their ratio is much the same for all
-# zeros of a test, so that all tell of it together:
+# R records of one test, R impacts, or the curves of R tests are R draws with R - 1 degrees of freedom, whose
+# scatter b^2 holds whatever differs from record to record. The scatter inside the records, w^2, has many,
+# and knows noise and leakage alone. Their ratio is much the same for all zeros of a test:
 #
 #     q = max(1, median of b^2 / w^2 over all zeros / median of chi^2_{R-1} / (R - 1)),
 #

@@ -13,7 +13,7 @@ would be wrong: a transmissibility can have a numerator of higher order than its
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -445,20 +445,20 @@ def _fit_of(
     """The fit with denominator coefficients ``d``, its residual taken with the user's own weight."""
     zeros = tuple(RootSet(nested.zeros(d, o)) for o in range(nested.values.shape[0]))
     bases = (nested.numerator_basis, nested.denominator_basis)
+    coefficients = (nested.numerators(d), d)
     fit = RationalFit(
         len(d) - 1,
         RootSet(nested.poles(d)),
         zeros[0] if single else zeros,
         0.0,
         bases,
-        (nested.numerators(d), d),
+        coefficients,
         nested.scale_hz,
         single,
     )
     difference = np.atleast_2d(fit.evaluate(freq_hz)) - nested.values
     rms = np.sqrt((weight * np.abs(difference) ** 2).sum() / (weight * np.abs(nested.values) ** 2).sum())
-    object.__setattr__(fit, "residual", float(rms))
-    return fit
+    return replace(fit, residual=float(rms))
 
 
 # -- How much of a rational curve one of its poles owns

@@ -53,11 +53,9 @@ def local_windows(freq_hz: FloatArray) -> list[slice]:
 
 # -- The likeliest numerators of one window
 #
-# The channels are brought to equal noise, and to the few directions that hold their signal: numerators of
-# order m span at most m + 1 of them. Where nothing tells the noise, the residual of a first fit does, by
-# channel and by line; a second fit is weighted by it, so that lines and channels at which the structure is
-# not what the fit can be (a joint that slips, tests at which a mode had moved) lose their say. Noise that
-# came with the curves keeps its weights, and errors are never less than it makes them.
+# The channels are brought to equal noise, and to the few directions that hold their signal. Where nothing
+# tells the noise, the residual of a first fit does, by channel and by line, and weights a second one: lines
+# and channels at which the structure is not what the fit can be (a joint that slips) lose their say.
 
 # Highest order of a window, and lines that each order needs.
 HIGHEST_ORDER, LINES_PER_ORDER = 16, 5
@@ -163,12 +161,11 @@ class LocalFit:
 
 # -- What one fit of one window sees: the zeros of each response, and which of them make a dip
 #
-# A numerator has more roots than antiresonances: heavily damped ones that shape the trend, and pairs that
-# all rows share, which cancel. So a root counts only where the fitted response has a dip in the responses'
-# direction, which is a peak of the transmissibilities to it; each dip belongs to the root that is nearest
-# to it in the complex plane. Where the size of the responses is known (FRFs, one impact), a dip of the
-# response itself is looked for too: where a sensor lies on the node of a mode the others resonate and it
-# does not, which is a peak of its transmissibilities, but no dip of its own curve.
+# A numerator has more roots than antiresonances. So a root counts only where the fitted response has a dip in
+# the responses' direction, a peak of the transmissibilities to it; each dip belongs to the root that is
+# nearest in the complex plane. Where the size of the responses is known, a dip of the response itself is
+# looked for too: on the node of a mode there is a peak of the transmissibilities, but no dip of its own
+# curve.
 
 # Orders that are looked at, relative to the likeliest.
 AROUND = (-1, 0, 1)
@@ -275,11 +272,8 @@ def _owners(
 
 # -- What most of the fits that could see it do see
 #
-# Sightings of one response that lie within a tolerance are one antiresonance, the most frequent first. Its
-# share is the number of fits that have it over the number of fits of windows in whose interior it lies. Its
-# frequency is the median; its error is the larger of two: the noise, as the fits tell it, and how far the
-# fits disagree, which holds the noise too, leakage, the choice of the order and what is not rational in the
-# curves.
+# Sightings of one response within a tolerance are one antiresonance, the most frequent first. Its frequency
+# is the median; its error is the larger of the noise, as the fits tell it, and of how far the fits disagree.
 
 # Zeros of several fits are one antiresonance within this share of the frequency tolerance; two that are
 # accepted lie at least ONE_DIP apart.

@@ -305,8 +305,8 @@ class Agreement:
     def fit(self, p: int, largest_turn_deg: float) -> Fit | None:
         """The likeliest delay and offset of channel ``p``; None where too few lines speak.
 
-        An offset of a right angle is another kind of quantity, which has no delay beyond ``largest_turn_deg``
-        at the highest line.
+        An offset of a right angle, another kind of quantity, has no delay beyond ``largest_turn_deg`` at the
+        highest line.
         """
         lines = np.flatnonzero(self.heard[:, p])
         if lines.size:

@@ -620,9 +620,7 @@ def followed(seen: Evidence, peaks: Any) -> list[list[tuple[int, int, bool]]]:
     """For every dof: neighbouring resonances that could be compared, and whether its zeros alternate.
 
     An even number of zeros counts against the dof only if it is none, the component keeping its sign at every
-    line between: two may mean a resonance that was not seen, as of a mode with a node near the force. Nor may
-    the component dip, as in an antiresonance that all channels share, through which no direction can be
-    followed.
+    line between, without a dip: two may mean a resonance that was not seen.
     """
     power = np.abs(seen.vectors) ** 2
     pairs: list[list[tuple[int, int, bool]]] = [[] for _ in seen.dofs]

@@ -1,14 +1,9 @@
 r"""Several measurements of one test as one source: records are pooled, curves averaged.
 
-The mean of R curves scatters by
-
-    std^2 = sum_r abs(H_r - mean)^2 / (2 R (R - 1))
-
-in its real and imaginary part alike; with few curves that is averaged over as many neighbouring lines as give
-it some twenty degrees of freedom (of transmissibilities relative to the whole vector). FRFs are averaged as
-they are. Transmissibilities have poles where their reference has an antiresonance, and a mean of quotients
-follows the worst of them: the average is the dominant eigenvector of all response vectors instead, the
-direction that all records agree on best.
+The mean of R curves scatters by std^2 = sum_r abs(H_r - mean)^2 / (2 R (R - 1)) in its real and imaginary
+part alike; with few curves that is averaged over so many neighbouring lines that it has some twenty degrees
+of freedom. FRFs are averaged as they are. A mean of transmissibilities follows the worst of them at their
+poles: the average is the dominant eigenvector of all response vectors instead.
 """
 
 from __future__ import annotations
@@ -61,8 +56,8 @@ def one_source(source: Any, name: str = "source") -> Any:
 def averaged(responses: Sequence[FrequencyResponse], name: str = "source") -> FrequencyResponse:
     """The average of repeated FRFs or transmissibilities, with the scatter of that average as ``std``.
 
-    Of two or more it is an :class:`AveragedResponse`: the scatter line by line does not hold what moves the
-    whole curve of a test, a clamp that was set again, and this the runs tell.
+    Of two or more it holds the runs too: the scatter by line does not hold what moves the whole curve of a
+    test.
     """
     first = responses[0]
     if len(responses) == 1:
