@@ -11,7 +11,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.watch import sources as one_test
-from antires_rs.watch.store import open_store, part_path
+from antires_rs.watch.store import Store, part_path
 from reference.small_records import OPTIONS, dead, record
 from tests.support.identified_once import identified_once
 
@@ -236,7 +236,7 @@ def test_a_journal_of_an_older_version_is_taken_up(store, whole, count):
     """Lines of a checksum and JSON, of which the last is torn."""
     with pytest.raises(RuntimeError):
         ar.identify_series(stopped(), **OPTIONS, store=store)
-    kept = open_store(store, CONFIG)
+    kept = Store(store, CONFIG)
     lines = [{"format": "antires_rs.Series.journal", "version": 1, "config": CONFIG}]
     for row in kept._known.values():
         outcome = row.plain() if row.failed is None else row.failed
@@ -302,7 +302,7 @@ def test_sources_that_are_gone_are_refused(store, whole):
 
 
 def test_a_store_in_use_is_refused(store):
-    elsewhere = open_store(store, CONFIG)
+    elsewhere = Store(store, CONFIG)
     with pytest.raises(ar.InvalidInputError, match="another process writes"):
         identified(store)
     elsewhere.close()
