@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..support.checks import FloatArray, finite_scalar
+from ..support.checks import FloatArray
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import aligned, number
-from .matching import MAX_SHIFT, SeriesOfTests, check_sets, check_shift, paired, scatter, variance_hz
-from .response_table import ResponseTable
+from .matching import MAX_SHIFT, SeriesOfTests, check_sets, paired, scatter, variance_hz, within
+from .response_table import ResponseTable, label_array
 
 # -- What following antiresonances over many tests gives: their tracks, and what happened to them
 
@@ -81,7 +81,7 @@ class Tracks(ReadOnly, Viewed):
     @property
     def change_percent(self) -> FloatArray:
         """Change of each since its first test, (n_tests, n_tracks)."""
-        return np.asarray(100.0 * (self.freq_hz / self._first(self.freq_hz) - 1.0))
+        return np.asarray(100.0 * (self.freq_hz / _first(self.freq_hz) - 1.0))
 
     @property
     def std_between(self) -> float:
@@ -94,20 +94,12 @@ class Tracks(ReadOnly, Viewed):
 
     @property
     def std_common(self) -> float:
-        """Relative scatter from test to test that moves all values alike, if tests are repeats.
-
-        See :mod:`antires_rs.measured.matching`.
-        """
+        """The same of what moves all values alike."""
         return scatter(self.freq_hz, self.std_hz)[1]
 
     def of(self, dof: Any) -> NDArray[np.int64]:
         """Columns of one response."""
         return np.flatnonzero(self.dof == dof)
-
-    def _first(self, freq_hz: FloatArray) -> FloatArray:
-        """What each track has in the first test that has it."""
-        at = np.argmax(~np.isnan(freq_hz), axis=0)
-        return np.asarray(freq_hz[at, np.arange(freq_hz.shape[1])])
 
     def __len__(self) -> int:
         return int(self.dof.size)
@@ -116,7 +108,7 @@ class Tracks(ReadOnly, Viewed):
         return f"Tracks({len(self)} antiresonances, {len(self.conditions)} tests, {len(self.events)} events)"
 
     def __str__(self) -> str:
-        first, last = self._first(self.freq_hz), self._first(self.freq_hz[::-1])
+        first, last = _first(self.freq_hz), _first(self.freq_hz[::-1])
         seen = np.sum(~np.isnan(self.freq_hz), axis=0)
         told: dict[int, list[str]] = {}
         for event in self.events:
@@ -143,6 +135,12 @@ class Tracks(ReadOnly, Viewed):
     def plot(self, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
         """Draw the tracks of a response over the tests; see :func:`~antires_rs.figures.plot_tracks`."""
         return self._view("plot")(self, dof, kind=kind, ax=ax)
+
+
+def _first(freq_hz: FloatArray) -> FloatArray:
+    """What each track has in the first test that has it."""
+    at = np.argmax(~np.isnan(freq_hz), axis=0)
+    return np.asarray(freq_hz[at, np.arange(freq_hz.shape[1])])
 
 
 # Two values nearer than this may become one; farther apart, one of them was lost.
@@ -248,18 +246,13 @@ def followed(
 ) -> Tracks:
     """Tracks of some responses; a test that lacks one of them tells nothing of it."""
     given = check_sets("sets", sets, 2)
-    shift = check_shift(max_shift)
-    between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
+    shift, between = within("max_shift", max_shift), within("std_between", std_between)
     names = _conditions(conditions, len(given))
     first = given[0]
     for i, one in enumerate(given):
         if one.excitation != first.excitation:
-            reject(
-                f"sets[{i}]",
-                f"a set of force at {one.excitation!r}",
-                f"that of the first, {first.excitation!r}",
-                "Follow each excitation by itself.",
-            )
+            got, wanted = f"a set of force at {one.excitation!r}", f"that of the first, {first.excitation!r}"
+            reject(f"sets[{i}]", got, wanted, "Follow each excitation by itself.")
     if not dofs:
         reject("sets", "sets without a common dof", "sets of the same responses", "Leave out the others.")
     labels: list[Any] = []
@@ -277,13 +270,11 @@ def followed(
                 column[:, test] = tables[test].freq_hz[row], tables[test].std_hz[row]
             columns.append(column)
             labels.append(dof)
-    of_tracks = np.empty(len(labels), dtype=object)
-    of_tracks[:] = labels
     freq, std = np.stack(columns, axis=2) if columns else np.empty((2, len(given), 0))
     return Tracks(
         first.excitation,
         names,
-        frozen(of_tracks),
+        label_array(labels),
         frozen(freq),
         frozen(std),
         tuple(sorted(events, key=lambda event: (event.test, event.track))),

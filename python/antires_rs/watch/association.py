@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import paired
-from ..measured.response_table import ResponseTable
+from ..measured.response_table import ResponseTable, label_array
 from ..support.checks import FloatArray
 
 #: A value that so large a part of the baseline's tests has is followed; the others are told as clutter.
@@ -109,12 +109,10 @@ def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
         tests = sum(dof in one for one in sets)
         seen = [one for one in groups[dof] if len(one) >= max(2.0, RARE * tests)]
         columns += sorted((dof, _median(one), len(one) / tests) for one in seen)
-    names = np.empty(len(columns), dtype=object)
-    names[:] = [dof for dof, _, _ in columns]
     return Places(
         sets[0].excitation,
         dofs,
-        names,
+        label_array([dof for dof, _, _ in columns]),
         np.array([freq for _, freq, _ in columns]),
         np.array([rate for _, _, rate in columns]),
     )

@@ -19,7 +19,7 @@ from ..damage.result import DamageResult
 from ..exceptions import reject
 from ..io.data_frames import frame_of
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.matching import MAX_SHIFT, check_shift
+from ..measured.matching import MAX_SHIFT, within
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray, finite_scalar
@@ -574,7 +574,7 @@ def monitor(
     """
     tests = series_of(series)
     rate = finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.2, low_open=True)
-    shift = check_shift(max_shift)
+    shift = within("max_shift", max_shift)
     own = baseline_tests(baseline, tests)
     sets = list(tests.sets)
     first = next(one for one in sets if one is not None)

@@ -25,7 +25,7 @@ from ..exceptions import reject
 from ..io.common import missing_package
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
-from ..measured.response_table import ResponseTable
+from ..measured.response_table import NUMBERS, ResponseTable
 from ..signals.one_force import DataCheck, Finding
 from ..support.files import written_beside
 from ..support.values import frozen
@@ -40,7 +40,7 @@ Plain = dict[str, Any]
 #: What a row of a set is: accepted, seen and not accepted, a peak that nothing explains.
 GROUPS = ("antiresonance", "left_out", "unexplained")
 #: Columns of every row with the letters of their types; scores stand beside them by their names.
-COLUMNS = {"freq_hz": "f", "damping_ratio": "f", "std_hz": "f", "by_hand": "b"}
+COLUMNS = dict.fromkeys(NUMBERS, "f") | {"by_hand": "b"}
 _CASTS = {"f": np.float64, "i": np.int64, "b": np.bool_, "U": np.str_}
 #: What is kept of a data check beside its findings.
 _OF_CHECK = ("not_tested", "dofs", "excitation", "band_hz", "n_averages", "nperseg")
@@ -239,7 +239,7 @@ GROUP, HELD = 128, 2
 #: Columns with the letters of their types, n a short integer: of every row, conditions behind them; of an
 #: antiresonance, its scores behind them; of the row of a test.
 OF_ALL = {"row": "U", "test": "n", "name": "U", "time": "M"}
-OF_VALUE = {"dof": "U", "freq_hz": "f", "damping_ratio": "f", "std_hz": "f", "source": "U"}
+OF_VALUE = {"dof": "U"} | dict.fromkeys(NUMBERS, "f") | {"source": "U"}
 OF_TEST = {"failed": "U", "count": "n", "fingerprint": "U", "facts": "U"}
 WANTED = "a series that antires_rs wrote"
 Columns = dict[str, list[Any]]
