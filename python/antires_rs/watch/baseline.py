@@ -361,7 +361,8 @@ class Learned:
 
     def outside(self, conditions: Mapping[str, FloatArray], n: int) -> NDArray[np.bool_]:
         """Tests at a condition that the baseline does not have, (n,)."""
-        return np.any([np.zeros(n), *(one.away(conditions) for one in self.basis.columns)], axis=0)
+        away = [one.away(conditions) for one in self.basis.columns]
+        return np.asarray(np.any([np.zeros(n), *away], axis=0))
 
     def directions(self, conditions: Mapping[str, FloatArray], test: int, *, free: bool) -> FloatArray:
         """Changes of all values without damage, of one standard deviation each, (m, k), in the logarithm.
