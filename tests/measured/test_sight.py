@@ -2,10 +2,7 @@
 
 import json
 
-import pytest
-
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError
 
 
 def some(**options):
@@ -38,27 +35,6 @@ def test_new_names_are_the_channels_names_too_unless_one_has_none():
     assert known.relabelled(3, {0: 3, 1: 4, 5: 9}).channels == (3, 4, 9)
     assert known.relabelled(3, {0: 3, 1: 4}).channels == ()
     assert known.relabelled(3, {0: 3, 1: 4}).sees == "transmissibility"
-
-
-@pytest.mark.parametrize(
-    ("options", "argument"),
-    [
-        ({"sees": "both"}, "sees"),
-        ({"channels": "01"}, "channels"),
-        ({"channels": [0, 5]}, "channels"),
-        ({"channels": 3}, "channels"),
-    ],
-)
-def test_what_cannot_be_is_refused_by_name(options, argument):
-    with pytest.raises(InvalidInputError) as caught:
-        some(**options)
-    assert str(caught.value.argument) == argument
-
-
-def test_a_damaged_mark_is_a_damaged_file():
-    data = json.loads(some(sees="frf").to_json()) | {"sees": "everything"}
-    with pytest.raises(InvalidInputError, match="damaged"):
-        ar.AntiresonanceSet.from_json(json.dumps(data))
 
 
 def test_identification_says_what_its_route_sees():

@@ -82,11 +82,11 @@ def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = N
     if "grade" in table.scores:
         sure = table.scores["grade"].astype(str) == "sure"
         for word, passed in _OF_WINDOWS if "share" in table.scores else _TESTS:
-            for i in np.flatnonzero(~sure & ~passed(table)):
-                found[i].append(word)
-    for i, freq in enumerate(table.freq_hz.tolist() if cross_check is not None else ()):
-        if cross_check.is_confirmed(dof, freq) is False:
-            found[i].append("not confirmed")
+            for row in np.flatnonzero(~sure & ~passed(table)):
+                found[row].append(word)
+    for words, freq in zip(found, table.freq_hz.tolist(), strict=True):
+        if cross_check is not None and cross_check.is_confirmed(dof, freq) is False:
+            words.append("not confirmed")
     return [
         ["added by hand"] if by_hand else words for words, by_hand in zip(found, table.by_hand, strict=True)
     ]

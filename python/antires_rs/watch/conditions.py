@@ -284,7 +284,7 @@ def _columns(given: Any) -> dict[Any, Any]:
         elif kind in ("O", "T", "U") and not any(_is_one_of(key, NAMES) for key in table):
             table["name"] = np.asarray(index)
         return table
-    rows = given if isinstance(given, Sequence) and not isinstance(given, str) else [None]
+    rows: Any = given if isinstance(given, Sequence) and not isinstance(given, str) else [None]
     if not all(isinstance(row, Mapping) for row in rows):
         wanted = (
             "a mapping of name to array, a DataFrame, a structured array, a list of dicts, or a CSV or "

@@ -613,8 +613,8 @@ def monitor(
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
     learned, runs, assessments = charts.learned, runs_of(alarm, judged), {}
     by = model if assessor is None else assessor
-    for run in runs if by is not None else ():
-        if run[1] not in own:
+    for run in runs:
+        if by is not None and run[1] not in own:
             step(f"assessing test {run[0]}")
             assessments[run[0]] = assessed(by, run, learned, sound, places, first, used, assessment)
     enough = needed(rate, learned.basis.size)

@@ -185,15 +185,15 @@ class Series(ReadOnly):
         """Same tests in the same order: names, conditions, times, reasons and sets, bit for bit."""
         if not isinstance(other, Series):
             return NotImplemented
-        one, two = ({"times": each.times, **each.conditions} for each in (self, other))
+        one, two = (
+            dict(each.conditions) | ({} if each.times is None else {"times": each.times})
+            for each in (self, other)
+        )
         return (
             self.names == other.names
             and self.failed == other.failed
             and one.keys() == two.keys()
-            and all(
-                (a is None and b is None) or np.array_equal(a, b, equal_nan=a is not None and b is not None)
-                for a, b in zip(one.values(), two.values(), strict=True)
-            )
+            and all(np.array_equal(column, two[name], equal_nan=True) for name, column in one.items())
             and all(a == b for a, b in zip(self, other, strict=True))
         )
 

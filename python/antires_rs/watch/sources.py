@@ -34,7 +34,7 @@ from ..io.own_format import relabelled
 from ..io.registry import ENDINGS, READERS, format_by_ending
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import FrequencyResponse
-from ..signals.one_force import DataCheck, Finding
+from ..signals.one_force import Finding
 from ..signals.recording import Recording
 from ..support.progress import apart
 from ..support.values import FrozenDict
@@ -248,11 +248,12 @@ def _set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
     found = identify_antiresonances(signal, **sorted_out(options), progress=False)
     if not sum(map(len, found.tables.values())):
         raise ValueError("no antiresonance was found in the band")
-    if dead and isinstance(found.data_check, DataCheck):
+    check = found.data_check
+    if dead and check is not None:
         text = f"Dofs {', '.join(map(str, dead))}: constant, left out of this test."
         out = Finding("dead_channel", "warning", dead, 0.0, 0.0, text, "Check sensor and cable.")
         found = copy.copy(found)
-        found._fill(data_check=replace(found.data_check, findings=(out, *found.data_check.findings)))
+        found._fill(data_check=replace(check, findings=(out, *check.findings)))
     return found
 
 
