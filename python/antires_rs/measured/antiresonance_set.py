@@ -52,7 +52,6 @@ class CrossCheck(Protocol):
 
 # -- Why an antiresonance asks for a look: a few words for each
 
-
 Tests = tuple[tuple[str, Callable[[ResponseTable], NDArray[np.bool_]]], ...]
 #: What a grade's tests are called where they fail: of the sweep over orders, and of fits over windows.
 _TESTS: Tests = (
@@ -151,7 +150,6 @@ _HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
 # "unexplained_hz" (what was seen and not accepted); older versions of the package read such files too. What
 # is not known is null.
 
-
 FORMAT = "antires_rs.AntiresonanceSet"
 VERSION = 2
 _WANTED = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
@@ -163,14 +161,14 @@ def damaged(path: str, exc: Exception) -> InvalidInputError:
     return InvalidInputError("path", f"{path!r}, which is damaged ({exc})", _WANTED, _ANOTHER)
 
 
+def _unknown(column: FloatArray) -> bool:
+    return bool(column.size and np.isnan(column).all())
+
+
 def _row(table: ResponseTable) -> dict[str, Any]:
     """A table as a file has it; a column of which nothing is known is left out, NaN becomes null."""
     columns = {name: getattr(table, name) for name in NUMBERS}
-    row: dict[str, Any] = {
-        name: _plain(values)
-        for name, values in columns.items()
-        if not values.size or not np.isnan(values).all()
-    }
+    row: dict[str, Any] = {name: _plain(column) for name, column in columns.items() if not _unknown(column)}
     if table.scores:
         row["scores"] = {name: _plain(values) for name, values in table.scores.items()}
     return row
@@ -236,13 +234,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     channels : iterable of dof, optional
         All responses that were measured together, with or without antiresonances here. Default: those of
         ``freq_hz``.
-    scores, diagrams, data_check, cross_check : optional
-        See Attributes.
+    scores, diagrams, data_check, cross_check, options : optional
+        See Attributes. All arguments are attributes.
 
     Attributes
     ----------
-    excitation : int or str
-    sees : str or None
     channels : tuple of dof
         Empty where some of them have no name here, see :meth:`relabelled`.
     options : dict
@@ -262,12 +258,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         By dof, where curves were identified: what fits saw and did not accept, with the score "why".
     unexplained_hz : dict
         By dof, where it was identified: peaks of its curve beside which nothing was seen.
-    diagrams : dict
-        Stabilization diagram by dof where the set was identified; not saved.
-    cross_check, second_opinion : CrossCheck or None
-        What another method says of the antiresonances, where it was asked (one thing, two names); not saved.
-    data_check : DataCheck or None
-        Whether the data were fit for it; not saved.
+    diagrams, cross_check, data_check
+        Not saved. Where the set was identified: the stabilization diagram by dof, what another method says of
+        the antiresonances (``second_opinion`` is its older name), and whether the data were fit for it.
 
     Raises
     ------
@@ -374,7 +367,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     @property
     def damping_ratio(self) -> Mapping[Any, FloatArray]:
-        """By dof, in the order of the frequencies: NaN where not known, without the dofs with none known."""
+        """By dof: NaN where not known, without the dofs with none known."""
         return self._known("damping_ratio")
 
     @property
@@ -426,11 +419,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return f"{type(self).__name__}(excitation={self.excitation!r}, values by dof {{{counts}}})"
 
     def _known(self, name: str) -> FrozenDict[Any, FloatArray]:
-        """A column by dof, without the dofs that have antiresonances and nothing known of any."""
         columns = {dof: getattr(table, name) for dof, table in self.tables.items()}
-        return FrozenDict(
-            {dof: values for dof, values in columns.items() if not values.size or not np.isnan(values).all()}
-        )
+        return FrozenDict({dof: column for dof, column in columns.items() if not _unknown(column)})
 
     def _dof(self, dof: Any) -> Any:
         """One of the set's dofs."""
@@ -483,7 +473,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         damping_ratio, std_hz : float or array_like, (n,), optional
             One for all, or one each. Not known by default.
         reason : str
-            Kept with the record of what was done, ``edits``.
+            As for :meth:`drop`.
 
         Raises
         ------

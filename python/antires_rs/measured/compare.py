@@ -106,12 +106,11 @@ class Comparison(ReadOnly, Viewed):
         return f"Comparison({len(self)} pairs, {alone[0]} + {alone[1]} without a partner, p {self.p_all:.2g})"
 
     def __str__(self) -> str:
+        columns = (self.dof, self.a_hz, self.b_hz, self.difference_percent, self.std_percent, self.z, self.p)
         rows = [
-            [str(self.dof[i]), number(self.a_hz[i], 3), number(self.b_hz[i], 3)]
-            + [number(self.difference_percent[i], 3, sign=True), number(self.std_percent[i], 3)]
-            + [number(self.z[i], 1, sign=True), f"{self.p[i]:.2g}" if self.p[i] == self.p[i] else "-"]
-            + ["changed" if self.changed[i] else ""]
-            for i in range(len(self))
+            [str(dof), number(a, 3), number(b, 3), number(change, 3, sign=True), number(std, 3)]
+            + [number(z, 1, sign=True), "-" if np.isnan(p) else f"{p:.2g}", "changed" if changed else ""]
+            for dof, a, b, change, std, z, p, changed in zip(*columns, self.changed, strict=True)
         ]
         head = ["dof", "a_hz", "b_hz", "diff_%", "std_%", "z", "p", ""]
         lines = [f"antiresonances compared, force at {self.excitation}", *aligned(head, rows)]

@@ -130,7 +130,6 @@ def check_set(name: str, one: Any) -> AntiresonanceSet:
 # References: B. L. Welch, Biometrika 34 (1947) 28-35; R. A. Fisher, Statistical Methods for Research Workers,
 # 1932, sec. 21.1 (joining tests); S. Holm, Scand. J. Stat. 6 (1979) 65-70.
 
-
 #: Independent averages behind a standard deviation where a set does not tell.
 AVERAGES = 15.0
 
@@ -188,7 +187,6 @@ def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:
 # so that values known well tell most (R. C. Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982)
 # 377-385); a and tau are found in turn. The variance of a_t over the tests, less that of the mean, is the
 # square of the common scatter.
-
 
 # Bisections: the root of a falling function to ten digits.
 STEPS = 40

@@ -110,12 +110,13 @@ class Tracks(ReadOnly, Viewed):
     def __str__(self) -> str:
         first, last = _first(self.freq_hz), _first(self.freq_hz[::-1])
         seen = np.sum(~np.isnan(self.freq_hz), axis=0)
-        told: dict[int, list[str]] = {}
+        words: list[list[str]] = [[] for _ in range(len(self))]
         for event in self.events:
-            told.setdefault(event.track, []).append(f"{event.kind} at {self.conditions[event.test]}")
+            words[event.track].append(f"{event.kind} at {self.conditions[event.test]}")
+        change = 100.0 * (last / first - 1.0)
         rows = [
             [str(self.dof[i]), str(seen[i]), number(first[i], 3), number(last[i], 3)]
-            + [number(100.0 * (last[i] / first[i] - 1.0), 3, sign=True), ", ".join(told.get(i, []))]
+            + [number(change[i], 3, sign=True), ", ".join(words[i])]
             for i in range(len(self))
         ]
         title = f"antiresonances followed over {len(self.conditions)} tests, force at {self.excitation}"
@@ -155,10 +156,7 @@ CLOSED, CLOSED_TIMES = 100, 10
 
 
 class _Track:
-    """One antiresonance so far: where it was last, and the row of every test that has it.
-
-    Tests of its response are counted by ``nth``.
-    """
+    """One antiresonance: where it was last, and its row in every test that has it, counted by ``nth``."""
 
     def __init__(self, test: int, nth: int, table: ResponseTable, row: int) -> None:
         self.rows: dict[int, int] = {}
@@ -335,9 +333,9 @@ def _conditions(conditions: Any, count: int) -> tuple[Any, ...]:
     wanted = f"{count} numbers or {count} texts, one for each test"
     if isinstance(conditions, str) or not hasattr(conditions, "__len__"):
         reject("conditions", conditions, wanted, "Put them in a list.")
+    if len(conditions) != count:
+        reject("conditions", f"{len(conditions)} of them", wanted, "Give one for each set.")
     given = [item.item() if isinstance(item, np.generic) else item for item in conditions]
-    if len(given) != count:
-        reject("conditions", f"{len(given)} of them", wanted, "Give one for each set.")
     if all(isinstance(item, int | float) and np.isfinite(item) for item in given):
         return tuple(given)
     return tuple(map(str, given))

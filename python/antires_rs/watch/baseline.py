@@ -15,7 +15,6 @@ from ..support.checks import FloatArray
 #
 # Reference: P. J. Huber, Robust Statistics, 1981, chapter 7.
 
-
 #: Residuals beyond so many standard deviations count less, with 95 % efficiency for normal ones.
 HUBER = 1.345
 ROUNDS = 12
@@ -83,7 +82,6 @@ def _median(values: FloatArray) -> FloatArray:
 # A condition is kept where tests that are left out are predicted better with it, and bends where that
 # predicts them better again by more than its standard error. Beyond the baseline's range the line goes on,
 # with what is not known of it as a standard deviation.
-
 
 #: Parts in which the baseline is left out in turn, at most.
 FOLDS = 20
@@ -202,7 +200,6 @@ def _left_out(y: FloatArray, basis: Basis, conditions: Mapping[str, FloatArray])
 #
 # Reference: K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. Am. Stat. Assoc. 84 (1989) 881-896.
 
-
 #: Degrees of freedom that are tried, from heavy tails to the normal law.
 DEGREES = (2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, np.inf)
 #: What is told by a stated standard deviation counts as so many tests.
@@ -270,7 +267,6 @@ def scores(scaled: FloatArray, degrees: float) -> FloatArray:
 # References: V. A. Marchenko, L. A. Pastur, Math. USSR-Sbornik 1 (1967) 457-483; J. Schaefer, K. Strimmer,
 # Stat. Appl. Genet. Mol. Biol. 4 (2005) 32.
 
-
 #: Eigenvalues this much above the edge of noise are factors; at most so many of them.
 _ABOVE, _MOST = 1.3, 4
 _LEAST = 0.05
@@ -307,7 +303,6 @@ def correlations(z: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 # -- What is learned, and what may move values without damage: conditions not known, or out of range
-
 
 #: A stated deviation above the usual by this factor is that of a poor test: the excess is added.
 _POOR = 1.5

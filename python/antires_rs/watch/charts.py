@@ -99,7 +99,6 @@ def distances(
 # References: E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684-688; J. R. M. Hosking,
 # J. R. Wallis, Technometrics 29 (1987) 339-349.
 
-
 #: The tail is fitted to so large a part.
 TAIL = 0.2
 #: The shape of a normal tail there, and for how many tests of the tail it counts.
@@ -164,7 +163,6 @@ def needed(rate: float, coefficients: int) -> int:
 #
 # Reference: C. A. Lowry, W. H. Woodall, C. W. Champ, S. E. Rigdon, Technometrics 34 (1992) 46-53.
 
-
 #: lambda: a mean over some twenty tests.
 WEIGHT = 0.1
 #: A value whose mean holds less than this part of what it would of complete tests is left out.
@@ -185,19 +183,12 @@ def means(
     inverse: FloatArray,
     beyond: FloatArray,
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Chart of scores in order: T^2, number of values behind it, whether a test agrees with its mean, (n,).
+    """Chart of scores z (n, m) in order: T^2, number of values behind it, whether a test agrees with it.
 
-    Parameters
-    ----------
-    z : (n, m)
-    bounds : (n,)
-        What each test is multiplied by.
-    inverses : Inverses
-        Of the correlations.
-    x, inverse : (n, q), (q, q)
-        Rows of the basis, and (X'X)^-1 of the baseline: its coefficients have one error for all tests.
-    beyond : (n, m)
-        What is not known outside the baseline's range, over the standard deviation of a test: one error too.
+    ``bounds`` (n,) is what each test is multiplied by, ``inverses`` are those of the correlations. The
+    coefficients of the baseline have one error for all tests: ``x`` (n, q) are rows of the basis, ``inverse``
+    (q, q) is (X'X)^-1. So has what is not known outside its range: ``beyond`` (n, m), over the standard
+    deviation of a test.
     """
     n, m = z.shape
     row, lasting = np.zeros(x.shape[1]), np.zeros(m)
@@ -300,7 +291,6 @@ def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
 # such values rarely. Shares are those of n tests plus one half. What the test before showed as well counts
 # twice: chance does not do the same again. The limit for a rate goes beyond the baseline by an exponential
 # tail, whose scale is at least that of one place that was never missed.
-
 
 #: Strange values of two tests are one if they are this near.
 _SAME = 0.01
@@ -413,19 +403,9 @@ def charts_of(
     conditions: Mapping[str, FloatArray],
     rate: float,
 ) -> Charts:
-    """Charts of all tests.
+    """Charts of n tests by the k of the ``baseline``, at a ``rate`` of false alarms of all charts together.
 
-    Parameters
-    ----------
-    values : Values
-        Of n tests, without the responses that are at fault.
-    regular : (m,) bool
-        Places that are followed.
-    baseline : (k,) int
-        Tests of the baseline that have a set.
-    conditions : mapping of str to (n,)
-    rate : float
-        Of false alarms of all charts together.
+    ``values`` are without the responses at fault; ``regular`` (m,) says which places are followed.
     """
     y, std = values.log_hz[:, regular], values.std[:, regular]
     own = {name: column[baseline] for name, column in conditions.items()}

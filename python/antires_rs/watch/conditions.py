@@ -173,14 +173,9 @@ def _cell(cell: str) -> Any:
 
 
 class ConditionTable:
-    """Rows of conditions for tests that come one after the other.
+    """Columns (n,) of conditions, and times, for tests that come one after the other.
 
-    Attributes
-    ----------
-    columns : dict of str to (n,) float
-    times : (n,) datetime64 or None
-    names : tuple of str or None
-        Of the tests, where the table has them; else rows are in the order of the tests.
+    ``names`` are those of the tests, where the table has them; else rows are in the order of the tests.
     """
 
     def __init__(

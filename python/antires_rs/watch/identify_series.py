@@ -41,7 +41,6 @@ from .stored_tests import Entry, Row, parts_of
 
 # -- The sources of a series computed, by whatever workers, in their order
 
-
 Task = TypeVar("Task")
 Read = TypeVar("Read")
 

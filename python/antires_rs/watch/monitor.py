@@ -37,7 +37,6 @@ from .series import Series
 
 # -- A watch as text: the rate and how it was checked, alarms, damage, faults
 
-
 #: So many runs and faults are listed; the others are counted.
 _LISTED = 8
 
@@ -236,14 +235,7 @@ class Watched(ReadOnly, Viewed):
     def to_dataframe(self) -> Any:
         """One row a test: name, time, conditions, charts with their limits, alarm, faults, reason.
 
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
+        A ``pandas.DataFrame``; needs pandas.
         """
         inside = set(self.baseline.tolist())
         columns = {} if self.times is None else {"time": list(self.times)}
@@ -266,20 +258,14 @@ class Watched(ReadOnly, Viewed):
         return frame_of(rows, list(rows[0]))
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Write one page of HTML: summary, charts, alarms, faults and damage; an older one is replaced.
+        """Write one page of HTML: summary, charts, alarms, faults and damage; needs matplotlib.
 
-        Raises
-        ------
-        InvalidInputError
-            No path, or one in a folder that does not exist.
-        MissingDependencyError
-            matplotlib is not installed.
+        An older page is replaced. An InvalidInputError names a folder that does not exist.
         """
         self._view("report")(self, path)
 
 
 # -- Damage assessed where alarms stand together: tests of a run against the baseline, at one condition
-
 
 #: Alarms with so many quiet tests between them, at most, are of one run.
 _QUIET = 5
@@ -375,7 +361,6 @@ def _again(strange: Sequence[Sequence[tuple[Any, float]]]) -> dict[Any, list[flo
 
 
 # -- What may be given to the watch: a series or sets, its baseline, conditions, options of damage
-
 
 #: Fewer tests than this are no baseline.
 LEAST = 8

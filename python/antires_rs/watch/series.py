@@ -272,16 +272,11 @@ class Series(ReadOnly):
         return followed(sets, named, self.dofs, max_shift, std_between)
 
     def average(self, *, max_shift: float = MAX_SHIFT) -> AntiresonanceSet:
-        """One set that stands for all tests, if nothing changed between them.
+        """One set that stands for all tests, two or more, if nothing changed between them.
 
         Its frequencies are the means of the tracks that at least half of the tests have, its standard
         deviations those of the means by their scatter. ``ar.compare(january, february)`` of two series
         compares their averages.
-
-        Raises
-        ------
-        InvalidInputError
-            Fewer than two sets.
         """
         tracks = self.tracks(max_shift=max_shift)
         count = np.sum(~np.isnan(tracks.freq_hz), axis=0)
@@ -353,14 +348,7 @@ class Series(ReadOnly):
     def to_dataframe(self) -> Any:
         """One row an antiresonance: test, name, time, the conditions, and the columns of a set.
 
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
+        A ``pandas.DataFrame``; needs pandas.
         """
         times = {} if self.times is None else {"time": self.times}
         names: dict[str, None] = dict.fromkeys(("test", "name", *times, *self.conditions))

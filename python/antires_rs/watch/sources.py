@@ -7,19 +7,15 @@ import glob
 import hashlib
 import inspect
 import re
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
 
 from ..exceptions import (
-    AntiresWarning,
     Argument,
     InvalidInputError,
     MissingDependencyError,
@@ -36,6 +32,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.one_force import Finding
 from ..signals.recording import Recording
+from ..support.messages import unheard
 from ..support.progress import apart
 from ..support.values import FrozenDict
 from .stored_tests import encoded
@@ -167,7 +164,6 @@ def natural(file: Path) -> tuple[Any, ...]:
 
 # -- One test of a series: read, identified, and made plain data; or the reason why not
 
-
 #: Plain data of a set, or the reason why there is none.
 Outcome = dict[str, Any] | str
 #: Fewer responses than these make no transmissibility.
@@ -192,7 +188,7 @@ class Unread(str):
 def identified(instructions: Instructions, given: Any) -> Outcome:
     """The antiresonances of one source, or in words why there are none."""
     try:
-        with _quiet(), apart():
+        with unheard(), apart():
             signal = loaded(instructions, given)
             if isinstance(signal, Unread):
                 return str(signal)
@@ -271,31 +267,6 @@ def _living(signal: Any) -> tuple[Any, tuple[Any, ...]]:
     return (kept if isinstance(signal, list) else kept[0]), tuple(dofs[i] for i in np.flatnonzero(constant))
 
 
-_lock = Lock()
-_inside = 0
-_before: Any = None
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """No warnings of this package: findings are kept with each test. Threads share the filters."""
-    global _inside, _before
-    with _lock:
-        if _inside == 0:
-            _before = warnings.catch_warnings()
-            _before.__enter__()
-            warnings.simplefilter("ignore", AntiresWarning)
-        _inside += 1
-    try:
-        yield
-    finally:
-        with _lock:
-            _inside -= 1
-            if _inside == 0:
-                _before.__exit__(None, None, None)
-                _before = None
-
-
 # -- The argument ``reading=`` of a series, checked before the first file is read
 
 
@@ -335,7 +306,6 @@ def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
 
 
 # -- What tells whether a source is the one that was identified before
-
 
 #: Of a longer file its beginning, middle and end are read: a year of records is looked through in seconds.
 WHOLE, PART = 1 << 20, 1 << 16

@@ -206,17 +206,11 @@ class LastingStore(PathLike[str]):
 
 
 class Store:
-    """Results in memory, where a caller names no store, or in a database.
-
-    Attributes
-    ----------
-    path : Path or None
-    changed : list of str
-        Sources that were identified before and are others now.
-    """
+    """Results in memory, where a caller names no store, or in a database."""
 
     def __init__(self, store: Any, config: Config) -> None:
         self.path: Path | None = None
+        #: Sources that were identified before and are others now.
         self.changed: list[str] = []
         self._config, self._lasting = config, isinstance(store, LastingStore)
         #: What the finished file holds, if that is of use; and all that is known.

@@ -35,7 +35,6 @@ from ..support.values import frozen
 # This is what a worker sends back, a database holds, and the rows of a table are made of. Nothing
 # is lost but diagrams, curves of the data check and the cross-check; floats keep every bit.
 
-
 Plain = dict[str, Any]
 #: What a row of a set is: accepted, seen and not accepted, a peak that nothing explains.
 GROUPS = ("antiresonance", "left_out", "unexplained")
@@ -231,7 +230,6 @@ def _conditions_of(rows: Sequence[Row]) -> list[str]:
 
 
 # -- Many tests as a table
-
 
 FORMAT, VERSION = "antires_rs.Series", 1
 #: Tests in a row group, and row groups that are held as plain data once they were read.
