@@ -148,6 +148,7 @@ def test_equal_means_bit_for_bit():
         ({"conditions": {"t": list("abcd")}}, r"conditions\['t'\]"),
         ({"conditions": {"t": [1.0, np.inf, 2.0, 3.0]}}, r"conditions\['t'\]\[1\]: got inf"),
         ({"conditions": {3: WARM}}, "a text as the name"),
+        ({"conditions": {"dof": WARM}}, "no column of a series"),
         ({"conditions": [1.0]}, "conditions"),
         ({"times": ["yesterday"] * 4}, "times"),
         ({"times": ["2026-01-01"]}, "times"),

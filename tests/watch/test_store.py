@@ -4,6 +4,8 @@ import json
 import os
 import shutil
 import sqlite3
+import subprocess
+import sys
 from zlib import crc32
 
 import numpy as np
@@ -14,6 +16,8 @@ from antires_rs.watch import sources as one_test
 from antires_rs.watch.store import Store, part_path
 from reference.small_records import OPTIONS, dead, record
 from tests.support.identified_once import identified_once
+from tests.support.paths import ROOT
+from tests.support.same_sets import assert_same_set
 
 pyarrow = pytest.importorskip("pyarrow")
 
@@ -33,16 +37,17 @@ def identified(store=None, sources=SOURCES, **more):
     return ar.identify_series(sources, **(OPTIONS | {"conditions": conditions, "store": store} | more))
 
 
-def stopped(store, sources=SOURCES[:4], then=lambda: None):
-    """A run that an error ends after some tests."""
+def ended(sources, by, then=lambda: None):
+    """Sources that end with an error."""
+    yield from sources
+    then()
+    raise by
 
-    def given():
-        yield from sources
-        then()
-        raise RuntimeError
 
+def stopped(store, then=lambda: None):
+    """A run that an error ends after four tests."""
     with pytest.raises(RuntimeError):
-        ar.identify_series(given(), **OPTIONS, store=store)
+        ar.identify_series(ended(SOURCES[:4], RuntimeError, then), **OPTIONS, store=store)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -84,22 +89,11 @@ def calls(monkeypatch):
 
 
 def assert_same(one, other):
-    """Beyond ``==``: scores, what was left out, findings."""
     assert one == other
     assert one.dofs == other.dofs
-    for a, b in ((a, b) for a, b in zip(one, other, strict=True) if a is not None):
-        assert (a.sees, a.channels, a.excitation) == (b.sees, b.channels, b.excitation)
-        assert a.data_check.findings == b.data_check.findings
-        assert dict(a.data_check.not_tested) == dict(b.data_check.not_tested)
-        np.testing.assert_equal(dict(a.unexplained_hz), dict(b.unexplained_hz))
-        for tables, others in ((a.tables, b.tables), (a.left_out, b.left_out)):
-            assert tables.keys() == others.keys()
-            for dof, table in tables.items():
-                assert table.same_as(others[dof])
-                assert table.by_hand.tolist() == others[dof].by_hand.tolist()
-                np.testing.assert_equal(dict(table.scores), dict(others[dof].scores))
-                kinds = [{k: v.dtype.kind for k, v in t.scores.items()} for t in (table, others[dof])]
-                assert kinds[0] == kinds[1]
+    for a, b in zip(one, other, strict=True):
+        if a is not None:
+            assert_same_set(a, b)
 
 
 @pytest.mark.parametrize("ending", ["parquet", "sqlite"])
@@ -110,6 +104,9 @@ def test_in_a_file_it_is_what_it_is_in_memory(tmp_path, in_memory, calls, ending
     assert_same(identified(store), in_memory)
     assert_same(ar.Series.load(store), in_memory)
     assert os.listdir(tmp_path) == [store.name]
+    if ending == "sqlite":
+        with sqlite3.connect(store) as database:
+            assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
     calls.clear()
     assert_same(identified(store), in_memory)
     changed = {"temperature_c": [1.0, 2.0, 3.0, 4.0, 5.0]}
@@ -141,13 +138,6 @@ def test_a_file_that_was_written_anew_is_not_read_for_the_old_one(store):
     ar.Series.from_sets([FOUND, FOUND]).save(store)
     with pytest.raises(ar.InvalidInputError, match="written anew"):
         before[0]
-
-
-def test_a_database_is_one_that_sqlite_reads(tmp_path):
-    identified(tmp_path / "year.sqlite")
-    with sqlite3.connect(tmp_path / "year.sqlite") as database:
-        assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
-        assert database.execute("SELECT name FROM tests ORDER BY place").fetchall() == list(zip("abcde"))
 
 
 def test_any_program_reads_the_tables(store, in_memory):
@@ -255,7 +245,7 @@ def test_options_by_which_every_test_failed_may_be_corrected(store, monkeypatch,
     monkeypatch.setattr(one_test, "identify_antiresonances", identify)
 
     def made(band_hz, count=3):
-        sources = iter(SOURCES[:count]) if through else interrupted_after(SOURCES[:count])
+        sources = iter(SOURCES[:count]) if through else ended(SOURCES[:count], KeyboardInterrupt)
         return ar.identify_series(sources, **(OPTIONS | {"band_hz": band_hz}), store=store)
 
     assert list(made((3.0, 130.0)))[:2] == [None, None]
@@ -265,14 +255,9 @@ def test_options_by_which_every_test_failed_may_be_corrected(store, monkeypatch,
         made((0.8, 7.0))
 
 
-def interrupted_after(sources):
-    yield from sources
-    raise KeyboardInterrupt
-
-
 @pytest.mark.parametrize("then", ["finished", "begun anew", "grown"])
 def test_a_stopped_series_never_has_the_sets_of_other_records(store, then):
-    before = ar.identify_series(interrupted_after(SOURCES[:3]), **OPTIONS, store=store)
+    before = ar.identify_series(ended(SOURCES[:3], KeyboardInterrupt), **OPTIONS, store=store)
     first = before[0]
     if then == "finished":
         ar.identify_series(SOURCES[:3], **OPTIONS, store=store)
@@ -280,7 +265,7 @@ def test_a_stopped_series_never_has_the_sets_of_other_records(store, then):
         if then == "begun anew":
             part_path(store).unlink()
         others = SOURCES[:3] if then == "grown" else [("a", record(7)), *SOURCES[1:3]]
-        ar.identify_series(interrupted_after(others), **OPTIONS, store=store)
+        ar.identify_series(ended(others, KeyboardInterrupt), **OPTIONS, store=store)
     if then == "grown":
         assert before[0] == first
         return
@@ -319,3 +304,14 @@ def test_files_of_another_kind(tmp_path, name, content, said):
         identified(tmp_path / name)
     with pytest.raises(FileNotFoundError):
         ar.Series.load(tmp_path / "absent.parquet")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")
+def test_killed_before_any_change_on_the_disk(tmp_path):
+    """It goes on to the same file, and leaves nothing; benchmarks/series_kills.py kills at random times."""
+    command = [sys.executable, "-m", "tests.support.series_kills", tmp_path]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["points"] >= 14
+    assert found["wrong"] == []
