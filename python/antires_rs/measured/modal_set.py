@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable
 from typing import Any
 
@@ -152,15 +153,9 @@ class ModalSet(ReadOnly):
         turn = 0.5 * np.angle(np.sum(np.asarray(self.shapes, dtype=np.complex128) ** 2, axis=1))
         real = (self.shapes * np.exp(-1j * turn)[:, None]).real
         largest = np.take_along_axis(real, np.argmax(np.abs(real), axis=1)[:, None], axis=1)
-        return ModalSet(
-            self.freq_hz,
-            np.where(largest < 0.0, -real, real),
-            self.dofs,
-            self.damping_ratio,
-            diagram=self.diagram,
-            std_hz=self.std_hz,
-            std_shapes=self.std_shapes,
-        )
+        made = copy.copy(self)
+        made._fill(shapes=frozen(np.where(largest < 0.0, -real, real)))
+        return made
 
     def __len__(self) -> int:
         return int(self.freq_hz.size)
