@@ -35,7 +35,7 @@ class Disagreement:
 
 def joined(tables: Sequence[ResponseTable], shift: float, between: float) -> ResponseTable:
     """The values that at least half of the tables have, each the mean of its own."""
-    rows, freq, std = [], [], []
+    rows = []
     for group in _groups(tables, shift, between):
         if 2 * len(group) < len(tables):
             continue
@@ -50,18 +50,14 @@ def joined(tables: Sequence[ResponseTable], shift: float, between: float) -> Res
             birge = np.sum(weight * (values - mean) ** 2) / max(n - 1, 1)
             deviation = np.sqrt(max(1.0, birge) / weight.sum())
         table, row = group[int(np.argmin(np.where(np.isnan(variances), np.inf, variances)))]
-        rows.append(tables[table].take([row]))
-        freq.append(mean)
-        std.append(deviation)
+        own = tables[table].take([row])
+        rows.append(replace(own, freq_hz=np.array([mean]), std_hz=np.array([deviation])))
     if not rows:
         return tables[0].take([])
-    names = set.intersection(*(set(one.scores) for one in rows))
-    one = ResponseTable.concatenated(
-        [replace(row, scores={name: row.scores[name] for name in sorted(names)}) for row in rows]
+    names = sorted(set.intersection(*(set(one.scores) for one in rows)))
+    return ResponseTable.concatenated(
+        [replace(row, scores={name: row.scores[name] for name in names}) for row in rows]
     )
-    # Concatenation sorts by the single values; the means may stand in another order.
-    order = np.argsort([float(row.freq_hz[0]) for row in rows], kind="stable")
-    return replace(one, freq_hz=np.array(freq)[order], std_hz=np.array(std)[order])
 
 
 def disagreements(
