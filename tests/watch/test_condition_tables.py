@@ -70,6 +70,9 @@ def test_what_stands_for_a_value_that_is_not_known(tmp_path, mark):
 def test_by_the_names_of_the_tests(written):
     table = read({"File": ["a.uff", written, "z.uff"], "temperature_c": [1.0, 2.0, 3.0]})
     table.expect(50)
+    np.testing.assert_array_equal(column(table, names=["unknown.uff"]), [NAN])
+    with pytest.raises(ar.InvalidInputError, match="tests named 'a.uff', .*names of the sources"):
+        table.over(1)
     np.testing.assert_array_equal(column(table, names=["b.uff", "unknown.uff"]), [2.0, NAN])
     table.over(2)
 
@@ -86,31 +89,14 @@ def test_names_that_are_numbers(tmp_path):
         read({"name": [1, 2, 3], "a": [5.0, 6.0, 7.0]}).at(0, "0")
 
 
-def test_names_that_fit_no_source():
-    table = read({"name": ["x", "y"], "temperature_c": [1.0, 2.0]})
-    table.at(0, "a")
-    with pytest.raises(ar.InvalidInputError, match="tests named 'x', 'y'"):
-        table.over(1)
-
-
-@pytest.mark.parametrize(
-    "times",
-    [
-        ["2026-01-31T14:00", "", "2026-02-01T15:30:00+01:00"],
-        np.array(["2026-01-31T14:00", "NaT", "2026-02-01T14:30"], dtype="datetime64[ns]"),
-    ],
-)
-def test_times(times):
-    table = read({"date": times, "temperature_c": TEMPERATURES})
+def test_times():
     expected = np.array(["2026-01-31T14:00", "NaT", "2026-02-01T14:30"], "datetime64[ms]")
-    np.testing.assert_array_equal([table.at(i, "")[1] for i in range(3)], expected)
-
-
-def test_a_frame_over_dates():
+    for times in (["2026-01-31T14:00", "", "2026-02-01T15:30:00+01:00"], expected.astype("datetime64[ns]")):
+        table = read({"date": times, "temperature_c": TEMPERATURES})
+        np.testing.assert_array_equal([table.at(i, "")[1] for i in range(3)], expected)
     pd = pytest.importorskip("pandas")
-    index = pd.date_range("2026-01-01", periods=3, freq="h")
-    table = read(pd.DataFrame({"temperature_c": TEMPERATURES}, index=index))
-    assert table.at(1, "")[1] == np.datetime64("2026-01-01T01:00")
+    frame = pd.DataFrame({"t": TEMPERATURES}, index=pd.date_range("2026-01-01", periods=3, freq="h"))
+    assert read(frame).at(1, "")[1] == np.datetime64("2026-01-01T01:00")
 
 
 def test_texts_are_left_out_with_a_word():

@@ -75,16 +75,21 @@ def test_tracks_leave_out_what_failed_with_its_condition():
     assert ar.track(series(), [5, 6, 7, 8]).conditions == (5, 6, 8)
     assert ar.track(series()).conditions == (0, 1, 3)
     assert ar.track(series(times=TIMES), "times").conditions[1] == "2026-01-01T01:00:00.000"
-    for wrong in ("temperature", [1, 2]):
-        with pytest.raises(ar.InvalidInputError, match="conditions: got"):
-            series().tracks(wrong)
-
-
-def test_two_tests_are_compared():
     assert series().compare(0, 3).unmatched_a[0].tolist() == [23.9]
-    for j, said in ((2, "which failed: cut"), (4, "j: got 4")):
-        with pytest.raises(ar.InvalidInputError, match=said):
-            series().compare(0, j)
+
+
+@pytest.mark.parametrize(
+    ("question", "said"),
+    [
+        (lambda made: made.tracks("temperature"), "conditions: got temperature"),
+        (lambda made: made.tracks([1, 2]), "conditions: got 2 of them"),
+        (lambda made: made.compare(0, 2), "which failed: cut"),
+        (lambda made: made.compare(0, 4), "j: got 4"),
+    ],
+)
+def test_wrong_questions(question, said):
+    with pytest.raises(ar.InvalidInputError, match=said):
+        question(series())
 
 
 def test_two_series_are_compared_by_their_averages():
