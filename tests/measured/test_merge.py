@@ -73,9 +73,9 @@ def test_the_setup_that_disagrees_is_named():
 
 
 def test_setups_with_nothing_in_common_are_said_to_be_untested():
-    rng = np.random.default_rng(3)
+    setups = [setup(0, dofs, np.random.default_rng(3)) for dofs in ((1, 2), (3, 4))]
     with pytest.warns(AntiresWarning, match="2 setups have no response in common"):
-        ar.merge_setups([setup(0, (1, 2), rng), setup(0, (3, 4), rng)])
+        ar.merge_setups(setups)
 
 
 def test_a_value_that_one_of_three_shows_is_left_out():
