@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -13,13 +15,26 @@ from typing import Any
 
 from ..exceptions import AntiresWarning, reject
 
+_UNHEARD: ContextVar[bool] = ContextVar("_UNHEARD", default=False)
+
 
 def warn(about: str | tuple[str, ...], text: str) -> None:
     """Warn at the line of the user's call, however deep in this package.
 
     ``about`` names entries of ``troubleshooting.md`` beside this file, see :func:`~antires_rs.explain`.
     """
-    _warn(AntiresWarning(text, (about,) if isinstance(about, str) else about))
+    if not _UNHEARD.get():
+        _warn(AntiresWarning(text, (about,) if isinstance(about, str) else about))
+
+
+@contextmanager
+def unheard() -> Iterator[None]:
+    """No warnings of this package in this thread, whatever others do."""
+    before = _UNHEARD.set(True)
+    try:
+        yield
+    finally:
+        _UNHEARD.reset(before)
 
 
 def warn_of_change(text: str) -> None:
