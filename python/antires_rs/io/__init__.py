@@ -12,14 +12,12 @@ from .hdf5 import read_hdf5, write_hdf5
 from .lvm import read_lvm
 from .mat import mat_arrays, read_mat, write_mat
 from .matrices import read_dof_map, read_matrices, write_matrices
-from .miniseed import read_miniseed
 from .npz import read_npz, write_npz
+from .recorders import read_miniseed, read_tdms, read_wav
 from .sep005 import from_sep005, to_sep005
 from .table_files import read_excel, read_parquet
-from .tdms import read_tdms
 from .uff import list_uff, read_uff
 from .uff_write import write_uff
-from .wav import read_wav
 
 __all__ = [
     "from_sep005",

@@ -46,7 +46,8 @@ from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
 from .common import existing_file, unsuitable
-from .npz import TEXT, read_archive, write_archive
+from .npz import read_archive, write_archive
+from .own_format import TEXT
 
 
 class Store:

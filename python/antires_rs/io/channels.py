@@ -1,80 +1,35 @@
-"""From channels as a file has them to a signal: options of the readers, roles, units, rates and names."""
+"""From channels as a file has them to a signal: roles, units, rates and names."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import finite_scalar, shape_of
+from ..support.checks import shape_of
 from ..support.messages import LeftOut, Passed, Wording, warn
 from .common import rate_of, refuse_real, simplest_rate, unsuitable
+from .reading import Dofs, Reading
 from .units import Unit, named_unit, parse_unit
 
-#: How a user names dofs: in the order of the channels, by the channel's own name, or by a function of it.
-Dofs = Iterable[Any] | Mapping[Any, Any] | Callable[[Any], Any] | None
 #: Names of a channel that holds the instants of the others.
 _TIME = ("time", "t", "time_s", "x_value", "zeit")
 _SAME_RATE = 1e-6
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What a caller says of a file: each reader has some of these options, see ``read_npz``."""
-
-    dofs: Dofs = None
-    force: Any = "auto"
-    unit: str | None = None
-    fs_hz: float | None = None
-    kind: str | None = None
-    reference: Any = None
-    responses: Any = None
-    time: str | None = None
-    freq: str | None = None
-    freq_hz: Any = None
-    df_hz: float | None = None
-    first: str | None = None
-    pairs: str | None = None
-
-    @classmethod
-    def of(cls, arguments: Mapping[str, Any]) -> Self:
-        """Of the arguments of a reader, ``locals()``, which may have others too."""
-        return cls(**{each.name: arguments[each.name] for each in fields(cls) if each.name in arguments})
-
-    @property
-    def rate_hz(self) -> float | None:
-        """The sampling rate that is given, checked."""
-        if self.fs_hz is None:
-            return None
-        return finite_scalar("fs_hz", self.fs_hz, low=0.0, low_open=True, unit="Hz")
-
-
-@dataclass(frozen=True)
 class Channel:
-    """A channel with what its file says of it.
+    """A channel with what its file says of it; the unit is '' and the step None where it is silent.
 
-    Attributes
-    ----------
-    name : str or int
-        As the file has it.
-    values : (n_samples,) or (n_freq,)
-    unit : str
-        As the file has it; ``''`` where it is silent.
-    step_s : float or None
-        Sampling interval; None where the file is silent.
-    start : str
-        When the record began, as the file writes it; channels of one record agree.
-    offset_s : float
-        Its first sample after that.
-    role : {"", "force", "response"}
-        Where the file states it.
+    ``start`` is when the record began, as the file writes it, ``offset_s`` its first sample after that;
+    ``role`` is "force" where the file states it.
     """
 
     name: Any
@@ -92,7 +47,6 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
     A channel is a force where the file says so, by role or unit. ``given.force`` is "auto" (the only one),
     None (left out) or the name of a channel.
     """
-    # The unit that a user names is that of the responses.
     units = {id(c): _unit(path, c) for c in channels}
     forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
     if given.force not in ("auto", None) and all(c.name != given.force for c in forces):
@@ -105,12 +59,11 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
             "at least one response channel",
             "Export the response channels too.",
         )
-    chosen = _force(forces, given.force)
+    force = _force(forces, given.force)
     labels = renamed("dofs", [c.name for c in responses], given.dofs)
-    # What is left out need not fit the rest.
-    rows = kept(labels)
+    rows = kept(labels)  # what is left out need not fit the rest
     used = [responses[i] for i in rows]
-    lengths = {c.values.size for c in (*used, *([] if chosen is None else [chosen]))}
+    lengths = {c.values.size for c in (*used, *([] if force is None else [force]))}
     if len(lengths) > 1:
         unsuitable(
             path,
@@ -118,17 +71,17 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
             "channels of one length",
             Wording("Leave out those of other lengths by {}.", Passed("dofs")),
         )
-    if given.unit is not None:
+    if given.unit is not None:  # which is that of the responses
         units |= {id(c): named_unit("unit", given.unit) for c in used}
     else:
-        for odd in sorted({c.unit for c in used}):
-            unit_or_warning(path, odd)
+        for unit in sorted({c.unit for c in used}):
+            unit_or_warning(path, unit)
     one_quantity(path, [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used])
     return Recording(
         np.stack([in_si(c.values, units[id(c)]) for c in used]),
         fs_hz,
         [labels[i] for i in rows],
-        None if chosen is None else in_si(chosen.values, units[id(chosen)]),
+        None if force is None else in_si(force.values, units[id(force)]),
     )
 
 
@@ -139,10 +92,8 @@ def response_of(
     labels = renamed("dofs", [c.name for c in columns], given.dofs)
     chosen = kept(labels)
     named = None if given.unit is None else named_unit("unit", given.unit)
-    values = [
-        in_si(columns[i].values, unit_or_warning(path, columns[i].unit) if named is None else named)
-        for i in chosen
-    ]
+    units = [named or unit_or_warning(path, columns[i].unit) for i in chosen]
+    values = [in_si(columns[i].values, unit) for i, unit in zip(chosen, units, strict=True)]
     refuse_real(path, values)
     return FrequencyResponse(
         freq_hz,
@@ -176,10 +127,7 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
             f"path: {str(file)!r} does not say in which unit its channels are; the values are as in "
             "the file. Name it by unit=.",
         )
-    made = [
-        Channel(c.name, c.values, c.unit, role="force" if c in forces and given.force is not None else "")
-        for c in chosen
-    ]
+    made = [replace(c, role="force" if c in forces and given.force is not None else "") for c in chosen]
     return recording_of(file, made, rate, given)
 
 

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
 from ._child import Answer
-from .channels import Reading, matches
+from .channels import matches
 from .common import missing_package, unsuitable
 from .npz import read_archive
 from .raw_arrays import ROLES, array_of
+from .reading import Reading
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3

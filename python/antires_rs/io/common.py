@@ -78,18 +78,6 @@ def missing_package(what: str, package: str, extra: str, cause: ImportError) -> 
     return error
 
 
-def signal_given(signal: Any) -> Signal:
-    """What a writer takes."""
-    if not isinstance(signal, Signal):
-        reject(
-            "signal",
-            type(signal).__name__,
-            "a Recording or a FrequencyResponse",
-            "Make one of the arrays first: Recording(responses, fs_hz).",
-        )
-    return signal
-
-
 def simplest_rate(low: float, high: float) -> float:
     """The rate in [low, high] that is the simplest number, or whose step is."""
     rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)

@@ -7,40 +7,32 @@ a file that was cut between two rows is noticed too. Others are read with or wit
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 
-from ..exceptions import AntiresError, reject
+from ..exceptions import AntiresError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import choice
 from ..support.files import write_atomically
-from .channels import Channel, Dofs, Reading, in_si, recording_of
-from .common import Signal, existing_file, missing_part, signal_given, unsuitable
-from .own_format import check_dofs, own_signal
+from .channels import Channel, in_si, recording_of
+from .common import Signal, missing_part, unsuitable
+from .own_format import as_asked, check_dofs
+from .reading import OfColumns, PathLike, Reading, opened, reader, writer
 from .text_table import MARK, VERSION, Table, signal_of_table, table_of
-from .units import named_unit
+from .units import named_unit, si_unit
 
 
+@reader
 def read_csv(
-    path: str | os.PathLike[str],
+    path: PathLike,
     *,
-    first: str | None = None,
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
     delimiter: str | None = None,
     decimal: str | None = None,
-    pairs: str | None = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
     partial: bool = False,
+    **options: Unpack[OfColumns],
 ) -> Signal:
     """Read columns of text: one of our files as it was, any other by the names of its columns.
 
@@ -56,43 +48,13 @@ def read_csv(
         Complex columns are ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``;
         or, over frequency, ``Magnitude [g/N]`` (``[dB]``), ``Phase [deg]`` (``[rad]``). UTF-8, UTF-16 or
         Latin-1.
-    first : {"time", "freq", "channel"}, optional
-        What the first column is. By default its name tells, and complex columns lie over frequency.
-    fs_hz : float, optional
-        Sampling rate, where there is no column of time; in place of the column's where there is one.
-    dofs : sequence, mapping or callable, optional
-        Dof of each response: in order, by the column's name, or a function of it; None leaves one out.
-        Default: the names, or 0, 1, ... without names.
-    force : str or None
-        Column of the force; "auto" takes the one in N or called force, None leaves it out.
-    unit : str, optional
-        Unit of the responses, in place of the file's: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like.
-    kind, reference
-        Of complex columns: as in :class:`FrequencyResponse`; "frf" by default.
     delimiter, decimal : str, optional
         Between columns, and the decimal sign ("." or ","). By default what the numbers show.
-    pairs : {"real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"}, optional
-        What two neighbouring columns after the first are, where their names do not tell.
-    freq_hz : (n_freq,), optional
-        Frequencies of the rows, where no column holds them.
-    df_hz : float, optional
-        Their spacing from 0 Hz on, in place of ``freq_hz``.
-    partial : bool
-        Read the whole rows of a file that was cut, with a warning that counts what is missing.
-
-    Returns
-    -------
-    Recording or FrequencyResponse
-        In SI.
 
     Raises
     ------
     UnsuitableDataError
         A row that is cut or not numeric, fewer rows than the file states, gaps in time.
-    InvalidInputError
-        Options that do not fit the file.
-    FileNotFoundError
-        There is none.
 
     Warns
     -----
@@ -114,7 +76,7 @@ def read_csv(
     >>> record, record.responses[0].tolist()
     (Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), with force), [9.80665, -4.903325, 2.4516625])
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_csv, path, options)
     table = table_of(file, delimiter, decimal)
     found, stated = len(table.values), table.header.get("rows")
     if table.problem:
@@ -123,14 +85,10 @@ def read_csv(
         got, wanted = f"{found} of {stated} rows are there", f"{stated} rows, as its header states"
         missing_part(file, got, wanted, partial, found if found < stated else 0)
     if found < 2:
-        unsuitable(
-            file,
-            f"with {found} rows of numbers",
-            "at least two",
-            "Export more of the record; a single row is no signal.",
-        )
+        remedy = "Export more of the record; a single row is no signal."
+        unsuitable(file, f"with {found} rows of numbers", "at least two", remedy)
     if "kind" in table.header:
-        return own_signal(file, _own(file, table), given)
+        return as_asked(file, _own(file, table), given)
     return signal_of_table(file, table, given)
 
 
@@ -140,25 +98,21 @@ def _own(file: Path, table: Table) -> Signal:
     try:
         dofs, n = list(head["dofs"]), len(head["dofs"])
         if head["kind"] == "recording":
-            channels = [
-                Channel(dof, column, head["unit"])
-                for dof, column in zip(dofs, columns[1 : n + 1], strict=True)
-            ]
+            rows = zip(dofs, columns[1 : n + 1], strict=True)
+            channels = [Channel(dof, column, head["unit"]) for dof, column in rows]
             if head["force"]:
                 channels.append(Channel("force", columns[n + 1], "N", role="force"))
             return recording_of(file, channels, float(head["fs_hz"]), Reading())
         values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
         rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
-        more = dict(zip(head["more"], rest, strict=True))
         return FrequencyResponse(
             columns[0],
             in_si(values, named_unit("unit", head["unit"])),
             dofs,
             head["kind"],
             head["reference"],
-            more.get("coherence"),
-            head["n_averages"],
-            more.get("std"),
+            n_averages=head["n_averages"],
+            **dict(zip(head["more"], rest, strict=True)),
         )
     except AntiresError:
         raise
@@ -171,32 +125,16 @@ def _own(file: Path, table: Table) -> Signal:
         )
 
 
-# -- Signals as CSV or TSV with a header that states everything, the number of rows included
-
-
-def write_csv(
-    path: str | os.PathLike[str], signal: Signal, *, unit: str | None = None, delimiter: str = ","
-) -> Path:
+@writer
+def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimiter: str = ",") -> Path:
     """Write columns of text, whole or not at all; every float comes back bit for bit.
 
     Parameters
     ----------
-    path : path-like
-        Replaced if it exists.
-    signal : Recording or FrequencyResponse
     unit : str, optional
         Unit of the values, which are in SI and stay as they are: ``'m/s2'`` (default), ``'m/s'``, ``'m'``
-        for a recording, ``'m/s2/N'`` and the like for FRFs.
+        for a recording, ``'m/s2/N'`` and the like for FRFs; any other is an InvalidInputError.
     delimiter : {",", ";", "\\\\t"}
-
-    Returns
-    -------
-    pathlib.Path
-
-    Raises
-    ------
-    InvalidInputError
-        The folder does not exist, a unit that is not SI, dofs that are neither integers nor strings.
 
     Examples
     --------
@@ -217,58 +155,33 @@ def write_csv(
     0.25,4.0
     <BLANKLINE>
     """
-    signal_given(signal)
-    choice("delimiter", delimiter, (",", ";", "\t"))
     dofs = check_dofs(signal)
-    head: dict[str, object] = {}
+    choice("delimiter", delimiter, (",", ";", "\t"))
+    head: dict[str, object]
     if isinstance(signal, Recording):
         unit = "m/s2" if unit is None else unit
-        head = {
-            "kind": "recording",
-            "dofs": dofs,
-            "rows": signal.n_samples,
-            "unit": unit,
-            "fs_hz": signal.fs_hz,
-            "force": signal.force is not None,
-        }
-        columns = [np.arange(signal.n_samples) / signal.fs_hz, *signal.responses]
-        names = ["time [s]", *(f"{dof} [{unit}]" for dof in dofs)]
-        if signal.force is not None:
-            columns.append(signal.force)
-            names.append("force [N]")
+        forces = [] if signal.force is None else [signal.force]
+        head = {"kind": "recording", "dofs": dofs, "rows": signal.n_samples, "unit": unit}
+        head |= {"fs_hz": signal.fs_hz, "force": bool(forces)}
+        columns = [np.arange(signal.n_samples) / signal.fs_hz, *signal.responses, *forces]
+        names = ["time [s]", *(f"{dof} [{unit}]" for dof in dofs), *["force [N]"] * len(forces)]
     else:
         unit = ("m/s2/N" if signal.kind == "frf" else "1") if unit is None else unit
         more = [name for name in ("coherence", "std") if getattr(signal, name) is not None]
-        head = {
-            "kind": signal.kind,
-            "dofs": dofs,
-            "rows": signal.n_freq,
-            "unit": unit,
-            "reference": signal.reference,
-            "n_averages": signal.n_averages,
-            "more": more,
-        }
+        head = {"kind": signal.kind, "dofs": dofs, "rows": signal.n_freq, "unit": unit}
+        head |= {"reference": signal.reference, "n_averages": signal.n_averages, "more": more}
         columns = [signal.freq_hz, *(part for row in signal.values for part in (row.real, row.imag))]
         names = ["freq [Hz]", *(f"{part}({dof})" for dof in dofs for part in ("re", "im"))]
         for name in more:
             columns += list(getattr(signal, name))
             names += [f"{name}({dof})" for dof in dofs]
-    if named_unit("unit", unit).factor != 1.0:
-        reject(
-            "unit",
-            repr(unit),
-            "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI",
-            "Convert the values to SI first, or leave unit out.",
-        )
+    si_unit("unit", unit)
+    # The names are for the eye; the header has the dofs in full.
+    shown = ("".join("_" if c in (delimiter, "\n", "\r", '"') else c for c in name) for name in names)
     lines = [
         f"{MARK} {VERSION}",
         *(f"# {name}: {json.dumps(value)}" for name, value in head.items()),
-        delimiter.join(_safe(name, delimiter) for name in names),
+        delimiter.join(shown),
+        *(delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist()),
     ]
-    lines += [delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist()]
     return write_atomically(path, ("\n".join(lines) + "\n").encode())
-
-
-def _safe(name: str, delimiter: str) -> str:
-    """A column's name for the eye; the header has the dofs in full."""
-    return "".join("_" if letter in (delimiter, "\n", "\r", '"') else letter for letter in name)

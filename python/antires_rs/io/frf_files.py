@@ -16,8 +16,9 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, choice, shape_of
 from ..support.messages import Passed, Wording
-from .channels import Dofs, kept, renamed
+from .channels import kept, renamed
 from .common import existing_file, unsuitable
+from .reading import Dofs, PathLike
 from .registry import READERS, format_by_ending
 
 _TOKEN = re.compile(r"\d+|[^\W\d_]+|[\W_]+")
@@ -26,7 +27,7 @@ SAME_LINE = 1e-6
 
 
 def read_frf_files(
-    files: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    files: PathLike | Iterable[PathLike],
     *,
     dofs: Dofs = None,
     pattern: str = "*",

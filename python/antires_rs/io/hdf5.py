@@ -3,52 +3,27 @@
 from __future__ import annotations
 
 import io
-import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from ..support.files import write_atomically
 from ._child import Answer, asked
-from .channels import Dofs, Reading
 from .child_process import Found, Limits, in_a_child, require
-from .common import Signal, existing_file, missing_package, signal_given
-from .npz import TEXT
-from .own_format import FORMAT, own_signal, pack, unpack
+from .common import Signal
+from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import signal_of_arrays
+from .reading import OfArrays, PathLike, Reading, opened, reader, writer
 
 
+@reader
 def read_hdf5(
-    path: str | os.PathLike[str],
-    *,
-    responses: Any = None,
-    time: str | None = None,
-    freq: str | None = None,
-    force: Any = "auto",
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
-    time_limit_s: float = 60.0,
-    memory_limit_gb: float = 8.0,
+    path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[OfArrays]
 ) -> Signal:
     """Read an HDF5 file: one of ours as it was, any other by the names of its datasets.
 
-    Parameters
-    ----------
-    path : path-like
-    responses, time, freq, force, fs_hz, dofs, unit, kind, reference, freq_hz, df_hz
-        As in :func:`read_npz`; datasets in groups are named ``group/name``. Where ``responses`` are named,
-        nothing else is read but what the other roles need. Attributes of the dataset, its group or the file
-        tell the sampling rate (``fs``, ``sampling_rate``, ``dt``, ...) and the ``unit``.
-    time_limit_s, memory_limit_gb : float
-        Limits of the child process that reads (the memory's where the system has such limits).
-
-    Returns
-    -------
-    Recording or FrequencyResponse
+    Datasets in groups are named ``group/name``. Where ``responses`` are named, nothing else is read but what
+    the other roles need. Attributes of the dataset, its group or the file tell the sampling rate (``fs``,
+    ``sampling_rate``, ``dt``, ...) and the ``unit``. Options for a file of ours: as in :func:`read_npz`.
 
     Raises
     ------
@@ -57,8 +32,6 @@ def read_hdf5(
         whose role is not clear.
     MissingDependencyError
         h5py is not installed.
-    FileNotFoundError
-        There is none.
 
     Examples
     --------
@@ -68,30 +41,19 @@ def read_hdf5(
     ...     ar.read_hdf5(file)
     Recording(1 channels, 0.375 s at 8 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_hdf5, path, options)
     arrays, texts = datasets_of(file, "read_hdf5", Limits(time_limit_s, memory_limit_gb), given)
     if TEXT in texts:
-        return own_signal(file, unpack(file, texts[TEXT], arrays), given)
+        return own_signal(file, texts[TEXT], arrays, given)
     return signal_of_arrays(file, arrays, given, texts)
 
 
-def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
+@writer
+def write_hdf5(path: PathLike, signal: Signal) -> Path:
     """Write a signal as HDF5, whole or not at all; every float comes back bit for bit.
-
-    Parameters
-    ----------
-    path : path-like
-        Replaced if it exists.
-    signal : Recording or FrequencyResponse
-
-    Returns
-    -------
-    pathlib.Path
 
     Raises
     ------
-    InvalidInputError
-        The folder does not exist, or dofs that are neither integers nor strings.
     MissingDependencyError
         h5py is not installed.
 
@@ -108,11 +70,10 @@ def write_hdf5(path: str | os.PathLike[str], signal: Signal) -> Path:
     ...     ar.write_hdf5(folder + "/a.h5", ar.Recording([[1.0, 2.0, 4.0]], 8.0)).name
     'a.h5'
     """
-    try:
-        import h5py
-    except ImportError as exc:
-        raise missing_package("write_hdf5", "h5py", "hdf5", exc) from exc
-    text, arrays = pack(signal_given(signal))
+    require("write_hdf5", "h5py", "hdf5")
+    import h5py
+
+    text, arrays = pack(signal)
     buffer = io.BytesIO()
     with h5py.File(buffer, "w") as file:
         file.attrs[TEXT] = text
@@ -176,27 +137,24 @@ class Datasets:
                 value = item.attrs[key]
             except (OSError, TypeError, ValueError):  # of a type that h5py does not know
                 continue
-            value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-            single = getattr(value, "size", 1) == 1 and not isinstance(value, str)
-            value = value.ravel()[0] if single and hasattr(value, "ravel") else value
-            if isinstance(value, bytes | str):
-                value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+            if getattr(value, "size", 0) == 1:
+                value = value.ravel()[0]
+            if isinstance(value, bytes):
+                value = value.decode("utf-8", "replace")
+            if isinstance(value, str):
                 self.texts[f"{name}@{key}"] = value[:LONGEST_TEXT]
-            elif single and getattr(value, "dtype", None) is not None and value.dtype.kind in "iuf":
+            elif getattr(value, "size", 0) == 1 and value.dtype.kind in "iuf":
                 self.texts[f"{name}@{key}"] = repr(float(value))
-
-    def text(self, name: str, item: Any) -> None:
-        """Keep a text of MATLAB, which is stored as the numbers of its letters."""
-        if item.dtype.kind == "u" and 0 < item.size <= LONGEST_TEXT and len(self.texts) < MOST_ARRAYS:
-            self.texts[name] = "".join(map(chr, item[()].ravel(order="F").tolist()))
 
     def keep(self, name: str, item: Any, above: tuple[Any, ...] = ()) -> None:
         """Keep a data set, or what it refers to."""
         made = matlab_class(item)
-        if made == "char" and "MATLAB_empty" not in item.attrs:
-            self.text(name, item)
-        if "MATLAB_empty" in item.attrs or made == "char" or len(self.listed) >= MOST_ARRAYS:
-            return  # MATLAB stores texts as numbers, and the shape of what is empty
+        if "MATLAB_empty" in item.attrs or len(self.listed) >= MOST_ARRAYS:
+            return  # the shape of what is empty is stored as numbers
+        if made == "char":  # as are texts
+            if item.dtype.kind == "u" and 0 < item.size <= LONGEST_TEXT and len(self.texts) < MOST_ARRAYS:
+                self.texts[name] = "".join(map(chr, item[()].ravel(order="F").tolist()))
+            return
         struct = made != "cell" and item.dtype.kind == "O" and matlab_class(item.parent) == "struct"
         if made == "cell" or struct:
             self.refer(name, item, above, struct)

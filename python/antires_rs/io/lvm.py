@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +14,9 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..signals.recording import Recording
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, Dofs, Reading, stated_recording
-from .common import existing_file, missing_part, rate_of, unsuitable
+from .channels import Channel, stated_recording
+from .common import missing_part, rate_of, unsuitable
+from .reading import PathLike, Rated, opened, reader
 from .text_table import decoded
 
 # -- The text of a LabVIEW Measurement File (.lvm): a header, and segments with a header each or for all
@@ -28,7 +28,6 @@ from .text_table import decoded
 
 WANTED = "a whole LabVIEW Measurement File (.lvm)"
 _END, _START_SPECIAL, _END_SPECIAL = "***End_of_Header***", "***Start_Special***", "***End_Special***"
-_SEPARATORS = {"tab": "\t", "comma": ","}
 
 
 @dataclass
@@ -42,31 +41,25 @@ class Segment:
     stated: list[int] = field(default_factory=list)
 
 
-@dataclass
 class _Form:
     """How the numbers stand, by the header of the file."""
 
-    separator: str
-    decimal: str
-    columns: str
-
-    @classmethod
-    def of(cls, header: list[str]) -> _Form:
+    def __init__(self, header: list[str]) -> None:
         tags: dict[str, str] = {}
         for line in header:
             sign = next((sign for sign in ("\t", ",") if sign in line), None)
             if sign is not None:
                 name, value, *_ = line.split(sign)
                 tags[name.strip()] = value.strip()
-        separator = _SEPARATORS.get(tags.get("Separator", "Tab").lower(), "\t")
-        decimal = "," if tags.get("Decimal_Separator", ".").startswith(",") else "."
-        return cls(separator, "." if separator == "," else decimal, tags.get("X_Columns", "One").lower())
+        self.separator = "," if tags.get("Separator", "").lower() == "comma" else "\t"
+        self.commas = tags.get("Decimal_Separator", "").startswith(",") and self.separator != ","
+        self.columns = tags.get("X_Columns", "One").lower()
 
     def fields(self, line: str) -> list[str]:
         return [part.strip() for part in line.split(self.separator)]
 
     def number(self, text: str) -> float:
-        return float(text.replace(",", ".") if self.decimal == "," else text)
+        return float(text.replace(",", ".") if self.commas else text)
 
     def is_row(self, line: str) -> bool:
         """Whether the first field that is not empty is a number."""
@@ -91,7 +84,7 @@ def segments_of(file: Path) -> list[Segment]:
     end = _find(lines, _END, 0)
     if end is None:
         unsuitable(file, "whose header has no end", WANTED, "It was cut: copy it again.")
-    found = _blocks(file, lines, end + 1, _Form.of(lines[1:end]))
+    found = _blocks(file, lines, end + 1, _Form(lines[1:end]))
     if not found:
         unsuitable(file, "with a header and no numbers", WANTED, "It was cut: copy it again.")
     return found
@@ -178,55 +171,26 @@ def _count(tags: dict[str, list[str]], titles: list[str], rows: list[tuple[int, 
     return max(len(parts) // 2 if form.columns == "multi" else len(parts) - 1, 1)
 
 
+@reader
 def read_lvm(
-    path: str | os.PathLike[str],
-    *,
-    run: int | None = None,
-    responses: Any = None,
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    partial: bool = False,
+    path: PathLike, *, run: int | None = None, partial: bool = False, **options: Unpack[Rated]
 ) -> Recording:
     """Read a LabVIEW Measurement File, of which a segment is what one call of LabVIEW wrote.
 
+    Separator, decimal sign and abscissae (``X_Columns`` No, One or Multi) are as its header says, units those
+    of ``Y_Unit_Label``; the column of comments is left out.
+
     Parameters
     ----------
-    path : path-like
-        Separator, decimal sign and abscissae (``X_Columns`` No, One or Multi) as its header says; the column
-        of comments is left out.
     run : int, optional
         Which segment to read, from 1. By default all, which then have to follow each other without a gap.
         Segments that are impacts or runs are read one by one and given together:
         ``identify_antiresonances([run 1, run 2], ...)``.
-    responses : str or sequence of str, optional
-        Names of the response channels, ``*`` for any text; all by default.
-    fs_hz : float, optional
-        Sampling rate, where the file states none.
-    dofs : sequence, mapping or callable, optional
-        Dof of each response: in order, by name, or a function of the name; None leaves one out. Default: the
-        names.
-    force : str or None
-        Name of the force; "auto" takes the one in N or called force, None leaves it out.
-    unit : str, optional
-        Unit of the responses, in place of the file's ``Y_Unit_Label``.
-    partial : bool
-        Read a file that was cut as far as it goes, with a warning that counts what is missing.
-
-    Returns
-    -------
-    Recording
-        In SI.
 
     Raises
     ------
     UnsuitableDataError
         A cut or damaged file, fewer samples than its header states, segments with gaps between them.
-    InvalidInputError
-        Options that do not fit the file.
-    FileNotFoundError
-        There is none.
 
     Warns
     -----
@@ -245,32 +209,26 @@ def read_lvm(
     ...     ar.read_lvm(file)
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_lvm, path, options)
     segments = segments_of(file)
-    if run is not None and (
-        isinstance(run, bool) or not isinstance(run, int) or not 1 <= run <= len(segments)
-    ):
-        reject(
-            "run", run, f"1 to {len(segments)}, the segments of {str(file)!r}", "Number the segments from 1."
-        )
-    chosen = segments if run is None else [segments[run - 1]]
+    if run is not None:
+        if isinstance(run, bool) or not isinstance(run, int) or not 1 <= run <= len(segments):
+            wanted = f"1 to {len(segments)}, the segments of {str(file)!r}"
+            reject("run", run, wanted, "Number the segments from 1.")
+        chosen = [segments[run - 1]]
+    else:
+        chosen = segments
     for segment in chosen:
         _whole(file, segment, partial)
-    made = [_channels(file, segment, fs_hz) for segment in chosen]
-    channels = made[0] if len(made) == 1 else _joined(file, made, len(segments))
-    return stated_recording(file, channels, given)
+    made = [_channels(file, segment, given.fs_hz) for segment in chosen]
+    return stated_recording(file, _joined(file, made, len(segments)), given)
 
 
 def _whole(file: Path, segment: Segment, partial: bool) -> None:
     for i, (values, stated) in enumerate(zip(segment.values, segment.stated, strict=False)):
         if values.size < stated:
-            missing_part(
-                file,
-                f"{segment.names[i]!r} has {values.size} of {stated} samples",
-                WANTED,
-                partial,
-                int(values.size),
-            )
+            found = f"{segment.names[i]!r} has {values.size} of {stated} samples"
+            missing_part(file, found, WANTED, partial, int(values.size))
     if partial:  # a row that was cut leaves its last channels shorter
         shortest = min(values.size for values in segment.values)
         segment.values = [values[:shortest] for values in segment.values]
@@ -278,9 +236,8 @@ def _whole(file: Path, segment: Segment, partial: bool) -> None:
     if min(values.size for values in segment.values) == 0:
         unsuitable(file, "with a channel without samples", WANTED, "Export it again.")
     if not all(np.isfinite(values).all() for values in segment.values):
-        unsuitable(
-            file, "with values that are not finite", "finite numbers", "Cut out the part without them."
-        )
+        remedy = "Cut out the part without them."
+        unsuitable(file, "with values that are not finite", "finite numbers", remedy)
 
 
 def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Channel]:

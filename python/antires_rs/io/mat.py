@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import io
-import os
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support.files import write_atomically
 from ._child import Answer
-from .channels import Channel, Dofs, Reading, response_of, stated_recording
+from .channels import Channel, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
-from .common import Signal, existing_file, rate_of, signal_given, unsuitable
+from .common import Signal, existing_file, rate_of, unsuitable
 from .hdf5 import datasets_of
-from .npz import TEXT
-from .own_format import own_signal, pack, unpack
+from .own_format import TEXT, own_signal, pack
 from .raw_arrays import signal_of_arrays, stated_number
+from .reading import OfArrays, PathLike, Reading, opened, reader, writer
 from .units import abscissa_factor, is_abscissa, is_frequency
 
 # -- MATLAB files as common analysers export them: which variables are channels, their rate, names and units
@@ -54,9 +53,6 @@ def _of_testlab(
     kinds = set()
     for name in names:
         step = _scalar(arrays, f"{name}.x_values.increment")
-        first = _scalar(arrays, f"{name}.x_values.start_value") or 0.0
-        count = _scalar(arrays, f"{name}.x_values.number_of_values")
-        values = _columns(arrays[f"{name}.y_values.values"], count)
         if step is None or not step > 0.0:
             unsuitable(
                 file,
@@ -72,17 +68,23 @@ def _of_testlab(
                 "functions over time or frequency, in s or Hz",
                 "Export the time records or the FRFs.",
             )
-        step, first = abscissa_factor(axis) * step, abscissa_factor(axis) * first
+        factor = abscissa_factor(axis)
+        first = factor * (_scalar(arrays, f"{name}.x_values.start_value") or 0.0)
+        count = _scalar(arrays, f"{name}.x_values.number_of_values")
+        values = _columns(arrays[f"{name}.y_values.values"], count)
         kinds.add(is_frequency(axis) or bool(np.iscomplexobj(values)))
+        record, quantity = f"{name}.function_record.name", f"{name}.y_values.quantity"
         for i, row in enumerate(values):
-            label = _text(texts, f"{name}.y_values.quantity", "label", i)
-            factor = _factor(arrays, f"{name}.y_values.quantity", i)
-            title = texts.get(f"{name}.function_record.name[{i}]") or (
-                texts.get(f"{name}.function_record.name", "") if len(values) == 1 else ""
+            alone = len(values) == 1
+            title = texts.get(f"{record}[{i}]") or (texts.get(record, "") if alone else "")
+            title = title.strip() or (name if alone else f"{name}[{i}]")
+            label = (texts.get(f"{quantity}[{i}].label") or texts.get(f"{quantity}.label", "")).strip()
+            scales = (
+                _scalar(arrays, f"{q}.unit_transformation.factor") for q in (f"{quantity}[{i}]", quantity)
             )
-            title = title.strip() or (name if len(values) == 1 else f"{name}[{i}]")
+            scale = next((each for each in scales if each is not None and each > 0.0), 1.0)
             # In the label's unit, from which it becomes SI as any other.
-            channels.append(Channel(title, row * factor, label, step, "", first))
+            channels.append(Channel(title, row * scale, label, factor * step, "", first))
     if len(kinds) > 1:
         unsuitable(
             file,
@@ -94,12 +96,8 @@ def _of_testlab(
         return stated_recording(file, channels, given)
     axes = {(c.values.size, c.step_s, c.offset_s) for c in channels}
     if len(axes) > 1:
-        unsuitable(
-            file,
-            f"with {len(axes)} different frequency axes",
-            "one for all",
-            "Export functions over the same lines.",
-        )
+        found = f"with {len(axes)} different frequency axes"
+        unsuitable(file, found, "one for all", "Export functions over the same lines.")
     size, spacing, start = axes.pop()
     return response_of(file, start + (spacing or 0.0) * np.arange(size), channels, given)
 
@@ -151,54 +149,24 @@ def _scalar(arrays: Arrays, name: str) -> float | None:
     return None if value is None or value.size != 1 else float(value.ravel()[0].real)
 
 
-def _text(texts: Mapping[str, str], above: str, last: str, i: int) -> str:
-    return (texts.get(f"{above}[{i}].{last}") or texts.get(f"{above}.{last}", "")).strip()
+_WANTED = "a whole MAT file, version 5 or 7.3"
 
 
-def _factor(arrays: Arrays, above: str, i: int) -> float:
-    for place in (f"{above}[{i}]", above):
-        if (factor := _scalar(arrays, f"{place}.unit_transformation.factor")) is not None and factor > 0.0:
-            return factor
-    return 1.0
-
-
-WANTED = "a whole MAT file, version 5 or 7.3"
-
-
+@reader
 def read_mat(
-    path: str | os.PathLike[str],
-    *,
-    responses: Any = None,
-    time: str | None = None,
-    freq: str | None = None,
-    force: Any = "auto",
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
-    time_limit_s: float = 60.0,
-    memory_limit_gb: float = 8.0,
+    path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[OfArrays]
 ) -> Signal:
     """Read a MATLAB file: one of ours as it was, any other by the names of its variables.
+
+    Fields of structs are named ``struct.field``, and ``struct[0].field`` where there are several. Sampling
+    rate and units are taken from fields beside the array (``fs``, ``dt``, ``unit``), and the exports of
+    Siemens Testlab, B&K and Dewesoft are known. See :func:`antires_rs.io.mat_arrays` for what a file holds.
+    Options for a file of ours: as in :func:`read_npz`.
 
     Parameters
     ----------
     path : path-like
         Version 5 (7 and 6 of MATLAB's ``save``) or 7.3, which needs h5py.
-    responses, time, freq, force, fs_hz, dofs, unit, kind, reference, freq_hz, df_hz
-        As in :func:`read_npz`; fields of structs are named ``struct.field``, and
-        ``struct[0].field`` where there are several. Sampling rate and units are taken from fields beside the
-        array (``fs``, ``dt``, ``unit``), and the exports of Siemens Testlab, B&K and Dewesoft are
-        known. See :func:`antires_rs.io.mat_arrays` for what a file holds.
-    time_limit_s, memory_limit_gb : float
-        Limits of the child process that reads (the memory's where the system has such limits).
-
-    Returns
-    -------
-    Recording or FrequencyResponse
 
     Raises
     ------
@@ -206,8 +174,6 @@ def read_mat(
         A damaged or cut file, a limit that was reached, or variables whose role is not clear.
     MissingDependencyError
         A 7.3 file without h5py.
-    FileNotFoundError
-        There is none.
 
     Examples
     --------
@@ -217,22 +183,22 @@ def read_mat(
     ...     ar.read_mat(file)
     Recording(1 channels, 0.375 s at 8 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_mat, path, options)
     arrays, texts = _variables(file, Limits(time_limit_s, memory_limit_gb), given)
     if TEXT in texts:
         # MATLAB has no vectors: a row stands for one.
         shapes = {n: a.ravel() if n in ("force", "freq_hz") else a for n, a in arrays.items()}
-        return own_signal(file, unpack(file, texts[TEXT], shapes), given)
-    if all(each is None for each in (responses, time, freq, freq_hz, df_hz)):
-        made = signal_of_analyser(file, arrays, texts, given)
-        if made is not None:
-            return made
+        return own_signal(file, texts[TEXT], shapes, given)
+    roles = (given.responses, given.time, given.freq, given.freq_hz, given.df_hz)
+    made = signal_of_analyser(file, arrays, texts, given) if all(each is None for each in roles) else None
+    if made is not None:
+        return made
     _no_objects(file, arrays, texts)
     return signal_of_arrays(file, arrays, given, texts)
 
 
 def mat_arrays(
-    path: str | os.PathLike[str], *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0
+    path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0
 ) -> dict[str, NDArray[Any]]:
     """Every numeric array of a MATLAB file by its name, structs and cells taken apart.
 
@@ -264,29 +230,14 @@ def mat_arrays(
     return _variables(existing_file(path), limits, every=True).arrays
 
 
-def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
+@writer
+def write_mat(path: PathLike, signal: Signal) -> Path:
     """Write a signal as a MATLAB file (version 5), whole or not at all; floats come back bit for bit.
-
-    Parameters
-    ----------
-    path : path-like
-        Replaced if it exists.
-    signal : Recording or FrequencyResponse
-
-    Returns
-    -------
-    pathlib.Path
-
-    Raises
-    ------
-    InvalidInputError
-        The folder does not exist, or dofs that are neither integers nor strings.
 
     Notes
     -----
-    Variables: ``responses`` and ``force``, or ``freq_hz``, ``values``, ``coherence`` and ``std``; channels
-    in rows.
-    The first, ``antires_rs``, is a JSON text with dofs, rate and the shapes (``jsondecode`` reads it).
+    Variables: ``responses`` and ``force``, or ``freq_hz``, ``values``, ``coherence`` and ``std``; channels in
+    rows. The first, ``antires_rs``, is a JSON text with dofs, rate and the shapes (``jsondecode`` reads it).
 
     Examples
     --------
@@ -297,7 +248,7 @@ def write_mat(path: str | os.PathLike[str], signal: Signal) -> Path:
     """
     from scipy.io import savemat
 
-    text, arrays = pack(signal_given(signal))
+    text, arrays = pack(signal)
     buffer = io.BytesIO()
     savemat(buffer, {TEXT: text, **arrays}, format="5", oned_as="row")
     return write_atomically(path, buffer.getvalue())
@@ -324,41 +275,31 @@ def _variables(file: Path, limits: Limits, given: Reading | None = None, **more:
     # Version 7.3 is HDF5 after a block of 512 bytes.
     if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520]):
         found = datasets_of(file, "read_mat of a 7.3 file", limits, given, **more)
-        return Found(_dotted(found.arrays), _dotted(found.texts))
+        arrays = {name.replace("/", "."): array for name, array in found.arrays.items()}
+        return Found(arrays, {name.replace("/", "."): text for name, text in found.texts.items()})
     if head[:10] == b"MATLAB 7.3":
-        unsuitable(file, "which announces version 7.3 and is cut in its head", WANTED, "Copy it again.")
+        unsuitable(file, "which announces version 7.3 and is cut in its head", _WANTED, "Copy it again.")
     _check_length(file)
-    return in_a_child(variables, file, WANTED, limits)
-
-
-def _dotted(named: dict[str, Any]) -> dict[str, Any]:
-    return {name.replace("/", "."): value for name, value in named.items()}
+    return in_a_child(variables, file, _WANTED, limits)
 
 
 def _check_length(file: Path) -> None:
-    """Walk the top elements of a version 5 file: each states its length, and the last must end the file."""
+    """The top elements of a version 5 file: each states its length, and the last must end the file."""
     size, position, count = file.stat().st_size, 128, 0
-    with open(file, "rb") as opened:
-        head = opened.read(128)
-        order = {b"IM": "little", b"MI": "big"}.get(head[126:128])
+    with open(file, "rb") as stream:
+        order: Any = {b"IM": "little", b"MI": "big"}.get(stream.read(128)[126:])
         if order is None:
             return  # version 4, or no MAT file: the child's reader judges
         while position < size:
-            opened.seek(position)
-            tag = opened.read(8)
-            length = int.from_bytes(tag[4:8], order)  # type: ignore[arg-type]
-            if len(tag) < 8 or position + 8 + length > size:
-                unsuitable(
-                    file,
-                    f"cut in its variable {count + 1}: {size - position} of at least "
-                    f"{8 + length if len(tag) == 8 else 8} bytes are there",
-                    WANTED,
-                    "Copy it again.",
-                )
-            position += 8 + length
-            count += 1
+            stream.seek(position)
+            tag = stream.read(8)
+            length = 8 + int.from_bytes(tag[4:], order) if len(tag) == 8 else 8
+            if position + length > size:
+                found = f"{size - position} of at least {length} bytes are there"
+                unsuitable(file, f"cut in its variable {count + 1}: {found}", _WANTED, "Copy it again.")
+            position, count = position + length, count + 1
     if not count:
-        unsuitable(file, "a MAT file without any variable", WANTED, "It may be cut after its head.")
+        unsuitable(file, "a MAT file without any variable", _WANTED, "It may be cut after its head.")
 
 
 # -- In the child process

@@ -16,8 +16,9 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, Reading, matches, rate_of_step, recording_of, response_of, warn_other_rate
+from .channels import Channel, matches, rate_of_step, recording_of, response_of, warn_other_rate
 from .common import Signal, rate_of, unsuitable
+from .reading import Reading
 from .units import Unit, abscissa_factor, is_abscissa, parse_unit
 
 # -- Which arrays of a file are responses: by name, by pattern, or single rows of a matrix

@@ -11,8 +11,9 @@ import numpy as np
 from ..exceptions import part, reject
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array
-from .channels import Channel, Dofs, Reading, recording_of
+from .channels import Channel, recording_of
 from .common import rate_of
+from .reading import Dofs, Reading
 from .units import named_unit
 
 _COMPULSORY = ("data", "name", "unit_str")
@@ -102,7 +103,7 @@ def from_sep005(
             "channels recorded together",
             "Pass the channels of one record only.",
         )
-    return recording_of(Path("SEP-005 channels"), made, rates[0], Reading(dofs, force, unit))
+    return recording_of(Path("SEP-005 channels"), made, rates[0], Reading(dofs=dofs, force=force, unit=unit))
 
 
 def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:

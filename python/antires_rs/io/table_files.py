@@ -3,37 +3,30 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from ._child import Answer, Unfit, answer, asked, called, room
-from .channels import Dofs, Reading
 from .child_process import Limits, channels_of_child, require
-from .common import Signal, existing_file, unsuitable
+from .common import Signal, unsuitable
+from .reading import OfColumns, PathLike, opened, reader
 from .text_table import Table, named, signal_of_table
 
 
+@reader
 def read_excel(
-    path: str | os.PathLike[str],
+    path: PathLike,
     *,
     sheet: str | None = None,
-    first: str | None = None,
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-    pairs: str | None = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
     time_limit_s: float = 120.0,
     memory_limit_gb: float = 8.0,
+    **options: Unpack[OfColumns],
 ) -> Signal:
     """Read a sheet of an Excel workbook (.xlsx), one row a sample or a frequency.
+
+    Days and times, or those of a clock, in the first column are the time.
 
     Parameters
     ----------
@@ -41,26 +34,13 @@ def read_excel(
         Lines of text above the numbers: the last names the columns, ``tip [g]``; a line of units may follow.
     sheet : str, optional
         By default the first.
-    first, fs_hz, dofs, force, unit, kind, reference, pairs, freq_hz, df_hz
-        As in :func:`read_csv`. Days and times, or those of a clock, in the first column are the time.
-    time_limit_s, memory_limit_gb : float
-        Limits of the child process that reads (the memory's where the system has such limits).
-
-    Returns
-    -------
-    Recording or FrequencyResponse
-        In SI.
 
     Raises
     ------
     UnsuitableDataError
         A damaged file, empty cells or texts between numbers, gaps in time.
-    InvalidInputError
-        Options that do not fit the file.
     MissingDependencyError
         openpyxl is not installed.
-    FileNotFoundError
-        There is none.
 
     Examples
     --------
@@ -74,7 +54,7 @@ def read_excel(
     ...     ar.read_excel(folder + "/a.xlsx")
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_excel, path, options)
     require("read_excel", "openpyxl", "excel")
     wanted, limits = "an Excel workbook (.xlsx) with rows of numbers", Limits(time_limit_s, memory_limit_gb)
     entries, texts = channels_of_child(columns_of_excel, file, wanted, limits, sheet=sheet)
@@ -82,48 +62,25 @@ def read_excel(
     return signal_of_table(file, _table(file, entries, head), given)
 
 
+@reader
 def read_parquet(
-    path: str | os.PathLike[str],
-    *,
-    first: str | None = None,
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-    pairs: str | None = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
-    time_limit_s: float = 60.0,
-    memory_limit_gb: float = 8.0,
+    path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[OfColumns]
 ) -> Signal:
     """Read a Parquet table, as pandas writes it, one row a sample or a frequency.
+
+    The index of pandas comes first; a column of timestamps is the time.
 
     Parameters
     ----------
     path : path-like
         Columns are named ``tip [g]``, or have their unit in the field's metadata, ``unit``.
-    first, fs_hz, dofs, force, unit, kind, reference, pairs, freq_hz, df_hz
-        As in :func:`read_csv`. The index of pandas comes first; a column of timestamps is the time.
-    time_limit_s, memory_limit_gb : float
-        Limits of the child process that reads (the memory's where the system has such limits).
-
-    Returns
-    -------
-    Recording or FrequencyResponse
-        In SI.
 
     Raises
     ------
     UnsuitableDataError
         A damaged file, empty cells, columns that are no numbers, gaps in time.
-    InvalidInputError
-        Options that do not fit the file.
     MissingDependencyError
         pyarrow is not installed.
-    FileNotFoundError
-        There is none.
 
     Examples
     --------
@@ -135,7 +92,7 @@ def read_parquet(
     ...     ar.read_parquet(folder + "/a.parquet")
     Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_parquet, path, options)
     require("read_parquet", "pyarrow", "series")
     wanted, limits = "a whole Parquet file with columns of numbers", Limits(time_limit_s, memory_limit_gb)
     entries, _ = channels_of_child(columns_of_parquet, file, wanted, limits)
@@ -158,12 +115,8 @@ def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> 
         )
     table = Table(values=np.column_stack([entry["values"] for entry in entries]))
     if not np.isfinite(table.values).all():
-        unsuitable(
-            file,
-            "with values that are not finite",
-            "finite numbers",
-            "Fill or cut out the cells without one.",
-        )
+        remedy = "Fill or cut out the cells without one."
+        unsuitable(file, "with values that are not finite", "finite numbers", remedy)
     named(table, head)
     units = table.units or [""] * len(entries)
     table.units = [entry["unit"] or unit for entry, unit in zip(entries, units, strict=True)]
@@ -212,9 +165,10 @@ def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
 
     book = load_workbook(path, read_only=True, data_only=True)
     names = book.sheetnames
-    sheet = book[request.get("sheet") or names[0]] if (request.get("sheet") or names[0]) in names else None
-    if sheet is None:
+    chosen = request["sheet"] or names[0]
+    if chosen not in names:
         raise Unfit(f"the sheets are {called(names)}")
+    sheet = book[chosen]
     head: list[list[str]] = []
     rows: list[list[Any]] = []
     cells = before = 0
@@ -246,15 +200,12 @@ def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
         if all(isinstance(v, datetime.datetime) for v in each):
             made.append(column(name, np.array(each, dtype="datetime64[ns]")))
         elif all(isinstance(v, datetime.time) for v in each):
-            made.append(column(name, np.array([of_day(v) for v in each], dtype="timedelta64[us]")))
+            day = datetime.datetime.min
+            seconds = [datetime.datetime.combine(day, at.replace(tzinfo=None)) - day for at in each]
+            made.append(column(name, np.array(seconds, dtype="timedelta64[us]")))
         else:
             made.append(column(name, np.array(each, dtype=object)))
     return answer(made, head=head[-3:])
-
-
-def of_day(at: Any) -> int:
-    """Microseconds of a clock since midnight."""
-    return int(((at.hour * 60 + at.minute) * 60 + at.second) * 1_000_000 + at.microsecond)
 
 
 def complex_row(values: list[Any]) -> bool:
@@ -273,12 +224,8 @@ def column(name: str, values: Any, unit: str = "") -> dict[str, Any]:
         whole = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")
         if np.isnat(whole).any():
             raise Unfit(f"the column {name!r} has instants that are missing")
-        return {
-            "name": name,
-            "values": (whole - whole[0]) / np.timedelta64(1, "s"),
-            "unit": "s",
-            "instants": 1,
-        }
+        seconds = (whole - whole[0]) / np.timedelta64(1, "s")
+        return {"name": name, "values": seconds, "unit": "s", "instants": 1}
     if values.dtype.kind == "O":
         values = np.array([number(name, each) for each in values])
         values = values if np.iscomplexobj(values) else values.astype(np.float64)

@@ -24,7 +24,7 @@ from ..signals.recording import Recording
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.messages import LeftOut, Passed, Wording, warn
-from .channels import Channel, Reading, one_quantity, recording_of
+from .channels import Channel, one_quantity, recording_of
 from .common import (
     Signal,
     existing_file,
@@ -35,6 +35,7 @@ from .common import (
     simplest_rate,
     unsuitable,
 )
+from .reading import Reading
 from .units import Unit, abscissa_factor, named_unit, parse_unit
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
@@ -1155,7 +1156,7 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
         label, signs[point] = named(point)
         return label
 
-    made = recording_of(file, channels, rates.pop(), Reading(dof, force, unit))
+    made = recording_of(file, channels, rates.pop(), Reading(dofs=dof, force=force, unit=unit))
     kept = [s for (p, s) in signs.items()]
     if all(s == 1.0 for s in kept):
         return made

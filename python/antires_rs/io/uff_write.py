@@ -17,7 +17,7 @@ from ..signals.recording import Recording
 from ..signals.spectra import std_of_coherence
 from ..support.files import write_atomically
 from ..support.messages import warn
-from .common import Signal, signal_given
+from .common import Signal
 from .own_format import check_dofs
 from .uff import VERSION, Point, as_point, checksum_line, label_of, points_of
 from .units import named_unit
@@ -83,7 +83,6 @@ def write_uff(
     ...     print(file.read_text().splitlines()[-2].split())
     ['1.00000000000e+00', '2.00000000000e+00', '4.00000000000e+00']
     """
-    signal_given(signal)
     check_dofs(signal)
     points = points_of(signal.dofs, dofs)
     force = _excitation(excitation, points)
