@@ -93,24 +93,16 @@ def read_store(
         unsuitable(file, "whose text does not have its checksum", wanted, "It was damaged or edited.")
     data = json.loads(text)
     if data.get("format") != form:
-        unsuitable(
-            file,
-            f"which holds {data.get('format')!r}",
-            wanted,
-            "It is another file of antires_rs: name the right one.",
-        )
+        found = f"which holds {data.get('format')!r}"
+        unsuitable(file, found, wanted, "It is another file of antires_rs: name the right one.")
     if not isinstance(data.get("version"), int) or data["version"] > version:
         unsuitable(
             file, f"of version {data.get('version')!r}", f"version {version} or older", "Update antires_rs."
         )
     for name, digest in data["sha256"].items():
         if name not in arrays or _digest(arrays[name]) != digest:
-            unsuitable(
-                file,
-                f"whose array {name} is missing or does not have its checksum",
-                wanted,
-                "It was damaged or edited.",
-            )
+            found = f"whose array {name} is missing or does not have its checksum"
+            unsuitable(file, found, wanted, "It was damaged or edited.")
     return file, _filled(data, arrays)
 
 
@@ -182,12 +174,8 @@ def encoded(value: Any, store: Store) -> Any:
         return {"class": kind.__name__, "json": value.to_json()}
     if isinstance(value, StructuralModel):
         if kind is not _MODELS[type(value.description.recipe)]:
-            reject(
-                "model",
-                kind.__name__,
-                "a MassSpringChain, FrameModel or MatrixModel",
-                "Build the model as one of these first.",
-            )
+            wanted = "a MassSpringChain, FrameModel or MatrixModel"
+            reject("model", kind.__name__, wanted, "Build the model as one of these first.")
         return {"class": kind.__name__, "description": encoded(value.description, store)}
     if kind in _FIELDS or is_dataclass(value):
         names = _FIELDS.get(kind) or tuple(each.name for each in fields(value) if each.init)
@@ -443,12 +431,8 @@ def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
     elif data["kind"] == "frame":
         recipe = _frame_3(data)
     else:
-        reject(
-            "path",
-            f"{name!r} with a model of kind {data['kind']!r}",
-            "a kind that this version knows",
-            "Update antires_rs.",
-        )
+        got = f"{name!r} with a model of kind {data['kind']!r}"
+        reject("path", got, "a kind that this version knows", "Update antires_rs.")
     applied = tuple(
         AppliedParameters(_parameters_3(one["parameters"]), one["values"])
         for one in data.get("applied", ())  # version 1 has none

@@ -53,24 +53,16 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
         forces += [c for c in channels if c.name == given.force]  # the user knows better than a silent file
     responses = [c for c in channels if not any(c is f for f in forces)]
     if not responses:
-        unsuitable(
-            path,
-            f"with {len(forces)} force and no response",
-            "at least one response channel",
-            "Export the response channels too.",
-        )
+        found = f"with {len(forces)} force and no response"
+        unsuitable(path, found, "at least one response channel", "Export the response channels too.")
     force = _force(forces, given.force)
     labels = renamed("dofs", [c.name for c in responses], given.dofs)
     rows = kept(labels)  # what is left out need not fit the rest
     used = [responses[i] for i in rows]
     lengths = {c.values.size for c in (*used, *([] if force is None else [force]))}
     if len(lengths) > 1:
-        unsuitable(
-            path,
-            f"with channels of {sorted(lengths)} samples",
-            "channels of one length",
-            Wording("Leave out those of other lengths by {}.", Passed("dofs")),
-        )
+        remedy = Wording("Leave out those of other lengths by {}.", Passed("dofs"))
+        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): named_unit("unit", given.unit) for c in used}
     else:
@@ -113,12 +105,8 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
     chosen = rest if given.responses is None else [*_named(file, rest, given.responses), *forces]
     chosen = list({id(c): c for c in chosen}.values())
     if not chosen:
-        unsuitable(
-            file,
-            "without a channel of numbers",
-            "at least one channel of samples",
-            "Export the channels of the record.",
-        )
+        found = "without a channel of numbers"
+        unsuitable(file, found, "at least one channel of samples", "Export the channels of the record.")
     rate = _rate(file, chosen, instants, given)
     _together(file, chosen)
     if given.unit is None and not any(c.unit for c in chosen):
@@ -137,12 +125,8 @@ def _named(file: Path, channels: Sequence[Channel], responses: Any) -> list[Chan
         hits = [c for c in channels if isinstance(pattern, str) and matches(c.name, pattern)]
         if not hits:
             shown = ", ".join(repr(c.name) for c in channels[:20]) or "none of that name"
-            reject(
-                "responses",
-                repr(pattern),
-                f"channels of {str(file)!r}: {shown}",
-                "Correct the name or pattern.",
-            )
+            got = repr(pattern)
+            reject("responses", got, f"channels of {str(file)!r}: {shown}", "Correct the name or pattern.")
         found += hits
     return found
 
@@ -158,20 +142,13 @@ def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], 
     if rate is None and not rates:
         if len(instants) == 1:
             return rate_of(file, instants[0].values)
-        unsuitable(
-            file,
-            f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval",
-            "a sampling rate",
-            Wording("Give it by {}.", Passed("fs_hz")),
-        )
+        found = f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval"
+        unsuitable(file, found, "a sampling rate", Wording("Give it by {}.", Passed("fs_hz")))
     if rates and max(rates.values()) - min(rates.values()) > _SAME_RATE * max(rates.values()):
         low, high = (f(rates, key=lambda name: rates[name]) for f in (min, max))
-        unsuitable(
-            file,
-            f"with {low!r} at {rates[low]:.6g} Hz and {high!r} at {rates[high]:.6g} Hz",
-            "channels of one rate",
-            Wording("Name the {} of one rate.", Passed("responses")),
-        )
+        found = f"with {low!r} at {rates[low]:.6g} Hz and {high!r} at {rates[high]:.6g} Hz"
+        wanted = "channels of one rate"
+        unsuitable(file, found, wanted, Wording("Name the {} of one rate.", Passed("responses")))
     own = next(iter(rates.values()), rate)
     if rate is not None:
         warn_other_rate(file, "has channels at", own, rate)
@@ -200,12 +177,8 @@ def _together(file: Path, channels: Sequence[Channel]) -> None:
     other = next((c for c in channels if (c.start, round(c.offset_s, 9)) != begun), None)
     if other is not None:
         names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
-        unsuitable(
-            file,
-            f"with {' and '.join(names)}",
-            "channels that begin together",
-            Wording("Name the {} of one record.", Passed("responses")),
-        )
+        remedy = Wording("Name the {} of one record.", Passed("responses"))
+        unsuitable(file, f"with {' and '.join(names)}", "channels that begin together", remedy)
 
 
 def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
@@ -228,23 +201,15 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
     if isinstance(dofs, Mapping):
         lost = [name for name in names if name not in dofs]
         if lost:
-            reject(
-                argument,
-                f"no dof for {lost}",
-                f"a dof for each of {list(names)}",
-                Wording("{}.", LeftOut("channel")),
-            )
+            got = f"no dof for {lost}"
+            reject(argument, got, f"a dof for each of {list(names)}", Wording("{}.", LeftOut("channel")))
         return [dofs[name] for name in names]
     if callable(dofs):
         return [dofs(name) for name in names]
     labels = list(dofs) if shape_of(dofs) != () else [dofs]
     if len(labels) != len(names):
-        reject(
-            argument,
-            f"{len(labels)} dofs",
-            f"{len(names)}, one for each of {list(names)}",
-            "Name a dof for each channel, in their order, or map channels to dofs.",
-        )
+        remedy = "Name a dof for each channel, in their order, or map channels to dofs."
+        reject(argument, f"{len(labels)} dofs", f"{len(names)}, one for each of {list(names)}", remedy)
     return labels
 
 
@@ -264,12 +229,8 @@ def in_si(values: Any, unit: Unit) -> Any:
 def _unit(path: Path, channel: Channel) -> Unit:
     unit = parse_unit(channel.unit) or Unit()
     if unit.per:
-        unsuitable(
-            path,
-            f"with the unit {channel.unit!r} of channel {channel.name!r}",
-            "a unit of a record",
-            "Export time records, or read the file as frequency responses.",
-        )
+        found, wanted = f"with the unit {channel.unit!r} of channel {channel.name!r}", "a unit of a record"
+        unsuitable(path, found, wanted, "Export time records, or read the file as frequency responses.")
     return unit
 
 
@@ -291,17 +252,9 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
         return None
     names = [c.name for c in forces]
     if automatic and len(forces) > 1:
-        reject(
-            "force",
-            f"'auto' for a file with {len(forces)} force channels, {names}",
-            "the name of one, or None",
-            "The theory is that of one force.",
-        )
+        got = f"'auto' for a file with {len(forces)} force channels, {names}"
+        reject("force", got, "the name of one, or None", "The theory is that of one force.")
     if not automatic and force not in names:
-        reject(
-            "force",
-            repr(force),
-            f"'auto', None or a channel of the file, {names or 'it has no force'}",
-            "Name a channel of the file, or pass None for no force.",
-        )
+        wanted = f"'auto', None or a channel of the file, {names or 'it has no force'}"
+        reject("force", repr(force), wanted, "Name a channel of the file, or pass None for no force.")
     return forces[0 if automatic else names.index(force)]

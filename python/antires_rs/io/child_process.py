@@ -149,22 +149,14 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
             check=False,
         )
     except subprocess.TimeoutExpired:
-        unsuitable(
-            file,
-            f"which was not read within {limits.time_limit_s:g} s",
-            wanted,
-            "Raise time_limit_s if it is large; otherwise it is damaged.",
-        )
+        found = f"which was not read within {limits.time_limit_s:g} s"
+        unsuitable(file, found, wanted, "Raise time_limit_s if it is large; otherwise it is damaged.")
     if done.returncode == 0 and out.is_file():
         return
     said = (done.stderr.strip().splitlines() or [f"the reader ended with code {done.returncode}"])[-1]
     if said.startswith("MemoryError"):
-        unsuitable(
-            file,
-            f"which takes more than {limits.memory_limit_gb:.3g} GB",
-            wanted,
-            "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged.",
-        )
+        remedy = "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged."
+        unsuitable(file, f"which takes more than {limits.memory_limit_gb:.3g} GB", wanted, remedy)
     if said.startswith("Unfit: "):
         unsuitable(file, f"in which {said[7:400]}", wanted, "Correct the file, or the names you gave.")
     unsuitable(
@@ -178,12 +170,8 @@ def _check_names(file: Path, responses: Any, listed: list[Any]) -> None:
     shown = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape, _ in listed[:20])
     for pattern in _texts(responses):
         if not any(name == array_of(pattern) or matches(name, pattern) for name in there):
-            reject(
-                "responses",
-                repr(pattern),
-                f"arrays of {str(file)!r}: {shown}",
-                "Correct the name or pattern.",
-            )
+            got = repr(pattern)
+            reject("responses", got, f"arrays of {str(file)!r}: {shown}", "Correct the name or pattern.")
 
 
 def _check_room(file: Path, listed: list[Any], memory_limit_gb: float) -> None:
@@ -191,9 +179,6 @@ def _check_room(file: Path, listed: list[Any], memory_limit_gb: float) -> None:
     large = [(name, shape) for name, shape, whole in listed if not whole]
     if large:
         name, shape = max(large, key=lambda each: float(np.prod([float(n) for n in each[1]])))
-        unsuitable(
-            file,
-            f"with {name} of {'x'.join(map(str, shape))} values",
-            f"arrays that fit into {_SHARE * memory_limit_gb:.3g} GB twice",
-            "Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb.",
-        )
+        found = f"with {name} of {'x'.join(map(str, shape))} values"
+        remedy = "Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb."
+        unsuitable(file, found, f"arrays that fit into {_SHARE * memory_limit_gb:.3g} GB twice", remedy)

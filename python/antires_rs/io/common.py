@@ -132,21 +132,13 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """
     wanted = "instants in s, evenly spaced and ascending"
     if times.size < 2 or not np.isfinite(times).all():
-        unsuitable(
-            path,
-            f"whose {times.size} instants are too few or not finite",
-            wanted,
-            "Correct the instants, or leave them out and pass the rate.",
-        )
+        found = f"whose {times.size} instants are too few or not finite"
+        unsuitable(path, found, wanted, "Correct the instants, or leave them out and pass the rate.")
     span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
     step = span / (times.size - 1)
     if span <= 0.0:
-        unsuitable(
-            path,
-            "whose time does not ascend",
-            wanted,
-            "Sort the rows by time, or leave the instants out and pass the rate.",
-        )
+        found = "whose time does not ascend"
+        unsuitable(path, found, wanted, "Sort the rows by time, or leave the instants out and pass the rate.")
     # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:

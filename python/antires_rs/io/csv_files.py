@@ -117,12 +117,8 @@ def _own(file: Path, table: Table) -> Signal:
     except AntiresError:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as exc:
-        unsuitable(
-            file,
-            f"whose header is damaged ({type(exc).__name__}: {exc})",
-            "a file of write_csv",
-            "Write it again; leave the lines at the top as they are.",
-        )
+        found, wanted = f"whose header is damaged ({type(exc).__name__}: {exc})", "a file of write_csv"
+        unsuitable(file, found, wanted, "Write it again; leave the lines at the top as they are.")
 
 
 @writer

@@ -88,12 +88,9 @@ def read_frf_files(
         formats = Counter(format_by_ending(path.name) for path in paths)
         if len(formats) > 1 or None in formats:
             counts = ", ".join(f"{n} {kind or 'of unknown ending'}" for kind, n in formats.items())
-            reject(
-                "files",
-                f"files of several formats ({counts})",
-                "files of one format that is known",
-                Wording("Choose them by {}, or name the {}.", Passed("pattern"), Passed("format")),
-            )
+            got = f"files of several formats ({counts})"
+            remedy = Wording("Choose them by {}, or name the {}.", Passed("pattern"), Passed("format"))
+            reject("files", got, "files of one format that is known", remedy)
         format = next(iter(formats)) or ""
     choice("format", format, tuple(READERS))
     if kind is not None:
@@ -162,12 +159,8 @@ def _one(path: Path, format: str, options: dict[str, Any]) -> FrequencyResponse:
         found = (
             f"{len(signal.dofs)} responses" if isinstance(signal, FrequencyResponse) else "a record over time"
         )
-        unsuitable(
-            path,
-            f"with {found}",
-            "one response over frequency in each file",
-            "Read it alone by its own reader, or name the response that is meant.",
-        )
+        remedy = "Read it alone by its own reader, or name the response that is meant."
+        unsuitable(path, f"with {found}", "one response over frequency in each file", remedy)
     return signal
 
 
@@ -189,12 +182,9 @@ def _check_axes(paths: list[Path], read: list[FrequencyResponse]) -> None:
     most = max(groups, key=len)
     odd = next((i for i in range(len(read)) if i not in most), None)
     if odd is not None:
-        unsuitable(
-            paths[odd],
-            f"with {_axis(read[odd])}",
-            f"{_axis(read[most[0]])}, as {len(most)} of {len(read)} files have ({paths[most[0]].name})",
-            "Export all files over the same frequencies, or leave that one out.",
-        )
+        wanted = f"{_axis(read[most[0]])}, as {len(most)} of {len(read)} files have ({paths[most[0]].name})"
+        remedy = "Export all files over the same frequencies, or leave that one out."
+        unsuitable(paths[odd], f"with {_axis(read[odd])}", wanted, remedy)
 
 
 def _axis(response: FrequencyResponse) -> str:

@@ -75,12 +75,8 @@ def segments_of(file: Path) -> list[Segment]:
     text = decoded(file)
     lines = text.split("\n")
     if not lines[0].startswith("LabVIEW Measurement") or "\x00" in text:
-        unsuitable(
-            file,
-            "which does not begin with the line 'LabVIEW Measurement'",
-            WANTED,
-            "A file without header is a table of text: read it by read_csv, format csv.",
-        )
+        remedy = "A file without header is a table of text: read it by read_csv, format csv."
+        unsuitable(file, "which does not begin with the line 'LabVIEW Measurement'", WANTED, remedy)
     end = _find(lines, _END, 0)
     if end is None:
         unsuitable(file, "whose header has no end", WANTED, "It was cut: copy it again.")
@@ -249,12 +245,8 @@ def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Channel
         if x is not None and x.size > 1 and np.isfinite(x).all() and fs_hz is None:
             rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
             if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
-                unsuitable(
-                    file,
-                    f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz",
-                    "one rate",
-                    Wording("Give the true one by {}.", Passed("fs_hz")),
-                )
+                found = f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz"
+                unsuitable(file, found, "one rate", Wording("Give the true one by {}.", Passed("fs_hz")))
             step = step if step is not None and step > 0.0 else 1.0 / rate
             offset = float(x[0])
         start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)

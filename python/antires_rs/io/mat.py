@@ -54,20 +54,12 @@ def _of_testlab(
     for name in names:
         step = _scalar(arrays, f"{name}.x_values.increment")
         if step is None or not step > 0.0:
-            unsuitable(
-                file,
-                f"whose {name}.x_values.increment is {step}",
-                "a positive increment",
-                "Export it again; steps that are not even cannot be exported so.",
-            )
+            remedy = "Export it again; steps that are not even cannot be exported so."
+            unsuitable(file, f"whose {name}.x_values.increment is {step}", "a positive increment", remedy)
         axis = texts.get(f"{name}.x_values.quantity.label", "").strip()
         if axis and not is_abscissa(axis):
-            unsuitable(
-                file,
-                f"whose {name} lies over {axis!r}",
-                "functions over time or frequency, in s or Hz",
-                "Export the time records or the FRFs.",
-            )
+            got, wanted = f"whose {name} lies over {axis!r}", "functions over time or frequency, in s or Hz"
+            unsuitable(file, got, wanted, "Export the time records or the FRFs.")
         factor = abscissa_factor(axis)
         first = factor * (_scalar(arrays, f"{name}.x_values.start_value") or 0.0)
         count = _scalar(arrays, f"{name}.x_values.number_of_values")
@@ -86,12 +78,8 @@ def _of_testlab(
             # In the label's unit, from which it becomes SI as any other.
             channels.append(Channel(title, row * scale, label, factor * step, "", first))
     if len(kinds) > 1:
-        unsuitable(
-            file,
-            "with records over time and functions over frequency",
-            "one of them",
-            "Export them into files of their own, or name the responses=.",
-        )
+        got = "with records over time and functions over frequency"
+        unsuitable(file, got, "one of them", "Export them into files of their own, or name the responses=.")
     if kinds == {False}:
         return stated_recording(file, channels, given)
     axes = {(c.values.size, c.step_s, c.offset_s) for c in channels}

@@ -57,12 +57,8 @@ def matrices_in(name: str, path: str | os.PathLike[str]) -> dict[str, Labelled]:
     file = existing_file(path)
     ending = next((e for e in _READERS if file.name.lower().endswith(e)), None)
     if ending is None:
-        reject(
-            name,
-            repr(str(file)),
-            "a file that ends in " + ", ".join(_READERS) + ", or a matrix",
-            "Export the matrix in one of these formats, or pass it as a scipy.sparse array.",
-        )
+        remedy = "Export the matrix in one of these formats, or pass it as a scipy.sparse array."
+        reject(name, repr(str(file)), "a file that ends in " + ", ".join(_READERS) + ", or a matrix", remedy)
     if ending == ".mtx" and not is_matrix_market(file) and is_abaqus(file):
         return read_abaqus(file)
     return _READERS[ending](file)
@@ -73,12 +69,9 @@ def choose(name: str, path: str | os.PathLike[str], letter: str) -> Labelled:
     found = matrices_in(name, path)
     own = list(found) if len(found) == 1 else [each for each in found if each.upper().startswith(letter)]
     if len(own) != 1:
-        reject(
-            name,
-            f"{str(path)!r} with the matrices {', '.join(found)}",
-            f"a file with one matrix, or with one whose name begins with {letter}",
-            "Write the matrices into files of their own.",
-        )
+        got = f"{str(path)!r} with the matrices {', '.join(found)}"
+        wanted = f"a file with one matrix, or with one whose name begins with {letter}"
+        reject(name, got, wanted, "Write the matrices into files of their own.")
     return found[own[0]]
 
 
@@ -200,12 +193,9 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
     """
     recipe = model.description.recipe if isinstance(model, MatrixModel) else None
     if not isinstance(recipe, MatrixRecipe) or model.description.applied:
-        reject(
-            "model",
-            "an updated model" if isinstance(model, MatrixModel) else type(model).__name__,
-            "a MatrixModel as it was made",
-            "Save the result of an updating with result.save.",
-        )
+        got = "an updated model" if isinstance(model, MatrixModel) else type(model).__name__
+        wanted = "a MatrixModel as it was made"
+        reject("model", got, wanted, "Save the result of an updating with result.save.")
     store = Store()
     data = {"format": FORMAT, "version": VERSION, "recipe": encoded(recipe, store)}
     return write_store(path, data, store)
@@ -262,12 +252,9 @@ def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tu
         row = int(parts[0]) - first_row if len(parts) == 3 else len(found)
         point = (int(parts[-2]), DIRECTIONS[code])  # type: ignore[index]
         if point in found or row in found.values() or row < 0:
-            unsuitable(
-                file,
-                f"with {point} or row {row + first_row} twice or out of range in line {number}",
-                "each once, rows from first_row on",
-                "Correct that line of the map, or first_row.",
-            )
+            got = f"with {point} or row {row + first_row} twice or out of range in line {number}"
+            expected = "each once, rows from first_row on"
+            unsuitable(file, got, expected, "Correct that line of the map, or first_row.")
         found[point] = row
     if not found:
         unsuitable(file, "without such a line", wanted, "Export it with its header.")
@@ -279,12 +266,9 @@ def _own_map(file: Path) -> dict[tuple[int, str], int]:
     found = matrices_in("path", file)
     points = (next(iter(found.values())) if len(found) == 1 else choose("path", file, "K")).points
     if points is None:
-        unsuitable(
-            file,
-            "which does not name its rows",
-            "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row",
-            "Write the table of equations beside the matrices.",
-        )
+        got = "which does not name its rows"
+        wanted = "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row"
+        unsuitable(file, got, wanted, "Write the table of equations beside the matrices.")
     return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
 
 
@@ -312,12 +296,9 @@ def _in_rows_of(name: str, each: Labelled, rows: Labelled) -> Any:
     number = {point: nth for nth, point in enumerate(rows.points)}
     unknown = [point for point in each.points if point not in number]
     if unknown:
-        reject(
-            name,
-            f"entries at node {unknown[0][0]}, component {unknown[0][1]}",
-            "the nodes and components of the stiffness, or some of them",
-            "Export both matrices of one model, after the same constraints.",
-        )
+        got = f"entries at node {unknown[0][0]}, component {unknown[0][1]}"
+        wanted = "the nodes and components of the stiffness, or some of them"
+        reject(name, got, wanted, "Export both matrices of one model, after the same constraints.")
     places = np.array([number[point] for point in each.points])
     entries = coo_array(each.matrix)
     shape = (len(number), len(number))

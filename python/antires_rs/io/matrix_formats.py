@@ -89,12 +89,8 @@ def read_abaqus(file: Path) -> dict[str, Labelled]:
             node, dof, other, other_dof, value = line.split(",")
             entries.append(((int(node), int(dof)), (int(other), int(other_dof)), float(value)))
         except ValueError:
-            unsuitable(
-                file,
-                f"with the line {number}: {line.strip()[:40]!r}",
-                "node, dof, node, dof, value",
-                "Export it again with FORMAT=MATRIX INPUT or LABELS.",
-            )
+            found, wanted = f"with the line {number}: {line.strip()[:40]!r}", "node, dof, node, dof, value"
+            unsuitable(file, found, wanted, "Export it again with FORMAT=MATRIX INPUT or LABELS.")
     fixed = {row for row, column, value in entries if row == column and value >= _FIXED}
     if fixed:
         first = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5])
@@ -116,12 +112,8 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 
     arrays = read_archive(file)
     if "format" not in arrays or "shape" not in arrays:
-        unsuitable(
-            file,
-            f"with the arrays {', '.join(arrays)}",
-            "a file of scipy.sparse.save_npz",
-            "Save it by scipy.sparse.save_npz.",
-        )
+        found = f"with the arrays {', '.join(arrays)}"
+        unsuitable(file, found, "a file of scipy.sparse.save_npz", "Save it by scipy.sparse.save_npz.")
     return {file.stem: Labelled(load_npz(file))}
 
 
@@ -216,12 +208,8 @@ def read_full(file: Path) -> dict[str, Labelled]:
     points = arrays["points"]
     rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
     if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
-        unsuitable(
-            file,
-            f"with entries beyond its {len(points)} dofs",
-            _WANTED_FULL,
-            "It was damaged: write it again.",
-        )
+        found = f"with entries beyond its {len(points)} dofs"
+        unsuitable(file, found, _WANTED_FULL, "It was damaged: write it again.")
     # Dofs with constraints are there, without an entry.
     kept = np.flatnonzero(np.isin(np.arange(len(points)), [*rows[0], *rows[1]]))
     # The directions of ANSYS count from 0: UX, UY, UZ, ROTX, ROTY, ROTZ.
@@ -278,12 +266,8 @@ def read_harwell_boeing(file: Path) -> dict[str, Labelled]:
             raise ValueError("pointers or rows out of range")
         columns = np.repeat(np.arange(n), np.diff(pointers))
     except (ValueError, IndexError) as exc:
-        unsuitable(
-            file,
-            f"which is cut, damaged or of another kind ({exc})",
-            _WANTED_HARWELL_BOEING,
-            "Export it again.",
-        )
+        found = f"which is cut, damaged or of another kind ({exc})"
+        unsuitable(file, found, _WANTED_HARWELL_BOEING, "Export it again.")
     return {file.stem: Labelled(completed(rows, columns, values, n))}
 
 
@@ -325,12 +309,8 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
     lines = [line for line in text.splitlines() if line.strip()]
     numbers = [line for line in lines if not line.startswith(b"%")]
     if not lines or not lines[0].lower().startswith(b"%%matrixmarket") or not numbers:
-        unsuitable(
-            file,
-            "which is cut in its head or of another kind",
-            wanted,
-            "Export it again as MatrixMarket, .mtx.",
-        )
+        found = "which is cut in its head or of another kind"
+        unsuitable(file, found, wanted, "Export it again as MatrixMarket, .mtx.")
     try:
         head, stated = _head(lines[0].lower().split(), numbers[0].split())
     except ValueError:
@@ -347,12 +327,8 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
     try:
         whole = _matrix(head, b"\n".join(numbers[1:]).decode("ascii"))
     except (ValueError, OverflowError, MemoryError) as exc:
-        unsuitable(
-            file,
-            f"which cannot be read ({brief(exc)})",
-            wanted,
-            "Export it again, as real numbers in MatrixMarket format.",
-        )
+        found = f"which cannot be read ({brief(exc)})"
+        unsuitable(file, found, wanted, "Export it again, as real numbers in MatrixMarket format.")
     return {file.stem: Labelled(whole)}
 
 

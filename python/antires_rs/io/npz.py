@@ -95,12 +95,8 @@ def read_archive(
         raise
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
         if _holds_objects(file):
-            unsuitable(
-                file,
-                "which holds objects, which only pickle reads",
-                wanted,
-                "A pickle can run any code. Save arrays of numbers alone.",
-            )
+            found = "which holds objects, which only pickle reads"
+            unsuitable(file, found, wanted, "A pickle can run any code. Save arrays of numbers alone.")
         unsuitable(
             file, f"which cannot be read ({brief(exc)})", wanted, "It was cut or damaged: copy it again."
         )
@@ -111,12 +107,8 @@ def _array(file: Path) -> dict[str, NDArray[Any]]:
     try:
         return {file.stem: np.load(file, allow_pickle=False)}
     except Exception as exc:  # numpy parses the header as Python, with the errors of Python's own parser
-        unsuitable(
-            file,
-            f"which cannot be read ({brief(exc)})",
-            "a whole array of numbers (.npy)",
-            "It was cut, or holds objects, which only pickle reads: save numbers alone.",
-        )
+        remedy = "It was cut, or holds objects, which only pickle reads: save numbers alone."
+        unsuitable(file, f"which cannot be read ({brief(exc)})", "a whole array of numbers (.npy)", remedy)
 
 
 def _holds_objects(file: Path) -> bool:

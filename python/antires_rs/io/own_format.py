@@ -71,12 +71,9 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
         made = {name: np.asarray(arrays[name]) for name in data["arrays"]}
         for name, (dtype, *shape) in data["arrays"].items():
             if made[name].dtype != np.dtype(dtype) or made[name].shape != tuple(shape):
-                unsuitable(
-                    path,
-                    f"whose {name} has shape {made[name].shape} of {made[name].dtype}",
-                    f"{tuple(shape)} of {dtype}, as the file itself states",
-                    "It was damaged.",
-                )
+                got = f"whose {name} has shape {made[name].shape} of {made[name].dtype}"
+                wanted = f"{tuple(shape)} of {dtype}, as the file itself states"
+                unsuitable(path, got, wanted, "It was damaged.")
         _check_sums(path, data, made)
         is_recording = data["kind"] == "recording"
         needed, optional, values = _RECORDING if is_recording else _RESPONSE
@@ -86,12 +83,8 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
         held |= {name: data[name] for name in ("dofs", *values)}
         return Recording(**held) if is_recording else FrequencyResponse(**held)
     except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as exc:
-        unsuitable(
-            path,
-            f"which is damaged ({type(exc).__name__}: {exc})",
-            _WANTED,
-            "Copy it again, or write it anew.",
-        )
+        got = f"which is damaged ({type(exc).__name__}: {exc})"
+        unsuitable(path, got, _WANTED, "Copy it again, or write it anew.")
 
 
 def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]]) -> None:
@@ -109,12 +102,8 @@ def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]])
 def check_dofs(signal: Any) -> list[Any]:
     """Labels of a signal as a file can hold them: whole numbers and text."""
     if not isinstance(signal, Signal):
-        reject(
-            "signal",
-            type(signal).__name__,
-            "a Recording or a FrequencyResponse",
-            "Make one of the arrays first: Recording(responses, fs_hz).",
-        )
+        remedy = "Make one of the arrays first: Recording(responses, fs_hz)."
+        reject("signal", type(signal).__name__, "a Recording or a FrequencyResponse", remedy)
     for dof in signal.dofs:
         if isinstance(dof, bool) or not isinstance(dof, int | str):
             got = f"the dof {dof!r}, a {type(dof).__name__}"
@@ -144,12 +133,9 @@ def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     allowed = ("auto", *["force"] * has_force)
     if given.force is not None and not (isinstance(given.force, str) and given.force in allowed):
         there = "with" if has_force else "without"
-        reject(
-            "force",
-            f"{given.force!r} for {str(path)!r}, a file of antires_rs {there} a force",
-            "'auto', 'force' or None" if has_force else "'auto' or None",
-            "The file states itself which channel is its force; leave it out.",
-        )
+        got = f"{given.force!r} for {str(path)!r}, a file of antires_rs {there} a force"
+        wanted = "'auto', 'force' or None" if has_force else "'auto' or None"
+        reject("force", got, wanted, "The file states itself which channel is its force; leave it out.")
     if isinstance(made, Recording) and given.force is None:
         made = Recording(made.responses, made.fs_hz, made.dofs)
     stated: dict[str, Any] = {

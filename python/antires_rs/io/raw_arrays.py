@@ -39,12 +39,8 @@ def chosen_rows(
         found = {row[0]: row for pattern in asked for row in _asked(path, pattern, numeric, taken)}
         rows = list(found.values())
     if not rows:
-        unsuitable(
-            path,
-            f"with {listed(numeric)}, none of which is a response",
-            "arrays of samples",
-            "Name them: responses=[...].",
-        )
+        got = f"with {listed(numeric)}, none of which is a response"
+        unsuitable(path, got, "arrays of samples", "Name them: responses=[...].")
     shared = {n.rpartition(".")[0] for n, _, _ in rows}
     cut = len(shared.pop()) + 1 if len(shared) == 1 and "." in rows[0][0] else 0
     return [(name[cut:], row, raw) for name, row, raw in rows]
@@ -89,12 +85,8 @@ def _asked(
         hits = [n for n in numeric if matches(n, pattern) and n not in taken]
         if "*" in pattern and hits:
             return [row for name in hits for row in _rows(name, numeric[name])]
-    reject(
-        "responses",
-        repr(pattern),
-        f"arrays of {str(path)!r}: {listed(numeric)}",
-        "Correct the pattern; the names of the file are listed.",
-    )
+    wanted = f"arrays of {str(path)!r}: {listed(numeric)}"
+    reject("responses", repr(pattern), wanted, "Correct the pattern; the names of the file are listed.")
 
 
 def _rows(name: str, values: Any) -> list[tuple[str, NDArray[Any], str]]:
@@ -127,12 +119,8 @@ class GivenAxis:
         if given.freq_hz is None and given.df_hz is None:
             return None
         if given.freq_hz is not None and given.df_hz is not None:
-            reject(
-                "df_hz",
-                "it beside freq_hz",
-                "one of them",
-                Wording("Leave out {}, which the frequencies tell.", Passed("df_hz")),
-            )
+            remedy = Wording("Leave out {}, which the frequencies tell.", Passed("df_hz"))
+            reject("df_hz", "it beside freq_hz", "one of them", remedy)
         return cls(given.freq_hz, given.df_hz)
 
     def lines(self, path: Path, count: int) -> FloatArray:
@@ -140,12 +128,8 @@ class GivenAxis:
         if self._freq_hz is None:
             return self._df_hz * np.arange(count, dtype=np.float64)
         if self._freq_hz.size != count:
-            unsuitable(
-                path,
-                f"with {count} values of each response",
-                f"{self._freq_hz.size}, one for each of freq_hz",
-                "Give the frequencies of this file.",
-            )
+            found, remedy = f"with {count} values of each response", "Give the frequencies of this file."
+            unsuitable(path, found, f"{self._freq_hz.size}, one for each of freq_hz", remedy)
         return self._freq_hz
 
 
@@ -206,12 +190,9 @@ class Said:
         words = (text, text.partition(" ")[0])  # "seconds since 1970-01-01"
         known = next((word for word in words if is_abscissa(word)), "")
         if refuse and not known and parse_unit(text) != Unit():
-            unsuitable(
-                path,
-                f"whose {name} is in {text!r}",
-                "a unit of time or frequency that is known (s, ms, us, Hz, kHz, rpm, rad/s)",
-                Wording("Export it in s or Hz, or give {}.", Passed(instead)),
-            )
+            got = f"whose {name} is in {text!r}"
+            wanted = "a unit of time or frequency that is known (s, ms, us, Hz, kHz, rpm, rad/s)"
+            unsuitable(path, got, wanted, Wording("Export it in s or Hz, or give {}.", Passed(instead)))
         return abscissa_factor(known)
 
     def rate(self, path: Path, names: Iterable[str], *, refuse: bool = True) -> float | None:
@@ -309,12 +290,8 @@ def signal_of_arrays(
         )
     said = Said(texts)
     if not numeric:
-        unsuitable(
-            path,
-            f"with no numeric array ({listed(arrays)})",
-            "arrays of numbers",
-            "Export the signals as arrays of numbers, one row or column a channel.",
-        )
+        remedy = "Export the signals as arrays of numbers, one row or column a channel."
+        unsuitable(path, f"with no numeric array ({listed(arrays)})", "arrays of numbers", remedy)
     axis = GivenAxis.of(given)
     if axis is not None:
         if given.freq is not None:
@@ -350,12 +327,8 @@ def _recording(
     taken |= {name for name in numeric if _last(name) in RATES | STEPS and numeric[name].size == 1}
     pushed = given.force if isinstance(given.force, str) and given.force in numeric else None
     if isinstance(given.force, str) and given.force != "auto" and pushed is None:
-        reject(
-            "force",
-            repr(given.force),
-            f"'auto', None or an array of the file: {listed(arrays)}",
-            "Name an array of the file, or pass None for no force.",
-        )
+        wanted = f"'auto', None or an array of the file: {listed(arrays)}"
+        reject("force", repr(given.force), wanted, "Name an array of the file, or pass None for no force.")
     if pushed is None:
         found = [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
         pushed = found[0] if len(found) == 1 and given.force == "auto" else None
@@ -366,12 +339,9 @@ def _recording(
     instants = None if time is None or given.fs_hz is not None else numeric[time].shape[1]
     for c in channels:
         if instants not in (None, c.values.size):
-            unsuitable(
-                path,
-                f"with {c.values.size} samples of {c.name!r} over {instants} instants of {time!r}",
-                "as many",
-                Wording("Name the {} that belongs to them, or give {}.", Passed("time"), Passed("fs_hz")),
-            )
+            got = f"with {c.values.size} samples of {c.name!r} over {instants} instants of {time!r}"
+            remedy = Wording("Name the {} that belongs to them, or give {}.", Passed("time"), Passed("fs_hz"))
+            unsuitable(path, got, "as many", remedy)
     if pushed is not None:
         channels.append(Channel(pushed, numeric[pushed][0], said.unit(pushed) or "N", role="force"))
     return recording_of(path, channels, rate, replace(given, force=None if given.force is None else "auto"))
@@ -388,30 +358,18 @@ def _response(
     rows = chosen_rows(path, among, given.responses, {*axes, *seen})
     real = next((name for name, values, _ in rows if not np.iscomplexobj(values)), None)
     if real is not None:
-        unsuitable(
-            path,
-            f"whose {real} is real",
-            "complex FRFs or transmissibilities",
-            "Magnitudes alone have lost the phase; combine magnitude and phase first.",
-        )
+        remedy = "Magnitudes alone have lost the phase; combine magnitude and phase first."
+        unsuitable(path, f"whose {real} is real", "complex FRFs or transmissibilities", remedy)
     count = rows[0][1].size
     lines = axis.lines(path, count if freq is None else axis.size or count)
     for name, values, _ in rows:
         if values.size != lines.size:
-            unsuitable(
-                path,
-                f"with {values.size} values of {name!r} over {lines.size} frequencies",
-                "as many",
-                "Export values and frequencies of the same test.",
-            )
+            found = f"with {values.size} values of {name!r} over {lines.size} frequencies"
+            unsuitable(path, found, "as many", "Export values and frequencies of the same test.")
     coherence = np.vstack([numeric[n] for n in seen]).real if seen else None
     if coherence is not None and coherence.shape != (len(rows), lines.size):
-        unsuitable(
-            path,
-            f"with coherences of shape {coherence.shape}",
-            f"({len(rows)}, {lines.size})",
-            "Export a coherence for each response, over the same frequencies.",
-        )
+        found, wanted = f"with coherences of shape {coherence.shape}", f"({len(rows)}, {lines.size})"
+        unsuitable(path, found, wanted, "Export a coherence for each response, over the same frequencies.")
     columns = [Channel(name, values, said.unit(raw)) for name, values, raw in rows]
     return response_of(path, lines, columns, given, coherence)
 
@@ -436,12 +394,8 @@ def _rate(
         rate = rate_of(path, said.factor(path, time) * numeric[time][0].real)
         stated = single[rates[0]] if len(rates) == 1 else rate
         if abs(stated - rate) > 1e-3 * rate:
-            unsuitable(
-                path,
-                f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s",
-                "one rate",
-                Wording("Give the true one by {}.", Passed("fs_hz")),
-            )
+            found = f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s"
+            unsuitable(path, found, "one rate", Wording("Give the true one by {}.", Passed("fs_hz")))
         return rate
     if not rates:
         if stated is not None:
@@ -466,21 +420,13 @@ def _role(path: Path, argument: str, given: str | None, numeric: Arrays, names: 
     """The array the user names for a role, or the only one whose name says it."""
     if given is not None:
         if given not in numeric:
-            reject(
-                argument,
-                repr(given),
-                f"a numeric array of {str(path)!r}: {listed(numeric)}",
-                "Correct the name; those of the file are listed.",
-            )
+            wanted = f"a numeric array of {str(path)!r}: {listed(numeric)}"
+            reject(argument, repr(given), wanted, "Correct the name; those of the file are listed.")
         return given
     found = [n for n in numeric if _last(n) in names and len(numeric[n]) == 1 and numeric[n].size > 1]
     if len(found) > 1:
-        unsuitable(
-            path,
-            f"with several candidates for {argument}=, {found}",
-            f"one {argument}",
-            f"Name it: {argument}={found[0]!r}.",
-        )
+        got = f"with several candidates for {argument}=, {found}"
+        unsuitable(path, got, f"one {argument}", f"Name it: {argument}={found[0]!r}.")
     return found[0] if found else None
 
 

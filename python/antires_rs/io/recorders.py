@@ -219,12 +219,8 @@ def _scales(full_scale: Any, count: int) -> list[float]:
     wanted = "a number, or one for each channel"
     given = np.atleast_1d(real_array("full_scale", full_scale, ndim=None, wanted=wanted))
     if given.size not in (1, count) or (given == 0.0).any():
-        reject(
-            "full_scale",
-            full_scale,
-            f"one number, or {count}, one for each channel, none of them 0",
-            "Give what 0 dB of full scale stands for.",
-        )
+        expected = f"one number, or {count}, one for each channel, none of them 0"
+        reject("full_scale", full_scale, expected, "Give what 0 dB of full scale stands for.")
     return [float(scale) for scale in np.broadcast_to(given, count)]
 
 

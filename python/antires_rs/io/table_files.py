@@ -107,12 +107,9 @@ def read_parquet(
 def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> Table:
     """The columns as those of a text."""
     if not entries or entries[0]["values"].size < 2:
-        unsuitable(
-            file,
-            f"with {len(entries)} columns of {entries[0]['values'].size if entries else 0} rows",
-            "columns of two rows or more",
-            "Export more of the record; a single row is no signal.",
-        )
+        found = f"with {len(entries)} columns of {entries[0]['values'].size if entries else 0} rows"
+        wanted = "columns of two rows or more"
+        unsuitable(file, found, wanted, "Export more of the record; a single row is no signal.")
     table = Table(values=np.column_stack([entry["values"] for entry in entries]))
     if not np.isfinite(table.values).all():
         remedy = "Fill or cut out the cells without one."

@@ -83,12 +83,9 @@ def joined(
     if pairs is not None:
         choice("pairs", pairs, PAIRS)
         if len(columns) % 2 == 0:
-            unsuitable(
-                file,
-                f"with {len(columns) - 1} columns beside the first",
-                Wording("two for each response, as {} says", Passed("pairs", pairs)),
-                "Export both parts of every response.",
-            )
+            found = f"with {len(columns) - 1} columns beside the first"
+            wanted = Wording("two for each response, as {} says", Passed("pairs", pairs))
+            unsuitable(file, found, wanted, "Export both parts of every response.")
     out: tuple[list[str], list[str], list[Any]] = ([], [], [])
     i = 0
     while i < len(columns):
@@ -206,12 +203,8 @@ def without_instants(file: Path, body: list[str], between: str | None) -> tuple[
     there = {i for i, _, _ in found}
     odd = next((i for i in range(start, len(body) - 1) if i not in there), None)
     if odd is not None:
-        unsuitable(
-            file,
-            f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant",
-            "instants in the first column",
-            "Correct or remove that row.",
-        )
+        got = f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant"
+        unsuitable(file, got, "instants in the first column", "Correct or remove that row.")
     digits = max(len(match[7] or "") for _, match, _ in found)
     unit, per_s = next((u, n) for u, n in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9)) if digits <= n)
     made, first = list(body), None
@@ -315,23 +308,16 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
-        unsuitable(
-            file,
-            f"without a row of numbers{_first_odd(body, between, point)}",
-            "columns of numbers",
-            Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal")),
-        )
+        found = f"without a row of numbers{_first_odd(body, between, point)}"
+        remedy = Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal"))
+        unsuitable(file, found, "columns of numbers", remedy)
     rows = body[start:]
     width = len(_split(rows[0], between))
     for line in body[:start]:
         parts = _split(line, between)
         if len(parts) == width > 1 and _numeric(parts[0], None, point):  # a row, not names
-            unsuitable(
-                file,
-                f"whose row {line.strip()[:60]!r} is not numeric throughout",
-                "numbers in every column",
-                "Mend or remove that row.",
-            )
+            found = f"whose row {line.strip()[:60]!r} is not numeric throughout"
+            unsuitable(file, found, "numbers in every column", "Mend or remove that row.")
     _names(table, body[:start] or _commented_names(lines, between, width), between)
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
@@ -355,22 +341,15 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
 
 def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:
     if table.names and len(table.names) != width:
-        unsuitable(
-            file,
-            f"with {len(table.names)} names over {width} columns",
-            "a name for each column",
-            "Put names that hold the delimiter in double quotes.",
-        )
+        found, wanted = f"with {len(table.names)} names over {width} columns", "a name for each column"
+        unsuitable(file, found, wanted, "Put names that hold the delimiter in double quotes.")
     for i, row in enumerate(rows):
         got = len(_split(row, between))
         if got != width:
             missing = ", ".join(map(repr, table.names[got : got + 5]))
-            unsuitable(
-                file,
-                f"whose row {i + 1} of numbers, {row.strip()[:60]!r}, has {got} columns",
-                f"{width}, as the first row" + (f", with {missing}" if missing else ""),
-                "It was cut or damaged: complete or remove that row.",
-            )
+            found = f"whose row {i + 1} of numbers, {row.strip()[:60]!r}, has {got} columns"
+            wanted = f"{width}, as the first row" + (f", with {missing}" if missing else "")
+            unsuitable(file, found, wanted, "It was cut or damaged: complete or remove that row.")
     if not rows:
         table.values = np.empty((0, width))
         return
@@ -391,12 +370,8 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
             dtype=np.complex128 if is_complex else np.float64,
         )
     except ValueError as exc:
-        unsuitable(
-            file,
-            f"with a value that is no number ({exc})",
-            "numbers in every column",
-            "Correct or remove that value.",
-        )
+        found = f"with a value that is no number ({exc})"
+        unsuitable(file, found, "numbers in every column", "Correct or remove that value.")
     table.values = values
     digits = [_rounding(rows, c, table.values[:, c], between, point) for c in range(min(width, 2))]
     table.digits = (digits[0], digits[-1])
@@ -428,12 +403,8 @@ def _header(file: Path, lines: list[str], table: Table) -> None:
         try:
             table.header[name] = json.loads(value)
         except ValueError:
-            unsuitable(
-                file,
-                f"whose header is damaged at {name!r}",
-                "a whole file of write_csv",
-                "Write it again; leave the lines at the top as they are.",
-            )
+            remedy = "Write it again; leave the lines at the top as they are."
+            unsuitable(file, f"whose header is damaged at {name!r}", "a whole file of write_csv", remedy)
     if not isinstance(table.header.get("rows"), int):
         unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
 
@@ -588,12 +559,8 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
         first = _what_first(file, names[0], units[0], hertz, columns, named and given.fs_hz is not None)
     skip = 0 if first == "channel" else 1
     if len(columns) <= skip:
-        unsuitable(
-            file,
-            "with no column of values",
-            "at least one beside the first",
-            "Export the channels beside the first column.",
-        )
+        wanted = "at least one beside the first"
+        unsuitable(file, "with no column of values", wanted, "Export the channels beside the first column.")
     channels = [
         Channel(name if named and name else i, values, its, role="force" if name.lower() == "force" else "")
         for i, (name, values, its) in enumerate(zip(names[skip:], columns[skip:], units[skip:], strict=True))
@@ -685,12 +652,8 @@ def _into_si(file: Path, name: str, unit: str, instants: Any = None) -> float:
         return abscissa_factor(text)
     known = parse_unit(text)
     if known is None or known.quantity:
-        unsuitable(
-            file,
-            f"whose first column, {name!r}, is in {text!r}",
-            "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s",
-            "Correct the unit in the header.",
-        )
+        found, remedy = f"whose first column, {name!r}, is in {text!r}", "Correct the unit in the header."
+        unsuitable(file, found, "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s", remedy)
     # Seconds since 1970 stay below 1e11 for 3,000 years, so that larger ones are in a smaller unit.
     largest = 0.0 if instants is None else float(np.abs(instants[0]))
     return next((factor for least, factor in _SINCE_1970 if largest >= least), 1.0)

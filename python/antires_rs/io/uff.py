@@ -242,12 +242,8 @@ def as_point(argument: str, value: Any) -> Point:
                     return value[0], CODES[name]
         elif direction in DIRECTIONS:
             return value[0], int(direction)
-    reject(
-        argument,
-        repr(value),
-        "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'",
-        "Directions are +X to -Z, or 1 to 6 with a sign.",
-    )
+    wanted = "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'"
+    reject(argument, repr(value), wanted, "Directions are +X to -Z, or 1 to 6 with a sign.")
 
 
 def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
@@ -267,22 +263,14 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
             opposite = (point[0], -point[1])
             if opposite in table:
                 return table[opposite], -1.0
-            reject(
-                "dofs",
-                f"no dof for {label_of(point)}",
-                "a dof for every response of the file",
-                Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point")),
-            )
+            remedy = Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point"))
+            reject("dofs", f"no dof for {label_of(point)}", "a dof for every response of the file", remedy)
 
         return look_up
     if callable(dofs):
         return lambda point: (dofs(point[0], DIRECTIONS.get(point[1], "?")), 1.0)
-    reject(
-        "dofs",
-        type(dofs).__name__,
-        "a mapping {(node, direction): dof} or a function of the two",
-        "List the points with antires_rs.io.list_uff.",
-    )
+    wanted = "a mapping {(node, direction): dof} or a function of the two"
+    reject("dofs", type(dofs).__name__, wanted, "List the points with antires_rs.io.list_uff.")
 
 
 def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
@@ -298,12 +286,8 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
         elif callable(given):
             points[dof] = as_point("dofs", given(dof))
         elif given is not None:
-            reject(
-                "dofs",
-                type(given).__name__,
-                "a mapping {dof: (node, direction)} or a function of the dof",
-                "Or name the dofs so: '12+Z'.",
-            )
+            wanted = "a mapping {dof: (node, direction)} or a function of the dof"
+            reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
         elif isinstance(dof, str) and (match := _LABEL.match(dof)):
             points[dof] = int(match[1]), CODES[match[2]]
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:
@@ -313,12 +297,8 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
         points[dof], free = (free, 0), free + 1
     if len(set(points.values())) != len(points):
         twice = [p for p in points.values() if list(points.values()).count(p) > 1][0]
-        reject(
-            "dofs",
-            f"{label_of(twice)} for two dofs",
-            "a point of its own for each",
-            "Give one of them another node or direction.",
-        )
+        got = f"{label_of(twice)} for two dofs"
+        reject("dofs", got, "a point of its own for each", "Give one of them another node or direction.")
     return points
 
 
@@ -456,12 +436,8 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     else:
         _check_marks(file, functions, partial)
     if not functions:
-        unsuitable(
-            file,
-            f"with {len(datasets)} datasets and no 58 among them",
-            WANTED,
-            "Export the measured functions as dataset 58.",
-        )
+        found = f"with {len(datasets)} datasets and no 58 among them"
+        unsuitable(file, found, WANTED, "Export the measured functions as dataset 58.")
     return functions
 
 
@@ -486,12 +462,8 @@ def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -
     opened = pyuff.UFF(str(source))
     types = [int(t) for t in opened.get_set_types()] if opened.get_n_sets() else []
     if types != [d.number for d in whole]:
-        unsuitable(
-            file,
-            f"in which pyuff sees {len(types)} datasets and we {len(whole)}",
-            WANTED,
-            "Its markers are damaged.",
-        )
+        found = f"in which pyuff sees {len(types)} datasets and we {len(whole)}"
+        unsuitable(file, found, WANTED, "Its markers are damaged.")
     functions, factors = [], (1.0, 1.0)
     for i, dataset in enumerate(whole):
         if dataset.number not in (58, 164):
@@ -512,20 +484,12 @@ def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -
                 "It was damaged.",
             )
         if not (np.isfinite(got).all() and np.isfinite(made["x"]).all()):
-            unsuitable(
-                file,
-                f"whose dataset {i + 1} has values that are not finite",
-                WANTED,
-                "Export it again, or correct that dataset.",
-            )
+            found = f"whose dataset {i + 1} has values that are not finite"
+            unsuitable(file, found, WANTED, "Export it again, or correct that dataset.")
         functions.append(_function(made, got, factors))
         if functions[-1].even and not functions[-1].step > 0.0:
-            unsuitable(
-                file,
-                f"whose dataset {i + 1} has a step of {functions[-1].step:g}",
-                "a positive step",
-                "Correct the abscissa of that dataset.",
-            )
+            found = f"whose dataset {i + 1} has a step of {functions[-1].step:g}"
+            unsuitable(file, found, "a positive step", "Correct the abscissa of that dataset.")
     return functions
 
 
@@ -533,12 +497,8 @@ def _factors(file: Path, made: dict[str, Any]) -> tuple[float, float]:
     """Length and force of the file's units in SI; dataset 164 has what SI is to be multiplied by."""
     length, force = float(made["length"]), float(made["force"])
     if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
-        unsuitable(
-            file,
-            f"whose units (dataset 164) have the factors {length:g} and {force:g}",
-            WANTED,
-            "Export it again in SI units.",
-        )
+        found = f"whose units (dataset 164) have the factors {length:g} and {force:g}"
+        unsuitable(file, found, WANTED, "Export it again in SI units.")
     return 1.0 / length, 1.0 / force
 
 
@@ -658,20 +618,12 @@ def response_of(
     lines = frequencies(wanted[0])
     for f in (*wanted, *beside):
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
-            unsuitable(
-                file,
-                f"with other frequencies at {label_of(f.response)} than at {label_of(wanted[0].response)}",
-                "one frequency axis for all",
-                "Export all functions over the same lines.",
-            )
+            found = f"with other frequencies at {label_of(f.response)} than at {label_of(wanted[0].response)}"
+            unsuitable(file, found, "one frequency axis for all", "Export all functions over the same lines.")
     for f in wanted:
         if not np.iscomplexobj(f.values):
-            unsuitable(
-                file,
-                f"whose {f.what} of {label_of(f.response)} is real",
-                "complex functions",
-                "Magnitudes alone have lost the phase; export real and imaginary part.",
-            )
+            remedy = "Magnitudes alone have lost the phase; export real and imaginary part."
+            unsuitable(file, f"whose {f.what} of {label_of(f.response)} is real", "complex functions", remedy)
     if unit is None:
         _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
     rows = {f.response: _values(file, f, unit) for f in wanted}
@@ -746,12 +698,8 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     if given is not None:
         point = as_point("reference", given)
         if point not in points:
-            unsuitable(
-                file,
-                f"with the references {shown}",
-                Wording("{}", Passed("reference", label_of(point))),
-                "Pass one of them.",
-            )
+            found = f"with the references {shown}"
+            unsuitable(file, found, Wording("{}", Passed("reference", label_of(point))), "Pass one of them.")
         return point
     if len(points) != 1:
         unsuitable(file, f"with the references {shown}", "one", _remedy(functions))
@@ -857,30 +805,18 @@ def _over_auto(
         )
     power = autos[0].values.real
     if power.min() <= 0.0:
-        unsuitable(
-            file,
-            f"with an auto spectrum of {label_of(point)} that is not positive everywhere",
-            "a positive one",
-            "Check the reference channel: it was dead at some lines.",
-        )
+        found = f"with an auto spectrum of {label_of(point)} that is not positive everywhere"
+        unsuitable(file, found, "a positive one", "Check the reference channel: it was dead at some lines.")
     single = autos[0].unit or crosses[0].reference_unit
     is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
     if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
-        unsuitable(
-            file,
-            "with spectra without units where dataset 164 names others than SI",
-            "the unit of their quotient",
-            "Pass unit=, such as 'mm/s2/N'.",
-        )
+        found = "with spectra without units where dataset 164 names others than SI"
+        unsuitable(file, found, "the unit of their quotient", "Pass unit=, such as 'mm/s2/N'.")
     made = []
     for f in crosses:
         if f.values.shape != power.shape:
-            unsuitable(
-                file,
-                f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the reference",
-                "one frequency axis",
-                "Export all spectra over the same lines.",
-            )
+            found = f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the reference"
+            unsuitable(file, found, "one frequency axis", "Export all spectra over the same lines.")
         made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
     return made, is_force
 
@@ -898,12 +834,9 @@ def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
     chosen = [f for f in curves if f.response == point]
     if not any(f.what == "frf" for f in chosen):
         there = ", ".join(dict.fromkeys(label_of(f.response) for f in curves if f.what == "frf")) or "none"
-        unsuitable(
-            file,
-            f"with FRFs at the responses {there}",
-            Wording("FRFs of {}", Passed("roving", label_of(point))),
-            "Name the sensor that stayed while the hammer roved.",
-        )
+        found = f"with FRFs at the responses {there}"
+        wanted = Wording("FRFs of {}", Passed("roving", label_of(point)))
+        unsuitable(file, found, wanted, "Name the sensor that stayed while the hammer roved.")
     return [
         replace(
             f,
@@ -1081,12 +1014,8 @@ def read_uff(
             )
         kind = there[0]  # type: ignore[assignment]
     elif kind not in there:
-        unsuitable(
-            file,
-            f"with {found}",
-            Wording("{}", Passed("kind", kind)),
-            "Pass the kind that the file holds, or leave it out.",
-        )
+        expected = Wording("{}", Passed("kind", kind))
+        unsuitable(file, f"with {found}", expected, "Pass the kind that the file holds, or leave it out.")
     wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (kind, "coherence")]
     functions = one_run(file, wanted, run)
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
@@ -1131,21 +1060,13 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     rates = {_rate(file, f) for f in functions}
     starts = {round(float(f.x[0]), 9) for f in functions}
     if len(rates) > 1 or len(starts) > 1:
-        unsuitable(
-            file,
-            f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s",
-            "channels recorded together",
-            "Read them one by one.",
-        )
+        found = f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s"
+        unsuitable(file, found, "channels recorded together", "Read them one by one.")
     channels, signs = [], {}
     for f in functions:
         if np.iscomplexobj(f.values):
-            unsuitable(
-                file,
-                f"with a complex time record of {label_of(f.response)}",
-                "real ones",
-                "Export the record as real numbers.",
-            )
+            found = f"with a complex time record of {label_of(f.response)}"
+            unsuitable(file, found, "real ones", "Export the record as real numbers.")
         named_by_user = unit is not None and f.role != "force"
         values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
         channels.append(Channel(f.response, values, f.unit, role=f.role))

@@ -208,12 +208,8 @@ def _follows(resp: FrequencyResponse) -> bool:
 def _quantity(unit: str) -> str:
     parsed = named_unit("unit", unit)
     if parsed.factor != 1.0:
-        reject(
-            "unit",
-            repr(unit),
-            "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI",
-            "Convert the values to SI first, or leave unit out.",
-        )
+        wanted = "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI"
+        reject("unit", repr(unit), wanted, "Convert the values to SI first, or leave unit out.")
     return parsed.quantity
 
 
@@ -254,12 +250,8 @@ def _header(fields: dict[str, Any], points: int, is_complex: bool, number: int, 
     over = f" / {label_of(reference)}" if reference != (0, 0) else ""
     line5 = json.dumps(fields["line5"])
     if len(line5) > 80:
-        reject(
-            "dofs",
-            repr(fields["line5"]["dof"]),
-            "labels of at most 70 letters in a universal file",
-            "Shorten the label.",
-        )
+        got = repr(fields["line5"]["dof"])
+        reject("dofs", got, "labels of at most 70 letters in a universal file", "Shorten the label.")
     units = [text or "NONE" for text in fields["units"]]
     types = fields["types"]
     return [

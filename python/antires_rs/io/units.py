@@ -76,12 +76,8 @@ def named_unit(name: str, value: Any) -> Unit:
     unit = parse_unit(value) if isinstance(value, str) else None
     if unit is None:
         known = ", ".join(repr(u) for units in _SI.values() for u in list(units)[:4])
-        reject(
-            name,
-            repr(value),
-            f"a unit such as {known}, or a quotient such as 'g/N'",
-            "Correct the unit, or convert the values to SI and leave it out.",
-        )
+        wanted = f"a unit such as {known}, or a quotient such as 'g/N'"
+        reject(name, repr(value), wanted, "Correct the unit, or convert the values to SI and leave it out.")
     return unit
 
 
@@ -89,12 +85,8 @@ def si_unit(name: str, value: Any) -> Unit:
     """The unit in which a user writes values, which stay as they are."""
     unit = named_unit(name, value)
     if unit.factor != 1.0:
-        reject(
-            name,
-            repr(value),
-            "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI",
-            "Convert the values to SI first, or leave unit out.",
-        )
+        wanted = "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI"
+        reject(name, repr(value), wanted, "Convert the values to SI first, or leave unit out.")
     return unit
 
 
