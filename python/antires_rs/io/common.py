@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -76,6 +77,16 @@ def missing_package(what: str, package: str, extra: str, cause: ImportError) -> 
     )
     error.__cause__ = cause
     return error
+
+
+def require(reader: str, module: str, extra: str, package: str = "") -> None:
+    """Raise where a package is not installed, without importing it."""
+    try:
+        there = find_spec(module) is not None
+    except ModuleNotFoundError:  # of a package above it
+        there = False
+    if not there:
+        raise missing_package(reader, package or module, extra, ImportError(module))
 
 
 def simplest_rate(low: float, high: float) -> float:

@@ -8,8 +8,8 @@ from typing import Any, Unpack
 
 from ..support.files import write_atomically
 from ._child import Answer, asked
-from .child_process import Found, Limits, in_a_child, require
-from .common import Signal
+from .child_process import Found, Limits, in_a_child
+from .common import Signal, require
 from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import signal_of_arrays
 from .reading import OfArrays, PathLike, Reading, opened, reader, writer

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..support.messages import warn
 from ._child import Answer, room
-from .child_process import Limits, in_a_child, require
-from .common import brief, unsuitable
+from .child_process import Limits, in_a_child
+from .common import brief, require, unsuitable
 from .npz import read_archive
 
 #: Node and direction code, 1 to 6; 0 is a scalar.

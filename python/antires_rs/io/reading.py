@@ -148,14 +148,16 @@ _ITEM = re.compile(r"^(?=\S)", re.MULTILINE)
 def reader(function: Made) -> Made:
     """Signature and docstring of a reader with what its options are."""
     own = inspect.signature(function)
-    parameters = [each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD]
-    if len(parameters) < len(own.parameters):
+    path, *rest = (each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD)
+    shared = []
+    if "options" in own.parameters:
         (family,) = get_args(get_type_hints(function)["options"])
-        defaults = {each.name: each.default for each in fields(Reading)}
-        parameters += [
-            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=defaults[name], annotation=hint)
-            for name, hint in family.__annotations__.items()
+        shared = [
+            inspect.Parameter(each.name, path.KEYWORD_ONLY, default=each.default, annotation=each.type)
+            for each in fields(Reading)
+            if each.name in family.__annotations__
         ]
+    parameters = [path, *shared, *rest]
     function.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
     made = "Recording" if own.return_annotation == "Recording" else "Recording or FrequencyResponse"
     _document(function, _TEXTS, {"Returns": f"{made}\n    In SI.\n", "Raises": _RAISES.lstrip()})
@@ -170,17 +172,22 @@ def writer(function: Made) -> Made:
 
 def _document(function: Any, texts: str, common: dict[str, str]) -> None:
     """Add the texts of parameters that a docstring does not describe, and what is common to its sections."""
+    if function.__doc__ is None:  # python -OO
+        return
     head, *parts = _SECTION.split(inspect.cleandoc(function.__doc__) + "\n")
     sections = {name: text.rstrip() + "\n" for name, text in zip(parts[::2], parts[1::2], strict=True)}
-    described = _names(sections.get("Parameters", ""))
-    wanted = [name for name in inspect.signature(function).parameters if name not in described]
-    items = [item for item in _ITEM.split(texts) if any(name in wanted for name in _names(item))]
-    # The items as they stand, then those of all; a name that stands with others takes them along.
-    sections["Parameters"] = _sorted(sections.get("Parameters", ""), items)
+    own = sections.get("Parameters", "")
+    order = list(inspect.signature(function).parameters)
+    lacking = set(order) - set(_names(own))
+    items = [*_ITEM.split(own), *(item for item in _ITEM.split(texts) if lacking & set(_names(item)))]
+    items = [item for item in items if item.strip()]
+    sections["Parameters"] = "".join(sorted(items, key=lambda item: order.index(_names(item)[0])))
     for name, text in common.items():
-        sections[name] = sections.get(name, "") + (text if name != "Returns" or name not in sections else "")
-    order = ["Parameters", "Returns", "Raises", "Warns", "Notes", "Examples"]
-    written = [f"{name}\n{'-' * len(name)}\n{sections[name]}" for name in order if name in sections]
+        there = set(_names(sections.get(name, "")))
+        more = [item for item in _ITEM.split(text) if not there & set(_names(item))]
+        sections[name] = sections.get(name, "") + "".join(more)
+    headings = ("Parameters", "Returns", "Raises", "Warns", "Notes", "Examples")
+    written = [f"{name}\n{'-' * len(name)}\n{sections[name]}" for name in headings if name in sections]
     function.__doc__ = "\n".join([head.rstrip() + "\n", *written])
 
 
@@ -188,12 +195,6 @@ def _names(items: str) -> list[str]:
     """Names of the parameters that a section describes."""
     heads = [item.partition("\n")[0].partition(" : ")[0] for item in _ITEM.split(items) if item.strip()]
     return [name.strip() for head in heads for name in head.split(",")]
-
-
-def _sorted(own: str, items: list[str]) -> str:
-    """The path first, then what is the reader's own."""
-    first = [item for item in items if item.startswith("path")]
-    return "".join([*first, own, *(item for item in items if item not in first)])
 
 
 def opened(function: Callable[..., Any], path: Any, options: Mapping[str, Any]) -> tuple[Path, Reading]:

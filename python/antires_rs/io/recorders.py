@@ -15,8 +15,8 @@ from ..signals.recording import Recording
 from ..support.checks import real_array
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
-from .child_process import Limits, channels_of_child, require
-from .common import missing_part, unsuitable
+from .child_process import Limits, channels_of_child
+from .common import missing_part, require, unsuitable
 from .reading import PathLike, Rated, Selected, opened, reader
 
 # -- TDMS of National Instruments (LabVIEW, FlexLogger, DIAdem)

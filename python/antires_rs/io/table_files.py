@@ -9,8 +9,8 @@ from typing import Any, Unpack
 import numpy as np
 
 from ._child import Answer, Unfit, answer, asked, called, room
-from .child_process import Limits, channels_of_child, require
-from .common import Signal, unsuitable
+from .child_process import Limits, channels_of_child
+from .common import Signal, require, unsuitable
 from .reading import OfColumns, PathLike, opened, reader
 from .text_table import Table, named, signal_of_table
 
