@@ -1,6 +1,4 @@
-"""Tables as other programs write them: each right, or refused by what is wrong with it."""
-
-import datetime
+"""What files say of rate and unit, and tables of other programs: right, or refused by what is wrong."""
 
 import numpy as np
 import pytest
@@ -9,98 +7,6 @@ from scipy.io import savemat
 import antires_rs as ar
 
 ROWS = np.random.default_rng(0).standard_normal((3, 500))
-
-
-def text(folder, content, encoding="utf-8", **options):
-    (folder / "a.csv").write_bytes(content.encode(encoding))
-    return ar.read_csv(folder / "a.csv", **options)
-
-
-def test_milliseconds_since_1970_are_no_seconds(tmp_path):
-    rows = "".join(f"{1714820000000 + 10 * i},{i}\n" for i in range(20))
-    assert text(tmp_path, f"timestamp,tip [g]\n{rows}").fs_hz == 100.0
-
-
-def test_hours_are_no_seconds(tmp_path):
-    rows = "".join(f"{i / 3600:.10f},{i}\n" for i in range(100))
-    assert text(tmp_path, f"time [h],tip [g]\n{rows}").fs_hz == pytest.approx(1.0, rel=1e-6)
-
-
-def test_a_unit_of_time_that_is_not_known_is_refused(tmp_path):
-    with pytest.raises(ar.UnsuitableDataError, match=r"'time', is in 'ticks'"):
-        text(tmp_path, "time [ticks],tip [g]\n0,1\n1,2\n2,3\n")
-
-
-@pytest.mark.parametrize("unit", ["Hz", "kHz"])
-def test_units_below_the_names_of_which_some_are_unknown(tmp_path, unit):
-    rows = "".join(f"{i},1,2\n" for i in range(1, 5))
-    made = text(tmp_path, f"f,Real,Imaginary\n{unit},furlong,furlong\n{rows}", unit="g/N")
-    assert made.freq_hz[0] == {"Hz": 1.0, "kHz": 1000.0}[unit]
-
-
-def test_unicode_text_of_excel(tmp_path):
-    made = text(tmp_path, "time [s]\ttip [µm]\r\n0,0\t1,5\r\n0,1\t2,5\r\n0,2\t3,5\r\n", "utf-16")
-    assert made.fs_hz == 10.0
-    np.testing.assert_allclose(made.responses, [[1.5e-6, 2.5e-6, 3.5e-6]])
-
-
-def test_rows_end_with_a_delimiter_and_the_names_do_not(tmp_path):
-    assert text(tmp_path, "time;tip\n0;1;\n0.1;2;\n0.2;3;\n").responses.tolist() == [[1.0, 2.0, 3.0]]
-
-
-def test_a_short_row_in_the_middle_is_named(tmp_path):
-    with pytest.raises(ar.UnsuitableDataError, match=r"row 2 of numbers, '1', has 1 columns.*with 'a'"):
-        text(tmp_path, "time,a\n0,1\n1\n2,3\n")
-
-
-def test_what_is_no_number_is_named(tmp_path):
-    with pytest.raises(ar.UnsuitableDataError, match=r"'1\.0D-01' in '1\.0D-01,2' is none"):
-        text(tmp_path, "t,a\n0.0D+00,1\n1.0D-01,2\n2.0D-01,3\n")
-
-
-def sheet(folder, *rows):
-    openpyxl = pytest.importorskip("openpyxl")
-    book = openpyxl.Workbook()
-    for row in rows:
-        book.active.append(row)
-    book.create_sheet("data")
-    book.save(folder / "a.xlsx")
-    return ar.read_excel(folder / "a.xlsx")
-
-
-def test_a_clock_in_a_sheet(tmp_path):
-    rows = [[datetime.time(12, 30, i), float(i)] for i in range(5)]
-    assert sheet(tmp_path, ["Time", "tip"], *rows).fs_hz == 1.0
-
-
-def test_a_sheet_whose_table_begins_in_the_second_column(tmp_path):
-    made = sheet(tmp_path, [None, "time", "tip"], *([None, 0.1 * i, i] for i in range(5)))
-    assert (made.fs_hz, made.dofs) == (10.0, ("tip",))
-
-
-def test_a_sheet_without_numbers_names_the_others(tmp_path):
-    with pytest.raises(ar.UnsuitableDataError, match="the sheets are 'Sheet', 'data'"):
-        sheet(tmp_path, ["Project", "x"])
-
-
-def parquet(folder, *args, **options):
-    pytest.importorskip("pyarrow")
-    pandas = pytest.importorskip("pandas")
-    pandas.DataFrame(*args, **options).to_parquet(folder / "a.parquet")
-    return ar.read_parquet(folder / "a.parquet")
-
-
-def test_a_named_index_is_the_first_column(tmp_path):
-    pandas = pytest.importorskip("pandas")
-    index = pandas.Index(np.arange(5) / 100, name="time")
-    made = parquet(tmp_path, {"tip": np.arange(5.0)}, index=index)
-    assert (made.fs_hz, made.dofs) == (100.0, ("tip",))
-
-
-def test_two_columns_of_instants_are_refused(tmp_path):
-    instants = np.datetime64("2026-01-01", "ns") + np.arange(5) * np.timedelta64(10, "ms")
-    with pytest.raises(ar.UnsuitableDataError, match="'sent', 'got' all hold instants"):
-        parquet(tmp_path, {"sent": instants, "got": instants, "tip": np.arange(5.0)})
 
 
 def test_a_spectrum_in_tdms_is_no_record(tmp_path):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 import antires_rs as ar
 from antires_rs.app import main as cli
@@ -22,34 +23,41 @@ H = RNG.standard_normal((2, 32)) + 1j * RNG.standard_normal((2, 32))
 T, F = np.arange(64) / 128.0, np.arange(1.0, 33.0)
 
 
-def npz(read=ar.read_npz, /, more=None, **arrays):
+def npz(more=None, **arrays):
     """A call that writes these arrays and reads them."""
 
     def call(folder):
         np.savez(folder / "a.npz", **arrays)
-        return read(folder / "a.npz", **(more or {}))
+        return ar.read_npz(folder / "a.npz", **(more or {}))
+
+    return call
+
+
+def raw(name, data, read, **options):
+    def call(folder):
+        (folder / name).write_bytes(data)
+        return read(folder / name, **options)
 
     return call
 
 
 def text(*lines, **options):
-    def call(folder):
-        (folder / "a.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return ar.read_csv(folder / "a.csv", **options)
-
-    return call
+    return raw("a.csv", ("\n".join(lines) + "\n").encode(), ar.read_csv, **options)
 
 
-def rows(head, *columns, sign=",", **options):
-    return text(head, *(sign.join(map(str, row)) for row in zip(*columns, strict=True)), **options)
+def rows(head, *columns, **options):
+    return text(head, *(",".join(map(str, row)) for row in zip(*columns, strict=True)), **options)
 
 
-def hdf5(fill, **options):
+def hdf5(rates, **options):
+    """Arrays by name, the rate of each in an attribute."""
+
     def call(folder):
         import h5py
 
         with h5py.File(folder / "a.h5", "w") as file:
-            fill(file)
+            for name, (key, rate) in rates.items():
+                file.create_dataset(name, data=A).attrs[key] = rate
         return ar.read_hdf5(folder / "a.h5", **options)
 
     return call
@@ -57,8 +65,6 @@ def hdf5(fill, **options):
 
 def mat(held, **options):
     def call(folder):
-        from scipy.io import savemat
-
         savemat(folder / "a.mat", held)
         return ar.read_mat(folder / "a.mat", **options)
 
@@ -70,14 +76,6 @@ def uff(signal, change=bytes, write=None, **options):
         file = ar.write_uff(folder / "a.uff", signal, **{"binary": False, **(write or {})})
         file.write_bytes(change(file.read_bytes()))
         return ar.read_uff(file, **options)
-
-    return call
-
-
-def raw(name, data, read, **options):
-    def call(folder):
-        (folder / name).write_bytes(data)
-        return read(folder / name, **options)
 
     return call
 
@@ -150,39 +148,14 @@ SEGMENT = [
 REAL = np.abs(H) + 0j
 UNEVEN = np.concatenate([np.arange(2000) / 128.0, 2000 / 128.0 + np.arange(2000) / 127.3])
 GAP = np.delete(np.arange(65) / 128.0, 30)
+FOREIGN = (
+    "a.dxd a.d7d a.ldsf a.mf4 a.sie a.rsp a.tim a.dat a.edf a.sdt a.tdm a.svd a.pti a.xls a.pkl a.mp3 a.sac "
+    "a.tdms_index a.bin a.blk a.doc"
+)
 SET = {"wf_increment": 1 / 128, "unit_string": "g"}
 
 MISTAKES = {
-    **{
-        f"a {name.partition('.')[2]} file": foreign(name)
-        for name in (
-            *(
-                "a.dxd",
-                "a.d7d",
-                "a.ldsf",
-                "a.mf4",
-                "a.sie",
-                "a.rsp",
-                "a.tim",
-                "a.dat",
-                "a.edf",
-                "a.sdt",
-                "a.tdm",
-            ),
-            *(
-                "a.svd",
-                "a.pti",
-                "a.xls",
-                "a.pkl",
-                "a.mp3",
-                "a.sac",
-                "a.tdms_index",
-                "a.bin",
-                "a.blk",
-                "a.doc",
-            ),
-        )
-    },
+    **{f"file: {name}": foreign(name) for name in FOREIGN.split()},
     "npz: no rate": npz(a=A),
     "npz: two times": npz(run1_time=T, time=T, t=T, a=A),
     "npz: time and frequency": npz(time=T, freq=F, a=A),
@@ -208,7 +181,7 @@ MISTAKES = {
     "npz: texts alone": npz(a=np.array(["x", "y"])),
     "npz: too many dofs": npz(more={"dofs": [0, 1, 2]}, fs=128.0, a=A, b=B),
     "npz: a dof twice": npz(more={"dofs": [1, 1]}, fs=128.0, a=A, b=B),
-    "npy: cut in the header": raw("a.npy", b"\x93NUMPY\x01\x00", ar.read_npz),
+    "npz: a .npy cut in the header": raw("a.npy", b"\x93NUMPY\x01\x00", ar.read_npz),
     "csv: real columns over frequency": rows("freq,a", F, np.abs(H[0])),
     "csv: complex without imaginary part": rows("freq,a", F, [f"{x!r}+0j" for x in REAL[0].real.tolist()]),
     "csv: complex columns over time": rows(
@@ -236,17 +209,9 @@ MISTAKES = {
     "csv: two forces": rows("time,a [N],b [N],c [g]", T, A, B, A),
     "csv: NaN": text("time,a", "0,1", "1,nan", "2,3"),
     "csv: a NUL byte": raw("a.csv", b"time,a\n0,1\n\x00,2\n", ar.read_csv),
-    "hdf5: rates that disagree": hdf5(
-        lambda f: [
-            f.create_dataset(n, data=A).attrs.__setitem__("fs", r) for n, r in (("a", 128.0), ("b", 64.0))
-        ]
-    ),
-    "hdf5: a rate that no name tells": hdf5(
-        lambda f: f.create_dataset("a", data=A).attrs.__setitem__("abtastung", 9.0)
-    ),
-    "hdf5: another rate than given": hdf5(
-        lambda f: f.create_dataset("a", data=A).attrs.__setitem__("fs", 128.0), fs_hz=100.0
-    ),
+    "hdf5: rates that disagree": hdf5({"a": ("fs", 128.0), "b": ("fs", 64.0)}),
+    "hdf5: a rate that no name tells": hdf5({"a": ("abtastung", 9.0)}),
+    "hdf5: another rate than given": hdf5({"a": ("fs", 128.0)}, fs_hz=100.0),
     "hdf5: no file of HDF5": raw("a.h5", b"something else", ar.read_npz),
     "mat: nothing to read": mat({"name": "plate"}),
     "mat: an unknown unit in a field": mat({"run": {"acc": A, "fs": 128.0, "unit": "furlong"}}),
@@ -280,12 +245,12 @@ MISTAKES = {
     "parquet: texts": parquet({"time": T, "a": ["x"] * 64}),
     "parquet: empty cells": parquet({"time": T, "a": [None, *A[1:]]}),
     "parquet: no time": parquet({"a": A, "b": B}),
-    "a folder in place of a file": lambda folder: ar.read_npz(folder),
-    "an empty file": raw("a.npz", b"", ar.read_npz),
-    "a number in place of a name": lambda folder: ar.read_csv(7),
-    "results into the root": lambda folder: ar.write_npz("/", RECORD),
-    "into a folder that is not there": lambda folder: ar.write_npz(folder / "no" / "a.npz", RECORD),
-    "a matrix with a NUL byte": raw(
+    "file: a folder in place of a file": lambda folder: ar.read_npz(folder),
+    "file: empty": raw("a.npz", b"", ar.read_npz),
+    "file: a number in place of a name": lambda folder: ar.read_csv(7),
+    "file: results into the root": lambda folder: ar.write_npz("/", RECORD),
+    "file: into a folder that is not there": lambda folder: ar.write_npz(folder / "no" / "a.npz", RECORD),
+    "mtx: a matrix with a NUL byte": raw(
         "k.mtx",
         b"%%MatrixMarket matrix array real general\n1 1\n\x00\n",
         lambda path: ar.read_matrices(path, np.eye(1)),
@@ -323,7 +288,11 @@ def test_each_mistake_is_told(messages, case):
 
 
 def test_the_messages_are_those_that_were_looked_at(messages):
+    """One line each, below the format that they are about."""
+    kept = {}
+    for case, (kind, told) in messages.items():
+        form, _, mistake = case.partition(": ")
+        kept.setdefault(form, []).append(f"{mistake}: {kind}  {told}")
     compare(
-        Path(__file__).with_name("wrong_files.txt"),
-        {case: f"{kind}  {told}" for case, (kind, told) in messages.items()},
+        Path(__file__).with_name("wrong_files.txt"), {form: "\n".join(lines) for form, lines in kept.items()}
     )
