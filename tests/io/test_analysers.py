@@ -90,16 +90,6 @@ def test_fields_of_a_struct_tell_rate_and_unit(tmp_path):
         recorded(ar.read_mat(tmp_path / "a.mat"))
     savemat(tmp_path / "a.mat", {"test": {"H": H, "f": np.arange(1.0, 101.0), "unit": "mm/s2/N"}})
     np.testing.assert_allclose(ar.read_mat(tmp_path / "a.mat").values, 1e-3 * H)
-    savemat(tmp_path / "a.mat", {"run": {"acc": ROWS, "unit": "furlong", "fs": FS}})
-    with pytest.warns(ar.AntiresWarning, match="'furlong'"):
-        ar.read_mat(tmp_path / "a.mat")
-
-
-def test_an_object_of_matlab_is_named(tmp_path):
-    from antires_rs.io.mat import _no_objects
-
-    with pytest.raises(ar.UnsuitableDataError, match="whose T is a timetable of MATLAB.*T.Variables"):
-        _no_objects(tmp_path / "a.mat", {}, {"object T": "timetable"})
 
 
 @pytest.mark.parametrize("place", ["dataset", "group", "file"])
@@ -111,41 +101,7 @@ def test_attributes_of_hdf5_tell_rate_and_unit(tmp_path, place):
         at.attrs["unit"], at.attrs["sampling_rate"] = "g", FS
         at.attrs["comment"], at.attrs["odd"] = np.array(["a", "b"], dtype="S1"), h5py.Empty("f")
     recorded(ar.read_hdf5(tmp_path / "a.h5"))
-    with pytest.warns(ar.AntiresWarning, match="states 512 Hz; read at 500 Hz"):
-        ar.read_hdf5(tmp_path / "a.h5", fs_hz=500.0)
     np.testing.assert_allclose(ar.read_hdf5(tmp_path / "a.h5", unit="m/s2").responses, ROWS / 9.80665)
-
-
-def test_rates_that_disagree_and_none_are_told(tmp_path):
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        for name, rate in (("a", FS), ("b", 2 * FS)):
-            file[name] = ROWS[0]
-            file[name].attrs["dt"] = 1.0 / rate
-    with pytest.raises(ar.UnsuitableDataError, match="a@dt of 512 Hz, b@dt of 1024 Hz"):
-        ar.read_hdf5(tmp_path / "a.h5")
-    recorded(ar.read_hdf5(tmp_path / "a.h5", responses="a"), ROWS[:1])
-    with h5py.File(tmp_path / "b.h5", "w") as file:
-        file["a"] = ROWS[0]
-        file["a"].attrs["abtastung"] = FS
-    with pytest.raises(ar.UnsuitableDataError, match="it says a@abtastung = '512.0'"):
-        ar.read_hdf5(tmp_path / "b.h5")
-
-
-@pytest.mark.parametrize("how", ["npz", "csv", "mat"])
-def test_responses_without_imaginary_part_are_refused(tmp_path, how):
-    real, freq = np.abs(H) + 0j, np.arange(1.0, 101.0)
-    if how == "npz":
-        np.savez(tmp_path / "a.npz", H=real, freq=freq)
-    elif how == "mat":
-        savemat(tmp_path / "a.mat", {"H": H * 0 + np.abs(H), "freq": freq})
-        np.savez(tmp_path / "a.npz", H=real, freq=freq)
-    else:
-        lines = [f"{f},{float(a.real)!r}+0j" for f, a in zip(freq, real[0], strict=True)]
-        (tmp_path / "a.csv").write_text("\n".join(["freq,a", *lines, ""]))
-    read = {"npz": ar.read_npz, "csv": ar.read_csv, "mat": ar.read_npz}[how]
-    with pytest.raises(ar.UnsuitableDataError, match="no imaginary part at all"):
-        read(tmp_path / f"a.{'csv' if how == 'csv' else 'npz'}")
 
 
 def test_a_step_that_drifts_is_refused_with_the_place(tmp_path):

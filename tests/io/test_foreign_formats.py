@@ -36,14 +36,6 @@ def test_scipy_savemat_without_an_axis(tmp_path, version, dtype, tolerance, line
         same(ar.read_mat(tmp_path / "a.MAT", dofs=DOFS, **options), tolerance)
 
 
-def test_scipy_savemat_of_a_struct(tmp_path):
-    held = {"H": H.T, "f": FREQ[:, None], "coherence": np.ones((3, LINES)), "name": "plate"}
-    savemat(tmp_path / "a.mat", {"test": held})
-    read = ar.read_mat(tmp_path / "a.mat", dofs=DOFS)
-    same(read)
-    assert read.coherence.shape == (3, LINES)
-
-
 def test_h5py_with_complex_pairs_as_matlab_writes_them(tmp_path):
     h5py = pytest.importorskip("h5py")
     pair = np.empty((3, LINES), dtype=[("real", "f8"), ("imag", "f8")])
@@ -75,9 +67,6 @@ def test_the_axis_that_is_given_names_the_axis_of_a_matrix(tmp_path):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({}, "freq_hz= or df_hz="),
-        ({"df_hz": DF, "freq_hz": FREQ}, "df_hz: got it beside freq_hz"),
-        ({"freq_hz": FREQ[:-1]}, "64 values of each response; wanted 63"),
         ({"df_hz": -1.0}, "df_hz: got -1"),
         ({"freq_hz": "all"}, "freq_hz: got "),
         ({"freq_hz": [np.nan] * LINES}, "freq_hz: got "),
@@ -284,22 +273,11 @@ def uff_of_runs(path, runs, what=4):
 @pytest.mark.parametrize("what", [4, 1])
 def test_pyuff_with_points_recorded_several_times(tmp_path, what):
     file = uff_of_runs(tmp_path / "runs.uff", 3, what)
-    with pytest.raises(ar.UnsuitableDataError, match="3 runs") as caught:
-        ar.read_uff(file)
-    assert "1+Z" in str(caught.value)
-    assert "run=1 to run=3" in str(caught.value)
     read = [ar.read_uff(file, run=run) for run in (1, 2, 3)]
     values = [r.values if what == 4 else r.responses for r in read]
     for i in (1, 2):
         np.testing.assert_allclose(values[i], (i + 1) * values[0], rtol=1e-4)
-    assert [line.endswith("run 2") for line in ar.io.list_uff(file)] == [
-        False,
-        False,
-        True,
-        True,
-        False,
-        False,
-    ]
+    assert [line[-5:] for line in ar.io.list_uff(file)] == [f"run {run}" for run in (1, 1, 2, 2, 3, 3)]
     for run in (0, 4, True, 1.5):
         with pytest.raises(ar.InvalidInputError, match="run: got"):
             ar.read_uff(file, run=run)
@@ -312,8 +290,3 @@ def test_points_that_a_run_lacks_are_named(tmp_path):
     with pytest.warns(ar.AntiresWarning, match=r"no run 2 of 2\+Z"):
         assert ar.read_uff(file, run=2).dofs == ("1+Z",)
     assert ar.read_uff(file, run=1).dofs == ("1+Z", "2+Z")
-
-
-def test_one_run_needs_no_number(tmp_path):
-    file = uff_of_runs(tmp_path / "a.uff", 1)
-    assert ar.read_uff(file).dofs == ar.read_uff(file, run=1).dofs == ("1+Z", "2+Z")

@@ -41,9 +41,6 @@ def test_matrix_market(tmp_path, symmetry, sparse):
     packed = tmp_path / "K.mtx.gz"
     packed.write_bytes(gzip.compress(names[0].read_bytes()))
     same(ar.read_matrices(packed, M, stiffness_terms=[SPRING]))
-    packed.write_bytes(packed.read_bytes()[:-20])
-    with pytest.raises(ar.UnsuitableDataError, match="K.mtx.gz', which cannot be unpacked"):
-        ar.read_matrices(packed, M)
 
 
 def test_sparse_archives(tmp_path):
@@ -64,32 +61,9 @@ def test_one_file_for_a_model(tmp_path):
     assert repr(back) == repr(model)
     for mine, theirs in ((model.stiffness(), back.stiffness()), (model.mass(), back.mass())):
         np.testing.assert_array_equal(mine.toarray(), theirs.toarray())
-    with pytest.raises(ar.InvalidInputError, match="^model: got MassSpringChain; wanted a MatrixModel"):
-        ar.write_matrices(tmp_path / "x.npz", CHAIN)
     problem = ar.UpdatingProblem(model, ar.stiffness_reduction(0), ar.AntiresonanceSet(0, {0: 3.0}))
     with pytest.raises(ar.InvalidInputError, match="^model: got an updated model.*result.save"):
         ar.write_matrices(tmp_path / "x.npz", problem.model_at([0.5]))
-
-
-def test_wrong_files(tmp_path):
-    with pytest.raises(ar.InvalidInputError, match="^mass: got None; wanted the mass matrix"):
-        ar.read_matrices(K)
-    (tmp_path / "K.txt").write_text("1 2 3\n")
-    with pytest.raises(ar.InvalidInputError, match="^stiffness: got '.*K.txt'; wanted a file that ends"):
-        ar.read_matrices(tmp_path / "K.txt", M)
-    path = market(tmp_path / "K.mtx", scipy.sparse.coo_array(K), symmetry="symmetric")
-    text = path.read_text()
-    path.write_text(text.rsplit("\n", 2)[0] + "\n")
-    with pytest.raises(ar.UnsuitableDataError, match="with 4 of 5 entries"):
-        ar.read_matrices(path, M)
-    path.write_text(text.replace("5\n", "five\n", 1))
-    with pytest.raises(ar.UnsuitableDataError, match="with the sizes"):
-        ar.read_matrices(path, M)
-    path.write_text(text.rstrip("\n"))
-    with pytest.raises(ar.UnsuitableDataError, match="the last without a line end"):
-        ar.read_matrices(path, M)
-    with pytest.raises(FileNotFoundError):
-        ar.read_matrices(tmp_path / "none.mtx", M)
 
 
 @pytest.mark.parametrize(
@@ -113,21 +87,6 @@ def test_a_dof_map_names_the_channels_of_a_test(tmp_path):
     rec = ar.read_uff(ar.write_uff(tmp_path / "a.uff", made), dofs=ar.io.read_dof_map(tmp_path / "dofs.txt"))
     assert rec.dofs == (2, 0)
     np.testing.assert_array_equal(rec.responses, made.responses * [[1.0], [-1.0]])
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("nothing\n", "without such a line"),
-        ("1 X\n1 X\n", "twice or out of range in line 2"),
-        ("0 1 X\n", "twice or out of range in line 1"),
-        ("1 X\n2 Q\n", "whose line 2 is '2 Q'"),
-    ],
-)
-def test_wrong_dof_maps(tmp_path, text, message):
-    (tmp_path / "dofs.txt").write_text(text)
-    with pytest.raises(ar.UnsuitableDataError, match=message):
-        ar.io.read_dof_map(tmp_path / "dofs.txt")
 
 
 def test_the_recipe_for_scikit_fem():

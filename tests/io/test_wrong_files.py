@@ -13,6 +13,7 @@ from scipy.io import savemat
 import antires_rs as ar
 from antires_rs.app import main as cli
 from tests.support.snapshots import compare
+from tests.support.uff_files import dataset, written
 
 for _package in ("pyuff", "h5py", "pandas", "pyarrow", "openpyxl", "nptdms"):
     pytest.importorskip(_package)
@@ -78,6 +79,28 @@ def uff(signal, change=bytes, write=None, **options):
         return ar.read_uff(file, **options)
 
     return call
+
+
+def other(*sets, **options):
+    """A universal file of another program."""
+    return lambda folder: ar.read_uff(written(folder / "a.uff", *sets), **options)
+
+
+def function(values=H[0], **more):
+    return dataset(values, **{"kind": 4, "reference": (1, 3), "step": 0.5, "per": "N", "binary": 0, **more})
+
+
+def measured(**more):
+    return dataset(A, binary=0, **more)
+
+
+def matrices(name, content, *more):
+    """A file of matrices, and what is given with it."""
+    return raw(name, content.encode(), lambda path: ar.read_matrices(path, *more))
+
+
+def dof_map(content):
+    return raw("dofs.txt", content.encode(), ar.io.read_dof_map)
 
 
 def tdms(properties, *values, **options):
@@ -148,6 +171,7 @@ SEGMENT = [
 REAL = np.abs(H) + 0j
 UNEVEN = np.concatenate([np.arange(2000) / 128.0, 2000 / 128.0 + np.arange(2000) / 127.3])
 GAP = np.delete(np.arange(65) / 128.0, 30)
+MARKET = "%%MatrixMarket matrix array "
 FOREIGN = (
     "a.dxd a.d7d a.ldsf a.mf4 a.sie a.rsp a.tim a.dat a.edf a.sdt a.tdm a.svd a.pti a.xls a.pkl a.mp3 a.sac "
     "a.tdms_index a.bin a.blk a.doc"
@@ -225,6 +249,27 @@ MISTAKES = {
     "uff: a run that is not there": uff(RECORD, run=2),
     "uff: a point without dof": uff(RECORD, dofs={(1, "+X"): 0}),
     "uff: a force that is not there": uff(RECORD, force="9+Z"),
+    "uff: a name that is no point": other(measured(), dofs={"12Q": 4}),
+    "uff: dofs in a list": other(measured(), dofs=[1]),
+    "uff: two forces": other(measured(), *(measured(node=n, unit="kN") for n in (8, 9))),
+    "uff: a force that is no point": other(measured(), force="77Q"),
+    "uff: several references": other(*(function(node=n, reference=(k, 3)) for k in (1, 2) for n in (3, 4))),
+    "uff: a hammer that roved": other(*(function(node=7, reference=(k, 3)) for k in (1, 2))),
+    "uff: cross spectra alone": other(function(kind=3, reference=(5, 3))),
+    "uff: several kinds": other(measured(), function()),
+    "uff: a kind that does not exist": other(measured(), kind="modes"),
+    "uff: a function of an unknown type": other(function(kind=0)),
+    "uff: a time with a gap": other(measured(even=0, x=np.where(T < 0.2, T, T + 0.05))),
+    "uff: m and m/s2 together": other(function(), function(node=2, unit="mm")),
+    "uff: a real FRF": other(function(A)),
+    "uff: a step of zero": other(measured(step=0.0)),
+    "uff: an unknown unit": other(measured(unit="V")),
+    "uff: an unknown unit that is given": other(measured(), unit="V"),
+    "uff: several runs": other(*[measured()] * 3),
+    "uff: two dofs at one point": uff(RECORD, write={"dofs": {"1+X": (1, 0), "2+X": (1, 0)}}),
+    "uff: a dof without point": uff(RECORD, write={"dofs": {"1+X": (1, 0)}}),
+    "uff: written in g": uff(RECORD, write={"unit": "g"}),
+    "uff: a label that is too long": uff(ar.Recording([A], 128.0, dofs=["x" * 100])),
     "tdms: two rates": tdms([SET, {**SET, "wf_increment": 0.1}], A, B[:9]),
     "tdms: no rate": tdms([{"unit_string": "g"}], A),
     "tdms: no unit": tdms([{"wf_increment": 0.1}], A),
@@ -250,11 +295,20 @@ MISTAKES = {
     "file: a number in place of a name": lambda folder: ar.read_csv(7),
     "file: results into the root": lambda folder: ar.write_npz("/", RECORD),
     "file: into a folder that is not there": lambda folder: ar.write_npz(folder / "no" / "a.npz", RECORD),
-    "mtx: a matrix with a NUL byte": raw(
-        "k.mtx",
-        b"%%MatrixMarket matrix array real general\n1 1\n\x00\n",
-        lambda path: ar.read_matrices(path, np.eye(1)),
-    ),
+    "matrices: a NUL byte": matrices("k.mtx", f"{MARKET}real general\n1 1\n\x00\n", np.eye(1)),
+    "matrices: a lost entry": matrices("k.mtx", f"{MARKET}real general\n2 2\n1\n1\n1\n", np.eye(2)),
+    "matrices: sizes in words": matrices("k.mtx", f"{MARKET}real general\n2 two\n1\n", np.eye(2)),
+    "matrices: no line end": matrices("k.mtx", f"{MARKET}real general\n1 1\n1", np.eye(1)),
+    "matrices: a cut archive": matrices("k.mtx.gz", "\x1f\x8b", np.eye(1)),
+    "matrices: an unknown ending": matrices("k.txt", "1 2 3\n", np.eye(1)),
+    "matrices: no mass": lambda folder: ar.read_matrices(np.eye(2)),
+    "matrices: a cut line of Abaqus": matrices("k.mtx", "1,1, 1,1, 5.0\n1,1, 1\n", np.eye(1)),
+    "matrices: complex DMIG": matrices("k.bdf", "DMIG,K2,0,6,3\nDMIG,K2,1,1,,1,1,5.0,1.0\n", np.eye(1)),
+    "matrices: written of a chain": lambda folder: ar.write_matrices(folder / "k.npz", ar.cases.chain8()),
+    "dof map: no line": dof_map("nothing\n"),
+    "dof map: a point twice": dof_map("1 X\n1 X\n"),
+    "dof map: a row below the first": dof_map("0 1 X\n"),
+    "dof map: an unknown direction": dof_map("1 X\n2 Q\n"),
 }
 
 
