@@ -19,7 +19,7 @@ from ..support.checks import choice, finite_scalar
 from ..support.messages import Passed, Wording, warn
 from .channels import Channel, recording_of, response_of, warn_other_rate
 from .common import Signal, rate_of, unsuitable
-from .raw_arrays import GivenAxis
+from .raw_arrays import FrequencyAxis
 from .reading import Reading
 from .units import abscissa_factor, is_abscissa, is_frequency, parse_unit
 
@@ -490,7 +490,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     """The signal that the columns of a table are."""
     if given.first is not None:
         choice("first", given.first, ("time", "freq", "channel"))
-    axis = GivenAxis.of(given)
+    axis = FrequencyAxis.of(given)
     if axis is not None:
         return _response_without_axis(file, table, axis, given)
     columns, named = table.columns(), bool(table.names)
@@ -566,7 +566,9 @@ def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) ->
     return response_of(file, lines, columns, given)
 
 
-def _response_without_axis(file: Path, table: Table, axis: GivenAxis, given: Reading) -> FrequencyResponse:
+def _response_without_axis(
+    file: Path, table: Table, axis: FrequencyAxis, given: Reading
+) -> FrequencyResponse:
     """All columns as responses over a given axis."""
     columns, named = table.columns(), bool(table.names)
     wanted = "it where no column is an axis"
