@@ -8,7 +8,7 @@ from scipy.io import mmread, mmwrite
 from scipy.sparse import coo_array
 
 import antires_rs as ar
-from antires_rs.io.matrix_formats import read_matrix_market
+from antires_rs.io.matrix_files import read_matrix_market
 
 RNG = np.random.default_rng(4)
 DENSE = RNG.standard_normal((5, 5))

@@ -6,16 +6,13 @@ packages (h5py, pyuff, pandas, xarray, npTDMS, openpyxl, ObsPy) and ``scipy.io``
 used.
 """
 
-from .csv_files import read_csv, write_csv
 from .frf_files import read_frf_files
-from .hdf5 import read_hdf5, write_hdf5
-from .lvm import read_lvm
-from .mat import mat_arrays, read_mat, write_mat
-from .matrices import read_dof_map, read_matrices, write_matrices
+from .hdf5_mat import mat_arrays, read_hdf5, read_mat, write_hdf5, write_mat
+from .matrix_files import read_dof_map, read_matrices, write_matrices
 from .npz import read_npz, write_npz
-from .recorders import read_miniseed, read_tdms, read_wav
+from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
 from .sep005 import from_sep005, to_sep005
-from .table_files import read_excel, read_parquet
+from .table_files import read_csv, read_excel, read_parquet, write_csv
 from .uff import list_uff, read_uff
 from .uff_write import write_uff
 

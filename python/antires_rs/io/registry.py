@@ -6,13 +6,10 @@ from collections.abc import Callable
 from pathlib import PurePath
 
 from .common import Signal
-from .csv_files import read_csv
-from .hdf5 import read_hdf5
-from .lvm import read_lvm
-from .mat import read_mat
+from .hdf5_mat import read_hdf5, read_mat
 from .npz import read_npz
-from .recorders import read_miniseed, read_tdms, read_wav
-from .table_files import read_excel, read_parquet
+from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
+from .table_files import read_csv, read_excel, read_parquet
 from .uff import read_uff
 
 #: Each format with its reader and the endings of its files.
