@@ -17,22 +17,17 @@ def same(read, rows=ROWS, fs_hz=512.0, tolerance=1e-12):
     np.testing.assert_allclose(read.responses, rows, rtol=0, atol=tolerance * np.abs(rows).max())
 
 
-# ---- TDMS -------------------------------------------------------------------------------------------------
-
-
 def tdms(path, groups, start="2026-05-04T12:00:00"):
     """``groups``: {group: {channel: (values, properties)}}."""
     nptdms = pytest.importorskip("nptdms")
+    begun = {"wf_start_time": np.datetime64(start)}
     with nptdms.TdmsWriter(path) as file:
         for group, channels in groups.items():
-            file.write_segment(
-                [
-                    nptdms.ChannelObject(
-                        group, name, values, properties={"wf_start_time": np.datetime64(start), **more}
-                    )
-                    for name, (values, more) in channels.items()
-                ]
-            )
+            made = [
+                nptdms.ChannelObject(group, name, values, properties=begun | more)
+                for name, (values, more) in channels.items()
+            ]
+            file.write_segment(made)
     return path
 
 
@@ -42,16 +37,8 @@ def acc(fs_hz=512.0, **more):
 
 def test_tdms_with_force_and_units(tmp_path):
     force = RNG.standard_normal(400)
-    file = tdms(
-        tmp_path / "a.tdms",
-        {
-            "run": {
-                "tip": (ROWS[0], acc()),
-                "mid": (ROWS[1] / 9.80665, acc(unit_string="g")),
-                "hammer": (force, acc(unit_string="N")),
-            }
-        },
-    )
+    run = {"tip": (ROWS[0], acc()), "mid": (ROWS[1] / 9.80665, acc(unit_string="g"))}
+    file = tdms(tmp_path / "a.tdms", {"run": run | {"hammer": (force, acc(unit_string="N"))}})
     read = ar.read_tdms(file)
     same(read, ROWS[:2])
     assert read.dofs == ("tip", "mid")
@@ -85,9 +72,6 @@ def test_a_cut_tdms_file_is_refused(tmp_path, kept):
     if kept > 1000 or kept < 0:
         with pytest.warns(ar.AntiresWarning, match="segment 1 is cut"):
             assert 2 < ar.read_tdms(file, partial=True).n_samples < 400
-
-
-# ---- WAV --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -135,9 +119,6 @@ def test_wav_without_a_unit_warns_and_a_wrong_scale_is_refused(tmp_path):
         (tmp_path / "b.wav").write_bytes(whole[:kept])
         with pytest.raises(ar.UnsuitableDataError, match="b.wav"):
             ar.read_wav(tmp_path / "b.wav", unit="g")
-
-
-# ---- LVM --------------------------------------------------------------------------------------------------
 
 
 def lvm(
@@ -241,9 +222,6 @@ def test_a_cut_or_damaged_lvm_file_is_refused(tmp_path):
         file.write_text("\n".join([*lines[:row], line, *lines[row + 1 :]]) + "\n")
         with pytest.raises(ar.UnsuitableDataError, match=said):
             ar.read_lvm(file)
-
-
-# ---- miniSEED ---------------------------------------------------------------------------------------------
 
 
 def mseed(path, traces):

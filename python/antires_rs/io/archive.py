@@ -127,7 +127,6 @@ def _sha256(data: bytes) -> str:
 
 # -- Values of our classes as plain data and arrays, and made again from them, bit-identical
 
-
 _MODELS: dict[type[Recipe], type[StructuralModel]] = {
     ChainRecipe: MassSpringChain,
     MatrixRecipe: MatrixModel,
@@ -231,7 +230,6 @@ def _whole(file: Path, wanted: str, remedy: str, make: Callable[[], Any]) -> Any
 
 # -- Assessors as files: question, tables, and what was learned
 
-
 FORMAT, VERSION = "antires_rs.assessor", 2
 
 
@@ -263,7 +261,6 @@ def load_assessor(path: str | os.PathLike[str]) -> Assessor:
 
 
 # -- Results of updating and damage assessment: what was asked, how it went, what came out, by which versions
-
 
 FORMAT_RESULTS, VERSION_RESULTS = "antires_rs.result", 4
 _RESULTS = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}

@@ -17,7 +17,6 @@ from ..support.messages import Passed, Wording, warn
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
 _PARTS, _DRIFT = 32, 1e-3
 
-
 Signal = Recording | FrequencyResponse
 
 

@@ -101,7 +101,6 @@ def datasets_of(file: Path, reader: str, limits: Limits, given: Reading | None =
 
 # -- In the child process
 
-
 #: More parts than this, and the file is no record of a test.
 MOST_ARRAYS, DEEPEST = 10_000, 8
 MOST_ATTRIBUTES, LONGEST_TEXT = 100, 1_000
@@ -226,7 +225,6 @@ def values_of(item: Any) -> Any:
 # - B&K (PULSE, BK Connect): ``File_Header``, ``Channel_1_Header`` (``SignalName``, ``Unit``),
 #   ``Channel_1_Data``.
 # - Dewesoft: ``Data1_NAME`` with ``Data1_time_NAME`` or ``Sample_rate``.
-
 
 Arrays = Mapping[str, NDArray[Any]]
 _DATA, _CHANNEL = re.compile(r"^Data\d+_(?!time_)(.+)$"), re.compile(r"^Channel_(\d+)_Data$")
@@ -487,7 +485,6 @@ def _check_length(file: Path) -> None:
 
 
 # -- In the child process
-
 
 #: Before the name of an object among the texts, whose class is the text.
 OPAQUE = "object "

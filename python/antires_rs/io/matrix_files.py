@@ -27,6 +27,7 @@ from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .child_process import Limits, in_a_child
 from .common import brief, existing_file, require, unsuitable
 from .npz import read_archive
+from .reading import PathLike
 
 #: Node and direction code, 1 to 6; 0 is a scalar.
 Point = tuple[int, int]
@@ -40,6 +41,12 @@ class Labelled:
     points: tuple[Point, ...] | None = None
 
 
+def _fortran(text: str) -> float:
+    """1.5, 1.5E+3, 1.5D+3 or 1.5+3."""
+    plain = text.upper().replace("D", "E")
+    return float(plain if "E" in plain else _SHORT.sub(r"E\1", plain))
+
+
 def completed(rows: Any, columns: Any, values: Any, n: int) -> Any:
     """A symmetric matrix from its entries, of which the file may hold one triangle only."""
     from scipy.sparse import coo_array
@@ -48,11 +55,8 @@ def completed(rows: Any, columns: Any, values: Any, n: int) -> Any:
     values = np.asarray(values, dtype=np.float64)
     beside = rows != columns
     if not ((rows > columns).any() and (rows < columns).any()):
-        rows, columns, values = (
-            np.concatenate([rows, columns[beside]]),
-            np.concatenate([columns, rows[beside]]),
-            np.concatenate([values, values[beside]]),
-        )
+        rows, columns = np.append(rows, columns[beside]), np.append(columns, rows[beside])
+        values = np.append(values, values[beside])
     return coo_array((values, (rows, columns)), shape=(n, n))
 
 
@@ -64,9 +68,9 @@ def by_points(
         unsuitable(file, "without an entry", "a matrix", "Export it again.")
     found = sorted(set(points or ()) | {p for row, column, _ in entries for p in (row, column)})
     number = {point: nth for nth, point in enumerate(found)}
-    rows = [number[row] for row, _, _ in entries]
-    columns = [number[column] for _, column, _ in entries]
-    values = [value for _, _, value in entries]
+    rows, columns, values = zip(
+        *((number[row], number[column], v) for row, column, v in entries), strict=True
+    )
     return Labelled(completed(rows, columns, values, len(found)), tuple(found))
 
 
@@ -74,7 +78,6 @@ def by_points(
 #
 # Written as matrix input (with a line ``*MATRIX``) or as labels. A dof with a boundary condition has 1e36 on
 # its diagonal: it is left out, with a warning.
-
 
 #: What stands on the diagonal of a dof with a boundary condition.
 _FIXED = 1e35
@@ -134,7 +137,6 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 # each other card is a column: grid and component, then grid, component and value of its entries. Fields are 8
 # wide, 16 where the first ends in ``*``, or divided by commas.
 
-
 _WANTED = "a punch file or bulk data with DMIG cards of real matrices"
 _SHORT = re.compile(r"(?<=[\d.])([+-]\d+)$")
 
@@ -157,7 +159,7 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
             own = entries.setdefault(name, [])
             for i in range(5, len(fields) - 2, 4):
                 if fields[i]:
-                    own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _number(fields[i + 2])))
+                    own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _fortran(fields[i + 2])))
         except (ValueError, IndexError) as exc:
             unsuitable(
                 file, f"with the card in line {line} that cannot be read ({exc})", _WANTED, "Correct it."
@@ -165,12 +167,6 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
     if not entries:
         unsuitable(file, "without a DMIG card", _WANTED, "Export with PARAM,EXTOUT,DMIGPCH.")
     return {name: by_points(file, own, columns[name]) for name, own in entries.items()}
-
-
-def _number(text: str) -> float:
-    """1.5, 1.5E+3, 1.5D+3 or 1.5+3."""
-    plain = text.upper().replace("D", "E")
-    return float(plain if "E" in plain else _SHORT.sub(r"E\1", plain))
 
 
 def _cards(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
@@ -206,7 +202,6 @@ def _fields(line: str) -> list[str]:
 
 
 # -- Stiffness and mass of an ANSYS ``.full`` file, read by ansys-mapdl-reader in a child process
-
 
 _WANTED_FULL = "a .full file with matrices, written by WRFULL"
 
@@ -251,7 +246,6 @@ def matrices_of_full(path: str, request: dict[str, Any]) -> Answer:
 # side follows; then the pointers to columns, the rows and the values, each in a form of Fortran. Reference:
 # I. S. Duff, R. G. Grimes, J. G. Lewis, ACM Trans. Math. Softw. 15 (1989) 1-14.
 
-
 _WANTED_HARWELL_BOEING = "a real assembled square matrix in the Harwell-Boeing form (RSA or RUA)"
 _FORM = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
 
@@ -294,7 +288,7 @@ def _numbers(lines: list[str], form: str, count: int) -> np.ndarray:
     parts = apart if len(apart) == count else [part for part in touching if part.strip()]
     if len(parts) != count:
         raise ValueError(f"{len(parts)} of {count} numbers")
-    return np.array([float(part.upper().replace("D", "E")) for part in parts])
+    return np.array(list(map(_fortran, parts)))
 
 
 # -- Matrix Market files, read here and not by SciPy, whose reader ends the process at some damaged ones
@@ -405,7 +399,6 @@ def _entry(words: Sequence[bytes]) -> re.Pattern[bytes]:
 # run of rows: its length and first row are two words where the header's rows are negative, else packed into
 # one as row + 65536 (length + 1).
 
-
 _WANTED_OP4 = "a whole file of OUTPUT4, of real matrices"
 _CUT = "Export it again; complex matrices have no place in an undamped model."
 _HEADER = re.compile(r"^([ \d-]{8})([ \d-]{8})([ \d-]{8})([ \d-]{8})(.{8})(.*)$")
@@ -481,7 +474,7 @@ def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
             values: list[float] = []
             while at < len(lines) and not _whole(lines[at].split()):
                 line = lines[at].rstrip()
-                values += [_number_op4(line[i : i + width]) for i in range(0, len(line), width)]
+                values += [_fortran(line[i : i + width]) for i in range(0, len(line), width)]
                 at += 1
             if not values:
                 raise ValueError(f"no values above line {at + 1}")
@@ -491,10 +484,6 @@ def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
 
 def _whole(words: list[str]) -> bool:
     return bool(words) and all(word.lstrip("-").isdigit() for word in words)
-
-
-def _number_op4(text: str) -> float:
-    return float(text.replace("D", "E").replace("d", "e"))
 
 
 def _binary(content: bytes) -> Iterator[tuple[str, int, int, list[Run]]]:
@@ -550,24 +539,17 @@ def _records(content: bytes, order: str) -> Iterator[bytes]:
 
 # -- Matrices in the files of finite-element programs: a reader for each format, chosen by the ending
 
-
 _READERS: dict[str, Callable[[Path], dict[str, Labelled]]] = {
     ".npz": read_sparse_npz,
-    ".mtx": read_matrix_market,
-    ".mtx.gz": read_matrix_market,
-    ".mm": read_matrix_market,
+    **dict.fromkeys((".mtx", ".mtx.gz", ".mm"), read_matrix_market),
     ".op4": read_op4,
-    ".pch": read_dmig,
-    ".bdf": read_dmig,
-    ".dmig": read_dmig,
+    **dict.fromkeys((".pch", ".bdf", ".dmig"), read_dmig),
     ".full": read_full,
-    ".rsa": read_harwell_boeing,
-    ".rua": read_harwell_boeing,
-    ".hb": read_harwell_boeing,
+    **dict.fromkeys((".rsa", ".rua", ".hb"), read_harwell_boeing),
 }
 
 
-def matrices_in(name: str, path: str | os.PathLike[str]) -> dict[str, Labelled]:
+def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     """All matrices of a file, by name."""
     file = existing_file(path)
     ending = next((e for e in _READERS if file.name.lower().endswith(e)), None)
@@ -579,7 +561,7 @@ def matrices_in(name: str, path: str | os.PathLike[str]) -> dict[str, Labelled]:
     return _READERS[ending](file)
 
 
-def choose(name: str, path: str | os.PathLike[str], letter: str) -> Labelled:
+def choose(name: str, path: PathLike, letter: str) -> Labelled:
     """The only matrix of a file, or the only one whose name begins with ``letter``."""
     found = matrices_in(name, path)
     own = list(found) if len(found) == 1 else [each for each in found if each.upper().startswith(letter)]
@@ -678,7 +660,7 @@ def read_matrices(
     )
 
 
-def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
+def write_matrices(path: PathLike, model: MatrixModel) -> Path:
     """Write stiffness, mass and terms of a model into one npz file, whole or not at all.
 
     Parameters
@@ -716,7 +698,7 @@ def write_matrices(path: str | os.PathLike[str], model: MatrixModel) -> Path:
     return write_store(path, data, store)
 
 
-def read_dof_map(path: str | os.PathLike[str], *, first_row: int = 1) -> dict[tuple[int, str], int]:
+def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str], int]:
     """Which row of the matrices belongs to which node and direction.
 
     Parameters
@@ -787,7 +769,7 @@ def _own_map(file: Path) -> dict[tuple[int, str], int]:
     return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
 
 
-def _own(path: str | os.PathLike[str]) -> MatrixModel:
+def _own(path: PathLike) -> MatrixModel:
     file, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
     if data["version"] == 1:
         stiffness, mass = data["matrices"]

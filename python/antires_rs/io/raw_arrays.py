@@ -71,7 +71,6 @@ def _finite_lines(freq_hz: Any) -> FloatArray:
 # Names are those of arrays, ``run1/acc`` or ``test.acc``; an attribute is ``run1/acc@unit``, of a group
 # ``run1@fs``, of the file ``@fs``. What is said of a group or struct holds for all within.
 
-
 RATES = frozenset(
     {
         *("fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "samplingfrequency"),

@@ -25,7 +25,6 @@ from .text_table import decoded
 
 # -- TDMS of National Instruments (LabVIEW, FlexLogger, DIAdem)
 
-
 _WANTED_TDMS = "a whole TDMS file"
 #: Bytes of a segment's lead-in, and the length of a segment that LabVIEW did not close.
 _LEAD_IN, _NEVER_CLOSED = 28, 2**64 - 1
@@ -145,7 +144,6 @@ def _check_segments(file: Path, partial: bool) -> None:
 
 
 # -- WAV of sound cards and recorders
-
 
 _WANTED_WAV = "a whole WAV file (RIFF) of whole numbers or floats"
 
@@ -337,7 +335,6 @@ def _on_one_clock(channels: list[Channel]) -> list[Channel]:
 # The format is documented by National Instruments, "Specification for the LabVIEW Measurement File".
 # Columns lie between separators; with ``X_Columns`` No the first is empty, with One it is the abscissa of
 # all channels, with Multi every channel has its own before it. The last one is a comment.
-
 
 _WANTED_LVM = "a whole LabVIEW Measurement File (.lvm)"
 _END, _START_SPECIAL, _END_SPECIAL = "***End_of_Header***", "***Start_Special***", "***End_Special***"

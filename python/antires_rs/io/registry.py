@@ -38,7 +38,6 @@ def format_by_ending(name: str) -> str | None:
 
 # -- Formats that are not read, by the endings of their files: whose they are, and what converts them
 
-
 _EXPORT = "Export it there as a universal file (58), MAT, HDF5 or CSV"
 _SEVERAL = f"Several programs write that ending. {_EXPORT}, or name the format if it is one that is read"
 _KNOWN: dict[tuple[str, ...], str] = {

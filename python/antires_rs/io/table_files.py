@@ -294,7 +294,6 @@ def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> 
 
 # -- In the child process
 
-
 #: More columns or rows than these, and a sheet is no record of a test.
 MOST_CHANNELS, MOST_CELLS = 10_000, 100_000_000
 

@@ -25,7 +25,6 @@ from .units import abscissa_factor, is_abscissa, is_frequency, parse_unit
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
 
-
 #: What two neighbouring columns may be.
 PAIRS = ("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad")
 _WORDS = {
@@ -136,7 +135,6 @@ def _is_level(text: str) -> bool:
 
 
 # -- Rows of text that begin with an instant, or with a count before it
-
 
 #: Lines in which the first row of numbers is looked for.
 _HEAD = 200
@@ -475,7 +473,6 @@ def _commented_names(lines: list[str], between: str | None, width: int) -> list[
 
 
 # -- Columns of a table by their names: a record over time, or responses over frequency
-
 
 _FREQ = ("freq", "f", "hz", "frequency", "freq_hz")
 _TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")

@@ -43,14 +43,12 @@ from .units import Unit, abscissa_factor, named_unit, parse_unit
 # notice that one is short; so each dataset 58 is measured here against the number of points in its
 # own header.
 
-
 #: A line of its own: ``-1`` in the first six columns and nothing else.
 _MARKER = re.compile(rb"(?:\A|(?<=[\r\n])) {4}-1[ ]*(?=[\r\n]|\Z)")
 _LINE_END = re.compile(rb"\r?\n|\r")
 _HEADER_LINES = 11
 #: By ordinate type: numbers per point, width in text, bytes in binary form.
 _FORMS = {2: (1, 13, 4), 4: (1, 20, 8), 5: (2, 13, 4), 6: (2, 20, 8)}
-
 
 #: The exponent of a Fortran double, 1.5D+03.
 _FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
@@ -205,7 +203,6 @@ def _line(data: bytes, at: int) -> tuple[int, bytes]:
 
 # -- Names of the universal file's points: node and direction, ``12+Z``, and back
 
-
 _LABEL = re.compile(r"^(\d+)(S|[+-]R?[XYZ])$")
 
 #: Node and direction code.
@@ -294,7 +291,6 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
 # One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in
 # it, is believed: the checksum of the numbers counts only below a header that is as we wrote it.
 
-
 _LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
 #: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
 _LINES, _AT, _WIDTH = 13, 4, 80
@@ -329,7 +325,6 @@ def _hex(data: bytes) -> str:
 
 
 # -- The functions of a universal file, read through pyuff and counted by ourselves
-
 
 #: Function types of record 6 that are read.
 FUNCTIONS = {
@@ -536,7 +531,6 @@ def _label(text: str) -> str:
 
 
 # -- FRFs, transmissibilities and spectra of a universal file as a FrequencyResponse
-
 
 Named = Callable[[Point], tuple[Any, float]]
 
@@ -768,7 +762,6 @@ def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
 
 
 # -- Universal files in which points were recorded several times
-
 
 _Key = tuple[str, Point, Point, str]
 
