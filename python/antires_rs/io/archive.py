@@ -11,7 +11,6 @@ import json
 import math
 import os
 import platform
-from collections.abc import Callable
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,7 @@ from ..damage.inference import Learned
 from ..damage.options import DamagePrior, SearchOptions
 from ..damage.question import Question
 from ..damage.result import DamageResult
-from ..exceptions import AntiresError, reject
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models import frame_parts, recipes, structural_model
@@ -45,9 +44,10 @@ from ..optimize.island_ga import History, OptimizeResult
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
-from .common import existing_file, unsuitable
+from .common import existing_file, parts_of, unsuitable
 from .npz import read_archive, write_archive
 from .own_format import TEXT
+from .reading import PathLike
 
 
 class Store:
@@ -63,7 +63,7 @@ class Store:
         return {"array": name}
 
 
-def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store) -> Path:
+def write_store(path: PathLike, data: dict[str, Any], store: Store) -> Path:
     """Write text, arrays and their hashes, whole or not at all."""
     hashes = {name: _digest(array) for name, array in store.arrays.items()}
     text = json.dumps({**data, "sha256": hashes}, allow_nan=False, indent=1)
@@ -72,7 +72,7 @@ def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store
 
 
 def read_store(
-    path: str | os.PathLike[str],
+    path: PathLike,
     form: str,
     version: int,
     wanted: str,
@@ -140,23 +140,14 @@ _FIELDS: dict[type, tuple[str, ...]] = {
     Entries: Entries._fields,
 }
 _HOMES = (
-    assessor_plan,
-    inference,
-    hypotheses,
-    question,
-    options,
-    frame_parts,
-    recipes,
-    structural_model,
-    island_ga,
+    *(assessor_plan, inference, hypotheses, question, options),
+    *(frame_parts, recipes, structural_model, island_ga),
 )
 #: Classes by the names that stand in files: our dataclasses, as these modules know them, and those above.
 _CLASSES: dict[str, Any] = {
     **{name: each for home in _HOMES for name, each in vars(home).items() if is_dataclass(each)},
-    **{
-        each.__name__: each
-        for each in (*_FIELDS, *_MODELS.values(), AntiresonanceSet, Parameter, DamagePenalty)
-    },
+    **{each.__name__: each for each in (*_FIELDS, *_MODELS.values())},
+    **{each.__name__: each for each in (AntiresonanceSet, Parameter, DamagePenalty)},
 }
 
 
@@ -213,19 +204,9 @@ def decoded(data: Any, name: str) -> Any:
     return made(**parts)
 
 
-def _in_npz(path: str | os.PathLike[str]) -> None:
+def _in_npz(path: PathLike) -> None:
     if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
-
-
-def _whole(file: Path, wanted: str, remedy: str, make: Callable[[], Any]) -> Any:
-    """What is made of the parts of a file; one that is missing is told."""
-    try:
-        return make()
-    except AntiresError:
-        raise
-    except (KeyError, TypeError, IndexError, ValueError) as exc:
-        unsuitable(file, f"which is damaged ({type(exc).__name__}: {exc})", wanted, remedy)
 
 
 # -- Assessors as files: question, tables, and what was learned
@@ -233,7 +214,7 @@ def _whole(file: Path, wanted: str, remedy: str, make: Callable[[], Any]) -> Any
 FORMAT, VERSION = "antires_rs.assessor", 2
 
 
-def save_assessor(assessor: Assessor, path: str | os.PathLike[str]) -> Path:
+def save_assessor(assessor: Assessor, path: PathLike) -> Path:
     """Write an assessor, whole or not at all; see :meth:`Assessor.save`."""
     _in_npz(path)
     store, plan = Store(), assessor._plan
@@ -242,41 +223,34 @@ def save_assessor(assessor: Assessor, path: str | os.PathLike[str]) -> Path:
     return write_store(path, {"format": FORMAT, "version": VERSION, **data}, store)
 
 
-def load_assessor(path: str | os.PathLike[str]) -> Assessor:
+def load_assessor(path: PathLike) -> Assessor:
     """Read what :func:`save_assessor` wrote; see :meth:`Assessor.load`."""
-    wanted, remedy = (
-        f"a file written by Assessor.save, version {VERSION} or older",
-        "Make and save the assessor anew.",
-    )
+    wanted = f"a file written by Assessor.save, version {VERSION} or older"
+    remedy = "Make and save the assessor anew."
     file, data = read_store(path, FORMAT, VERSION, wanted)
-
-    def make() -> Plan:
+    with parts_of(file, wanted, remedy):
         if not np.array_equal(data["levels"], LEVELS):
             unsuitable(file, "with tables of another version", wanted, remedy)
         if data["version"] == 1:
-            return _plan_1(data, str(file))
-        return Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
-
-    return Assessor._of(_whole(file, wanted, remedy, make))
+            plan = _plan_1(data, str(file))
+        else:
+            plan = Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
+    return Assessor._of(plan)
 
 
 # -- Results of updating and damage assessment: what was asked, how it went, what came out, by which versions
 
 FORMAT_RESULTS, VERSION_RESULTS = "antires_rs.result", 4
+_PARTS = ("problem", "search", "assessment", "question", "options")
 _RESULTS = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
 
 
-def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
+def save_result(result: UpdateResult, path: PathLike) -> Path:
     """Write a result, whole or not at all; see :meth:`UpdateResult.save`."""
     _in_npz(path)
     store = Store()
-    parts = {
-        "problem": result.problem,
-        "search": result.search,
-        "assessment": getattr(result, "_assessment", None),
-        "question": getattr(result, "_question", None),
-        "options": dict(result.options),
-    }
+    assessed = [getattr(result, name, None) for name in ("_assessment", "_question")]
+    parts = dict(zip(_PARTS, (result.problem, result.search, *assessed, dict(result.options)), strict=True))
     data = {
         "format": FORMAT_RESULTS,
         "version": VERSION_RESULTS,
@@ -293,26 +267,21 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
     return write_store(path, data, store)
 
 
-def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateResult) -> Any:
+def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
     """Read what :func:`save_result` wrote; see :meth:`UpdateResult.load`."""
     wanted = f"a file written by {kind.__name__}.save, version {VERSION_RESULTS} or older"
     remedy = "It was cut, or is another file: name the result.npz of a run."
     file, data = read_store(path, FORMAT_RESULTS, VERSION_RESULTS, wanted, remedy)
 
-    def make() -> tuple[type[UpdateResult], list[Any]]:
+    with parts_of(file, wanted, "Copy it again, or save the result anew."):
         made = _RESULTS[data["class"]]
         if not issubclass(made, kind):
             unsuitable(file, f"which holds an {made.__name__}", wanted, f"Use {made.__name__}.load.")
         if data["version"] < 4:
-            return made, _result_3(data, str(file))
-        return made, [
-            decoded(data[name], str(file))
-            for name in ("problem", "search", "assessment", "question", "options")
-        ]
-
-    made, (problem, search, *assessed, held) = _whole(
-        file, wanted, "Copy it again, or save the result anew.", make
-    )
+            parts = _result_3(data, str(file))
+        else:
+            parts = [decoded(data[name], str(file)) for name in _PARTS]
+        problem, search, *assessed, held = parts
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
         maker = data["made_with"]["antires_rs"]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
-from ..exceptions import MissingDependencyError, UnsuitableDataError, reject
+from ..exceptions import AntiresError, MissingDependencyError, UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.messages import Passed, Wording, warn
@@ -54,6 +56,17 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
         else "Copy or export it again."
     )
     unsuitable(path, found, wanted, remedy)
+
+
+@contextmanager
+def parts_of(path: Path, wanted: str, remedy: str, found: str = "which is damaged") -> Iterator[None]:
+    """Where a signal or a result is made of the parts of a file; one that is missing or odd is told."""
+    try:
+        yield
+    except AntiresError:
+        raise
+    except (KeyError, TypeError, AttributeError, IndexError, ValueError) as exc:
+        unsuitable(path, f"{found} ({type(exc).__name__}: {exc})", wanted, remedy)
 
 
 def refuse_real(path: Path, rows: Any) -> None:

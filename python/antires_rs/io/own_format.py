@@ -23,7 +23,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
 from .channels import kept, renamed
-from .common import Signal, unsuitable
+from .common import Signal, parts_of, unsuitable
 from .reading import Reading
 from .units import named_unit
 
@@ -57,7 +57,7 @@ def _checksum(array: NDArray[Any]) -> int:
 
 def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
     """The signal of text and arrays; what is missing or cut is refused."""
-    try:
+    with parts_of(path, _WANTED, "Copy it again, or write it anew."):
         data = json.loads(text)
         if data["format"] != FORMAT:
             found = f"which holds {data['format']!r}"
@@ -82,9 +82,6 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
         }
         held |= {name: data[name] for name in ("dofs", *values)}
         return Recording(**held) if is_recording else FrequencyResponse(**held)
-    except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as exc:
-        got = f"which is damaged ({type(exc).__name__}: {exc})"
-        unsuitable(path, got, _WANTED, "Copy it again, or write it anew.")
 
 
 def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]]) -> None:

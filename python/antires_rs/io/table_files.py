@@ -12,7 +12,6 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from ..exceptions import AntiresError
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import choice
@@ -20,7 +19,7 @@ from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, in_si, recording_of
 from .child_process import Limits, channels_of_child
-from .common import Signal, missing_part, require, unsuitable
+from .common import Signal, missing_part, parts_of, require, unsuitable
 from .own_format import as_asked, check_dofs
 from .reading import OfColumns, PathLike, Reading, opened, reader, writer
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
@@ -97,7 +96,8 @@ def read_csv(
 def _own(file: Path, table: Table) -> Signal:
     """A file of ours: the header tells everything."""
     head, columns = table.header, table.values.real.T
-    try:
+    remedy = "Write it again; leave the lines at the top as they are."
+    with parts_of(file, "a file of write_csv", remedy, "whose header is damaged"):
         dofs, n = list(head["dofs"]), len(head["dofs"])
         if head["kind"] == "recording":
             rows = zip(dofs, columns[1 : n + 1], strict=True)
@@ -116,11 +116,6 @@ def _own(file: Path, table: Table) -> Signal:
             n_averages=head["n_averages"],
             **dict(zip(head["more"], rest, strict=True)),
         )
-    except AntiresError:
-        raise
-    except (KeyError, TypeError, ValueError, IndexError) as exc:
-        found, wanted = f"whose header is damaged ({type(exc).__name__}: {exc})", "a file of write_csv"
-        unsuitable(file, found, wanted, "Write it again; leave the lines at the top as they are.")
 
 
 @writer
