@@ -85,9 +85,8 @@ def read_store(
     file = existing_file(path)
     arrays = read_archive(file, wanted, remedy)
     if TEXT not in arrays or "text_sha256" not in arrays:
-        unsuitable(
-            file, "an archive of another kind", wanted, "It was cut, or is another file: name the right one."
-        )
+        got = "an archive of another kind"
+        unsuitable(file, got, wanted, "It was cut, or is another file: name the right one.")
     text = bytes(arrays[TEXT])
     if _sha256(text) != bytes(arrays["text_sha256"]).hex():
         unsuitable(file, "whose text does not have its checksum", wanted, "It was damaged or edited.")
@@ -96,9 +95,8 @@ def read_store(
         found = f"which holds {data.get('format')!r}"
         unsuitable(file, found, wanted, "It is another file of antires_rs: name the right one.")
     if not isinstance(data.get("version"), int) or data["version"] > version:
-        unsuitable(
-            file, f"of version {data.get('version')!r}", f"version {version} or older", "Update antires_rs."
-        )
+        got = f"of version {data.get('version')!r}"
+        unsuitable(file, got, f"version {version} or older", "Update antires_rs.")
     for name, digest in data["sha256"].items():
         if name not in arrays or _digest(arrays[name]) != digest:
             found = f"whose array {name} is missing or does not have its checksum"

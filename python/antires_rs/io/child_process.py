@@ -141,9 +141,8 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
         unsuitable(file, f"which takes more than {limits.memory_limit_gb:.3g} GB", wanted, remedy)
     if said.startswith("Unfit: "):
         unsuitable(file, f"in which {said[7:400]}", wanted, "Correct the file, or the names you gave.")
-    unsuitable(
-        file, f"which cannot be read ({said[:300]})", wanted, "It was cut or damaged, or is no such file."
-    )
+    got = f"which cannot be read ({said[:300]})"
+    unsuitable(file, got, wanted, "It was cut or damaged, or is no such file.")
 
 
 def _check_names(file: Path, patterns: list[str], listed: list[Any]) -> None:

@@ -107,9 +107,8 @@ def read_frf_files(
     chosen = [read[i] for i in rows]
     kinds = {each.kind for each in chosen}
     if len(kinds) > 1:
-        reject(
-            "kind", f"files of {' and '.join(sorted(kinds))}", "files of one kind", "Read them one by one."
-        )
+        found = f"files of {' and '.join(sorted(kinds))}"
+        reject("kind", found, "files of one kind", "Read them one by one.")
     averages = {each.n_averages for each in chosen}
     return FrequencyResponse(
         chosen[0].freq_hz,

@@ -161,9 +161,8 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
                 if fields[i]:
                     own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _fortran(fields[i + 2])))
         except (ValueError, IndexError) as exc:
-            unsuitable(
-                file, f"with the card in line {line} that cannot be read ({exc})", _WANTED, "Correct it."
-            )
+            found = f"with the card in line {line} that cannot be read ({exc})"
+            unsuitable(file, found, _WANTED, "Correct it.")
     if not entries:
         unsuitable(file, "without a DMIG card", _WANTED, "Export with PARAM,EXTOUT,DMIGPCH.")
     return {name: by_points(file, own, columns[name]) for name, own in entries.items()}
@@ -319,9 +318,8 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
     try:
         head, stated = _head(lines[0].lower().split(), numbers[0].split())
     except ValueError:
-        unsuitable(
-            file, f"with the sizes {numbers[0]!r}", wanted, "Export it again: the matrix must be square."
-        )
+        got = f"with the sizes {numbers[0]!r}"
+        unsuitable(file, got, wanted, "Export it again: the matrix must be square.")
     if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
         end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
         unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")

@@ -97,9 +97,8 @@ def read_archive(
         if _holds_objects(file):
             found = "which holds objects, which only pickle reads"
             unsuitable(file, found, wanted, "A pickle can run any code. Save arrays of numbers alone.")
-        unsuitable(
-            file, f"which cannot be read ({brief(exc)})", wanted, "It was cut or damaged: copy it again."
-        )
+        got = f"which cannot be read ({brief(exc)})"
+        unsuitable(file, got, wanted, "It was cut or damaged: copy it again.")
 
 
 def _array(file: Path) -> dict[str, NDArray[Any]]:

@@ -420,9 +420,8 @@ def _blocks(file: Path, lines: list[str], start: int, form: _Form) -> list[Segme
             if head:
                 end = _find(lines, _END, i)
                 if end is None:
-                    unsuitable(
-                        file, f"whose segment header in line {i + 1} has no end", _WANTED_LVM, "It was cut."
-                    )
+                    got = f"whose segment header in line {i + 1} has no end"
+                    unsuitable(file, got, _WANTED_LVM, "It was cut.")
                 tags = {name: values for name, *values in map(form.fields, lines[i:end])}
                 titles, headed, i = [], True, end
         elif headed and not titles and not form.is_row(line):

@@ -68,9 +68,8 @@ def from_sep005(
         reject("channels", type(channels).__name__, wanted, "Put a single channel in a list.")
     rows = list(given)
     if not rows:
-        reject(
-            "channels", "none", "at least one dict", "Pass the dicts that the reader of the file returned."
-        )
+        found = "none"
+        reject("channels", found, "at least one dict", "Pass the dicts that the reader of the file returned.")
     made, rates = [], []
     for i, row in enumerate(rows):
         _check_keys(i, row)
@@ -84,9 +83,8 @@ def from_sep005(
         got = f"the name {next(n for n in names if names.count(n) > 1)!r} twice"
         reject("channels", got, "names that differ", "Rename one of the channels.")
     if max(rates) - min(rates) > 1e-9 * max(rates):
-        reject(
-            "channels", f"rates from {min(rates):g} to {max(rates):g} Hz", "one rate", "Resample them first."
-        )
+        found = f"rates from {min(rates):g} to {max(rates):g} Hz"
+        reject("channels", found, "one rate", "Resample them first.")
     starts = {row["start_timestamp"] for row in rows if row.get("start_timestamp")}
     if len(starts) > 1:
         got = f"{len(starts)} different start_timestamp"

@@ -263,24 +263,23 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     for dof in dofs:
         if isinstance(given, Mapping):
             if dof not in given:
-                reject(
-                    "dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}", "Add it to dofs."
-                )
+                got = f"no node and direction for {dof!r}"
+                reject("dofs", got, f"one for each of {dofs}", "Add it to dofs.")
             points[dof] = as_point("dofs", given[dof])
         elif callable(given):
             points[dof] = as_point("dofs", given(dof))
         elif given is not None:
             wanted = "a mapping {dof: (node, direction)} or a function of the dof"
             reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
-        elif isinstance(dof, str) and (match := _LABEL.match(dof)):
-            points[dof] = int(match[1]), CODES[match[2]]
+        elif isinstance(dof, str) and _LABEL.match(dof):
+            points[dof] = as_point("dofs", dof)
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:
             points[dof] = dof + 1, 0
     free = max((node for node, _ in points.values()), default=0) + 1
-    for dof in (d for d in dofs if d not in points):
-        points[dof], free = (free, 0), free + 1
-    if len(set(points.values())) != len(points):
-        twice = [p for p in points.values() if list(points.values()).count(p) > 1][0]
+    unnamed = [dof for dof in dofs if dof not in points]
+    points |= {dof: (free + i, 0) for i, dof in enumerate(unnamed)}
+    twice = next((point for point, n in Counter(points.values()).items() if n > 1), None)
+    if twice is not None:
         got = f"{label_of(twice)} for two dofs"
         reject("dofs", got, "a point of its own for each", "Give one of them another node or direction.")
     return points
@@ -368,10 +367,19 @@ class Function:
     #: What our writer adds: dof, exact rate or abscissa, averages.
     own: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def at(self) -> str:
+        """``'12+Z'``, the point of the response."""
+        return label_of(self.response)
+
+    @property
+    def place(self) -> str:
+        """``'12+Z / 1+X'``, response and reference; of a record the point alone."""
+        return self.at + ("" if self.what == "time" else f" / {label_of(self.reference)}")
+
     def __str__(self) -> str:
-        over = "" if self.what == "time" else f" / {label_of(self.reference)}"
         unit = self.unit + (f" / {self.reference_unit}" if self.reference_unit else "") or "no unit"
-        return f"{self.what:<16} {label_of(self.response)}{over}, {self.values.size} points, {unit}"
+        return f"{self.what:<16} {self.place}, {self.values.size} points, {unit}"
 
 
 def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Function]:
@@ -380,9 +388,8 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     data = file.read_bytes()
     datasets = [checked(data, dataset) for dataset in scan(data)]
     if not datasets or all(d.number == 0 for d in datasets):
-        unsuitable(
-            file, "without a dataset between lines '    -1'", WANTED, "It is no universal file, or was cut."
-        )
+        got = "without a dataset between lines '    -1'"
+        unsuitable(file, got, WANTED, "It is no universal file, or was cut.")
     whole = [d for d in datasets if not d.problem]
     kept = sum(d.number == 58 for d in whole)
     functions = _read(file, data, datasets, whole)
@@ -545,7 +552,7 @@ def response_of(
         unsuitable(
             file,
             f"with {len(wanted)} auto spectra (power spectral densities), the first of "
-            f"{label_of(wanted[0].response)}, and no cross spectrum",
+            f"{wanted[0].at}, and no cross spectrum",
             "time records, FRFs, or cross spectra with the auto spectrum of their reference",
             "Power spectra have lost the phase between channels, from which antiresonances are found: export "
             "one of these instead.",
@@ -560,15 +567,15 @@ def response_of(
     lines = frequencies(wanted[0])
     for f in (*wanted, *beside):
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
-            found = f"with other frequencies at {label_of(f.response)} than at {label_of(wanted[0].response)}"
+            found = f"with other frequencies at {f.at} than at {wanted[0].at}"
             unsuitable(file, found, "one frequency axis for all", "Export all functions over the same lines.")
     for f in wanted:
         if not np.iscomplexobj(f.values):
             remedy = "Magnitudes alone have lost the phase; export real and imaginary part."
-            unsuitable(file, f"whose {f.what} of {label_of(f.response)} is real", "complex functions", remedy)
+            unsuitable(file, f"whose {f.what} of {f.at} is real", "complex functions", remedy)
     if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
         kept_ones = [f for f in wanted if named(f.response)[0] is not None]
-        kinds = [(label_of(f.response), (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
+        kinds = [(f.at, (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
         one_quantity(file, [(label, each, each or "in no known unit") for label, each in kinds])
     rows = {f.response: _values(file, f, unit) for f in wanted}
     refuse_real(file, list(rows.values()))
@@ -650,7 +657,7 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
             odd = f.unit if above is None else f.reference_unit
             warn(
                 "unknown_unit",
-                f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
+                f"path: {str(file)!r} has {f.at} in {odd!r}, which is no unit known here; "
                 "its values are as in the file. Name unit= to convert them.",
             )
         above, below = above or Unit(), below or Unit()
@@ -667,19 +674,16 @@ def _beside(file: Path, functions: list[Function], point: Point, responses: set[
     near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
     turned = {(node, -way) for node, way in responses} - responses
     odd = [
-        f
+        f.place
         for f in coherences
-        if f.response in responses | turned
-        and f.reference in near
-        or f.response in turned
-        and f.reference == point
+        if (f.response in responses | turned and f.reference in near)
+        or (f.response in turned and f.reference == point)
     ]
     if odd:
         warn(
             "coherence_left_out",
-            f"path: {str(file)!r} has coherences of other points than its functions, "
-            f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
-            f"out. Wanted are the directions of the functions and the reference {label_of(point)}.",
+            f"path: {str(file)!r} has coherences of other points than its functions, {', '.join(odd)}; they "
+            f"are left out. Wanted are the directions of the functions and the reference {label_of(point)}.",
         )
     return [f for f in coherences if f.reference == point]
 
@@ -700,22 +704,15 @@ def _over_auto(
     file: Path, spectra: list[Function], point: Point, unit: str | None
 ) -> tuple[list[Function], bool]:
     """Cross spectra over the auto spectrum of their reference."""
-    autos = [
-        f
-        for f in spectra
-        if f.response == point and f.reference in (point, (0, 0)) and f.what == "auto spectrum"
-    ]
-    crosses = [
-        f for f in spectra if f.reference == point and f.response != point and f.what == "cross spectrum"
-    ]
+    auto = [f for f in spectra if f.what == "auto spectrum" and f.response == point]
+    autos = [f for f in auto if f.reference in (point, (0, 0))]
+    cross = [f for f in spectra if f.what == "cross spectrum" and f.reference == point]
+    crosses = [f for f in cross if f.response != point]
     if len(autos) != 1 or not crosses:
-        unsuitable(
-            file,
-            f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference "
-            f"{label_of(point)}",
-            "cross spectra, and one auto spectrum of their reference",
-            "Export the auto spectrum of the reference with its cross spectra.",
-        )
+        found = f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference"
+        wanted = "cross spectra, and one auto spectrum of their reference"
+        remedy = "Export the auto spectrum of the reference with its cross spectra."
+        unsuitable(file, f"{found} {label_of(point)}", wanted, remedy)
     power = autos[0].values.real
     if power.min() <= 0.0:
         found = f"with an auto spectrum of {label_of(point)} that is not positive everywhere"
@@ -728,7 +725,7 @@ def _over_auto(
     made = []
     for f in crosses:
         if f.values.shape != power.shape:
-            found = f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the reference"
+            found = f"with {f.values.size} lines at {f.at} and {power.size} of the reference"
             unsuitable(file, found, "one frequency axis", "Export all spectra over the same lines.")
         made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
     return made, is_force
@@ -746,33 +743,30 @@ def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
     curves = [f for f in functions if f.what in ("frf", "coherence")]
     chosen = [f for f in curves if f.response == point]
     if not any(f.what == "frf" for f in chosen):
-        there = ", ".join(dict.fromkeys(label_of(f.response) for f in curves if f.what == "frf")) or "none"
+        there = ", ".join(dict.fromkeys(f.at for f in curves if f.what == "frf")) or "none"
         found = f"with FRFs at the responses {there}"
         wanted = Wording("FRFs of {}", Passed("roving", label_of(point)))
         unsuitable(file, found, wanted, "Name the sensor that stayed while the hammer roved.")
-    return [
-        replace(
-            f,
-            response=f.reference,
-            reference=f.response,
-            own={name: value for name, value in f.own.items() if name != "dof"},
-        )
-        for f in chosen
-    ]
+    turned = [replace(f, response=f.reference, reference=f.response, own=dict(f.own)) for f in chosen]
+    for f in turned:
+        f.own.pop("dof", None)
+    return turned
 
 
 # -- Universal files in which points were recorded several times
 
-_Key = tuple[str, Point, Point, str]
+
+def _key(f: Function) -> tuple[str, Point, Point, str]:
+    return (f.what, f.response, f.reference if f.what != "time" else (0, 0), f.role)
 
 
-def _runs_of(functions: list[Function]) -> list[int]:
-    """Which run each function is of: 1 where its point comes first, 2 where it comes again, ..."""
-    seen: Counter[_Key] = Counter()
+def _runs_of(functions: list[Function]) -> list[tuple[Function, int]]:
+    """The functions with their run: 1 where a point comes first, 2 where it comes again, ..."""
+    seen: Counter[tuple[str, Point, Point, str]] = Counter()
     runs = []
     for f in functions:
         seen[_key(f)] += 1
-        runs.append(seen[_key(f)])
+        runs.append((f, seen[_key(f)]))
     return runs
 
 
@@ -784,43 +778,30 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
     if run is not None and (isinstance(run, bool) or not isinstance(run, int) or run < 1):
         reject("run", run, "a whole number from 1", "Number the runs from 1, in their order in the file.")
     runs = _runs_of(functions)
-    most = max((n for f, n in zip(functions, runs, strict=True) if f.what != "coherence"), default=1)
-    if run is None and most > 1:
-        again = next(f for f, n in zip(functions, runs, strict=True) if n == 2 and f.what != "coherence")
-        over = "" if again.what == "time" else f" / {label_of(again.reference)}"
-        unsuitable(
-            file,
-            f"with several functions ({again.what}) of {label_of(again.response)}{over}: {most} runs",
-            "one for each point",
-            Wording(
-                "Choose one by {} to {}, and give them together as repeats of one test.",
-                Passed("run", 1),
-                Passed("run", most),
-            ),
+    again = [(f, n) for f, n in runs if n > 1 and f.what != "coherence"]
+    most = max((n for _, n in again), default=1)
+    if run is None and again:
+        f = again[0][0]
+        found = f"with several functions ({f.what}) of {f.place}: {most} runs"
+        remedy = Wording(
+            "Choose one by {} to {}, and give them together as repeats of one test.",
+            Passed("run", 1),
+            Passed("run", most),
         )
+        unsuitable(file, found, "one for each point", remedy)
     if run is not None and run > most:
         reject("run", run, f"1 to {most}, the runs of {str(file)!r}", "Number the runs from 1.")
-    if most == 1:
+    if not again:
         return functions
-    there = {_key(f) for f, number in zip(functions, runs, strict=True) if number == run}
-    lost = dict.fromkeys(label_of(f.response) for f in functions if _key(f) not in there)
+    chosen = [f for f, n in runs if n == run]
+    there = set(map(_key, chosen))
+    lost = dict.fromkeys(f.at for f in functions if _key(f) not in there)
     if lost:
         warn(
             "points_without_run",
             f"path: {str(file)!r} has no run {run} of {', '.join(lost)}, which is left out.",
         )
-    return [f for f, number in zip(functions, runs, strict=True) if number == run]
-
-
-def _key(f: Function) -> _Key:
-    return (f.what, f.response, f.reference if f.what != "time" else (0, 0), f.role)
-
-
-def listed(functions: list[Function]) -> list[str]:
-    """A line for each function, with its run where there are several."""
-    runs = _runs_of(functions)
-    several = max(runs, default=1) > 1
-    return [f"{f}, run {run}" if several else str(f) for f, run in zip(functions, runs, strict=True)]
+    return chosen
 
 
 Kind = Literal["time", "frf", "transmissibility", "spectra"]
@@ -947,7 +928,9 @@ def list_uff(path: PathLike, *, partial: bool = False) -> list[str]:
     ...     print(*ar.io.list_uff(file))
     time             12+Z, 3 points, m/s2
     """
-    return listed(functions_of(existing_file(path), partial, "list_uff"))
+    runs = _runs_of(functions_of(existing_file(path), partial, "list_uff"))
+    several = max((run for _, run in runs), default=1) > 1
+    return [f"{f}, run {run}" if several else str(f) for f, run in runs]
 
 
 def _recording(file: Path, functions: list[Function], named: Any, force: Any, unit: str | None) -> Recording:
@@ -959,7 +942,7 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     channels = []
     for f in functions:
         if np.iscomplexobj(f.values):
-            found = f"with a complex time record of {label_of(f.response)}"
+            found = f"with a complex time record of {f.at}"
             unsuitable(file, found, "real ones", "Export the record as real numbers.")
         named_by_user = unit is not None and f.role != "force"
         values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
