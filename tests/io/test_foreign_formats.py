@@ -23,9 +23,6 @@ def same(read, tolerance=1e-12):
     np.testing.assert_allclose(read.values, H, rtol=0, atol=tolerance * np.abs(H).max())
 
 
-# ---- arrays -----------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("version", ["4", "5"])
 @pytest.mark.parametrize(("dtype", "tolerance"), [(np.complex128, 1e-15), (np.complex64, 1e-6)])
 @pytest.mark.parametrize("lines_first", [True, False])
@@ -86,9 +83,6 @@ def test_files_of_ours_refuse_an_axis(tmp_path):
         for option in ({"df_hz": 1.0}, {"freq_hz": signal.freq_hz}):
             with pytest.raises(ar.InvalidInputError, match="This file states it itself"):
                 read(file, **option)
-
-
-# ---- columns ----------------------------------------------------------------------------------------------
 
 
 def columns(header, parts, path, *, delimiter=",", decimal="."):
@@ -191,9 +185,6 @@ def test_numpy_savetxt_of_complex_columns_without_an_axis(tmp_path):
         )
 
 
-# ---- one FRF a file ---------------------------------------------------------------------------------------
-
-
 def folder_of(path, names, lines=None):
     for i, name in enumerate(names):
         n = LINES if lines is None else lines[i]
@@ -252,9 +243,6 @@ def test_files_of_transmissibilities(tmp_path):
         np.save(tmp_path / f"T_{i}.npy", H[i] / H[1])
     read = ar.read_frf_files(tmp_path, df_hz=DF, kind="transmissibility", reference=1)
     assert (read.kind, read.reference, read.dofs) == ("transmissibility", 1, (0, 1, 2))
-
-
-# ---- universal files --------------------------------------------------------------------------------------
 
 
 def uff_of_runs(path, runs, what=4):

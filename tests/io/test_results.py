@@ -189,9 +189,6 @@ def test_nothing_is_pickled_and_nothing_left_behind(saved):
     assert data["made_with"]["antires_rs"] == ar.__version__
 
 
-# ---- assessments against a baseline --------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def assessed():
     """Springs off the model by a few per cent, the second softened; the third is no candidate."""

@@ -119,9 +119,6 @@ def test_cut_tables_are_refused(tmp_path, kind):
             read(file)
 
 
-# ---- columns of text --------------------------------------------------------------------------------------
-
-
 def text(path, head, rows, sign=","):
     path.write_text("\n".join([*head, *(sign.join(map(str, row)) for row in rows)]) + "\n")
     return path

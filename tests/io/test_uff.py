@@ -206,9 +206,6 @@ def test_exponents_of_fortran(tmp_path, letter, made):
     assert set(differences(expected, ar.read_uff(path)).values()) == {0.0}
 
 
-# ---- units ------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("unit", "per", "factor"),
     [

@@ -69,6 +69,12 @@ def parts_of(path: Path, wanted: str, remedy: str, found: str = "which is damage
         unsuitable(path, f"{found} ({type(exc).__name__}: {exc})", wanted, remedy)
 
 
+def choose_run(count: int) -> Wording:
+    """What to do with a file of several runs."""
+    text = "Choose one by {} to {}, and give them together as repeats of one test."
+    return Wording(text, Passed("run", 1), Passed("run", count))
+
+
 def refuse_real(path: Path, rows: Any) -> None:
     """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
     made = [np.asarray(row) for row in rows]

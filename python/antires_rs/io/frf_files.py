@@ -14,7 +14,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, choice, shape_of
+from ..support.checks import choice, shape_of
 from ..support.messages import Passed, Wording
 from .channels import kept, renamed
 from .common import existing_file, unsuitable
@@ -110,21 +110,17 @@ def read_frf_files(
         found = f"files of {' and '.join(sorted(kinds))}"
         reject("kind", found, "files of one kind", "Read them one by one.")
     averages = {each.n_averages for each in chosen}
+    parts = {name: [getattr(each, name) for each in chosen] for name in ("coherence", "std")}
+    stacked = {name: np.vstack(each) for name, each in parts.items() if all(row is not None for row in each)}
     return FrequencyResponse(
         chosen[0].freq_hz,
         np.vstack([each.values for each in chosen]),
         [labels[i] for i in rows],
         chosen[0].kind if kind is None else kind,  # type: ignore[arg-type]
         reference,
-        _stacked([each.coherence for each in chosen]),
-        averages.pop() if len(averages) == 1 else None,
-        _stacked([each.std for each in chosen]),
+        n_averages=averages.pop() if len(averages) == 1 else None,
+        **stacked,
     )
-
-
-def _stacked(rows: list[FloatArray | None]) -> FloatArray | None:
-    there = [row for row in rows if row is not None]
-    return np.vstack(there) if len(there) == len(rows) else None
 
 
 def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from itertools import count
@@ -19,7 +20,7 @@ from ..support.messages import Passed, Wording, warn
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
-from .common import missing_part, rate_of, require, unsuitable
+from .common import choose_run, missing_part, rate_of, require, unsuitable
 from .reading import PathLike, Rated, Selected, opened, reader
 from .text_table import decoded
 
@@ -516,13 +517,10 @@ def read_lvm(
     """
     file, given = opened(read_lvm, path, options)
     segments = segments_of(file)
-    if run is not None:
-        if isinstance(run, bool) or not isinstance(run, int) or not 1 <= run <= len(segments):
-            wanted = f"1 to {len(segments)}, the segments of {str(file)!r}"
-            reject("run", run, wanted, "Number the segments from 1.")
-        chosen = [segments[run - 1]]
-    else:
-        chosen = segments
+    if run is not None and not (type(run) is int and 1 <= run <= len(segments)):
+        wanted = f"1 to {len(segments)}, the segments of {str(file)!r}"
+        reject("run", run, wanted, "Number the segments from 1.")
+    chosen = segments if run is None else [segments[run - 1]]
     for segment in chosen:
         _whole(file, segment, partial)
     made = [_channels(file, segment, given.fs_hz) for segment in chosen]
@@ -582,16 +580,8 @@ def _joined(file: Path, made: list[list[Channel]], n_segments: int) -> list[Chan
     """Segments that follow each other without a gap as one record."""
 
     def apart(number: int, why: str) -> None:
-        unsuitable(
-            file,
-            f"whose segment {number} of {n_segments} does not follow the one before: {why}",
-            "one record without gaps",
-            Wording(
-                "Choose one by {} to {}, and give them together as repeats of one test.",
-                Passed("run", 1),
-                Passed("run", n_segments),
-            ),
-        )
+        found = f"whose segment {number} of {n_segments} does not follow the one before: {why}"
+        unsuitable(file, found, "one record without gaps", choose_run(n_segments))
 
     joined = list(made[0])
     for number, segment in enumerate(made[1:], start=2):
@@ -612,10 +602,8 @@ def _begun(after: Channel, before: Channel) -> float:
     """Seconds from the first sample of one to that of the other."""
     apart = after.offset_s - before.offset_s
     if apart == 0.0 and after.start and before.start:  # every segment counts from its own start
-        try:
+        with suppress(ValueError):
             return (_instant(after.start) - _instant(before.start)).total_seconds()
-        except ValueError:
-            pass
     return apart
 
 

@@ -139,43 +139,43 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
 def _check_keys(i: int, row: Any) -> None:
     here = part("channels", i)
     if not isinstance(row, Mapping):
-        got = type(row).__name__
-        reject(here, got, "a dict", "Each channel is a dict with data, name, unit_str and fs or time.")
+        remedy = "Each channel is a dict with data, name, unit_str and fs or time."
+        reject(here, type(row).__name__, "a dict", remedy)
     for key in row:
-        near = [k for k in _SPELLED if k.replace("_", "") == str(key).lower().replace("_", "") and k != key]
+        plain = str(key).lower().replace("_", "")
+        near = [k for k in _SPELLED if k.replace("_", "") == plain and k != key]
         if near:
             reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it", "Rename the key.")
-        if str(key).lower().replace("_", "") in (k.replace("_", "") for k in _PROHIBITED):
-            got = f"the key {key!r}, which SEP 5 prohibits"
-            reject(here, got, "'unit_str', 'start_timestamp', 'data' or 'fs'", "Rename the key.")
+        if plain in (k.replace("_", "") for k in _PROHIBITED):
+            wanted = "'unit_str', 'start_timestamp', 'data' or 'fs'"
+            reject(here, f"the key {key!r}, which SEP 5 prohibits", wanted, "Rename the key.")
     for key in _COMPULSORY:
         if key not in row:
             wanted = f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'"
             reject(here, f"no {key!r}", wanted, "Add the key.")
     if not isinstance(row["name"], str):
         reject(here.item("name"), row["name"], "a text", "Give the channel its name in quotes.")
-    if row["unit_str"] is not None and not isinstance(row["unit_str"], str):
+    if not isinstance(row["unit_str"], str | None):
         remedy = "Name the unit in quotes, such as 'm/s2', or None where it is not known."
         reject(here.item("unit_str"), row["unit_str"], "a text or None", remedy)
 
 
 def _rate(i: int, row: Mapping[str, Any], size: int) -> float:
-    fs = row.get("fs")
+    here, fs = part("channels", i), row.get("fs")
     if fs is not None:
-        fs = finite_scalar(part("channels", i).item("fs"), fs, low=0.0, low_open=True, unit="Hz")
-        if row.get("time") is None:
-            return fs
+        fs = finite_scalar(here.item("fs"), fs, low=0.0, low_open=True, unit="Hz")
     if row.get("time") is None:
-        remedy = "Add the sampling rate, fs in Hz, or the instants, time in s."
-        reject(part("channels", i), "neither 'fs' nor 'time'", "one of them", remedy)
-    time = real_array(
-        part("channels", i).item("time"), row["time"], ndim=1, wanted=f"a real array ({size},) in s"
-    )
+        if fs is None:
+            remedy = "Add the sampling rate, fs in Hz, or the instants, time in s."
+            reject(here, "neither 'fs' nor 'time'", "one of them", remedy)
+        return fs
+    at = here.item("time")
+    time = real_array(at, row["time"], ndim=1, wanted=f"a real array ({size},) in s")
     if time.size != size:
         remedy = "Give an instant for each sample, or the rate alone."
-        reject(part("channels", i).item("time"), f"{time.size} instants", f"{size}, as the data", remedy)
+        reject(at, f"{time.size} instants", f"{size}, as the data", remedy)
     rate = rate_of(Path(f"SEP-005 channels[{i}]"), time)
     if fs is not None and abs(rate / fs - 1.0) > 1e-3:
         got = f"{fs:g} Hz beside a 'time' of {rate:g} Hz"
-        reject(part("channels", i).item("fs"), got, "one rate", "Correct one of them, or leave it out.")
+        reject(here.item("fs"), got, "one rate", "Correct one of them, or leave it out.")
     return rate if fs is None else fs

@@ -26,6 +26,7 @@ from ..support.messages import LeftOut, Passed, Wording, warn
 from .channels import Channel, one_quantity, recording_of
 from .common import (
     Signal,
+    choose_run,
     existing_file,
     missing_part,
     rate_of,
@@ -783,12 +784,7 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
     if run is None and again:
         f = again[0][0]
         found = f"with several functions ({f.what}) of {f.place}: {most} runs"
-        remedy = Wording(
-            "Choose one by {} to {}, and give them together as repeats of one test.",
-            Passed("run", 1),
-            Passed("run", most),
-        )
-        unsuitable(file, found, "one for each point", remedy)
+        unsuitable(file, found, "one for each point", choose_run(most))
     if run is not None and run > most:
         reject("run", run, f"1 to {most}, the runs of {str(file)!r}", "Number the runs from 1.")
     if not again:
