@@ -227,6 +227,7 @@ def _instant(match: re.Match[str]) -> np.datetime64:
 #: First line of our files.
 MARK, VERSION = "# antires_rs csv", 1
 _COMMENT = ("#", "%", "//")
+_MANTISSA = re.compile(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?")
 _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
 #: The sign of an imaginary part between blanks, 1 + 2i, or its unit after one.
 _SPACED = re.compile(r"[ \t]*([+-])[ \t]*([0-9.,]+(?:[eE][+-]?\d+)?[ij])\b")
@@ -343,16 +344,13 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
 
 def _rounding(rows: list[str], c: int, values: NDArray[Any], between: str | None, point: str) -> float:
     """Half a unit in the last decimal place that a column ever shows, relative to its largest number."""
-    places = max(_places(_split(row, between)[c], point) for row in rows[:1000])
+    places = []
+    for row in rows[:1000]:
+        match = _MANTISSA.match(_split(row, between)[c].strip())  # of the real part of a complex one
+        mantissa, exponent = match.groups() if match else ("", None)
+        places.append(len(mantissa.partition(point)[2]) - int(exponent or 0))
     largest = float(np.abs(values).max()) or 1.0
-    return max(0.5 * 10.0**-places / largest, 1e-15)
-
-
-def _places(number: str, point: str) -> int:
-    """Decimal places of a number; of the real part of a complex one."""
-    match = re.match(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?", number.strip())
-    mantissa, exponent = (match[1], match[2]) if match else ("", None)
-    return len(mantissa.partition(point)[2]) - int(exponent or 0)
+    return max(0.5 * 10.0 ** -max(places) / largest, 1e-15)
 
 
 def _header(file: Path, lines: list[str], table: Table) -> None:
