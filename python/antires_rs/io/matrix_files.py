@@ -325,8 +325,9 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
         unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
     places, width = 2 * (form == b"coordinate"), {b"pattern": 0, b"complex": 2}.get(kind, 1)
     number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
-    entry = rb"[ \t\r]*" + rb"[ \t]+".join([number] * (places + width)) + rb"[ \t\r]*"
-    wrong = next((line for line in numbers[1:] if not re.fullmatch(entry, line, re.IGNORECASE)), None)
+    blank, fields = rb"[ \t\r]*", rb"[ \t]+".join([number] * (places + width))
+    entry = re.compile(blank + fields + blank, re.IGNORECASE)
+    wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
     if wrong is not None:
         unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
     try:
