@@ -210,14 +210,6 @@ def test_nothing_optional_is_imported_in_the_parent(tmp_path):
     assert done.stdout.strip() == "[]"
 
 
-def test_without_h5py(tmp_path, monkeypatch):
-    path = ar.write_hdf5(tmp_path / "a.h5", recording())
-    monkeypatch.setitem(sys.modules, "h5py", None)
-    for call in (lambda: ar.read_hdf5(path), lambda: ar.write_hdf5(path, recording())):
-        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[hdf5\]"'):
-            call()
-
-
 @every_bag
 def test_magnitude_and_phase_beside_an_frf_are_no_responses(tmp_path, save, read):
     path = save(tmp_path / "a", freq=TIME, H=H, magnitude=np.abs(H), phase=np.angle(H))

@@ -161,11 +161,6 @@ def test_units_that_are_written(tmp_path):
     assert 'unit: "m/s"' in ar.write_csv(tmp_path / "a.csv", recording(), unit="m/s").read_text()
 
 
-def test_labels_with_delimiters(tmp_path):
-    made = recording(dofs=('a,"b', "c\nd", "#e"))
-    assert ar.read_csv(ar.write_csv(tmp_path / "a.csv", made)).dofs == made.dofs
-
-
 @pytest.mark.parametrize(
     ("head", "unit_s"),
     [

@@ -7,7 +7,6 @@ import pytest
 from scipy.io import savemat
 
 import antires_rs as ar
-from reference.io_signals import response
 
 LINES, DF = 64, 0.5
 FREQ = DF * np.arange(LINES)
@@ -74,15 +73,6 @@ def test_an_axis_that_does_not_fit_is_named(tmp_path, options, said):
     with pytest.raises(ar.AntiresError) as caught:
         ar.read_npz(tmp_path / "a.npy", **options)
     assert said in str(caught.value)
-
-
-def test_files_of_ours_refuse_an_axis(tmp_path):
-    signal = response()
-    for write, read, name in ((ar.write_npz, ar.read_npz, "a.npz"), (ar.write_csv, ar.read_csv, "a.csv")):
-        file = write(tmp_path / name, signal)
-        for option in ({"df_hz": 1.0}, {"freq_hz": signal.freq_hz}):
-            with pytest.raises(ar.InvalidInputError, match="This file states it itself"):
-                read(file, **option)
 
 
 def columns(header, parts, path, *, delimiter=",", decimal="."):

@@ -72,6 +72,8 @@ WRONG = [
     ("record", {"reference": 0}, "npz hdf5 mat csv"),
     ("response", {"reference": 0}, "npz hdf5 mat csv"),
     ("record", {"first": "freq"}, "csv"),
+    ("response", {"df_hz": 1.0}, "npz csv"),
+    ("response", {"freq_hz": [1.0, 2.0]}, "npz csv"),
     ("record", {"time": "force"}, "npz hdf5 mat"),
     ("record", {"freq": "freq_hz"}, "npz hdf5 mat"),
     ("response", {"freq": "std"}, "npz hdf5 mat"),

@@ -474,8 +474,8 @@ def _commented_names(lines: list[str], between: str | None, width: int) -> list[
 
 _FREQ = ("freq", "f", "hz", "frequency", "freq_hz")
 _TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
-#: What programs call the number of a row.
 _ROLES = {"force": "force"}
+#: What programs call the number of a row.
 _INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
 #: First instants from which on they are in ns, us or ms since 1970.
 _SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
