@@ -57,16 +57,12 @@ _FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
 
 @dataclass(frozen=True)
 class Dataset:
-    """One dataset of a file: type (0 where it cannot be read), bytes with both markers, what is wrong.
-
-    Of a 58 also the points that its header states, and those that there is space for.
-    """
+    """One dataset: type (0 if unreadable), bytes with both markers, stated points of a 58, what is wrong."""
 
     number: int
     start: int
     stop: int
     points: int = 0
-    found: int = 0
     problem: str = ""
 
 
@@ -179,7 +175,7 @@ def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: i
         if at + length <= len(data):
             end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at + length)
             if end:
-                return Dataset(58, start, end.end(), points, points)
+                return Dataset(58, start, end.end(), points)
     marker = re.compile(rb" {4}-1[ ]*(?=[\r\n]|\Z)").search(data, at)
     there = ((marker.start() if marker else len(data)) - at) // (numbers * size)
     return _judged(start, marker, len(data), points, min(there, points), short=True)
@@ -193,7 +189,7 @@ def _judged(
         problem = f"it has no end and {min(there, points)} of {points} points"
     elif short or there != points:
         problem = f"it has {there} points, not the {points} that its header states"
-    return Dataset(58, start, end.end() if end else size, points, there, problem)
+    return Dataset(58, start, end.end() if end else size, points, problem)
 
 
 def _line(data: bytes, at: int) -> tuple[int, bytes]:
