@@ -96,7 +96,7 @@ def _says_result(file: Path) -> bool:
     """Whether a file under another name begins as a result does."""
     from zipfile import BadZipFile, ZipFile
 
-    from ..io.npz import TEXT
+    from ..io.own_format import TEXT
 
     try:
         with ZipFile(file) as archive, archive.open(f"{TEXT}.npy") as text:

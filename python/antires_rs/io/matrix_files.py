@@ -1,9 +1,14 @@
-"""A matrix as a file holds it, and what its rows are."""
+"""Stiffness and mass of any finite-element program: from its files, or matrices themselves.
+
+The rows are the model's dofs. :func:`read_dof_map` reads which node and direction each of them is; what it
+returns fits ``dofs=`` of :func:`~antires_rs.io.uff.read_uff`. First a reader for each format, then models.
+"""
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,11 +16,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import part, reject
+from ..models.matrix_model import MatrixModel
+from ..models.recipes import MatrixRecipe
+from ..models.structural_model import ModelDescription
+from ..support.directions import DIRECTIONS, NAMES
 from ..support.messages import warn
 from ._child import Answer, room
-from .child_process import Limits, in_a_child, require
-from .common import brief, unsuitable
+from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
+from .child_process import Limits, in_a_child
+from .common import brief, existing_file, require, unsuitable
 from .npz import read_archive
+from .reading import PathLike
 
 #: Node and direction code, 1 to 6; 0 is a scalar.
 Point = tuple[int, int]
@@ -29,6 +41,12 @@ class Labelled:
     points: tuple[Point, ...] | None = None
 
 
+def _fortran(text: str) -> float:
+    """1.5, 1.5E+3, 1.5D+3 or 1.5+3."""
+    plain = text.upper().replace("D", "E")
+    return float(plain if "E" in plain else _SHORT.sub(r"E\1", plain))
+
+
 def completed(rows: Any, columns: Any, values: Any, n: int) -> Any:
     """A symmetric matrix from its entries, of which the file may hold one triangle only."""
     from scipy.sparse import coo_array
@@ -37,11 +55,8 @@ def completed(rows: Any, columns: Any, values: Any, n: int) -> Any:
     values = np.asarray(values, dtype=np.float64)
     beside = rows != columns
     if not ((rows > columns).any() and (rows < columns).any()):
-        rows, columns, values = (
-            np.concatenate([rows, columns[beside]]),
-            np.concatenate([columns, rows[beside]]),
-            np.concatenate([values, values[beside]]),
-        )
+        rows, columns = np.append(rows, columns[beside]), np.append(columns, rows[beside])
+        values = np.append(values, values[beside])
     return coo_array((values, (rows, columns)), shape=(n, n))
 
 
@@ -53,9 +68,9 @@ def by_points(
         unsuitable(file, "without an entry", "a matrix", "Export it again.")
     found = sorted(set(points or ()) | {p for row, column, _ in entries for p in (row, column)})
     number = {point: nth for nth, point in enumerate(found)}
-    rows = [number[row] for row, _, _ in entries]
-    columns = [number[column] for _, column, _ in entries]
-    values = [value for _, _, value in entries]
+    rows, columns, values = zip(
+        *((number[row], number[column], v) for row, column, v in entries), strict=True
+    )
     return Labelled(completed(rows, columns, values, len(found)), tuple(found))
 
 
@@ -63,7 +78,6 @@ def by_points(
 #
 # Written as matrix input (with a line ``*MATRIX``) or as labels. A dof with a boundary condition has 1e36 on
 # its diagonal: it is left out, with a warning.
-
 
 #: What stands on the diagonal of a dof with a boundary condition.
 _FIXED = 1e35
@@ -89,12 +103,8 @@ def read_abaqus(file: Path) -> dict[str, Labelled]:
             node, dof, other, other_dof, value = line.split(",")
             entries.append(((int(node), int(dof)), (int(other), int(other_dof)), float(value)))
         except ValueError:
-            unsuitable(
-                file,
-                f"with the line {number}: {line.strip()[:40]!r}",
-                "node, dof, node, dof, value",
-                "Export it again with FORMAT=MATRIX INPUT or LABELS.",
-            )
+            found, wanted = f"with the line {number}: {line.strip()[:40]!r}", "node, dof, node, dof, value"
+            unsuitable(file, found, wanted, "Export it again with FORMAT=MATRIX INPUT or LABELS.")
     fixed = {row for row, column, value in entries if row == column and value >= _FIXED}
     if fixed:
         first = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5])
@@ -116,12 +126,8 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 
     arrays = read_archive(file)
     if "format" not in arrays or "shape" not in arrays:
-        unsuitable(
-            file,
-            f"with the arrays {', '.join(arrays)}",
-            "a file of scipy.sparse.save_npz",
-            "Save it by scipy.sparse.save_npz.",
-        )
+        found = f"with the arrays {', '.join(arrays)}"
+        unsuitable(file, found, "a file of scipy.sparse.save_npz", "Save it by scipy.sparse.save_npz.")
     return {file.stem: Labelled(load_npz(file))}
 
 
@@ -130,7 +136,6 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 # The first card of a matrix tells its form (6 is symmetric, one triangle given) and type (1 and 2 are real);
 # each other card is a column: grid and component, then grid, component and value of its entries. Fields are 8
 # wide, 16 where the first ends in ``*``, or divided by commas.
-
 
 _WANTED = "a punch file or bulk data with DMIG cards of real matrices"
 _SHORT = re.compile(r"(?<=[\d.])([+-]\d+)$")
@@ -154,20 +159,13 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
             own = entries.setdefault(name, [])
             for i in range(5, len(fields) - 2, 4):
                 if fields[i]:
-                    own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _number(fields[i + 2])))
+                    own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _fortran(fields[i + 2])))
         except (ValueError, IndexError) as exc:
-            unsuitable(
-                file, f"with the card in line {line} that cannot be read ({exc})", _WANTED, "Correct it."
-            )
+            found = f"with the card in line {line} that cannot be read ({exc})"
+            unsuitable(file, found, _WANTED, "Correct it.")
     if not entries:
         unsuitable(file, "without a DMIG card", _WANTED, "Export with PARAM,EXTOUT,DMIGPCH.")
     return {name: by_points(file, own, columns[name]) for name, own in entries.items()}
-
-
-def _number(text: str) -> float:
-    """1.5, 1.5E+3, 1.5D+3 or 1.5+3."""
-    plain = text.upper().replace("D", "E")
-    return float(plain if "E" in plain else _SHORT.sub(r"E\1", plain))
 
 
 def _cards(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
@@ -204,7 +202,6 @@ def _fields(line: str) -> list[str]:
 
 # -- Stiffness and mass of an ANSYS ``.full`` file, read by ansys-mapdl-reader in a child process
 
-
 _WANTED_FULL = "a .full file with matrices, written by WRFULL"
 
 
@@ -216,12 +213,8 @@ def read_full(file: Path) -> dict[str, Labelled]:
     points = arrays["points"]
     rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
     if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
-        unsuitable(
-            file,
-            f"with entries beyond its {len(points)} dofs",
-            _WANTED_FULL,
-            "It was damaged: write it again.",
-        )
+        found = f"with entries beyond its {len(points)} dofs"
+        unsuitable(file, found, _WANTED_FULL, "It was damaged: write it again.")
     # Dofs with constraints are there, without an entry.
     kept = np.flatnonzero(np.isin(np.arange(len(points)), [*rows[0], *rows[1]]))
     # The directions of ANSYS count from 0: UX, UY, UZ, ROTX, ROTY, ROTZ.
@@ -252,7 +245,6 @@ def matrices_of_full(path: str, request: dict[str, Any]) -> Answer:
 # side follows; then the pointers to columns, the rows and the values, each in a form of Fortran. Reference:
 # I. S. Duff, R. G. Grimes, J. G. Lewis, ACM Trans. Math. Softw. 15 (1989) 1-14.
 
-
 _WANTED_HARWELL_BOEING = "a real assembled square matrix in the Harwell-Boeing form (RSA or RUA)"
 _FORM = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
 
@@ -278,12 +270,8 @@ def read_harwell_boeing(file: Path) -> dict[str, Labelled]:
             raise ValueError("pointers or rows out of range")
         columns = np.repeat(np.arange(n), np.diff(pointers))
     except (ValueError, IndexError) as exc:
-        unsuitable(
-            file,
-            f"which is cut, damaged or of another kind ({exc})",
-            _WANTED_HARWELL_BOEING,
-            "Export it again.",
-        )
+        found = f"which is cut, damaged or of another kind ({exc})"
+        unsuitable(file, found, _WANTED_HARWELL_BOEING, "Export it again.")
     return {file.stem: Labelled(completed(rows, columns, values, n))}
 
 
@@ -299,7 +287,7 @@ def _numbers(lines: list[str], form: str, count: int) -> np.ndarray:
     parts = apart if len(apart) == count else [part for part in touching if part.strip()]
     if len(parts) != count:
         raise ValueError(f"{len(parts)} of {count} numbers")
-    return np.array([float(part.upper().replace("D", "E")) for part in parts])
+    return np.array(list(map(_fortran, parts)))
 
 
 # -- Matrix Market files, read here and not by SciPy, whose reader ends the process at some damaged ones
@@ -325,90 +313,74 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
     lines = [line for line in text.splitlines() if line.strip()]
     numbers = [line for line in lines if not line.startswith(b"%")]
     if not lines or not lines[0].lower().startswith(b"%%matrixmarket") or not numbers:
-        unsuitable(
-            file,
-            "which is cut in its head or of another kind",
-            wanted,
-            "Export it again as MatrixMarket, .mtx.",
-        )
+        found = "which is cut in its head or of another kind"
+        unsuitable(file, found, wanted, "Export it again as MatrixMarket, .mtx.")
     try:
-        head, stated = _head(lines[0].lower().split(), numbers[0].split())
+        form, kind, symmetry, n, stated = _head(lines[0].lower().split(), numbers[0].split())
     except ValueError:
-        unsuitable(
-            file, f"with the sizes {numbers[0]!r}", wanted, "Export it again: the matrix must be square."
-        )
+        got = f"with the sizes {numbers[0]!r}"
+        unsuitable(file, got, wanted, "Export it again: the matrix must be square.")
     if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
         end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
         unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
-    entry = _entry(head[0].split())
+    places, width = 2 * (form == b"coordinate"), {b"pattern": 0, b"complex": 2}.get(kind, 1)
+    number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
+    blank, fields = rb"[ \t\r]*", rb"[ \t]+".join([number] * (places + width))
+    entry = re.compile(blank + fields + blank, re.IGNORECASE)
     wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
     if wrong is not None:
         unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
     try:
-        whole = _matrix(head, b"\n".join(numbers[1:]).decode("ascii"))
+        table = np.array(b" ".join(numbers[1:]).split(), dtype=np.float64).reshape(-1, places + width)
+        whole = _matrix(table[:, :places], table[:, places:], symmetry, n)
     except (ValueError, OverflowError, MemoryError) as exc:
-        unsuitable(
-            file,
-            f"which cannot be read ({brief(exc)})",
-            wanted,
-            "Export it again, as real numbers in MatrixMarket format.",
-        )
+        found = f"which cannot be read ({brief(exc)})"
+        unsuitable(file, found, wanted, "Export it again, as real numbers in MatrixMarket format.")
     return {file.stem: Labelled(whole)}
 
 
-def _matrix(head: Sequence[bytes], entries: str) -> Any:
-    """The matrix of entries that were counted and looked at, the other triangle filled in."""
-    _, _, form, field, symmetry = head[0].lower().split()
-    n = int(head[1].split()[0])
-    numbers = np.array(entries.split(), dtype=np.float64)
-    width = {b"pattern": 0, b"complex": 2}.get(field, 1)
-    table = numbers.reshape(-1, width + 2 * (form == b"coordinate"))
-    at, parts = table[:, : table.shape[1] - width], table[:, table.shape[1] - width :]
-    values: Any = parts[:, 0] + 1j * parts[:, 1] if width == 2 else parts[:, 0] if width else np.ones(len(at))
-    if form == b"coordinate":
-        rows, columns = (at.astype(np.int64) - 1).T
-        if at.size and (at.min() < 1 or at.max() > n or (at != np.round(at)).any()):
-            raise ValueError("a row or column outside of the matrix")
-    elif symmetry == b"general":
-        columns, rows = np.divmod(np.arange(n * n), n)
-    else:
-        skew = int(symmetry == b"skew-symmetric")
-        columns, rows = np.triu_indices(n, skew)  # lower triangle, column by column
-    if symmetry != b"general":
-        below = rows != columns
-        other = {b"skew-symmetric": -values, b"hermitian": np.conj(values)}.get(symmetry, values)[below]
-        rows, columns = np.append(rows, columns[below]), np.append(columns, rows[below])
-        values = np.append(values, other)
-    from scipy.sparse import coo_array
-
-    whole = coo_array((values, (rows, columns)), shape=(n, n))
-    return whole if form == b"coordinate" else whole.toarray()
-
-
-def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[list[bytes], int]:
-    """Both lines of the head, and the entries that they state; ValueError for any other head."""
+def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes, bytes, int, int]:
+    """Form, kind of numbers, symmetry, rows, and entries that are stated; ValueError for any other head."""
     if len(words) != 5 or words[1] != b"matrix":
         raise ValueError("unknown head")
-    if len(sizes) != {b"coordinate": 3, b"array": 2}.get(words[2]) or not all(map(bytes.isdigit, sizes)):
+    _, _, form, kind, symmetry = words
+    if len(sizes) != {b"coordinate": 3, b"array": 2}.get(form) or not all(map(bytes.isdigit, sizes)):
         raise ValueError("no sizes")
     n, columns, *entries = map(int, sizes)
     if n != columns or not 0 < n < 2**31:
         raise ValueError("not square")
     half = n * (n + 1) // 2
     stored = {b"general": n * n, b"symmetric": half, b"hermitian": half, b"skew-symmetric": half - n}
-    if words[4] not in stored or words[3] not in (b"real", b"integer", b"double", b"pattern", b"complex"):
+    if symmetry not in stored or kind not in (b"real", b"integer", b"double", b"pattern", b"complex"):
         raise ValueError("unknown symmetry or kind of numbers")
-    if words[2] == b"array" and words[3] == b"pattern":
+    if form == b"array" and kind == b"pattern":
         raise ValueError("a pattern without places")
-    lines = [b" ".join([b"%%MatrixMarket", *words[1:]]), b" ".join(sizes)]
-    return lines, entries[0] if entries else stored[words[4]]
+    return form, kind, symmetry, n, entries[0] if entries else stored[symmetry]
 
 
-def _entry(words: Sequence[bytes]) -> re.Pattern[bytes]:
-    """A line of numbers."""
-    places = 2 * (words[2] == b"coordinate") + {b"pattern": 0, b"complex": 2}.get(words[3], 1)
-    number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
-    return re.compile(rb"[ \t\r]*" + rb"[ \t]+".join([number] * places) + rb"[ \t\r]*", re.IGNORECASE)
+def _matrix(at: NDArray[Any], parts: NDArray[Any], symmetry: bytes, n: int) -> Any:
+    """The matrix of entries at places, or of all of them in order; the other triangle is filled in."""
+    from scipy.sparse import coo_array
+
+    values: Any = np.ones(len(at)) if not parts.size else parts[:, 0]
+    if parts.shape[1] == 2:
+        values = parts[:, 0] + 1j * parts[:, 1]
+    sparse = at.shape[1] == 2
+    if sparse:
+        rows, columns = (at.astype(np.int64) - 1).T
+        if at.size and (at.min() < 1 or at.max() > n or (at != np.round(at)).any()):
+            raise ValueError("a row or column outside of the matrix")
+    elif symmetry == b"general":
+        columns, rows = np.divmod(np.arange(n * n), n)
+    else:  # lower triangle, column by column
+        columns, rows = np.triu_indices(n, int(symmetry == b"skew-symmetric"))
+    if symmetry != b"general":
+        below = rows != columns
+        other = {b"skew-symmetric": -values, b"hermitian": np.conj(values)}.get(symmetry, values)[below]
+        rows, columns = np.append(rows, columns[below]), np.append(columns, rows[below])
+        values = np.append(values, other)
+    whole = coo_array((values, (rows, columns)), shape=(n, n))
+    return whole if sparse else whole.toarray()
 
 
 # -- Matrices that Nastran's OUTPUT4 writes: text or binary, dense or sparse, of single or double precision
@@ -417,7 +389,6 @@ def _entry(words: Sequence[bytes]) -> re.Pattern[bytes]:
 # number, its first row or 0 where it is made of strings, and the count of words that follow. A string is a
 # run of rows: its length and first row are two words where the header's rows are negative, else packed into
 # one as row + 65536 (length + 1).
-
 
 _WANTED_OP4 = "a whole file of OUTPUT4, of real matrices"
 _CUT = "Export it again; complex matrices have no place in an undamped model."
@@ -494,7 +465,7 @@ def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
             values: list[float] = []
             while at < len(lines) and not _whole(lines[at].split()):
                 line = lines[at].rstrip()
-                values += [_number_op4(line[i : i + width]) for i in range(0, len(line), width)]
+                values += [_fortran(line[i : i + width]) for i in range(0, len(line), width)]
                 at += 1
             if not values:
                 raise ValueError(f"no values above line {at + 1}")
@@ -504,10 +475,6 @@ def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
 
 def _whole(words: list[str]) -> bool:
     return bool(words) and all(word.lstrip("-").isdigit() for word in words)
-
-
-def _number_op4(text: str) -> float:
-    return float(text.replace("D", "E").replace("d", "e"))
 
 
 def _binary(content: bytes) -> Iterator[tuple[str, int, int, list[Run]]]:
@@ -559,3 +526,268 @@ def _records(content: bytes, order: str) -> Iterator[bytes]:
             raise ValueError(f"the record at byte {at} does not end as it begins")
         yield content[at + 4 : end]
         at = end + 4
+
+
+# -- Matrices in the files of finite-element programs: a reader for each format, chosen by the ending
+
+_READERS: dict[str, Callable[[Path], dict[str, Labelled]]] = {
+    ".npz": read_sparse_npz,
+    **dict.fromkeys((".mtx", ".mtx.gz", ".mm"), read_matrix_market),
+    ".op4": read_op4,
+    **dict.fromkeys((".pch", ".bdf", ".dmig"), read_dmig),
+    ".full": read_full,
+    **dict.fromkeys((".rsa", ".rua", ".hb"), read_harwell_boeing),
+}
+
+
+def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
+    """All matrices of a file, by name."""
+    file = existing_file(path)
+    ending = next((e for e in _READERS if file.name.lower().endswith(e)), None)
+    if ending is None:
+        remedy = "Export the matrix in one of these formats, or pass it as a scipy.sparse array."
+        reject(name, repr(str(file)), "a file that ends in " + ", ".join(_READERS) + ", or a matrix", remedy)
+    if ending == ".mtx" and not is_matrix_market(file) and is_abaqus(file):
+        return read_abaqus(file)
+    return _READERS[ending](file)
+
+
+def choose(name: str, path: PathLike, letter: str) -> Labelled:
+    """The only matrix of a file, or the only one whose name begins with ``letter``."""
+    found = matrices_in(name, path)
+    own = list(found) if len(found) == 1 else [each for each in found if each.upper().startswith(letter)]
+    if len(own) != 1:
+        got = f"{str(path)!r} with the matrices {', '.join(found)}"
+        wanted = f"a file with one matrix, or with one whose name begins with {letter}"
+        reject(name, got, wanted, "Write the matrices into files of their own.")
+    return found[own[0]]
+
+
+FORMAT, VERSION = "antires_rs.matrices", 2
+#: Files that may hold stiffness and mass, by their names: K... and M...
+_OF_BOTH = (".op4", ".pch", ".bdf", ".dmig", ".full")
+
+
+def read_matrices(
+    stiffness: Any,
+    mass: Any = None,
+    *,
+    stiffness_terms: Iterable[Any] = (),
+    mass_terms: Iterable[Any] = (),
+    constraints: Any = None,
+    keep: Iterable[int | str] = (),
+    dofs: Any = None,
+) -> MatrixModel:
+    """A model from matrices in files.
+
+    Parameters
+    ----------
+    stiffness, mass : path-like, array_like or scipy.sparse
+        Files, by their endings: Matrix Market (``.mtx``, ``.mtx.gz``), ``scipy.sparse.save_npz`` (``.npz``),
+        Nastran's OUTPUT4 (``.op4``) and DMIG cards (``.pch``, ``.bdf``), Abaqus's ``*MATRIX OUTPUT``
+        (``.mtx``), Harwell-Boeing (``.rsa``, ``.rua``, ``.hb``), ANSYS (``.full``, extra ``ansys``); or the
+        matrices themselves. Without ``mass``, a file of :func:`write_matrices`, or one that holds both: of
+        ANSYS, or of Nastran with one name that begins with K and one with M.
+    stiffness_terms, mass_terms : sequence of the same
+        Contribution of each element or group that a parameter may scale.
+    constraints, keep, dofs : optional
+        As of :class:`MatrixModel`. ``dofs`` may be a file for :func:`~antires_rs.io.read_dof_map`;
+        by default the names that a file of matrices gives its rows (DMIG cards, Abaqus, ANSYS).
+
+    Returns
+    -------
+    MatrixModel
+
+    Raises
+    ------
+    UnsuitableDataError
+        A file that is cut, damaged or of another kind.
+    InvalidInputError
+        Matrices that are not square and symmetric, or of different sizes.
+    FileNotFoundError
+        There is none.
+
+    Notes
+    -----
+    See docs/recipes for Nastran (op2, op4), ANSYS, scikit-fem and OpenSees.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, antires_rs as ar
+    >>> from scipy.io import mmwrite
+    >>> spring = 500.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     mmwrite(folder + "/K.mtx", spring, symmetry="symmetric")
+    ...     ar.read_matrices(folder + "/K.mtx", np.eye(2), stiffness_terms=[folder + "/K.mtx"])
+    MatrixModel(2 dofs, 1 stiffness terms, 0 mass terms)
+    """
+    if mass is None:
+        if not isinstance(stiffness, str | os.PathLike):
+            reject("mass", None, "the mass matrix", "Only files of write_matrices, .op4 and .pch hold both.")
+        if not str(stiffness).lower().endswith(_OF_BOTH):
+            return _own(stiffness)
+        mass = stiffness
+    rows = _labelled("stiffness", stiffness, "K")
+
+    def placed(name: str, given: Any, letter: str) -> Any:
+        return _in_rows_of(name, _labelled(name, given, letter), rows)
+
+    terms = [
+        [placed(part(name, i), term, letter) for i, term in enumerate(each)]
+        for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M"))
+    ]
+    if isinstance(dofs, str | os.PathLike):
+        dofs = read_dof_map(dofs)
+    elif dofs is None and rows.points is not None:
+        dofs = rows.points
+    return MatrixModel(
+        rows.matrix,
+        placed("mass", mass, "M"),
+        stiffness_terms=terms[0],
+        mass_terms=terms[1],
+        constraints=constraints,
+        keep=tuple(keep),
+        dofs=dofs,
+    )
+
+
+def write_matrices(path: PathLike, model: MatrixModel) -> Path:
+    """Write stiffness, mass and terms of a model into one npz file, whole or not at all.
+
+    Parameters
+    ----------
+    path : path-like
+        Replaced if it exists.
+    model : MatrixModel
+        As it was made: not one that came out of an updating, which its result keeps.
+
+    Returns
+    -------
+    pathlib.Path
+
+    Raises
+    ------
+    InvalidInputError
+        Another kind of model, or a folder that does not exist.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, antires_rs as ar
+    >>> spring = 500.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = ar.write_matrices(folder + "/model.npz", ar.MatrixModel(spring, np.eye(2)))
+    ...     ar.read_matrices(file).n_dof
+    2
+    """
+    recipe = model.description.recipe if isinstance(model, MatrixModel) else None
+    if not isinstance(recipe, MatrixRecipe) or model.description.applied:
+        got = "an updated model" if isinstance(model, MatrixModel) else type(model).__name__
+        wanted = "a MatrixModel as it was made"
+        reject("model", got, wanted, "Save the result of an updating with result.save.")
+    store = Store()
+    data = {"format": FORMAT, "version": VERSION, "recipe": encoded(recipe, store)}
+    return write_store(path, data, store)
+
+
+def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str], int]:
+    """Which row of the matrices belongs to which node and direction.
+
+    Parameters
+    ----------
+    path : path-like
+        Text with one line for each row: ``node direction`` in the order of the rows, or ``row node
+        direction`` as in the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1,
+        4.
+        Other lines above the first of these are skipped. Or a file of matrices that names them itself (DMIG
+        cards, Abaqus): the rows of its stiffness, if it holds several.
+    first_row : int
+        Number of the first row in files that number them.
+
+    Returns
+    -------
+    dict of (int, str) to int
+        ``{(node, '+Z'): row}``, rows zero-based: the ``dofs=`` of :func:`~antires_rs.read_uff`.
+
+    Raises
+    ------
+    UnsuitableDataError
+        No such line, a line among them that is cut or damaged, a point or row twice.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "K.mapping")
+    ...     _ = file.write_text("Matrix Eqn  Node  DOF\\n 1 12 UY\\n 2 12 UZ\\n")
+    ...     ar.io.read_dof_map(file)
+    {(12, '+Y'): 0, (12, '+Z'): 1}
+    """
+    file = existing_file(path)
+    if file.name.lower().endswith((".mtx", *_OF_BOTH)):
+        return _own_map(file)
+    wanted = "a line 'node direction' or 'row node direction' for each row"
+    found: dict[tuple[int, str], int] = {}
+    for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
+        parts = line.replace(",", " ").replace(";", " ").split()
+        if not parts or line.lstrip().startswith(("#", "!", "$", "%")):
+            continue
+        code = NAMES.get(parts[-1].upper())
+        whole = len(parts) in (2, 3) and code is not None and all(p.isdigit() for p in parts[:-1])
+        if not whole:
+            if found:
+                unsuitable(file, f"whose line {number} is {line.strip()!r}", wanted, "Correct that line.")
+            continue
+        row = int(parts[0]) - first_row if len(parts) == 3 else len(found)
+        point = (int(parts[-2]), DIRECTIONS[code])  # type: ignore[index]
+        if point in found or row in found.values() or row < 0:
+            got = f"with {point} or row {row + first_row} twice or out of range in line {number}"
+            expected = "each once, rows from first_row on"
+            unsuitable(file, got, expected, "Correct that line of the map, or first_row.")
+        found[point] = row
+    if not found:
+        unsuitable(file, "without such a line", wanted, "Export it with its header.")
+    return found
+
+
+def _own_map(file: Path) -> dict[tuple[int, str], int]:
+    """Of a file of matrices."""
+    found = matrices_in("path", file)
+    points = (next(iter(found.values())) if len(found) == 1 else choose("path", file, "K")).points
+    if points is None:
+        got = "which does not name its rows"
+        wanted = "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row"
+        unsuitable(file, got, wanted, "Write the table of equations beside the matrices.")
+    return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
+
+
+def _own(path: PathLike) -> MatrixModel:
+    file, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
+    if data["version"] == 1:
+        stiffness, mass = data["matrices"]
+        recipe = recipe_1({**data, "stiffness": stiffness, "mass": mass})
+    else:
+        recipe = decoded(data["recipe"], str(file))
+    return MatrixModel.from_description(ModelDescription(recipe, ()))
+
+
+def _labelled(name: str, given: Any, letter: str) -> Labelled:
+    """A matrix, or the one of a file."""
+    return choose(name, given, letter) if isinstance(given, str | os.PathLike) else Labelled(given)
+
+
+def _in_rows_of(name: str, each: Labelled, rows: Labelled) -> Any:
+    """A matrix with the rows of the stiffness: those of a file of another order, or without all of them."""
+    if each.points is None or rows.points is None or each.points == rows.points:
+        return each.matrix
+    from scipy.sparse import coo_array
+
+    number = {point: nth for nth, point in enumerate(rows.points)}
+    unknown = [point for point in each.points if point not in number]
+    if unknown:
+        got = f"entries at node {unknown[0][0]}, component {unknown[0][1]}"
+        wanted = "the nodes and components of the stiffness, or some of them"
+        reject(name, got, wanted, "Export both matrices of one model, after the same constraints.")
+    places = np.array([number[point] for point in each.points])
+    entries = coo_array(each.matrix)
+    shape = (len(number), len(number))
+    return coo_array((entries.data, (places[entries.row], places[entries.col])), shape=shape)
