@@ -8,8 +8,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import antires_rs as ar
-from antires_rs.figures.canvas import COLOURS, picture
+from antires_rs.figures.canvas import dash_of, picture
 from antires_rs.figures.identification import LEAST_PERCENT, LOOKS, plot_damping_clusters, plot_stabilization
+from antires_rs.figures.marks import COLOURS
 from tests.support import four_masses
 
 DRAW = {"stabilization": plot_stabilization, "damping_clusters": plot_damping_clusters}
@@ -36,7 +37,8 @@ def texts(ax):
 
 def verticals(ax, kind):
     """Frequencies of the lines that look as ``kind`` should."""
-    colour, dashes = LOOKS[kind]["color"], ax.axvline(0.0, **LOOKS[kind])
+    colour, dash = LOOKS[kind]
+    dashes = ax.axvline(0.0, ls=dash_of(dash), lw=1.1)
     look = (colour, dashes.get_linestyle(), tuple(dashes._dash_pattern[1] or ()))
     dashes.remove()
     return [
@@ -152,8 +154,8 @@ def test_marks_differ_without_colour(identified, ax, kind):
     DRAW[kind](identified.diagrams[0], ax=ax)
     markers = {line.get_label(): line.get_marker() for line in ax.lines if line.get_marker() != "None"}
     assert len(set(markers.values())) == len(markers)
-    assert len({str(look["ls"]) for look in LOOKS.values()}) == len(LOOKS)
-    assert {look["color"] for look in LOOKS.values()} <= set(COLOURS.values())
+    assert len({str(dash) for _, dash in LOOKS.values()}) == len(LOOKS)
+    assert {colour for colour, _ in LOOKS.values()} <= set(COLOURS.values())
 
 
 def test_the_curve_behind_is_paler_than_every_mark(identified, ax):

@@ -10,8 +10,9 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.figures import report_parts as live
-from antires_rs.figures.live_results import differences_figure
+from antires_rs.figures.live_canvas import explored
 from antires_rs.figures.report import write_report
+from antires_rs.figures.updating import differences
 from tests.support.browser import browser
 from tests.support.four_masses import exact
 
@@ -76,10 +77,9 @@ def test_one_value_far_off_does_not_flatten_the_others():
     before, after = measured * np.linspace(1.02, 1.1, 12), measured * 1.01
     before[3] = 61.7
     table = ar.FrequencyTable(np.arange(12), np.zeros(12, int), measured, before, after)
-    made = differences_figure(table)
+    made = explored(differences(table, ("before", "after")))
     assert 10.0 < made.y_range.end < 20.0
-    marks = [each for each in made.renderers if "label" in getattr(each, "data_source", each).data]
-    assert marks[0].data_source.data["label"] == ["+517 %"]
+    assert ["+517 %"] in [each.data_source.data.get("text") for each in made.renderers]
     figure = pytest.importorskip("matplotlib.figure")
     ax = ar.figures.plot_differences(table, ax=figure.Figure().subplots())
     assert 10.0 < ax.get_ylim()[1] < 20.0

@@ -297,7 +297,7 @@ def test_another_response_is_shown_while_an_answer_is_on_its_way(shown, session)
     said(page, "identified")
     assert (page.input_value("#response"), page.evaluate("state.dof")) == ("2", 2)
     marks = page.evaluate(
-        "[...figures.roots[0].model.references()].find(one => one.name === 'accepted').data.freq"
+        "[...figures.roots[0].model.references()].find(one => one.name === 'accepted').data.x"
     )
     assert np.asarray(list(marks.values() if isinstance(marks, dict) else marks)) == pytest.approx(
         session.zeros[2].tolist(), rel=1e-5

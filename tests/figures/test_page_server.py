@@ -109,7 +109,7 @@ def test_commands_edit_the_set(page, session, identified, tmp_path):
     answer = told(page, "do/drop?shown=1", {"dof": 1, "freq_hz": value, "reason": "mains hum"})
     assert answer["said"] == f"dropped {value:.2f} Hz at dof 1 (mains hum)"
     assert value not in session.zeros[1]
-    assert answer["marks"]["dropped by hand"]["freq"] == [value]
+    assert answer["marks"]["dropped by hand"]["x"] == [value]
     assert answer["unsaved"] is True
     assert told(page, "do/save", {})["unsaved"] is False
     assert ar.AntiresonanceSet.load(tmp_path / "zeros.json") == session.zeros

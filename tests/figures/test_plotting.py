@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 import antires_rs as ar
 from antires_rs import figures as plotting
-from antires_rs.figures.canvas import picture, spread
+from antires_rs.figures.canvas import picture
+from antires_rs.figures.marks import spread
 from tests.support.four_masses import DOFS, SPRINGS, chain, exact
 
 

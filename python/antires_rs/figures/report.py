@@ -29,7 +29,6 @@ from ..support.files import write_atomically
 from ..updating.result import UpdateResult
 from ..watch.monitor import alarm_lines, fault_lines, rate_lines
 from .canvas import picture
-from .live_watch import watched_figure
 from .report_parts import (
     Drawings,
     Facts,
@@ -51,7 +50,7 @@ from .report_parts import (
     script,
     states,
 )
-from .watch import draw_monitor, panels, size_in
+from .watch import draw_monitor, panels, size_in, watched_figure
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
