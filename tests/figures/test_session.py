@@ -32,14 +32,14 @@ def test_undo_and_redo_go_through_all_that_was_done(session, identified):
         session.undo()
         assert session.zeros == zeros
         assert session.zeros.edits == zeros.edits
-    assert not session.can_undo
+    assert not session.past
     assert session.undo() == "nothing to be undone"
     for zeros in seen[1:]:
         session.redo()
         assert session.zeros.edits == zeros.edits
     session.undo()
     session.add(1, 3.3)
-    assert not session.can_redo
+    assert not session.future
 
 
 def test_no_edit_is_lost_by_a_change_of_band(session, identified):
@@ -105,7 +105,7 @@ def test_the_first_identification_makes_the_set(record, identified):
     assert session.now.waits == ("not identified yet",)
     session.identify()
     assert session.zeros[0].tolist() == pytest.approx(identified[0][1:].tolist())
-    assert not session.can_undo
+    assert not session.past
 
 
 def test_a_set_alone_can_be_edited(identified, tmp_path):

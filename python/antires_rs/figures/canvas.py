@@ -13,24 +13,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import MissingDependencyError, reject
 from ..support.checks import FloatArray, frequency_band
-from .marks import (
-    INKS,
-    SCALE,
-    Arrows,
-    Axis,
-    Bands,
-    Bars,
-    Heads,
-    Line,
-    Mark,
-    Panel,
-    Paths,
-    Points,
-    Rules,
-    Ticks,
-    Whiskers,
-    Words,
-)
+from . import marks
 
 Table = dict[str, NDArray[Any]]
 
@@ -80,7 +63,7 @@ def picture(
 # -- A panel drawn into axes
 
 
-def draw(panel: Panel, ax: Any, *, drop_pt: float | None = None, legend: bool = True) -> Any:
+def draw(panel: marks.Panel, ax: Any, *, drop_pt: float | None = None, legend: bool = True) -> Any:
     """Draw a panel; its legend stands ``drop_pt`` points under the axes."""
     draw_marks(ax, panel.marks)
     _set_axis(ax, "x", panel.x)
@@ -103,14 +86,14 @@ def draw(panel: Panel, ax: Any, *, drop_pt: float | None = None, legend: bool = 
     return ax
 
 
-def draw_marks(ax: Any, marks: Sequence[Mark], zorder: float = 2.0) -> None:
+def draw_marks(ax: Any, drawn: Sequence[marks.Mark], zorder: float = 2.0) -> None:
     """Draw marks on each other, from ``zorder`` on."""
-    for nth, mark in enumerate(marks):
+    for nth, mark in enumerate(drawn):
         if mark.only != "page":
             _draw(mark, ax, zorder + 0.05 * nth)
 
 
-def _set_axis(ax: Any, which: str, axis: Axis) -> None:
+def _set_axis(ax: Any, which: str, axis: marks.Axis) -> None:
     ax.set(**{f"{which}label": axis.label})
     if axis.log:
         ax.set(**{f"{which}scale": "log"})
@@ -123,7 +106,7 @@ def _set_axis(ax: Any, which: str, axis: Axis) -> None:
         ax.set(**{f"{which}lim": axis.limits})
 
 
-def _draw_behind(ax: Any, axis: Axis, curve: Line) -> None:
+def _draw_behind(ax: Any, axis: marks.Axis, curve: marks.Line) -> None:
     """On a twin axis, but in the legend of the front one."""
     behind = ax.twinx()
     behind.plot(curve.x, curve.y, color=curve.colour, lw=curve.width)
@@ -141,12 +124,12 @@ def dash_of(dash: Any) -> Any:
 
 
 @singledispatch
-def _draw(mark: Mark, ax: Any, zorder: float) -> None:
+def _draw(mark: marks.Mark, ax: Any, zorder: float) -> None:
     raise TypeError(type(mark).__name__)
 
 
 @_draw.register
-def _points(mark: Points, ax: Any, zorder: float) -> None:
+def _points(mark: marks.Points, ax: Any, zorder: float) -> None:
     look: dict[str, Any] = {"marker": mark.marker, "ms": mark.size, "color": mark.colour, "mew": mark.stroke}
     look |= {} if mark.face is None else {"mfc": mark.face}
     look |= {"ls": dash_of(mark.link), "clip_on": not mark.spill, "zorder": zorder, "label": mark.label}
@@ -157,7 +140,7 @@ def _points(mark: Points, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _line(mark: Line, ax: Any, zorder: float) -> None:
+def _line(mark: marks.Line, ax: Any, zorder: float) -> None:
     look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": mark.label}
     (ax.step if mark.steps else ax.plot)(
         mark.x, mark.y, zorder=zorder, **look, **({"where": "post"} if mark.steps else {})
@@ -165,7 +148,7 @@ def _line(mark: Line, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _bars(mark: Bars, ax: Any, zorder: float) -> None:
+def _bars(mark: marks.Bars, ax: Any, zorder: float) -> None:
     look = {"facecolor": mark.face, "edgecolor": mark.edge, "hatch": mark.hatch, "ls": dash_of(mark.dash)}
     (ax.barh if mark.sideways else ax.bar)(
         mark.at, mark.length, mark.width, linewidth=0.8, zorder=zorder, label=mark.label, **look
@@ -173,7 +156,7 @@ def _bars(mark: Bars, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _ticks(mark: Ticks, ax: Any, zorder: float) -> None:
+def _ticks(mark: marks.Ticks, ax: Any, zorder: float) -> None:
     x, y = np.asarray(mark.x), np.asarray(mark.y)
     ends = (y, x - mark.half, x + mark.half)
     ax.hlines(*ends, color="white", lw=3.0, zorder=zorder - 0.01)
@@ -183,14 +166,14 @@ def _ticks(mark: Ticks, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _whiskers(mark: Whiskers, ax: Any, zorder: float) -> None:
+def _whiskers(mark: marks.Whiskers, ax: Any, zorder: float) -> None:
     half = 0.5 * (np.asarray(mark.high) - mark.low)
     look = {"fmt": "none", "ecolor": "black", "elinewidth": 1.4, "capsize": 5, "capthick": 1.4}
     ax.errorbar(mark.x, mark.low + half, half, zorder=zorder, label=mark.label, **look)
 
 
 @_draw.register
-def _rules(mark: Rules, ax: Any, zorder: float) -> None:
+def _rules(mark: marks.Rules, ax: Any, zorder: float) -> None:
     for nth, at in enumerate(np.atleast_1d(mark.at)):
         label = mark.label if nth == 0 else None
         look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": label}
@@ -198,7 +181,7 @@ def _rules(mark: Rules, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _bands(mark: Bands, ax: Any, zorder: float) -> None:
+def _bands(mark: marks.Bands, ax: Any, zorder: float) -> None:
     look = {"facecolor": mark.face, "edgecolor": "#BFBFBF", "hatch": mark.hatch, "lw": 0.0, "zorder": 0}
     for nth, (low, high) in enumerate(zip(mark.low, mark.high, strict=True)):
         ax.axvspan(low, high, label=mark.label if nth == 0 else f"_{mark.label}", **look)
@@ -214,7 +197,7 @@ _BESIDE = {
 
 
 @_draw.register
-def _words(mark: Words, ax: Any, zorder: float) -> None:
+def _words(mark: marks.Words, ax: Any, zorder: float) -> None:
     way, across, along = _BESIDE[mark.where]
     look = {"fontsize": mark.size, "color": mark.colour, "fontstyle": "italic" if mark.slanted else "normal"}
     look |= {"ha": across, "va": along, "rotation": 90 if mark.turned else 0, "zorder": zorder}
@@ -225,7 +208,7 @@ def _words(mark: Words, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _heads(mark: Heads, ax: Any, zorder: float) -> None:
+def _heads(mark: marks.Heads, ax: Any, zorder: float) -> None:
     look = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center", "va": "bottom"}
     for nth, (x, text) in enumerate(zip(mark.x, mark.texts, strict=True)):
         weight = "bold" if nth < len(mark.bold) and mark.bold[nth] else "normal"
@@ -235,7 +218,7 @@ def _heads(mark: Heads, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _paths(mark: Paths, ax: Any, zorder: float) -> None:
+def _paths(mark: marks.Paths, ax: Any, zorder: float) -> None:
     if mark.values is not None:
         _coloured(ax, mark, zorder)
         return
@@ -252,7 +235,7 @@ def _paths(mark: Paths, ax: Any, zorder: float) -> None:
     ax.plot(*whole, color=mark.colour, zorder=zorder, ls=dash_of(mark.dash), label=mark.label, **look)
 
 
-def _coloured(ax: Any, mark: Paths, zorder: float) -> None:
+def _coloured(ax: Any, mark: marks.Paths, zorder: float) -> None:
     """Elements, each in the colour of its value, with the scale; thin where there is none."""
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
@@ -261,11 +244,11 @@ def _coloured(ax: Any, mark: Paths, zorder: float) -> None:
     known = np.isfinite(values)
     if not known.all():
         rest = [path for path, one in zip(mark.paths, known, strict=True) if not one]
-        look = {"colors": INKS["grey"], "linewidths": 1.2, "label": "without a value"}
+        look = {"colors": marks.INKS["grey"], "linewidths": 1.2, "label": "without a value"}
         ax.add_collection(LineCollection(rest, zorder=zorder, **look))
     # The largest last, so that it lies on top where elements meet.
     order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
-    colours = LinearSegmentedColormap.from_list("loss", SCALE)
+    colours = LinearSegmentedColormap.from_list("loss", marks.SCALE)
     lines = LineCollection([mark.paths[e] for e in order], zorder=zorder, linewidths=mark.width, cmap=colours)
     lines.set_array(values[order])
     ax.add_collection(lines)
@@ -280,7 +263,7 @@ def _coloured(ax: Any, mark: Paths, zorder: float) -> None:
 
 
 @_draw.register
-def _arrows(mark: Arrows, ax: Any, zorder: float) -> None:
+def _arrows(mark: marks.Arrows, ax: Any, zorder: float) -> None:
     look = {"arrowstyle": "-|>", "color": mark.colour, "lw": mark.width, "shrinkA": 0, "shrinkB": 2}
     for tail, head in zip(mark.tails, mark.heads, strict=True):
         ax.annotate("", head, xytext=tail, arrowprops=look, zorder=zorder)

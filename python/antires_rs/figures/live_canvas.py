@@ -17,24 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import MissingDependencyError
-from .marks import (
-    INKS,
-    SCALE,
-    Arrows,
-    Axis,
-    Bands,
-    Bars,
-    Heads,
-    Line,
-    Mark,
-    Panel,
-    Paths,
-    Points,
-    Rules,
-    Ticks,
-    Whiskers,
-    Words,
-)
+from . import marks
 
 #: Ink of text and axes, grid lines.
 INK, GRID = "#222222", "#E3E3E3"
@@ -176,7 +159,7 @@ _HATCHES = {"": " ", "/": "right_diagonal_line", ".": "dot", "x": "cross"}
 
 
 def explored(
-    panel: Panel, *, height: int = 320, x_range: Any = None, side_by_side: int = 2, legend: bool = True
+    panel: marks.Panel, *, height: int = 320, x_range: Any = None, side_by_side: int = 2, legend: bool = True
 ) -> Any:
     """A panel as a figure; ``x_range`` ties it to another one."""
     x, y = panel.x, panel.y
@@ -193,12 +176,12 @@ def explored(
     )
     if panel.behind is not None:
         _draw_behind(fig, *panel.behind)
-    curves = sum(isinstance(mark, Line) and bool(mark.says) for mark in panel.marks)
+    curves = sum(isinstance(mark, marks.Line) and bool(mark.says) for mark in panel.marks)
     for mark in panel.marks:
         if mark.only != "picture":
             drawn = _draw(mark, fig, {} if mark.label is None else {"legend_label": mark.label})
             if mark.says:
-                mode = "vline" if isinstance(mark, Line) and curves == 1 else "mouse"
+                mode = "vline" if isinstance(mark, marks.Line) and curves == 1 else "mouse"
                 hover(fig, drawn, mark.says, mode=mode)
     for axis, of, grid in ((fig.xaxis, x, fig.xgrid), (fig.yaxis, y, fig.ygrid)):
         if of.at is not None or of.names is not None:
@@ -216,7 +199,7 @@ def explored(
     return fig
 
 
-def _draw_behind(fig: Any, axis: Axis, curve: Line) -> None:
+def _draw_behind(fig: Any, axis: marks.Axis, curve: marks.Line) -> None:
     """On a logarithmic axis of its own at the right."""
     from bokeh.models import LogAxis, LogScale, Range1d
 
@@ -237,13 +220,13 @@ def dash_of(dash: Any) -> Any:
 
 
 @singledispatch
-def _draw(mark: Mark, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _draw(mark: marks.Mark, fig: Any, label: dict[str, Any]) -> list[Any]:
     """Draw a mark; what there is to hover over."""
     raise TypeError(type(mark).__name__)
 
 
 @_draw.register
-def _points(mark: Points, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _points(mark: marks.Points, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(x=mark.x, y=mark.y, **mark.more)
     share = 0.8 if mark.marker == "." else 1.0
     look = {"size": share * MARKER_PX * mark.size, "line_color": mark.colour, "line_width": mark.stroke}
@@ -255,7 +238,7 @@ def _points(mark: Points, fig: Any, label: dict[str, Any]) -> list[Any]:
 
 
 @_draw.register
-def _line(mark: Line, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _line(mark: marks.Line, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(x=mark.x, y=mark.y, **mark.more)
     look = {"color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
     if mark.steps:
@@ -264,7 +247,7 @@ def _line(mark: Line, fig: Any, label: dict[str, Any]) -> list[Any]:
 
 
 @_draw.register
-def _bars(mark: Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _bars(mark: marks.Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(x=mark.at, y=mark.length, **mark.more)
     look = {
         "line_color": mark.edge,
@@ -279,21 +262,21 @@ def _bars(mark: Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
 
 
 @_draw.register
-def _ticks(mark: Ticks, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _ticks(mark: marks.Ticks, fig: Any, label: dict[str, Any]) -> list[Any]:
     x = np.asarray(mark.x)
     table = columns(y=mark.y, low=x - mark.half, high=x + mark.half, **mark.more)
     return [fig.segment("low", "y", "high", "y", source=table, color=mark.colour, line_width=2, **label)]
 
 
 @_draw.register
-def _whiskers(mark: Whiskers, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _whiskers(mark: marks.Whiskers, fig: Any, label: dict[str, Any]) -> list[Any]:
     look = {"source": columns(x=mark.x, low=mark.low, high=mark.high), "color": "black", "line_width": 1.6}
     ends = [fig.scatter("x", end, marker="dash", size=13, **look, **label) for end in ("low", "high")]
     return [fig.segment("x", "low", "x", "high", **look, **label), *ends]
 
 
 @_draw.register
-def _rules(mark: Rules, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _rules(mark: marks.Rules, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(at=np.atleast_1d(mark.at), **mark.more)
     look = {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
     if mark.upright:
@@ -302,10 +285,10 @@ def _rules(mark: Rules, fig: Any, label: dict[str, Any]) -> list[Any]:
 
 
 @_draw.register
-def _bands(mark: Bands, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _bands(mark: marks.Bands, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(low=mark.low, high=mark.high, **mark.more)
     look: dict[str, Any] = {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
-    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]], "hatch_color": INKS["pale"], "hatch_scale": 8}
+    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]], "hatch_color": marks.INKS["pale"], "hatch_scale": 8}
     return [fig.vstrip(x0="low", x1="high", source=table, line_alpha=0.0, **look, **label)]
 
 
@@ -319,7 +302,7 @@ _BESIDE = {
 
 
 @_draw.register
-def _words(mark: Words, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _words(mark: marks.Words, fig: Any, label: dict[str, Any]) -> list[Any]:
     (x, y), across, along = _BESIDE[mark.where]
     look = {"x_offset": 1.3 * x * mark.away, "y_offset": 1.3 * y * mark.away, "text_color": mark.colour}
     look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across, "text_baseline": along}
@@ -332,7 +315,7 @@ def _words(mark: Words, fig: Any, label: dict[str, Any]) -> list[Any]:
 
 
 @_draw.register
-def _heads(mark: Heads, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _heads(mark: marks.Heads, fig: Any, label: dict[str, Any]) -> list[Any]:
     edge_labels(fig, columns(x=mark.x, label=list(mark.texts)), text_font_size="10px", text_color="#444444")
     return []
 
@@ -348,7 +331,7 @@ def edge_labels(fig: Any, table: Any, **look: Any) -> None:
 
 
 @_draw.register
-def _paths(mark: Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _paths(mark: marks.Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
     from bokeh.models import ColorBar, LinearColorMapper
 
     table = columns(**mark.more)
@@ -380,14 +363,14 @@ def _paths(mark: Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
 
 def _palette() -> list[str]:
     """The scale of the pictures, in 64 steps."""
-    knots = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in SCALE], dtype=np.float64)
-    at = np.linspace(0.0, len(SCALE) - 1.0, 64)
-    rgb = np.stack([np.interp(at, np.arange(len(SCALE)), knots[:, c]) for c in range(3)], axis=1)
+    knots = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in marks.SCALE], dtype=np.float64)
+    at = np.linspace(0.0, len(marks.SCALE) - 1.0, 64)
+    rgb = np.stack([np.interp(at, np.arange(len(marks.SCALE)), knots[:, c]) for c in range(3)], axis=1)
     return ["#" + "".join(f"{int(round(v)):02X}" for v in each) for each in rgb]
 
 
 @_draw.register
-def _arrows(mark: Arrows, fig: Any, label: dict[str, Any]) -> list[Any]:
+def _arrows(mark: marks.Arrows, fig: Any, label: dict[str, Any]) -> list[Any]:
     from bokeh.models import Arrow, NormalHead
 
     (x0, y0), (x1, y1) = np.transpose(mark.tails), np.transpose(mark.heads)

@@ -11,9 +11,10 @@ from functools import cache
 from typing import Any
 
 from ..exceptions import AntiresError, reject
+from ..signals.repeats import one_source
 from .live_canvas import item, require_bokeh
 from .page_server import Page, in_notebook
-from .page_session import Arguments, Refused, View
+from .page_session import Refused, Session, SetView, View
 
 #: Height of the page in a notebook, in pixels.
 INLINE_PX = 820
@@ -36,7 +37,9 @@ def opened(
     page.start()
     try:
         if inline:
-            _inline(page.url)
+            from IPython.display import IFrame, display
+
+            display(IFrame(page.url, width="100%", height=INLINE_PX))
         else:
             say(f"looking at {title}: {page.url}")
             if browser and not webbrowser.open(page.url):
@@ -65,9 +68,6 @@ def of_set(
 ) -> Page:
     """What :meth:`~antires_rs.AntiresonanceSet.look` does."""
     require_bokeh()
-    from ..signals.repeats import one_source
-    from .page_session import Session, SetView
-
     given = dict(options)
     session = Session(
         zeros,
@@ -79,13 +79,6 @@ def of_set(
     )
     title = f"antiresonances, force at {zeros.excitation}"
     return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)
-
-
-def _inline(url: str) -> None:
-    """The page below the cell of a notebook."""
-    from IPython.display import IFrame, display
-
-    display(IFrame(url, width="100%", height=INLINE_PX))
 
 
 # -- The page of a result: its figures, its answer and its tables; nothing can be changed there
@@ -108,24 +101,14 @@ class Table:
     rows: list[list[str]]
 
 
-class ResultView:
-    """What the server shows of a result.
-
-    Parameters
-    ----------
-    title : str
-    answer : sequence of str
-        Sentences, the first one in large letters.
-    figures : sequence of Drawn
-    tables : sequence of Table
-    """
-
-    slow: frozenset[str] = frozenset()
+class ResultView(View):
+    """A result: its answer, of which the first sentence is large, figures and tables."""
 
     def __init__(
         self, title: str, answer: Sequence[str], figures: Sequence[Drawn], tables: Sequence[Table]
     ) -> None:
-        self.title, self.answer, self.figures, self.tables = title, answer, figures, tables
+        super().__init__(title)
+        self.answer, self.figures, self.tables = answer, figures, tables
         self._item = cache(lambda shown: item(self.figures[shown].make()))
 
     def state(self, shown: int) -> dict[str, Any]:
@@ -142,10 +125,3 @@ class ResultView:
         if not 0 <= shown < len(self.figures):
             reject("shown", shown, f"a figure from 0 to {len(self.figures) - 1}", "Load the page again.")
         return dict(self._item(shown))
-
-    def do(self, command: str, arguments: Arguments) -> str:
-        """Nothing: a result follows from its data and its job."""
-        reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
-
-    def file(self) -> None:
-        """There is nothing to download that the folder of the result does not have."""

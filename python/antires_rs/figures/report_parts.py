@@ -28,18 +28,27 @@ from ..signals.recording import Recording, parts_of
 from ..updating.result import UpdateResult
 from ..updating.tables import ModalTable, signed
 from .canvas import picture
-from .damage import plot_damage, plot_hypotheses
-from .live_canvas import item, script_files
+from .damage import losses, plot_damage, plot_hypotheses, probabilities
+from .live_canvas import FONT, dash_of, explored, item, script_files
 from .live_identification import stabilization_figure
-from .live_results import result_figures
-from .responses import MOST_RESPONSES, plot_responses, plot_transmissibility
-from .structure import plot_chain, plot_frame
-from .updating import plot_convergence, plot_differences
+from .marks import Axis, Line, Panel
+from .responses import (
+    LOOKS,
+    MOST_RESPONSES,
+    curve_names,
+    curves_db,
+    plot_responses,
+    plot_transmissibility,
+    transmissibilities,
+)
+from .structure import chain, frame, plot_chain, plot_frame, seen_points
+from .updating import convergence, differences, plot_convergence, plot_differences
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..measured.modal_set import ModalSet
     from ..signals.frequency_response import FrequencyResponse
+    from ..support.checks import FloatArray
     from ..updating.result import UpdateResult
 
 Facts = dict[str, list[str]]
@@ -381,31 +390,32 @@ def _packed(text: str) -> str:
     return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
 
 
-# -- The pictures of a result, each drawn once, with the sentences that stand under it and in place of it
+# -- The figures of a result, each made once, with the sentences that stand under it and in place of it
 
 
-#: Colours kept: lines and their soft edges need no more, and a third of the bytes is left.
+#: Colours kept of a picture: lines and their soft edges need no more, and a third of the bytes is left.
 COLOURS_KEPT = 128
 #: Pictures and figures together, so that a report stays below 3 MB: diagrams beyond are left out.
 MOST_BYTES = 2_750_000
-
-Draw = Callable[..., Any]
+#: Of a figure to be explored: elements from which on names stand upright, masses that are numbered, width in
+#: points, roughly, and lines of a curve, more than a screen has pixels.
+UPRIGHT, MOST_NUMBERS, WIDE_PT, MOST_LINES = 7, 24, 600.0, 2500
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One picture, drawn when first asked for; what stands under it, and what is read out in its place."""
+    """One figure, made when first asked for; what stands under it, and what is read out in its place."""
 
-    draw: Draw
+    draw: Callable[..., Any]
     size_in: tuple[float, float]
     caption: str
     alt: str
-    explore: Callable[[], Any] | None = None
+    explore: Callable[[], Any]
 
     @cached_property
     def live(self) -> str:
-        """As a figure to be explored, packed; empty where there is none, or nothing that makes it."""
-        return packed(self.explore) if self.explore is not None else ""
+        """To be explored, packed; empty where nothing makes it."""
+        return packed(self.explore)
 
     @cached_property
     def png(self) -> bytes:
@@ -415,12 +425,17 @@ class Figure:
     @cached_property
     def uri(self) -> str:
         """As it stands in a page, in few colours."""
-        return "data:image/png;base64," + b64encode(_small(self.png)).decode("ascii")
+        from PIL import Image  # matplotlib writes PNG with it, so it is there
+
+        few = Image.open(BytesIO(self.png)).convert("RGB").quantize(COLOURS_KEPT, dither=Image.Dither.NONE)
+        file = BytesIO()
+        few.save(file, "PNG", optimize=True)
+        return "data:image/png;base64," + b64encode(file.getvalue()).decode("ascii")
 
 
 @dataclass(frozen=True)
 class Drawings:
-    """All pictures of a result: by name, and the stabilization diagrams by that of their response."""
+    """All figures of a result: by name, and the stabilization diagrams by that of their response."""
 
     figures: Mapping[str, Figure]
     diagrams: Mapping[Any, Figure]
@@ -432,19 +447,38 @@ def drawings_of(
     truth: Mapping[int, float] | None = None,
     diagrams: Mapping[Any, StabilizationDiagram] | None = None,
 ) -> Drawings:
-    """Pictures of a result; ``diagrams`` are by default those that its measured sets carry."""
-    modal = result.problem.objective == "modal"
-    shown = _carried(result) if diagrams is None else diagrams
-    live = cache(partial(result_figures, result, response, truth))
-    figures = _figures(result, response, truth)
-    return Drawings(
-        {name: replace(one, explore=partial(_one_of, live, name)) for name, one in figures.items()},
-        {name: _diagram(name, diagram, modal) for name, diagram in shown.items()},
+    """Figures of a result; ``diagrams`` are by default those that its measured sets carry."""
+    problem, names, table, history = result.problem, states(result), result.table, result.history
+    modal, sets = problem.objective == "modal", problem.measured
+    what = "resonance" if modal else "antiresonance"
+    figures = _damage(result, truth) if isinstance(result, DamageResult) else {}
+    figures |= _model(result)
+    figures["differences"] = Figure(
+        partial(plot_differences, table, names=names),
+        (9.5, 4.6),
+        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
+        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
+        f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
+        f"{names[1]}",
+        lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
     )
-
-
-def _one_of(live: Callable[[], dict[str, Any]], name: str) -> Any:
-    return live().get(name)
+    if response is not None:
+        figures["response"] = _response(result, response, names)
+    if history.cost.size:  # nothing is searched against a baseline
+        figures["convergence"] = Figure(
+            partial(plot_convergence, result),
+            (9.0, 4.2),
+            "The search: best objective of each island.",
+            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
+            f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
+            lambda: explored(convergence(result), height=340),
+        )
+    if diagrams is None and modal:
+        diagrams = {i: each.diagram for i, each in enumerate(sets) if each.diagram is not None}
+    elif diagrams is None:
+        forces = [each.excitation for each in sets]
+        diagrams = named_diagrams([each.diagrams for each in sets], forces, problem.model)
+    return Drawings(figures, {name: _diagram(name, one, modal) for name, one in diagrams.items()})
 
 
 def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure, str]], int]:
@@ -467,103 +501,70 @@ def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure,
     return shown, len(drawn.diagrams) - len(kept)
 
 
-def _carried(result: UpdateResult) -> dict[Any, StabilizationDiagram]:
-    """Diagrams that the measured sets carry, by the name of the response."""
-    problem = result.problem
-    sets = problem.measured
-    if problem.objective == "modal":
-        return {i: each.diagram for i, each in enumerate(sets) if each.diagram is not None}
-    return named_diagrams([each.diagrams for each in sets], [each.excitation for each in sets], problem.model)
-
-
-def _figures(
-    result: UpdateResult, response: FrequencyResponse | None, truth: Mapping[int, float] | None
-) -> dict[str, Figure]:
-    """All pictures but the diagrams, by name."""
-    problem, names = result.problem, states(result)
-    what = "resonance" if problem.objective == "modal" else "antiresonance"
-    figures: dict[str, Figure] = {}
-    if isinstance(result, DamageResult):
-        figures |= _damage(result, truth)
-    drawn = _model_picture(result)
-    if drawn is not None:
-        figures["model"] = Figure(*drawn)
-    table = result.table
-    figures["differences"] = Figure(
-        lambda ax: plot_differences(table, ax=ax, names=names),
-        (9.5, 4.6),
-        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
-        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
-        f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
-        f"{names[1]}",
-    )
-    if response is not None:
-        figures["response"] = _response(result, response, names)
-    history = result.history
-    if history.cost.size:  # nothing is searched against a baseline
-        figures["convergence"] = Figure(
-            partial(plot_convergence, result),
-            (9.0, 4.2),
-            "The search: best objective of each island.",
-            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
-            f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
-        )
-    return figures
-
-
-def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
-    """Measured curves beside those of the models."""
-    model, force = result.problem.model, result.problem.measured[0].excitation
-    if response.kind == "frf":
-        dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
-        shown = dofs[:MOST_RESPONSES]
-        some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
-        return Figure(
-            lambda ax: plot_responses(
-                response, model, result.model, excitation=force, dofs=shown, ax=ax, names=names
-            ),
-            (9.0, 2.0 + 1.2 * len(shown)),
-            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of the dips in the "
-            "models follows from an assumed damping of 1 %.",
-            f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
-        )
-    over = dof_name(model, response.reference)
-    return Figure(
-        lambda ax: plot_transmissibility(
-            response, model, result.model, dof=None, excitation=force, ax=ax, names=names
-        ),
-        (9.0, 4.4),
-        f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
-        "height in the models follows from an assumed damping of 1 %.",
-        f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
-        f"{names[0]} and {names[1]}",
-    )
-
-
 def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
     """Losses by element, and where they were judged the hypotheses."""
     label, judged = result.problem.model.element_label, result.has_baseline
-    width = max(7.0, 0.32 * len(result.x) + 1.5)
     more = ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead"
-    losses = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
+    found = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
+    upright = len(result.elements) > UPRIGHT
     figures = {
         "damage": Figure(
             partial(plot_damage, result, truth=truth),
-            (width, 4.7 if judged else 4.4),
+            (max(7.0, 0.32 * len(result.x) + 1.5), 4.7 if judged else 4.4),
             f"Stiffness loss by element{more if judged else ''}. Ticks: the smallest that would be seen.",
-            "Bar chart: " + (losses or "no damage in any element"),
+            "Bar chart: " + (found or "no damage in any element"),
+            lambda: explored(losses(result, truth, upright), height=400 if upright else 360),
         )
     }
     if judged:
         hypotheses = without_idle(result.assessment).hypotheses
-        rows = min(len(hypotheses), 9)
         figures["hypotheses"] = Figure(
             partial(plot_hypotheses, hypotheses),
-            (8.0, 1.3 + 0.5 * rows),
+            (8.0, 1.3 + 0.5 * min(len(hypotheses), 9)),
             "Probabilities of what may explain the measurement, with losses and their 90 % intervals.",
             "Bar chart of the table above",
+            lambda: explored(probabilities(hypotheses), height=110 + 40 * min(len(hypotheses), 12)),
         )
     return figures
+
+
+def _model(result: UpdateResult) -> dict[str, Figure]:
+    """The model with its losses, sensors and force; none of matrices, which have no shape."""
+    model, first = result.problem.model, result.problem.measured[0]
+    seen = first if isinstance(first, AntiresonanceSet) else None
+    sensors, force = ([], None) if seen is None else (list(seen), seen.excitation)
+    label, loss, caption = "Stiffness loss (%)", None, "The model"
+    if isinstance(result, DamageResult):
+        loss = {e: 100.0 * beta for e, beta in result.severity.items()}
+        caption = "The model with the stiffness losses found"
+    caption += "." if seen is None else "; sensors as arrows, the force as a heavier one."
+    at: dict[str, Any] = {"sensors": sensors, "excitation": force, "label": label}
+    if isinstance(model, MassSpringChain):
+        every = -(-model.n_dof // MOST_NUMBERS)
+        return {
+            "model": Figure(
+                partial(plot_chain, model, loss, **at),
+                (9.0, 2.9),
+                caption,
+                f"Drawing of a chain of {model.n_dof} masses",
+                lambda: explored(chain(model, loss, sensors, force, label, WIDE_PT, every), height=260),
+            )
+        }
+    if not isinstance(model, FrameModel):
+        return {}
+    beams = None if loss is None else {e: beta for e, beta in loss.items() if e < len(model.elements)}
+    extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
+    height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
+    room = np.array([WIDE_PT, 0.7 * height])
+    return {
+        "model": Figure(
+            partial(plot_frame, model, beams, **at),
+            (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6),
+            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
+            f"Drawing of a frame of {len(model.elements)} elements",
+            lambda: explored(frame(model, beams, sensors, force, label, room), height=height),
+        )
+    }
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
@@ -580,42 +581,90 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
     )
 
 
-def _model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str, str] | None:
-    """How to draw the model, its size, caption and alternative; None for matrices, which have no shape."""
-    problem, model = result.problem, result.problem.model
-    first = problem.measured[0]
-    at: dict[str, Any] = {}
-    if isinstance(first, AntiresonanceSet):
-        at = {"sensors": list(first), "excitation": first.excitation}
-    loss = None
-    said = "sensors as arrows, the force as a heavier one"
-    caption = f"The model; {said}." if at else "The model."
-    if isinstance(result, DamageResult):
-        loss = {e: 100.0 * beta for e, beta in result.severity.items()}
-        at |= {"label": "Stiffness loss (%)"}
-        caption = "The model with the stiffness losses found" + (f"; {said}." if "sensors" in at else ".")
-    if isinstance(model, MassSpringChain):
-        return (
-            partial(_drawn, plot_chain, model, loss, at),
-            (9.0, 2.9),
-            caption,
-            f"Drawing of a chain of {model.n_dof} masses",
+def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
+    """Measured curves beside those of the models."""
+    model, after, force = result.problem.model, result.model, result.problem.measured[0].excitation
+    explore = partial(_explored_response, response, model, after, force, names)
+    given: dict[str, Any] = {"excitation": force, "names": names}
+    damping = "in the models follows from an assumed damping of 1 %."
+    if response.kind == "frf":
+        dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
+        shown = dofs[:MOST_RESPONSES]
+        some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
+        return Figure(
+            partial(plot_responses, response, model, after, dofs=shown, **given),
+            (9.0, 2.0 + 1.2 * len(shown)),
+            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}",
+            f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
+            explore,
         )
-    if isinstance(model, FrameModel):
-        beams = None if loss is None else {e: v for e, v in loss.items() if e < len(model.elements)}
-        points = np.ptp(model.nodes_m, axis=0)
-        height = 6.5 if points[1:].max() > 0.6 * points[0] else 4.6
-        return (
-            partial(_drawn, plot_frame, model, beams, at),
-            (9.0, height),
-            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
-            f"Drawing of a frame of {len(model.elements)} elements",
-        )
-    return None
+    over = dof_name(model, response.reference)
+    return Figure(
+        partial(plot_transmissibility, response, model, after, dof=None, **given),
+        (9.0, 4.4),
+        f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
+        f"height {damping}",
+        f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
+        f"{names[0]} and {names[1]}",
+        explore,
+    )
 
 
-def _drawn(plot: Any, model: Any, loss: Any, at: dict[str, Any], ax: Any) -> Any:
-    return plot(model, loss, ax, **at)
+def _explored_response(
+    measured: FrequencyResponse,
+    before: StructuralModel,
+    after: StructuralModel,
+    excitation: int,
+    names: tuple[str, str],
+) -> Any:
+    """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
+    if measured.kind == "transmissibility":
+        panel = transmissibilities(measured, before, after, None, excitation, names=names)
+        # Of lines that share a pixel the peak counts.
+        return explored(replace(panel, marks=[_thinned(mark, np.max) for mark in panel.marks]), height=340)
+    freq, levels = curves_db(measured, (before, after), excitation)
+    called = curve_names(names, both=True)
+    says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
+    marks = []
+    for row in range(len(measured.dofs)):
+        lines = [Line(freq, level[row], **look) for level, look in zip(levels, LOOKS, strict=True)]
+        more = {f"level_{i}": level[row] for i, level in enumerate(levels)}
+        lines[0] = replace(lines[0], says=says, more=more)
+        marks += [_thinned(line, np.min) for line in lines]  # the dip counts
+    x, y = Axis("Frequency (Hz)", (freq[0], freq[-1])), Axis("FRF (dB re unit of the data)")
+    fig = explored(Panel("response", x, y, marks), height=380)
+    drawn = [fig.renderers[3 * row : 3 * row + 3] for row in range(len(measured.dofs))]
+    for line in fig.renderers[3:]:
+        line.visible = False
+    samples = [fig.line([np.nan], [np.nan], **_look(one)) for one in marks[:3]]
+    _legend(fig, dict(zip(called, ([one] for one in samples), strict=True)), ncols=2)
+    by_dof = dict(zip(map(before.dof_label, measured.dofs), drawn, strict=True))
+    _legend(fig, by_dof, ncols=4, click_policy="hide", title="click to show or hide")
+    return fig
+
+
+def _thinned(line: Any, how: Any) -> Any:
+    """A line of no more points than can be seen, the one that counts of those that share a pixel."""
+    step = max(1, -(-len(line.x) // MOST_LINES))
+
+    def few(values: FloatArray, how: Any) -> FloatArray:
+        return np.asarray(how(values[: len(values) // step * step].reshape(-1, step), axis=1))
+
+    more = {name: few(column, how) for name, column in line.more.items()}
+    return replace(line, x=few(line.x, np.mean), y=few(line.y, how), more=more)
+
+
+def _look(line: Any) -> dict[str, Any]:
+    return {"color": line.colour, "line_dash": dash_of(line.dash), "line_width": line.width}
+
+
+def _legend(fig: Any, entries: Mapping[str, list[Any]], **look: Any) -> None:
+    """A legend whose entries stand for several lines each."""
+    from bokeh.models import Legend, LegendItem
+
+    items = [LegendItem(label=name, renderers=lines) for name, lines in entries.items()]
+    look |= {"border_line_color": None, "padding": 0, "margin": 0, "spacing": 10, "location": "left"}
+    fig.add_layout(Legend(items=items, label_text_font=FONT, label_text_font_size="12px", **look), "below")
 
 
 def states(result: UpdateResult) -> tuple[str, str]:
@@ -630,16 +679,6 @@ def states(result: UpdateResult) -> tuple[str, str]:
 def largest(percent: float) -> str:
     """The largest difference in words."""
     return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
-
-
-def _small(png: bytes) -> bytes:
-    """The same picture in few colours."""
-    from PIL import Image  # matplotlib writes PNG with it, so it is there
-
-    few = Image.open(BytesIO(png)).convert("RGB").quantize(COLOURS_KEPT, dither=Image.Dither.NONE)
-    file = BytesIO()
-    few.save(file, "PNG", optimize=True)
-    return file.getvalue()
 
 
 # -- The tables of a report, cell by cell
