@@ -28,21 +28,18 @@ MOST_VISIBLE = 25.0
 def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
     """Draw the stiffness loss of each candidate element in %, with what could have been seen.
 
+    One bar an element. The ticks across are ``result.detectable``: damage below would come out as none; a
+    triangle at the upper edge gives those that lie above the axis. A hatched background marks elements
+    whose damage no value could show. Against a baseline bars have their 90 % intervals, the row above
+    them is the probability of each element, and empty bars are losses of elements that may be the damaged
+    ones instead.
+
     Parameters
     ----------
     result : DamageResult
         From :func:`~antires_rs.assess_damage`.
     truth : mapping of int to float, optional
         True loss by zero-based element, where it is known; drawn as diamonds.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        One bar an element. The ticks across are ``result.detectable``: damage below would come out as none; a
-        triangle at the upper edge gives those that lie above the axis. A hatched background marks elements
-        whose damage no value could show. Against a baseline bars have their 90 % intervals, the row above
-        them is the probability of each element, and empty bars are losses of elements that may be the damaged
-        ones instead.
 
     Raises
     ------
@@ -305,6 +302,9 @@ _LEAST_ROWS, _WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
 def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> Any:
     """Draw the probabilities of hypotheses of damage, the most probable on top.
 
+    One bar a hypothesis, with its stiffness losses and their 90 % intervals, each in %, under its name.
+    Blue bars are damage of candidates, white ones no damage, hatched ones what none of them explains.
+
     Parameters
     ----------
     hypotheses : Hypotheses
@@ -312,12 +312,6 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
     most : int
         Hypotheses with a bar of their own at most: the first three, and those above 0.005. The others share
         one.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        One bar a hypothesis, with its stiffness losses and their 90 % intervals, each in %, under its name.
-        Blue bars are damage of candidates, white ones no damage, hatched ones what none of them explains.
 
     Raises
     ------

@@ -200,11 +200,8 @@ def plot_damping_clusters(
 
     Parameters
     ----------
-    diagram : StabilizationDiagram
-        From :func:`~antires_rs.stabilization`, or ``AntiresonanceSet.diagrams[dof]``.
-    dropped, added : sequence of float, optional
-        Values in Hz that were taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows
-        them.
+    diagram, dropped, added
+        As in :func:`plot_stabilization`.
 
     Notes
     -----

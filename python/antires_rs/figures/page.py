@@ -8,13 +8,16 @@ import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..exceptions import AntiresError, reject
 from ..signals.repeats import one_source
 from .live_canvas import item, require_bokeh
 from .page_server import Page, in_notebook
 from .page_session import Refused, Session, SetView, View
+
+if TYPE_CHECKING:
+    from .report_parts import Figure
 
 #: Height of the page in a notebook, in pixels.
 INLINE_PX = 820
@@ -85,14 +88,6 @@ def of_set(
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """A figure, made when it is asked for, and what stands under it."""
-
-    make: Callable[[], Any]
-    caption: str
-
-
-@dataclass(frozen=True)
 class Table:
     """Heads and rows as text; heads with a unit are those of numbers."""
 
@@ -105,11 +100,11 @@ class ResultView(View):
     """A result: its answer, of which the first sentence is large, figures and tables."""
 
     def __init__(
-        self, title: str, answer: Sequence[str], figures: Sequence[Drawn], tables: Sequence[Table]
+        self, title: str, answer: Sequence[str], figures: Sequence[Figure], tables: Sequence[Table]
     ) -> None:
         super().__init__(title)
         self.answer, self.figures, self.tables = answer, figures, tables
-        self._item = cache(lambda shown: item(self.figures[shown].make()))
+        self._item = cache(lambda shown: item(self.figures[shown].explore()))
 
     def state(self, shown: int) -> dict[str, Any]:
         """Everything but the figures."""

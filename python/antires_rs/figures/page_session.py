@@ -336,13 +336,8 @@ class Session:
                 band_hz = self.source.whole_band if diagram is None else diagram.band_hz
             band_hz = _inside(self.source, band_hz)
         asked = asked_of(zeros)
-        self.now = Sight(
-            zeros,
-            asked,
-            (None,) * len(asked),
-            None if band_hz is None else (band_hz[0], band_hz[1]),
-            max_order,
-        )
+        band = None if band_hz is None else (band_hz[0], band_hz[1])
+        self.now = Sight(zeros, asked, (None,) * len(asked), band, max_order)
         #: What undo and redo go to.
         self.past: list[Sight] = []
         self.future: list[Sight] = []
@@ -356,16 +351,6 @@ class Session:
     def zeros(self) -> AntiresonanceSet:
         """The set as it is now."""
         return self.now.zeros
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is something to undo."""
-        return bool(self.past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is something to do again."""
-        return bool(self.future)
 
     @property
     def unsaved(self) -> bool:

@@ -20,17 +20,14 @@ _NARROW = 30.0
 def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     """Draw the smallest stiffness loss that each element must have to be seen, in %.
 
+    Filled circles: with the planned sensors; open squares: with a sensor on every candidate. A hatched
+    background marks elements whose damage the planned sensors do not show. Of parameters: standard
+    deviations after the test in % of those before.
+
     Parameters
     ----------
     plan : SensorPlan
         From :func:`~antires_rs.plan_test`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Filled circles: with the planned sensors; open squares: with a sensor on every candidate. A hatched
-        background marks elements whose damage the planned sensors do not show. Of parameters: standard
-        deviations after the test in % of those before.
 
     Examples
     --------
@@ -99,16 +96,13 @@ _REACHED = 0.995
 def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     """Draw the probability of detection of each element against its stiffness loss, both in %.
 
+    A curve an element; of more than seven, all in grey but those that are seen best, worst and in
+    between. Simulated tests are ticks, above the curves where the damage was found, below where not.
+
     Parameters
     ----------
     curves : DetectionCurves
         From :func:`~antires_rs.detectability`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        A curve an element; of more than seven, all in grey but those that are seen best, worst and in
-        between. Simulated tests are ticks, above the curves where the damage was found, below where not.
 
     Examples
     --------

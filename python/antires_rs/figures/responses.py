@@ -43,6 +43,10 @@ def plot_responses(
 ) -> Any:
     """Draw ``abs(H_ik)`` in dB, as measured and as the models have it; antiresonances are the dips.
 
+    Responses one above the other, the first on top, shifted so that they do not overlap; lines across
+    are 20 dB apart. Whether acceleration, velocity or displacement was measured, and in which unit, is
+    taken from what fits the model's curves best.
+
     Parameters
     ----------
     measured : FrequencyResponse
@@ -56,18 +60,12 @@ def plot_responses(
     dofs : sequence of int, optional
         Responses drawn, each with a level of its own; by default the first six.
     damping_ratio : float or array_like, (n_modes,)
-        Modal damping of the models, which sets the depth of the dips, not their place.
+        Modal damping of the models, which an updating does not find. It sets the depth of dips and the height
+        of peaks, not their place.
     band_hz : (low, high), optional
         Lines drawn; all of the data by default.
     names : (str, str)
         What the two models are called.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Responses one above the other, the first on top, shifted so that they do not overlap; lines across
-        are 20 dB apart. Whether acceleration, velocity or displacement was measured, and in which unit, is
-        taken from what fits the model's curves best.
 
     Raises
     ------
@@ -187,21 +185,10 @@ def plot_transmissibility(
     ----------
     measured : FrequencyResponse
         Of ``kind="transmissibility"``, its dofs being dofs of the models.
-    before : MassSpringChain or MatrixModel
-        The nominal model.
-    after : MassSpringChain or MatrixModel, optional
-        The updated model.
     dof : int or None
         Response p; None draws the sum over all of them (:func:`~antires_rs.transmissibility_sum`).
-    excitation : int
-        Dof of the force in the models.
-    damping_ratio : float or array_like, (n_modes,)
-        Modal damping of the models, which an updating of stiffness and mass does not find. It sets the
-        height of the peaks, not their place.
-    band_hz : (low, high), optional
-        Lines drawn; all of the data by default.
-    names : (str, str)
-        What the two models are called.
+    before, after, excitation, damping_ratio, band_hz, names
+        As in :func:`plot_responses`.
 
     Raises
     ------

@@ -22,15 +22,12 @@ MOST_LABELS = 64
 def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     """Draw the differences in % with 90 % intervals, response by response.
 
+    Filled: changed at the rate of false alarms of the comparison; open: not.
+
     Parameters
     ----------
     compared : Comparison
         Made by :func:`~antires_rs.compare`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Filled: changed at the rate of false alarms of the comparison; open: not.
 
     Examples
     --------
@@ -96,6 +93,8 @@ ROOM = 60
 def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
     """Draw the antiresonances of one response over the tests.
 
+    A line a track with its standard deviations, over numbers as conditions to scale, over texts evenly.
+
     Parameters
     ----------
     tracks : Tracks
@@ -104,11 +103,6 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
         The response; by default the first that has any antiresonance.
     kind : {"change", "frequency"}
         Change since the first test of each in %, or the frequencies in Hz.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        A line a track with its standard deviations, over numbers as conditions to scale, over texts evenly.
 
     Raises
     ------

@@ -63,6 +63,8 @@ def plot_chain(
 ) -> Any:
     """Draw a chain with its springs numbered and coloured by a value of each.
 
+    Masses and springs with their numbers from 0, as tables have them.
+
     Parameters
     ----------
     model : MassSpringChain
@@ -75,11 +77,6 @@ def plot_chain(
         Dof of the force; a heavier arrow below its mass.
     label : str
         Name of the values, with their unit.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Masses and springs with their numbers from 0, as tables have them.
 
     Raises
     ------
@@ -211,26 +208,19 @@ def plot_frame(
 ) -> Any:
     """Draw a frame with its elements numbered, coloured by section or by a value of each element.
 
+    Equal scales in metres; frames in space are seen isometrically.
+
     Parameters
     ----------
     model : FrameModel
     values : array_like, (n_elements,), or mapping of int to float, optional
         Value of each element, for example ``DamageResult.severity``: light grey at 0, dark blue at the
         largest; elements without one are thin. By default the colours tell the sections apart.
-    sensors : sequence of int, optional
-        Dofs of the accelerometers; drawn as arrows along their direction.
-    excitation : int, optional
-        Dof of the force; a longer arrow.
+    sensors, excitation, label
+        As in :func:`plot_chain`; arrows along their direction.
     numbers : bool, optional
         Whether to number elements and nodes, from 0 as tables do; those of nodes are slanted, in grey. By
         default elements up to 120 and nodes up to 60.
-    label : str
-        Name of the values, with their unit.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Equal scales in metres; frames in space are seen isometrically.
 
     Raises
     ------

@@ -47,19 +47,16 @@ def plot_differences(
 ) -> Any:
     """Draw the difference of each frequency to the measured one in %, before and after.
 
+    Bars grouped by response and force, in the order of the table; a cross where the model has no partner.
+    Where few values stand apart the axis is made for the others, and theirs are written at its edge.
+    Of modes, one group for those measured together, with the MAC before and after above each.
+
     Parameters
     ----------
     table : FrequencyTable or ModalTable
         ``UpdateResult.table``.
     names : (str, str), optional
         What the two states of the model are called in the legend.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Bars grouped by response and force, in the order of the table; a cross where the model has no partner.
-        Where few values stand apart the axis is made for the others, and theirs are written at its edge.
-        Of modes, one group for those measured together, with the MAC before and after above each.
 
     Examples
     --------
@@ -309,16 +306,13 @@ _LONGEST = 48
 def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
     """Draw what is left of each parameter's standard deviation after a test, a bar each.
 
+    Bars in %, the first parameter on top: 100 is a test that tells nothing. Beyond the line a
+    parameter counts as not told.
+
     Parameters
     ----------
     found : BoxIdentifiability
         Of :func:`antires_rs.identifiability`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Bars in %, the first parameter on top: 100 is a test that tells nothing. Beyond the line a
-        parameter counts as not told.
 
     Examples
     --------

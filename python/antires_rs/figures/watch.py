@@ -25,6 +25,9 @@ MOST_TESTS = 20_000
 def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> Any:
     """Draw the charts of a watch over its tests, each over its limit, and the first condition.
 
+    The topmost; the others are in ``.figure.axes``. Alarms are crosses, the baseline is shaded, tests
+    with a sensor at fault are triangles at the lower edge, failed ones ticks there.
+
     Parameters
     ----------
     watched : Watched
@@ -33,12 +36,6 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
         All below one another, or one of them.
     ax : matplotlib.axes.Axes, optional
         With it "charts" is "T2".
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The topmost; the others are in ``.figure.axes``. Alarms are crosses, the baseline is shaded, tests
-        with a sensor at fault are triangles at the lower edge, failed ones ticks there.
 
     Raises
     ------
