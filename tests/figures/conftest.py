@@ -42,3 +42,25 @@ def judged():
     """The same against a baseline, whose springs are not those of the model."""
     model, before, now = (chain(each) for each in ([500.0] * 3, [510.0, 490.0, 505.0], [510.0, 294.0, 505.0]))
     return ar.assess_damage(model, exact(now), baseline=exact(before))
+
+
+@pytest.fixture
+def session(identified, record, tmp_path):
+    """The set on the desk, with what it was identified from and a file."""
+    from antires_rs.figures.page_session import Session
+
+    given = {"band_hz": four_masses.BAND, "options": {"max_order": 30}, "save_to": tmp_path / "zeros.json"}
+    return Session(identified, record, **given)
+
+
+@pytest.fixture
+def served(session):
+    """Its page."""
+    from antires_rs.figures.page_server import Page
+    from antires_rs.figures.page_session import SetView
+
+    page = Page(SetView(session, "four masses"), ends_with_page=False)
+    page.start()
+    yield page
+    page.stop()
+    assert not page.running

@@ -12,8 +12,9 @@ from tests.support.four_masses import BAND
 pytest.importorskip("bokeh", reason="figures to be explored need bokeh")
 
 from antires_rs.figures.identification import LOOKS
-from antires_rs.figures.live_canvas import below, columns, hover, item, paper, parts, script_files
+from antires_rs.figures.live_canvas import columns, explored, item, parts, script_files
 from antires_rs.figures.live_identification import curve_of, evidence_figure, mark_columns
+from antires_rs.figures.marks import Axis, Bars, Panel
 
 
 @pytest.fixture(scope="module")
@@ -82,10 +83,8 @@ def test_numbers_are_slim_and_axes_have_units(identified):
     table = columns(a=np.arange(3.0), b=["x", "y", "z"])
     assert table.data["a"].dtype == np.float32
     assert table.data["b"] == ["x", "y", "z"]
-    fig = paper("Element (-)", "Loss (%)")
-    bars = fig.vbar(x="a", top="a", source=table, legend_label="loss")
-    hover(fig, [bars], {"Loss": "@a %"})
-    below(fig)
+    bars = Bars(np.arange(3), [1.0, 2.0, 3.0], label="loss", says={"Loss": "@y %"})
+    fig = explored(Panel("losses", Axis("Element (-)"), Axis("Loss (%)"), [bars]))
     text = json.dumps(item(fig))
     assert "Loss (%)" in text
     assert "http" not in text

@@ -9,6 +9,7 @@ from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
+from antires_rs.figures.identification import pole_table
 from antires_rs.figures.page import ResultView, Table
 from antires_rs.figures.page_server import Page
 from antires_rs.figures.page_session import Session, SetView
@@ -18,21 +19,6 @@ from antires_rs.figures.page_session import Session, SetView
 def chromium():
     with browser() as started:
         yield started
-
-
-@pytest.fixture
-def session(identified, record, tmp_path):
-    return Session(
-        identified, record, band_hz=BAND, options={"max_order": 30}, save_to=tmp_path / "zeros.json"
-    )
-
-
-@pytest.fixture
-def served(session):
-    page = Page(SetView(session, "four masses"), ends_with_page=False)
-    page.start()
-    yield page
-    page.stop()
 
 
 @pytest.fixture
@@ -144,8 +130,6 @@ def test_pick_drop_undo_band_save_and_reload(shown, session, identified, tmp_pat
 
 def lone_pole(diagram, taken):
     """Order and frequency of a pole far from all values and other poles."""
-    from antires_rs.figures.identification import pole_table
-
     order, freq, _, _ = pole_table(diagram)
     for at in np.argsort(order):
         near = np.abs(freq - freq[at]) < 0.12
@@ -193,14 +177,6 @@ def test_a_dip_of_the_curve_is_added(shown, session, identified):
     click_on(page, "coherence", 0.5 * (identified[0][0] + identified[0][1]))
     said(page, "nothing there")
     assert len(session.zeros[0]) == len(identified[0]) - 1
-
-
-def test_at_500_pixels_nothing_overlaps(chromium, served):
-    page = chromium.new_page(viewport={"width": 500, "height": 900})
-    page.goto(served.url)
-    drawn(page)
-    assert page.evaluate("document.documentElement.scrollWidth") <= 500
-    page.close()
 
 
 def test_with_long_names_nothing_is_wider_than_the_window(chromium, record):

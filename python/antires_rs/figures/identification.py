@@ -71,7 +71,9 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     first, last = float(diagram.orders[0]), float(diagram.orders[-1])
     says = {"Frequency": "@x{0.000} Hz", "Model order": "@y", "Damping": "@damping{0.00} %"}
     marks: list[Mark] = [
-        Points(freq[which], order[which], says=says, more={"damping": 100.0 * damping[which]}, **look)
+        Points(
+            freq[which], order[which], size=3.3, says=says, more={"damping": 100.0 * damping[which]}, **look
+        )
         for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
     ]
     left = diagram.left_out
@@ -102,14 +104,8 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
 
 
 #: Looks of poles.
-_POLE: dict[str, Any] = {
-    "marker": "x",
-    "size": 3.5,
-    "stroke": 0.7,
-    "colour": "orange",
-    "label": "pole, not stable",
-}
-_STABLE_POLE: dict[str, Any] = {"size": 3.0, "stroke": 0.0, "colour": "blue", "label": "stable pole"}
+_POLE: dict[str, Any] = {"marker": "x", "stroke": 0.7, "colour": "orange", "label": "pole, not stable"}
+_STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stable pole"}
 #: Orders above the highest at which what was seen and not accepted stands.
 SEEN_ABOVE = 0.2
 
@@ -223,20 +219,17 @@ def plot_damping_clusters(
     percent = 100.0 * damping
     low = percent < LEAST_PERCENT
     marks: list[Mark] = [
-        Points(freq[which & ~low], percent[which & ~low], **(look | {"size": 4.0}))
+        Points(freq[which & ~low], percent[which & ~low], size=4.0, **look)
         for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
     ]
     if low.any():
-        label, foot = (
-            f"pole with less than {LEAST_PERCENT:g} %, or none",
-            np.full(int(low.sum()), LEAST_PERCENT),
-        )
+        label = f"pole with less than {LEAST_PERCENT:g} %, or none"
+        foot = np.maximum(percent[low], LEAST_PERCENT)
         marks.append(Points(freq[low], foot, "v", 4.0, "#595959", stroke=0.0, spill=True, label=label))
     if diagram.identified.size:
-        found, label = np.maximum(100.0 * diagram.identified_damping, LEAST_PERCENT), "damping of the value"
-        marks.append(
-            Points(diagram.identified, found, "s", 9.0, face="none", stroke=1.4, spill=True, label=label)
-        )
+        found = np.maximum(100.0 * diagram.identified_damping, LEAST_PERCENT)
+        label = "damping of the value"
+        marks.append(Points(diagram.identified, found, "s", 9.0, "black", "none", 1.4, True, label=label))
     top = HEADROOM * max(float(percent.max(initial=0.0)), 1.0)
     panel = Panel(
         "damping_clusters",

@@ -22,6 +22,14 @@ from . import marks
 #: Ink of text and axes, grid lines.
 INK, GRID = "#222222", "#E3E3E3"
 FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
+LEGEND: dict[str, Any] = {
+    "location": "left",
+    "border_line_color": None,
+    "padding": 0,
+    "margin": 0,
+    "spacing": 5,
+}
+LEGEND |= {"label_text_font": FONT, "label_text_font_size": "12px"}
 #: Along an upright axis.
 PX_A_LETTER = 6
 #: Of a text above a figure.
@@ -39,59 +47,6 @@ def require_bokeh() -> None:
         raise MissingDependencyError(
             'figures to be explored need bokeh; install it with: pip install "antires-rs[look]"'
         )
-
-
-def paper(
-    x: str,
-    y: str,
-    *,
-    height: int = 320,
-    x_range: Any = None,
-    y_range: Any = None,
-    x_type: str = "auto",
-    y_type: str = "auto",
-    name: str | None = None,
-    equal: bool = False,
-) -> Any:
-    """An empty figure as wide as its place."""
-    require_bokeh()
-    from bokeh.models import BoxZoomTool, PanTool, ResetTool, SaveTool, WheelZoomTool
-    from bokeh.plotting import figure
-
-    given = {"x_range": x_range, "y_range": y_range}
-    fig = figure(
-        height=height,
-        sizing_mode="stretch_width",
-        x_axis_type=x_type,
-        y_axis_type=y_type,
-        x_axis_label=x,
-        y_axis_label=y,
-        tools=[],
-        toolbar_location="above",
-        match_aspect=equal,
-        min_border_left=LEFT_PX,
-        min_border_right=18,
-        name=name,
-        **{key: value for key, value in given.items() if value is not None},
-    )
-    box, wheel = BoxZoomTool(), WheelZoomTool(dimensions="both" if equal else "width")
-    fig.add_tools(box, PanTool(), wheel, ResetTool(), SaveTool())
-    fig.toolbar.active_drag = box
-    fig.toolbar.logo = None
-    fig.outline_line_color = "#9A9A9A"
-    for axis in fig.axis:
-        axis.axis_label_text_font_style = "normal"
-        axis.axis_label_text_font_size = axis.major_label_text_font_size = "12px"
-        axis.axis_label_text_font = axis.major_label_text_font = FONT
-        axis.axis_label_text_color = axis.major_label_text_color = INK
-        axis.minor_tick_line_color = None
-    fig.grid.grid_line_color = GRID
-    if len(y) > height // PX_A_LETTER:
-        said, _, unit = y.rpartition(" (")
-        fig.title.text, fig.title.text_font_style = _shortened(said or y), "normal"
-        fig.title.text_font, fig.title.text_font_size, fig.title.text_color = FONT, "12px", INK
-        fig.yaxis.axis_label = f"({unit}" if said else ""
-    return fig
 
 
 def _shortened(text: str) -> str:
@@ -125,55 +80,59 @@ def hover(fig: Any, renderers: Sequence[Any], says: Mapping[str, str], **options
 
 
 def below(fig: Any, *, side_by_side: int = 2) -> None:
-    """Move the legend under the figure, where it hides nothing; a click on an entry hides what it is of.
-
-    So many entries stand ``side_by_side``: two fit on a telephone.
-    """
+    """Move the legend under the figure; a click on an entry hides what it is of. Two fit on a telephone."""
     for legend in list(fig.legend):
         fig.add_layout(legend, "below")
-        legend.ncols = side_by_side
-        legend.location = "left"
-        legend.click_policy = "hide"
-        legend.border_line_color = None
-        legend.padding = legend.margin = 0
-        legend.spacing = 5
-        legend.label_text_font, legend.label_text_font_size = FONT, "12px"
-        legend.label_text_color = INK
+        legend.update(ncols=side_by_side, click_policy="hide", label_text_color=INK, **LEGEND)
 
 
 #: Pixels for a point of a line, and of a marker.
 LINE_PX, MARKER_PX = 1.25, 1.6
 #: Names of dashes, markers and hatches, by those of the marks.
 _DASHES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
-_MARKERS = {
-    "o": "circle",
-    ".": "circle",
-    "x": "x",
-    "s": "square",
-    "^": "triangle",
-    "v": "inverted_triangle",
-    "D": "diamond",
-    "|": "dash",
-}
+_MARKERS = {"o": "circle", ".": "circle", "x": "x", "s": "square", "D": "diamond", "|": "dash"}
+_MARKERS |= {"^": "triangle", "v": "inverted_triangle"}
 _HATCHES = {"": " ", "/": "right_diagonal_line", ".": "dot", "x": "cross"}
 
 
-def explored(
-    panel: marks.Panel, *, height: int = 320, x_range: Any = None, side_by_side: int = 2, legend: bool = True
-) -> Any:
-    """A panel as a figure; ``x_range`` ties it to another one."""
+def explored(panel: marks.Panel, *, height: int = 320, x_range: Any = None, side_by_side: int = 2) -> Any:
+    """A panel as a figure as wide as its place; ``x_range`` ties it to another one."""
+    require_bokeh()
+    from bokeh.models import BoxZoomTool, PanTool, ResetTool, SaveTool, WheelZoomTool
+    from bokeh.plotting import figure
+
     x, y = panel.x, panel.y
-    fig = paper(
-        x.label,
-        y.label,
+    given = {"x_range": x.limits if x_range is None else x_range, "y_range": y.limits}
+    fig = figure(
         height=height,
-        x_range=x.limits if x_range is None else x_range,
-        y_range=y.limits,
-        x_type="datetime" if x.dated else "log" if x.log else "auto",
-        y_type="log" if y.log else "auto",
+        sizing_mode="stretch_width",
+        x_axis_type="datetime" if x.dated else "log" if x.log else "auto",
+        y_axis_type="log" if y.log else "auto",
+        x_axis_label=x.label,
+        y_axis_label=y.label,
+        tools=[],
+        toolbar_location="above",
+        match_aspect=panel.equal,
+        min_border_left=LEFT_PX,
+        min_border_right=18,
         name=panel.name,
-        equal=panel.equal,
+        **{key: value for key, value in given.items() if value is not None},
     )
+    box, wheel = BoxZoomTool(), WheelZoomTool(dimensions="both" if panel.equal else "width")
+    fig.add_tools(box, PanTool(), wheel, ResetTool(), SaveTool())
+    fig.toolbar.active_drag, fig.toolbar.logo = box, None
+    fig.outline_line_color, fig.grid.grid_line_color = "#9A9A9A", GRID
+    for axis in fig.axis:
+        axis.axis_label_text_font_style, axis.minor_tick_line_color = "normal", None
+        axis.axis_label_text_font_size = axis.major_label_text_font_size = "12px"
+        axis.axis_label_text_font = axis.major_label_text_font = FONT
+        axis.axis_label_text_color = axis.major_label_text_color = INK
+    fig.title.text_font, fig.title.text_font_size, fig.title.text_color = FONT, "12px", INK
+    fig.title.text, fig.title.text_font_style = panel.title, "normal"
+    if len(y.label) > height // PX_A_LETTER and not panel.title:
+        said, _, unit = y.label.rpartition(" (")
+        fig.title.text = _shortened(said or y.label)
+        fig.yaxis.axis_label = f"({unit}" if said else ""
     if panel.behind is not None:
         _draw_behind(fig, *panel.behind)
     curves = sum(isinstance(mark, marks.Line) and bool(mark.says) for mark in panel.marks)
@@ -190,12 +149,8 @@ def explored(
             axis.major_label_overrides = dict(zip(ticks, of.names, strict=True))
             axis.major_label_orientation = np.pi / 2 if of.upright else "horizontal"
             grid.grid_line_color = None
-    if panel.title:
-        fig.title.text, fig.title.text_font_style = panel.title, "normal"
-    if legend and fig.legend:
+    if fig.legend:
         below(fig, side_by_side=side_by_side)
-    elif fig.legend:
-        fig.legend.visible = False
     return fig
 
 
@@ -232,9 +187,8 @@ def _points(mark: marks.Points, fig: Any, label: dict[str, Any]) -> list[Any]:
     look = {"size": share * MARKER_PX * mark.size, "line_color": mark.colour, "line_width": mark.stroke}
     look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face or mark.colour}
     look |= {"angle": np.pi / 2} if mark.marker == "|" else {}
-    return [
-        fig.scatter("x", "y", source=table, marker=_MARKERS.get(mark.marker, "circle_dot"), **look, **label)
-    ]
+    marker = _MARKERS.get(mark.marker, "circle_dot")
+    return [fig.scatter("x", "y", source=table, marker=marker, **look, **label)]
 
 
 @_draw.register

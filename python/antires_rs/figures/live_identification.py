@@ -164,61 +164,56 @@ def evidence_figure(
     require_bokeh()
     from bokeh.models import Range1d
 
-    diagram = zeros.diagrams.get(dof)
+    diagram, check = zeros.diagrams.get(dof), zeros.data_check
     band = band_hz or (diagram.band_hz if diagram is not None else _around(zeros, dof))
-    axis = Range1d(*band, bounds=None)
+    x = Range1d(*band, bounds=None)
     marks = mark_columns(zeros, dof, band)
     figures = []
     if diagram is not None:
-        figures.append(stabilization_figure(diagram, zeros, dof, x_range=axis, every_kind=every_kind))
+        figures.append(stabilization_figure(diagram, zeros, dof, x_range=x, every_kind=every_kind))
     if curve is not None:
-        fig = explored(_curve(curve, band), height=300, x_range=axis)
-        draw_marks(fig, marks, every_kind=every_kind)
-        fig.legend.visible = diagram is None
-        figures.append(fig)
+        size = np.where(curve.size > 0.0, curve.size, np.nan)
+        y, look = Axis(curve.what, log=True), {"colour": "blue", "label": "measured"}
+        panel = _one_line("curve", curve.freq_hz, size, band, y, {"Size": "@y{0.000e+0}"}, **look)
+        figures.append(explored(panel, height=300, x_range=x))
+        draw_marks(figures[-1], marks, every_kind=every_kind)
+        figures[-1].legend.visible = diagram is None
         if curve.coherence is not None:
-            figures.append(explored(_coherence(curve, band), height=180, x_range=axis))
+            y, says = (
+                Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04)),
+                {"Coherence": "@y{0.000}"},
+            )
+            panel = _one_line("coherence", curve.freq_hz, curve.coherence, band, y, says, width=0.9)
+            figures.append(explored(panel, height=180, x_range=x))
     if diagram is None and curve is None:  # the set was made by hand or loaded
         alone = Panel("values_alone", Axis("Frequency (Hz)"), Axis("", (0.0, 1.0), at=[]), [])
-        figures.append(explored(alone, height=240, x_range=axis))
+        figures.append(explored(alone, height=240, x_range=x))
         draw_marks(figures[0], marks, labels=True, every_kind=every_kind)
         below(figures[0])
-    elif zeros.data_check is not None and zeros.data_check.eigenvalues is not None:
-        panel = singular_values(zeros.data_check, MOST_VALUES)
-        figures.append(explored(panel, height=270, x_range=axis))
-    elif response is not None:
-        figures.append(explored(_only_value(response, band), height=270, x_range=axis))
+    elif check is not None and check.eigenvalues is not None:
+        figures.append(explored(singular_values(check, MOST_VALUES), height=270, x_range=x))
+    elif response is not None:  # of responses to one force there is no other value
+        level = 20.0 * np.log10(np.maximum(np.linalg.norm(response.values, axis=0), 1e-150))
+        y, says = Axis("Singular value (dB re 1)"), {"Level": "@y{0.0} dB"}
+        look = {"colour": "blue", "label": "first, the only one for one force"}
+        panel = _one_line("singular_values", response.freq_hz, level, band, y, says, **look)
+        figures.append(explored(panel, height=270, x_range=x))
     return stacked(figures)
 
 
-def _curve(curve: Curve, band_hz: tuple[float, float]) -> Panel:
-    shown = _within(curve.freq_hz, band_hz)
-    size = np.where(curve.size > 0.0, curve.size, np.nan)[shown]
-    says = {"Frequency": "@x{0.000} Hz", "Size": "@y{0.000e+0}"}
-    line = Line(curve.freq_hz[shown], size, "blue", label="measured", says=says)
-    return Panel("curve", Axis("Frequency (Hz)"), Axis(curve.what, log=True), [line])
-
-
-def _coherence(curve: Curve, band_hz: tuple[float, float]) -> Panel:
-    shown = _within(curve.freq_hz, band_hz)
-    says = {"Frequency": "@x{0.000} Hz", "Coherence": "@y{0.000}"}
-    line = Line(curve.freq_hz[shown], np.asarray(curve.coherence)[shown], width=0.9, says=says)
-    label = f"Coherence with {curve.coherence_with} (-)"
-    return Panel("coherence", Axis("Frequency (Hz)"), Axis(label, (0.0, 1.04)), [line])
-
-
-def _only_value(response: FrequencyResponse, band_hz: tuple[float, float]) -> Panel:
-    """Of responses to one force there is no other."""
-    shown = _within(response.freq_hz, band_hz)
-    norm = np.linalg.norm(response.values[:, shown], axis=0) ** 2
-    level = 10.0 * np.log10(np.maximum(norm, 1e-300))
-    says = {"Frequency": "@x{0.000} Hz", "Level": "@y{0.0} dB"}
-    line = Line(response.freq_hz[shown], level, "blue", label="first, the only one for one force", says=says)
-    return Panel("singular_values", Axis("Frequency (Hz)"), Axis("Singular value (dB re 1)"), [line])
-
-
-def _within(freq_hz: FloatArray, band_hz: tuple[float, float]) -> Any:
-    return (freq_hz >= band_hz[0]) & (freq_hz <= band_hz[1])
+def _one_line(
+    name: str,
+    freq_hz: FloatArray,
+    y: FloatArray,
+    band_hz: tuple[float, float],
+    axis: Axis,
+    says: dict[str, str],
+    **look: Any,
+) -> Panel:
+    """A curve in the band."""
+    shown = (freq_hz >= band_hz[0]) & (freq_hz <= band_hz[1])
+    line = Line(freq_hz[shown], y[shown], says={"Frequency": "@x{0.000} Hz"} | says, **look)
+    return Panel(name, Axis("Frequency (Hz)"), axis, [line])
 
 
 def _around(zeros: AntiresonanceSet, dof: Any) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from ..exceptions import AntiresError, reject
 from ..signals.repeats import one_source
 from .live_canvas import item, require_bokeh
 from .page_server import Page, in_notebook
-from .page_session import Refused, Session, SetView, View
+from .page_session import Session, SetView, View
 
 if TYPE_CHECKING:
     from .report_parts import Figure
@@ -50,7 +50,7 @@ def opened(
         page.show(make())
     except BaseException as exc:
         if isinstance(exc, AntiresError):
-            page.show(Refused(title, exc))
+            page.show(View(title, exc))
             time.sleep(LAST_WORD_S)
         page.stop()
         raise

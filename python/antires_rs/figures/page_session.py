@@ -521,8 +521,7 @@ class Session:
         return asked
 
     def _edited(self, zeros: AntiresonanceSet) -> str:
-        edit = zeros.edits[-1]
-        now = self.now
+        edit, now = zeros.edits[-1], self.now
         asked = (*now.asked, Asked.on(zeros.original(), edit))
         self._step(replace(now, zeros=zeros, asked=asked, waits=(*now.waits, None)))
         return str(edit)
@@ -549,45 +548,6 @@ def _inside(source: Source, band_hz: Any) -> Band:
     """A band inside what the source covers."""
     low, high = source.covered_hz
     return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
-
-
-# -- A session as plain data: what the page shows beside its figures
-
-
-def told(session: Session, dof: Any) -> dict[str, Any]:
-    """Table, edits and what may be done, and the marks of the response that is shown."""
-    turn = session.turn  # before what it is of: never newer than that
-    now = session.now
-    zeros, band = now.zeros, now.band_hz
-    verbs = {"drop": "dropped", "add": "added"}
-    checked = () if zeros.data_check is None else zeros.data_check.warnings
-    shown = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
-    return {
-        "kind": "set",
-        "turn": turn,
-        "excitation": str(zeros.excitation),
-        "dofs": [str(each) for each in zeros],
-        "dof": list(zeros).index(dof),
-        "rows": rows_of(zeros),
-        "edits": [
-            {
-                "text": f"{verbs[each.edit.action]} {each.edit.freq_hz:.2f} Hz at dof {each.edit.dof}",
-                "reason": each.edit.reason,
-                "waits": why,
-            }
-            for each, why in zip(now.asked, now.waits, strict=True)
-        ],
-        "marks": mark_columns(zeros, dof, shown or (0.0, 1.0)),
-        "band_hz": None if band is None else list(band),
-        "max_order": now.max_order,
-        "identified": session.identified,
-        "can_identify": session.source is not None,
-        "can_undo": bool(session.past),
-        "can_redo": bool(session.future),
-        "unsaved": session.unsaved,
-        "file": None if session.file.path is None else str(session.file.path),
-        "warnings": list(now.warned) or [f"data check: {line}" for line in checked],
-    }
 
 
 def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
@@ -618,49 +578,31 @@ Arguments = Mapping[str, Any]
 
 
 class View:
-    """What the server shows: a set that is edited, a result, or a reason why there is neither."""
+    """What the server shows: a set that is edited, a result, or as it is the reason why there is neither."""
 
     #: Commands that take long; the others are answered at once.
     slow: frozenset[str] = frozenset()
 
-    def __init__(self, title: str) -> None:
-        self.title = title
+    def __init__(self, title: str, why: Exception | None = None) -> None:
+        self.title, self._why = title, why
 
     def state(self, shown: int) -> dict[str, Any]:
         """What stands beside the figures, as plain data."""
-        raise NotImplementedError
+        raise self._why or NotImplementedError
 
     def figure(self, shown: int) -> dict[str, Any]:
         """A figure as ``Bokeh.embed.embed_item`` takes it."""
-        raise NotImplementedError
+        raise self._why or NotImplementedError
 
     def do(self, command: str, arguments: Arguments) -> str:
         """Carry out a command; what was done, in words."""
+        if self._why is not None:
+            raise self._why
         reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
 
     def file(self) -> tuple[str, str] | None:
         """Name and text of what can be downloaded, where there is more than the folder of a result has."""
         return None
-
-
-class Refused(View):
-    """In place of a view: why there is none."""
-
-    def __init__(self, title: str, why: Exception) -> None:
-        super().__init__(title)
-        self._why = why
-
-    def state(self, shown: int) -> dict[str, Any]:
-        """Says why."""
-        raise self._why
-
-    def figure(self, shown: int) -> dict[str, Any]:
-        """Says why."""
-        raise self._why
-
-    def do(self, command: str, arguments: Arguments) -> str:
-        """Says why."""
-        raise self._why
 
 
 # -- What the page may ask for: each command by name, its arguments checked, in plain data both ways
@@ -694,7 +636,39 @@ class SetView(View):
 
     def state(self, shown: int) -> dict[str, Any]:
         """Table, edits and what may be done, and the marks of the response that is shown."""
-        return told(self.session, self._at(shown))
+        session, dof = self.session, self._at(shown)
+        turn = session.turn  # before what it is of: never newer than that
+        now = session.now
+        zeros, band = now.zeros, now.band_hz
+        verbs = {"drop": "dropped", "add": "added"}
+        checked = () if zeros.data_check is None else zeros.data_check.warnings
+        around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
+        return {
+            "kind": "set",
+            "turn": turn,
+            "excitation": str(zeros.excitation),
+            "dofs": [str(each) for each in zeros],
+            "dof": list(zeros).index(dof),
+            "rows": rows_of(zeros),
+            "edits": [
+                {
+                    "text": f"{verbs[each.edit.action]} {each.edit.freq_hz:.2f} Hz at dof {each.edit.dof}",
+                    "reason": each.edit.reason,
+                    "waits": why,
+                }
+                for each, why in zip(now.asked, now.waits, strict=True)
+            ],
+            "marks": mark_columns(zeros, dof, around or (0.0, 1.0)),
+            "band_hz": None if band is None else list(band),
+            "max_order": now.max_order,
+            "identified": session.identified,
+            "can_identify": session.source is not None,
+            "can_undo": bool(session.past),
+            "can_redo": bool(session.future),
+            "unsaved": session.unsaved,
+            "file": None if session.file.path is None else str(session.file.path),
+            "warnings": list(now.warned) or [f"data check: {line}" for line in checked],
+        }
 
     def figure(self, shown: int) -> dict[str, Any]:
         """Everything that speaks for the values of a response."""

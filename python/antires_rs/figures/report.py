@@ -97,26 +97,20 @@ def write_report(
             "A ModalSet does not tell where the force was, which the model's transmissibilities need.",
         )
     measured = _measured(result, measurement)
-    before, after = _largest(result)
-    what = "resonance" if modal else "antiresonance"
+    what, values = (
+        ("resonance", "resonances and mode shapes") if modal else ("antiresonance", "antiresonances")
+    )
+    changes = "{} before, {} after".format(*_largest(result))
     drawn = parts.drawings_of(result, response, truth, diagrams) if drawn is None else drawn
     shown, left_out = parts.fitting(drawn)
     if warnings is None:
-        warnings = [
-            said
-            for each in problem.measured
-            for said in getattr(getattr(each, "data_check", None), "warnings", ())
-        ]
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+        checks = [getattr(each, "data_check", None) for each in problem.measured]
+        warnings = [line for check in checks if check is not None for line in check.warnings]
+    blocks: dict[str, Any] = {"trim_blocks": True, "lstrip_blocks": True}
+    environment = Environment(autoescape=True, undefined=StrictUndefined, **blocks)
     html = environment.from_string(_asset("report.html")).render(
-        title=title
-        or ("Damage assessment" if damage else "Model updating")
-        + (" with resonances and mode shapes" if modal else " with antiresonances"),
-        answer=damage._headline()
-        if damage
-        else [f"Largest {what} difference: {before} before, {after} after."],
+        title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
+        answer=damage._headline() if damage else [f"Largest {what} difference: {changes}."],
         lead=_lead(result),
         result=result,
         damage=damage is not None,
@@ -186,13 +180,8 @@ def _lead(result: UpdateResult) -> str:
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     """Facts about each measured set; what was given leads."""
     sets = result.problem.measured
-    given = (
-        []
-        if measurement is None
-        else [measurement]
-        if isinstance(measurement, Recording | FrequencyResponse | Mapping)
-        else list(measurement)
-    )
+    one = measurement is None or isinstance(measurement, Recording | FrequencyResponse | Mapping)
+    given = ([] if measurement is None else [measurement]) if one else list(measurement)
     if given and len(given) != len(sets):
         reject(
             "measurement",

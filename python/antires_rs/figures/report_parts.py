@@ -29,7 +29,7 @@ from ..updating.result import UpdateResult
 from ..updating.tables import ModalTable, signed
 from .canvas import picture
 from .damage import losses, plot_damage, plot_hypotheses, probabilities
-from .live_canvas import FONT, dash_of, explored, item, script_files
+from .live_canvas import LEGEND, explored, item, script_files
 from .live_identification import stabilization_figure
 from .marks import Axis, Line, Panel
 from .responses import (
@@ -138,11 +138,8 @@ def _spectra(signal: Recording, found: AntiresonanceSet, used: Mapping[str, Any]
     if length is None:
         return f"method {used['method']}"
     overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
-    averages = (
-        ""
-        if checked is None or checked.n_averages is None
-        else (f", {checked.n_averages:.1f} independent averages")
-    )
+    known = checked is not None and checked.n_averages is not None
+    averages = f", {checked.n_averages:.1f} independent averages" if checked and known else ""
     return (
         f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}, window "
         f"{used['window']}{averages}"
@@ -176,32 +173,18 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     return facts | of_evidence(found)
 
 
-def _not_accepted(found: AntiresonanceSet) -> Facts:
-    """What was seen and left out, and peaks that nothing explains."""
-    facts: Facts = {}
-    for name, values in (
-        ("Left out", {dof: table.freq_hz for dof, table in found.left_out.items()}),
-        ("Unexplained peaks", found.unexplained_hz),
-    ):
-        said = [
-            f"dof {dof}: " + ", ".join(f"{f:.2f}" for f in freq) + " Hz"
-            for dof, freq in values.items()
-            if len(freq)
-        ]
-        if said:
-            facts[name] = said
-    return facts
-
-
 def of_evidence(found: AntiresonanceSet) -> Facts:
-    """What was not accepted, and what a set knows only as long as it is not saved."""
-    facts = _not_accepted(found)
+    """What was not accepted, peaks that nothing explains, and what a set knows as long as it is not saved."""
+    left = {dof: table.freq_hz for dof, table in found.left_out.items()}
+    facts: Facts = {}
+    for name, values in (("Left out", left), ("Unexplained peaks", found.unexplained_hz)):
+        some = {dof: ", ".join(f"{f:.2f}" for f in freq) for dof, freq in values.items() if len(freq)}
+        if some:
+            facts[name] = [f"dof {dof}: {freq} Hz" for dof, freq in some.items()]
     if found.diagrams:
-        some = next(iter(found.diagrams.values()))
-        facts["Diagrams"] = [
-            f"orders {some.orders[0]:.0f} to {some.orders[-1]:.0f}, {some.band_hz[0]:g} to "
-            f"{some.band_hz[1]:g} Hz"
-        ]
+        one = next(iter(found.diagrams.values()))
+        low, high = one.band_hz
+        facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     if found.cross_check is not None:
@@ -217,25 +200,21 @@ def of_model(model: StructuralModel) -> Facts:
         springs = -np.diag(stiffness, 1)
         facts["Masses"] = [f"{_span(np.diag(model.mass()), 'kg')}, {model.mass().sum():.4g} kg in all"]
         facts["Springs"] = [_span(springs, "N/m")] if springs.size else ["none"]
-        held = stiffness.sum(axis=1)[[0, -1]]
-        ends = [
-            f"{name} mass {k:.4g} N/m"
-            for name, k in zip(("first", "last"), held, strict=True)
-            if k > 1e-9 * stiffness.max()
-        ]
+        held = zip(("first", "last"), stiffness.sum(axis=1)[[0, -1]], strict=True)
+        ends = [f"{name} mass {k:.4g} N/m" for name, k in held if k > 1e-9 * stiffness.max()]
         facts["To ground"] = ends or ["none, free at both ends"]
     elif isinstance(model, FrameModel):
-        facts["Sections"] = [
-            f"{model.section_label(i)}: {_section(section)}"
-            for i, section in enumerate(model.sections.values())
-        ]
+        sections = enumerate(model.sections.values())
+        facts["Sections"] = [f"{model.section_label(i)}: {_section(section)}" for i, section in sections]
         facts["Carried"] = [
-            _count(len(model.point_masses), "point mass", "point masses"),
-            _count(len(model.ground_springs), "spring to ground", "springs to ground"),
-            _count(len(model.node_springs), "spring between nodes", "springs between nodes"),
+            f"{len(carried) or 'no'} {one if len(carried) == 1 else many}"
+            for carried, one, many in (
+                (model.point_masses, "point mass", "point masses"),
+                (model.ground_springs, "spring to ground", "springs to ground"),
+                (model.node_springs, "spring between nodes", "springs between nodes"),
+            )
         ]
-        held = sorted({node for node, _ in model.fixed})
-        facts["Fixed nodes"] = [_names(held) if held else "none"]
+        facts["Fixed nodes"] = [_names(sorted({node for node, _ in model.fixed})) or "none"]
     facts["Numbers"] = ["all from 0, as in Python and in job files"]
     return facts
 
@@ -297,16 +276,9 @@ def _span(values: Any, unit: str) -> str:
 
 
 def _section(section: Any) -> str:
-    values = ", ".join(
-        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
-        for name, value in asdict(section).items()
-        if value is not None
-    )
-    return f"{type(section).__name__}, {values}"
-
-
-def _count(number: int, one: str, many: str) -> str:
-    return f"{number or 'no'} {one if number == 1 else many}"
+    values = {name: value for name, value in asdict(section).items() if value is not None}
+    said = [f"{name} {f'{v:.6g}' if isinstance(v, float) else v}" for name, v in values.items()]
+    return f"{type(section).__name__}, {', '.join(said)}"
 
 
 # -- Figures to be explored inside a page: packed, unpacked by the browser when they come into sight
@@ -584,7 +556,7 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
 def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
     """Measured curves beside those of the models."""
     model, after, force = result.problem.model, result.model, result.problem.measured[0].excitation
-    explore = partial(_explored_response, response, model, after, force, names)
+    explore = partial(_explored_response, result, response, names)
     given: dict[str, Any] = {"excitation": force, "names": names}
     damping = "in the models follows from an assumed damping of 1 %."
     if response.kind == "frf":
@@ -610,14 +582,11 @@ def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[st
     )
 
 
-def _explored_response(
-    measured: FrequencyResponse,
-    before: StructuralModel,
-    after: StructuralModel,
-    excitation: int,
-    names: tuple[str, str],
-) -> Any:
+def _explored_response(result: UpdateResult, measured: FrequencyResponse, names: tuple[str, str]) -> Any:
     """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
+    from bokeh.models import ColumnDataSource
+
+    before, after, excitation = result.problem.model, result.model, result.problem.measured[0].excitation
     if measured.kind == "transmissibility":
         panel = transmissibilities(measured, before, after, None, excitation, names=names)
         # Of lines that share a pixel the peak counts.
@@ -636,7 +605,8 @@ def _explored_response(
     drawn = [fig.renderers[3 * row : 3 * row + 3] for row in range(len(measured.dofs))]
     for line in fig.renderers[3:]:
         line.visible = False
-    samples = [fig.line([np.nan], [np.nan], **_look(one)) for one in marks[:3]]
+    empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
+    samples = [fig.add_glyph(empty, line.glyph.clone()) for line in drawn[0]]
     _legend(fig, dict(zip(called, ([one] for one in samples), strict=True)), ncols=2)
     by_dof = dict(zip(map(before.dof_label, measured.dofs), drawn, strict=True))
     _legend(fig, by_dof, ncols=4, click_policy="hide", title="click to show or hide")
@@ -654,26 +624,18 @@ def _thinned(line: Any, how: Any) -> Any:
     return replace(line, x=few(line.x, np.mean), y=few(line.y, how), more=more)
 
 
-def _look(line: Any) -> dict[str, Any]:
-    return {"color": line.colour, "line_dash": dash_of(line.dash), "line_width": line.width}
-
-
 def _legend(fig: Any, entries: Mapping[str, list[Any]], **look: Any) -> None:
     """A legend whose entries stand for several lines each."""
     from bokeh.models import Legend, LegendItem
 
     items = [LegendItem(label=name, renderers=lines) for name, lines in entries.items()]
-    look |= {"border_line_color": None, "padding": 0, "margin": 0, "spacing": 10, "location": "left"}
-    fig.add_layout(Legend(items=items, label_text_font=FONT, label_text_font_size="12px", **look), "below")
+    fig.add_layout(Legend(items=items, **LEGEND | look), "below")
 
 
 def states(result: UpdateResult) -> tuple[str, str]:
     """What the model is called before and after."""
-    return (
-        ("without damage", "with the damage found")
-        if isinstance(result, DamageResult)
-        else ("before updating", "after updating")
-    )
+    damage = isinstance(result, DamageResult)
+    return ("without damage", "with the damage found") if damage else ("before updating", "after updating")
 
 
 def largest(percent: float) -> str:
@@ -691,9 +653,8 @@ _LEAST_ROWS, _WORTH_A_ROW, _MOST_ROWS = 3, 0.005, 12
 def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
     """Value, standard deviation, change and bounds of each parameter."""
     on_bound = set(result.at_bound)
-    columns = zip(
-        result.problem.names, result.x, result.std, result.problem.nominal, result.problem.bounds, strict=True
-    )
+    problem = result.problem
+    columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
     return [
         {
             "name": name,
@@ -712,15 +673,9 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     """Loss, standard deviation, truth, smallest visible and bounds of each candidate, in percent."""
 
     def percent(value: float | None) -> str:
-        if value is None:
-            return ""
-        return (
-            "none"
-            if not np.isfinite(value)
-            else "0"
-            if value == 0.0
-            else f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}"
-        )
+        if value is None or value == 0.0:
+            return "" if value is None else "0"
+        return f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}" if np.isfinite(value) else "none"
 
     label, judged = result.problem.model.element_label, result.has_baseline
     on_bound = set() if judged else set(result.at_bound)
@@ -745,15 +700,13 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     # Elements that were no candidates, and would explain the change.
     others = [one for one in result.hypotheses if one.elements and not one.candidate] if judged else []
     return rows + [
-        {
+        dict.fromkeys(("std", "visible", "bounds"), "")
+        | {
             "name": f"{label(one.elements[0])}, no candidate",
             "value": percent(one.severities[0]),
-            "std": "",
             "interval": _interval(one.low[0], one.high[0]),
             "probability": _probability(one.probability),
-            "visible": "",
             "truth": percent((truth or {}).get(one.elements[0])),
-            "bounds": "",
             "damaged": one is result.hypotheses[0],
             "on_bound": False,
         }
@@ -801,46 +754,27 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
     """Each measured value with the model's before and after; the response is named once."""
     table: Any = result.table
 
-    def number(value: float, form: str) -> str:
+    modal = isinstance(table, ModalTable)
+    columns = {"measured": "measured_hz", "before": "before_hz", "after": "after_hz"}
+    columns |= {name: name for name in ("before_percent", "after_percent")}
+    columns |= {name: name for name in ("before_mac", "after_mac")} if modal else {}
+
+    def cell(name: str, value: float) -> str:
         if not np.isfinite(value):
             return "no partner"
-        return format(value, form) if form else signed(value)
+        return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
+    cells = {name: [cell(name, one) for one in getattr(table, of)] for name, of in columns.items()}
     rows: list[dict[str, Any]] = [
-        {
-            "group": False,
-            "measured": f"{measured:.3f}",
-            "before": number(before, ".3f"),
-            "before_percent": number(db, ""),
-            "after": number(after, ".3f"),
-            "after_percent": number(da, ""),
-        }
-        for measured, before, db, after, da in zip(
-            table.measured_hz,
-            table.before_hz,
-            table.before_percent,
-            table.after_hz,
-            table.after_percent,
-            strict=True,
-        )
+        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
     ]
-    if isinstance(table, ModalTable):
-        columns = zip(table.mode, table.before_mac, table.after_mac, strict=True)
-        for row, (mode, before, after) in zip(rows, columns, strict=True):
-            row.update(
-                mode=mode,
-                group=mode == table.mode[0],
-                before_mac=number(before, ".3f"),
-                after_mac=number(after, ".3f"),
-            )
+    if modal:
+        for row, mode in zip(rows, table.mode, strict=True):
+            row.update(mode=mode, group=mode == table.mode[0])
         return rows
-    last = None
+    last, names = None, table.dof_names
     for row, dof, force in zip(rows, table.dof.tolist(), table.excitation.tolist(), strict=True):
-        row.update(
-            group=(dof, force) != last,
-            dof=table.dof_names.get(dof, dof),
-            force=table.dof_names.get(force, force),
-        )
+        row.update(group=(dof, force) != last, dof=names.get(dof, dof), force=names.get(force, force))
         last = (dof, force)
     return rows
 
