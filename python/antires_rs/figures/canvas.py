@@ -40,10 +40,7 @@ def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
 def picture(
     draw: Callable[..., Any], size_in: tuple[float, float], *, rows: int = 1, dpi: int = 160
 ) -> bytes:
-    """PNG of what ``draw`` puts into the axes of a figure of its own (an array of axes if ``rows > 1``).
-
-    Pyplot neither learns of the figure nor has to be told to forget it.
-    """
+    """PNG of what ``draw`` puts into axes of their own, an array for ``rows``; pyplot learns of nothing."""
     _require_matplotlib()
     from matplotlib.figure import Figure
     from matplotlib.text import Text

@@ -143,10 +143,7 @@ def mark_values(
     dropped: Sequence[float] | FloatArray,
     added: Sequence[float] | FloatArray,
 ) -> None:
-    """Vertical lines with their frequencies above the axes, pushed apart where they would overlap.
-
-    A dropped antiresonance has its frequency in parentheses.
-    """
+    """Vertical lines, their frequencies above pushed apart; of what was dropped in parentheses."""
     low, high = diagram.band_hz
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [

@@ -51,11 +51,7 @@ def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]
 
 
 def draw_marks(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool = False) -> None:
-    """Vertical lines over the figure at the values, with their frequencies beside them if asked for.
-
-    The table behind a kind has its name: a page writes new values into it. With ``every_kind`` those without
-    a value have their place too, for pages in which values change.
-    """
+    """Lines at the values, in tables that a page may rewrite, for which ``every_kind`` has its place."""
     for kind, (colour, dash) in LOOKS.items():
         if not every_kind and not marks[kind]["x"]:
             continue
@@ -92,18 +88,7 @@ def stabilization_figure(
 
 @dataclass(frozen=True)
 class Curve:
-    """What was measured at one response.
-
-    Attributes
-    ----------
-    freq_hz, size : (n_freq,)
-    what : str
-        What ``size`` is, with its unit in parentheses.
-    coherence : (n_freq,) or None
-        None where it is not known.
-    coherence_with : str
-        With what.
-    """
+    """What was measured at one response: its size, ``what`` that is with its unit, and its coherence."""
 
     freq_hz: FloatArray
     size: FloatArray
@@ -113,11 +98,7 @@ class Curve:
 
 
 def curve_of(source: Recording | FrequencyResponse, averages: Averages | None, dof: Any) -> Curve | None:
-    """The curve of a response on which its antiresonances are dips; None for a dof that was not measured.
-
-    ``averages`` are those of a record. Its coherence is that with the force where that was recorded, else
-    with the channel with which it is highest.
-    """
+    """The curve of a response, on which its antiresonances are dips; None for a dof that was not measured."""
     if dof not in source.dofs:
         return None
     row = source.dofs.index(dof)

@@ -238,10 +238,7 @@ MOST_CUT, LEAST = 0.15, 0.01
 
 
 def reach(values: Any, margin: float = 1.25) -> float:
-    """Largest absolute value that an axis has to show, with its margin; infinite if it shows all.
-
-    Values are cut off where a gap sets few of them apart: then the axis is made for the others.
-    """
+    """Largest absolute value an axis shows, infinite for all: few that a gap sets apart are cut off."""
     size = np.abs(np.asarray(values, dtype=np.float64).ravel())
     size = np.sort(size[np.isfinite(size)])[::-1]
     most = min(max(1, int(MOST_CUT * size.size)), size.size - 1)
@@ -273,10 +270,7 @@ ALONG = (0.5, 0.3, 0.7)
 
 
 def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
-    """Places of the numbers, (n, 2), of elements ``ends`` (n, 2, 2), clear of ``lines``, all in points.
-
-    The middle of the left side is taken unless something is in its way.
-    """
+    """Places of the numbers, (n, 2), of elements (n, 2, 2), by default left of the middle; all in points."""
     placed = np.empty((0, 2))
     sides = [(share, side * away) for share in ALONG for away in AWAY for side in (1.0, -1.0)]
     for i, (a, b) in enumerate(ends):
@@ -288,10 +282,7 @@ def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
 
 
 def around(points: FloatArray, lines: FloatArray) -> FloatArray:
-    """Places of the numbers of points (n, 2), clear of ``lines`` and of each other, all in points.
-
-    Below to the right is taken unless something is in its way.
-    """
+    """Places of the numbers of points (n, 2), by default below to the right; all in points."""
     angles = np.radians([-45.0, 135.0, 45.0, -135.0, -90.0, 90.0, 180.0, 0.0])
     ways = np.column_stack([np.cos(angles), np.sin(angles)])
     placed = np.empty((0, 2))

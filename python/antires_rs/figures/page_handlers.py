@@ -28,10 +28,7 @@ Work = Callable[[], dict[str, Any]]
 
 
 class Presence:
-    """Which pages are open: each holds a socket, which goes with it.
-
-    ``alone`` is called when the last page has been gone for ``grace_s``, in which it may have been reloaded.
-    """
+    """Which pages are open; ``alone`` is called when the last has been gone for ``grace_s``, not reloaded."""
 
     def __init__(self, alone: Any, grace_s: float) -> None:
         self._alone, self._grace_s = alone, grace_s

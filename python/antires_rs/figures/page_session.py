@@ -33,10 +33,7 @@ from .live_identification import Curve, curve_of, evidence_figure, mark_columns
 
 @dataclass(frozen=True)
 class Sight:
-    """A set with the edits that it can take; all edits in order, and why each waits, None where it was made.
-
-    There is no band where there is nothing to identify from.
-    """
+    """A set with the edits that it can take; all edits, and why each waits, None where it was made."""
 
     zeros: AntiresonanceSet
     asked: tuple[Asked, ...] = ()
@@ -134,18 +131,7 @@ Band = tuple[float, float]
 
 
 class OneMeasurement:
-    """A record, or FRFs; repeated ones as one.
-
-    Attributes
-    ----------
-    dofs : tuple
-        Responses that it shows.
-    covered_hz, whole_band : (low, high)
-        Frequencies of which it can tell, and a band to begin with: all lines of curves, of records up to 80 %
-        of the highest frequency.
-    response : FrequencyResponse or None
-        Curves of all responses under one force, where it has them.
-    """
+    """A record, or FRFs; repeated ones as one."""
 
     def __init__(self, signal: Recording | FrequencyResponse) -> None:
         self._signal = signal
@@ -243,11 +229,7 @@ class Pick:
 
 
 def picked(zeros: AntiresonanceSet, dof: Any, click: Click, curve: Curve | None = None) -> Pick | None:
-    """What a click at a response asks for; None where nothing is near.
-
-    On a pole it adds it, on a value it drops it, on the place of a dropped one it brings that back. On a
-    curve it adds the dip. The line of a value goes before what lies beside it: zoom in to tell them apart.
-    """
+    """What a click asks for: the line of a value goes before what lies beside it. None: nothing is near."""
     now, before = zeros[dof], zeros.original()[dof]
     for values, action in ((now, "drop"), (before[~np.isin(before, now)], "restore")):
         at = _nearest(values, click)
@@ -306,10 +288,7 @@ def _dip(curve: Curve, click: Click) -> Pick | None:
 
 
 class Session:
-    """A set, what it was identified from, and what may be done. Calls may come from several threads.
-
-    Without a set :meth:`identify` makes it, and until then there are curves without values.
-    """
+    """A set, what it was identified from, and what may be done, by several threads."""
 
     def __init__(
         self,
@@ -441,10 +420,7 @@ class Session:
             return "reason kept"
 
     def identify(self, band_hz: Sequence[float] | None = None, max_order: int | None = None) -> str:
-        """Identify again, and make all edits again; what became of those that wait is told by :attr:`now`.
-
-        It takes as long as it takes; until then the set stays as it was.
-        """
+        """Identify again and make all edits again; until that is done the set stays as it was."""
         if self.source is None:
             reject("source", "a set alone", "the measurement too", "Open the measurement to identify again.")
         band = self.now.band_hz if band_hz is None else band_hz

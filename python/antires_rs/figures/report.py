@@ -1,8 +1,7 @@
-"""Reports: one self-contained HTML file for a result (``pip install "antires-rs[report]"``).
+"""Reports: one self-contained HTML file for a result (``pip install "antires-rs[report]"``), or for a watch.
 
 Style and pictures are inside the file and nothing is fetched when it is opened, so it can be mailed, archived
-and printed. Uses results, ``plotting`` and jinja2; ``facts`` finds the words, ``rows`` the tables,
-``figures`` the pictures, ``template.html`` the page.
+and printed.
 """
 
 from __future__ import annotations
@@ -61,8 +60,8 @@ def write_report(
     -----
     The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
     figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
-    pictures stand there. Where all stabilization diagrams together would
-    make it larger, the last are left out, and it says how many.
+    pictures stand there. Where all stabilization diagrams together would make it larger, the last are left
+    out, and it says how many.
     """
     if not isinstance(result, UpdateResult):
         reject(
@@ -235,12 +234,8 @@ _LATEST = 50
 
 def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:
     """Write the page, whole or not at all."""
-    drawn = picture(
-        lambda axes: draw_monitor(np.atleast_1d(axes), watched),
-        size_in(watched),
-        rows=len(panels(watched)),
-        dpi=130,
-    )
+    rows, size = len(panels(watched)), size_in(watched)
+    drawn = picture(lambda axes: draw_monitor(np.atleast_1d(axes), watched), size, rows=rows, dpi=130)
     image = base64.b64encode(drawn).decode()
     rest = watched.outside_baseline
     count, alarms = int(rest.sum()), int(watched.alarm[rest].sum())

@@ -304,10 +304,7 @@ def packed(figure: Callable[[], Any]) -> str:
 
 
 def _with_own_names(figure: dict[str, Any]) -> str:
-    """A figure whose parts are named by their order and what it shows, not by how many were made before.
-
-    So the same report is the same bytes, and no two figures of a page share a name.
-    """
+    """A figure whose parts are named by what it shows: the same report is the same bytes."""
     names: dict[str, str] = {}
     counted = _renamed(figure, lambda name: names.setdefault(name, f"p{len(names)}"))
     mark = sha256(_text(counted).encode("utf-8")).hexdigest()[:8]
@@ -454,10 +451,7 @@ def drawings_of(
 
 
 def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure, str]], int]:
-    """Diagrams for which a page has room, each with its packed figure, and how many were left out.
-
-    What is no diagram comes first; pictures of all come before figures to be explored.
-    """
+    """Diagrams for which a page has room, each with its packed figure if that fits; how many are left out."""
     room -= len(library()) + sum(len(one.uri) + len(one.live) for one in drawn.figures.values())
     kept: list[Figure] = []
     for one in drawn.diagrams.values():
@@ -727,10 +721,7 @@ def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
 
 
 def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
-    """Probability, name and losses of the hypotheses worth a row, and a sentence on the others.
-
-    The first is the answer, and so are those of its group, which the values cannot tell from it.
-    """
+    """Rows of the hypotheses worth one, the answer and its like as hits, and a sentence on the others."""
     hypotheses, alike = found.hypotheses, found.group
     answer = alike if hypotheses[0] in alike else hypotheses[:1]
     rows = [

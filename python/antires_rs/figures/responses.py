@@ -130,11 +130,7 @@ def curves_db(
     damping_ratio: Any = 0.01,
     band_hz: Sequence[float] | None = None,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Lines in Hz, and levels in dB of the measured FRFs and of each model's, (n_dofs, n_freq).
-
-    The models take the quantity (acceleration, velocity or displacement) in which the last of them is
-    closest to the measurement, and its level where units differ.
-    """
+    """Lines in Hz, and levels in dB of the measured FRFs and of each model, (n_dofs, n_freq)."""
     if not isinstance(measured, FrequencyResponse) or measured.kind != "frf":
         reject(
             "measured",
