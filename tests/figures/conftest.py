@@ -56,7 +56,7 @@ def session(identified, record, tmp_path):
 @pytest.fixture
 def served(session):
     """Its page."""
-    from antires_rs.figures.page_server import Page
+    from antires_rs.figures.page import Page
     from antires_rs.figures.page_session import SetView
 
     page = Page(SetView(session, "four masses"), ends_with_page=False)

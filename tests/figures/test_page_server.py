@@ -12,7 +12,8 @@ import antires_rs as ar
 
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
-from antires_rs.figures.page_server import ADDRESS, Guard, Page
+from antires_rs.figures.page import Page
+from antires_rs.figures.page_handlers import ADDRESS, Guard
 from antires_rs.figures.page_session import SetView
 
 

@@ -251,12 +251,11 @@ def plot_damages(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_damages
     >>> from matplotlib.figure import Figure
     >>> case = ar.cases.chain8()
     >>> both = {"antiresonances": case.exact(1), "resonances and shapes": case.exact_modes(1)}
     >>> found = {name: ar.assess_damage(case.model, exact, rng=0) for name, exact in both.items()}
-    >>> ax = plot_damages(found, ax=Figure().subplots(), truth={4: 0.55})
+    >>> ax = ar.figures.plot_damages(found, ax=Figure().subplots(), truth={4: 0.55})
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['antiresonances', 'resonances and shapes', 'truth']
     """
@@ -322,12 +321,11 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
     --------
     >>> import antires_rs as ar
     >>> from matplotlib.figure import Figure
-    >>> from antires_rs.figures import plot_hypotheses
     >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
     >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 300.0, 500.0])
     >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
     ...                for m in (intact, damaged))
-    >>> ax = plot_hypotheses(ar.assess_damage(intact, now, baseline=before).hypotheses, Figure().subplots())
+    >>> ax = ar.assess_damage(intact, now, baseline=before).hypotheses.plot(ax=Figure().subplots())
     >>> ax.get_xlabel()
     'Probability'
     """

@@ -204,12 +204,11 @@ def plot_damping_clusters(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from antires_rs.figures.identification import plot_damping_clusters
     >>> from matplotlib.figure import Figure
     >>> f = np.linspace(1.0, 20.0, 200)
     >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
     >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=20)
-    >>> plot_damping_clusters(diagram, ax=Figure().subplots()).get_ylabel()
+    >>> ar.figures.plot_damping_clusters(diagram, ax=Figure().subplots()).get_ylabel()
     'Damping ratio (%)'
     """
     _, freq, damping, stable = pole_table(diagram)
@@ -268,10 +267,9 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures.identification import plot_coherence
     >>> from matplotlib.figure import Figure
     >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> plot_coherence(ar.frf(rec, nperseg=4096), ax=Figure().subplots()).get_ylabel()
+    >>> ar.figures.plot_coherence(ar.frf(rec, nperseg=4096), ax=Figure().subplots()).get_ylabel()
     'Coherence with the force (-)'
     """
     if not isinstance(resp, FrequencyResponse) or resp.coherence is None:

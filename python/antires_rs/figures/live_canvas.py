@@ -49,25 +49,17 @@ def require_bokeh() -> None:
         )
 
 
-def _shortened(text: str) -> str:
-    """A text without its middle, where it would push the tools out of a narrow window."""
-    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 16]}…{text[-15:]}"
-
-
 def columns(**values: Any) -> Any:
     """A table behind glyphs, ``bokeh.models.ColumnDataSource``: one length, numbers in single precision."""
     require_bokeh()
     from bokeh.models import ColumnDataSource
 
-    return ColumnDataSource({name: _slim(column) for name, column in values.items()})
-
-
-def _slim(column: Any) -> Any:
-    """Numbers as the browser needs them; text stays a list."""
-    array = np.asarray(column)
-    if array.dtype.kind == "f":
-        return array.astype(np.float32)
-    return array.tolist() if array.dtype.kind in "USObiu" else array
+    table = {}
+    for name, column in values.items():
+        array = np.asarray(column)
+        slim = array.astype(np.float32) if array.dtype.kind == "f" else array
+        table[name] = array.tolist() if array.dtype.kind in "USObiu" else slim
+    return ColumnDataSource(table)
 
 
 def hover(fig: Any, renderers: Sequence[Any], says: Mapping[str, str], **options: Any) -> Any:
@@ -131,8 +123,9 @@ def explored(panel: marks.Panel, *, height: int = 320, x_range: Any = None, side
     fig.title.text, fig.title.text_font_style = panel.title, "normal"
     if len(y.label) > height // PX_A_LETTER and not panel.title:
         said, _, unit = y.label.rpartition(" (")
-        fig.title.text = _shortened(said or y.label)
-        fig.yaxis.axis_label = f"({unit}" if said else ""
+        said = said or y.label  # without its middle, where it would push the tools out of a narrow window
+        fig.title.text = said if len(said) <= MOST_LETTERS else f"{said[: MOST_LETTERS - 16]}…{said[-15:]}"
+        fig.yaxis.axis_label = f"({unit}" if " (" in y.label else ""
     if panel.behind is not None:
         _draw_behind(fig, *panel.behind)
     curves = sum(isinstance(mark, marks.Line) and bool(mark.says) for mark in panel.marks)
@@ -287,6 +280,7 @@ def edge_labels(fig: Any, table: Any, **look: Any) -> None:
 @_draw.register
 def _paths(mark: marks.Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
     from bokeh.models import ColorBar, LinearColorMapper
+    from bokeh.palettes import interp_palette
 
     table = columns(**mark.more)
     for name, column in (("xs", 0), ("ys", 1)):
@@ -300,7 +294,7 @@ def _paths(mark: marks.Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
     table.data["value"] = np.where(known, value, 0.0).astype(np.float32)
     table.data["width"] = np.where(known, width, 1.5).astype(np.float32)
     top = float(value[known].max(initial=0.0))
-    mapper = LinearColorMapper(palette=_palette(), low=0.0, high=top or 1.0)
+    mapper = LinearColorMapper(palette=interp_palette(marks.SCALE, 64), low=0.0, high=top or 1.0)
     colour = {"field": "value", "transform": mapper}
     if top > 0.0:
         look = {
@@ -313,14 +307,6 @@ def _paths(mark: marks.Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
     else:
         fig.title.text, fig.title.text_font_style = f"{mark.scale}: 0 in every element", "normal"
     return [fig.multi_line("xs", "ys", source=table, line_width="width", line_color=colour)]
-
-
-def _palette() -> list[str]:
-    """The scale of the pictures, in 64 steps."""
-    knots = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in marks.SCALE], dtype=np.float64)
-    at = np.linspace(0.0, len(marks.SCALE) - 1.0, 64)
-    rgb = np.stack([np.interp(at, np.arange(len(marks.SCALE)), knots[:, c]) for c in range(3)], axis=1)
-    return ["#" + "".join(f"{int(round(v)):02X}" for v in each) for each in rgb]
 
 
 @_draw.register

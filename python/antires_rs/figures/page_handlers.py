@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import hmac
 import json
+import secrets
 from collections.abc import Awaitable, Callable
 from contextlib import nullcontext, suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketHandler
@@ -19,12 +21,56 @@ from ..exceptions import AntiresError, InvalidInputError
 from .live_canvas import script_files
 from .page_session import TAKEN, View
 
-if TYPE_CHECKING:
-    from .page_server import Guard
-
 ASSETS = Path(__file__).with_name("assets")
 KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 Work = Callable[[], dict[str, Any]]
+
+
+# -- Who is answered: this computer's own browser, on the page that was opened for it
+
+
+#: Where the page is served; no other computer reaches it.
+ADDRESS = "127.0.0.1"
+#: Of the token.
+BYTES = 24
+#: A page of this computer may frame ours: notebooks do.
+FRAMED_BY = "http://127.0.0.1:* http://localhost:* vscode-webview:"
+
+
+class Guard:
+    """The checks of every request: its token is known to who was given the address, and to nobody else."""
+
+    def __init__(self, port: int) -> None:
+        self.token = secrets.token_urlsafe(BYTES)
+        #: Names by which a browser may call this server; a name that was bent to 127.0.0.1 is none.
+        self.hosts = f"{ADDRESS}:{port}", f"localhost:{port}"
+        self.address = f"http://{ADDRESS}:{port}/?token={self.token}"
+
+    def refuses(self, host: str | None, origin: str | None, token: str | None) -> str | None:
+        """Why a request is refused; None if it is answered."""
+        if host not in self.hosts:
+            return "the address is not this server's own"
+        if origin is not None and origin not in {f"http://{name}" for name in self.hosts}:
+            return "a page of another origin asked"
+        if token is None or not hmac.compare_digest(token.encode(), self.token.encode()):
+            return "the token is missing or wrong: open the address that the command printed"
+        return None
+
+    def headers(self) -> dict[str, str]:
+        """What every answer carries: a page that can load nothing from anywhere else."""
+        own = " ".join(f"ws://{name}" for name in self.hosts)
+        return {
+            "Content-Security-Policy": "default-src 'none'; script-src 'self'; "
+            "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
+            f"connect-src 'self' {own}; base-uri 'none'; form-action 'none'; frame-ancestors {FRAMED_BY}",
+            "Cache-Control": "no-store",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Referrer-Policy": "no-referrer",
+            "X-Content-Type-Options": "nosniff",
+        }
+
+
+# -- Who is there
 
 
 class Presence:

@@ -27,29 +27,19 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
 from ..updating.result import UpdateResult
 from ..updating.tables import ModalTable, signed
+from . import responses
 from .canvas import picture
 from .damage import losses, plot_damage, plot_hypotheses, probabilities
 from .live_canvas import LEGEND, explored, item, script_files
 from .live_identification import stabilization_figure
 from .marks import Axis, Line, Panel
-from .responses import (
-    LOOKS,
-    MOST_RESPONSES,
-    curve_names,
-    curves_db,
-    plot_responses,
-    plot_transmissibility,
-    transmissibilities,
-)
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..measured.modal_set import ModalSet
-    from ..signals.frequency_response import FrequencyResponse
     from ..support.checks import FloatArray
-    from ..updating.result import UpdateResult
 
 Facts = dict[str, list[str]]
 
@@ -555,10 +545,10 @@ def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[st
     damping = "in the models follows from an assumed damping of 1 %."
     if response.kind == "frf":
         dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
-        shown = dofs[:MOST_RESPONSES]
+        shown = dofs[: responses.MOST_RESPONSES]
         some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
         return Figure(
-            partial(plot_responses, response, model, after, dofs=shown, **given),
+            partial(responses.plot_responses, response, model, after, dofs=shown, **given),
             (9.0, 2.0 + 1.2 * len(shown)),
             f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}",
             f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
@@ -566,7 +556,7 @@ def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[st
         )
     over = dof_name(model, response.reference)
     return Figure(
-        partial(plot_transmissibility, response, model, after, dof=None, **given),
+        partial(responses.plot_transmissibility, response, model, after, dof=None, **given),
         (9.0, 4.4),
         f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
         f"height {damping}",
@@ -582,15 +572,15 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
 
     before, after, excitation = result.problem.model, result.model, result.problem.measured[0].excitation
     if measured.kind == "transmissibility":
-        panel = transmissibilities(measured, before, after, None, excitation, names=names)
+        panel = responses.transmissibilities(measured, before, after, None, excitation, names=names)
         # Of lines that share a pixel the peak counts.
         return explored(replace(panel, marks=[_thinned(mark, np.max) for mark in panel.marks]), height=340)
-    freq, levels = curves_db(measured, (before, after), excitation)
-    called = curve_names(names, both=True)
+    freq, levels = responses.curves_db(measured, (before, after), excitation)
+    called = responses.curve_names(names, both=True)
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
     marks = []
     for row in range(len(measured.dofs)):
-        lines = [Line(freq, level[row], **look) for level, look in zip(levels, LOOKS, strict=True)]
+        lines = [Line(freq, level[row], **look) for level, look in zip(levels, responses.LOOKS, strict=True)]
         more = {f"level_{i}": level[row] for i, level in enumerate(levels)}
         lines[0] = replace(lines[0], says=says, more=more)
         marks += [_thinned(line, np.min) for line in lines]  # the dip counts

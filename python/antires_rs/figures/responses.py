@@ -75,11 +75,11 @@ def plot_responses(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_responses
     >>> from matplotlib.figure import Figure
     >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> rec = chain.simulate(excitation=0, fs_hz=20.0, duration_s=60.0, damping_ratio=0.01, rng=0)
-    >>> plot_responses(ar.frf(rec, nperseg=256), chain, excitation=0, ax=Figure().subplots()).get_xlabel()
+    >>> h = ar.frf(rec, nperseg=256)
+    >>> ar.figures.plot_responses(h, chain, excitation=0, ax=Figure().subplots()).get_xlabel()
     'Frequency (Hz)'
     """
     chosen = list(measured.dofs)[:MOST_RESPONSES] if dofs is None else list(dofs)
@@ -194,12 +194,11 @@ def plot_transmissibility(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_transmissibility
     >>> from matplotlib.figure import Figure
     >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> rec = chain.simulate(excitation=0, fs_hz=20.0, duration_s=60.0, damping_ratio=0.01, rng=0)
     >>> t = ar.transmissibility(rec, 0, nperseg=256)
-    >>> plot_transmissibility(t, chain, dof=2, excitation=0, ax=Figure().subplots()).get_ylabel()
+    >>> ar.figures.plot_transmissibility(t, chain, dof=2, excitation=0, ax=Figure().subplots()).get_ylabel()
     '|T| of dof 2 over dof 0 (dB re 1)'
     """
     panel = transmissibilities(measured, before, after, dof, excitation, damping_ratio, band_hz, names)

@@ -32,10 +32,9 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_comparison
     >>> from matplotlib.figure import Figure
     >>> a, b = (ar.AntiresonanceSet(0, {0: f}, std_hz={0: [0.01, 0.01]}) for f in ([8.7, 23.9], [8.6, 23.9]))
-    >>> ax = plot_comparison(ar.compare(a, b), ax=Figure().subplots())
+    >>> ax = ar.figures.plot_comparison(ar.compare(a, b), ax=Figure().subplots())
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['no change seen', 'changed']
     """
@@ -112,10 +111,9 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_tracks
     >>> from matplotlib.figure import Figure
     >>> tests = [ar.AntiresonanceSet(0, {0: values}) for values in ([8.7, 23.9], [8.6, 23.8])]
-    >>> ax = plot_tracks(ar.track(tests), ax=Figure().subplots())
+    >>> ax = ar.figures.plot_tracks(ar.track(tests), ax=Figure().subplots())
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['8.70 Hz', '23.90 Hz']
     """

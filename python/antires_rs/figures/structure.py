@@ -86,9 +86,8 @@ def plot_chain(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_chain
     >>> from matplotlib.figure import Figure
-    >>> ax = plot_chain(ar.cases.chain8().model, {4: 55.0}, ax=Figure().subplots(), excitation=0)
+    >>> ax = ar.figures.plot_chain(ar.cases.chain8().model, {4: 55.0}, ax=Figure().subplots(), excitation=0)
     >>> ax.get_xlabel()
     'Mass (number of each spring above it)'
     """

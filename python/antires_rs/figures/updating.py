@@ -61,11 +61,10 @@ def plot_differences(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from antires_rs.figures import plot_differences
     >>> from matplotlib.figure import Figure
     >>> columns = [0, 0], [0, 0], [10.0, 20.0], [10.4, 19.0], [10.01, 20.0]
     >>> table = ar.FrequencyTable(*map(np.array, columns))
-    >>> ax = plot_differences(table, ax=Figure().subplots())
+    >>> ax = ar.figures.plot_differences(table, ax=Figure().subplots())
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['before updating, largest 5.00 %', 'after updating, largest 0.10 %']
     """
@@ -235,10 +234,9 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_convergence
     >>> from matplotlib.figure import Figure
     >>> found = ar.IslandGA(max_evaluations=2000).minimize(lambda x: x @ x + 1.0, [(-1, 1)] * 2, rng=0)
-    >>> plot_convergence(found, ax=Figure().subplots()).get_xlabel()
+    >>> ar.figures.plot_convergence(found, ax=Figure().subplots()).get_xlabel()
     'Evaluations of all islands (-)'
     """
     if not np.size(result.history.cost):
@@ -317,11 +315,10 @@ def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_identifiability
     >>> from matplotlib.figure import Figure
     >>> problem = ar.cases.chain8().updating_problem()
     >>> found = ar.identifiability(problem, points=4, forces=[], sensors=[])
-    >>> ax = plot_identifiability(found, ax=Figure().subplots())
+    >>> ax = ar.figures.plot_identifiability(found, ax=Figure().subplots())
     >>> round(max(bar.get_width() for bar in ax.patches))
     100
     """
