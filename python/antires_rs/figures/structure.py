@@ -129,14 +129,15 @@ def chain(
     }
     says = {"": "@name", "Mass": "@mass{0.000000} kg"}
     marks.append(Points(np.arange(n), np.zeros(n), "s", size, face="white", says=says, more=more))
-    for where, y, half, colour, name in (
-        (dofs, 0.36, 0.18, "vermillion", "accelerometer"),
-        (force, -0.36, 0.25, "black", "force"),
+    long = max(0.18, 6.0 * (n + 1) / wide_pt)
+    for where, y, half, width, colour, name in (
+        (dofs, 0.36, long, 1.4, "vermillion", "accelerometer"),
+        (force, -0.36, 1.4 * long, 2.0, "black", "force"),
     ):
         if where:
             tails, heads = (np.array([(i + side * half, y) for i in where]) for side in (-1.0, 1.0))
             says, more = {name.capitalize(): "@at"}, {"at": [model.dof_label(i) for i in where]}
-            marks.append(Arrows(tails, heads, colour, 8.0 * half, label=name, says=says, more=more))
+            marks.append(Arrows(tails, heads, colour, width, label=name, says=says, more=more))
     shown = list(springs)[::every]
     numbers = [str(element) if element < n - 1 else "ground" for element in shown]
     marks.append(

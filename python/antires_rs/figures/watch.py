@@ -91,9 +91,8 @@ def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> None:
     draw(chart(watched, name), ax, drop_pt=34.0 if last else 8.0, legend=last or name == "T2")
     ax.margins(x=0.01)
     ax.spines[["top", "right"]].set_visible(False)
-    if last:
-        ax.tick_params(labelbottom=True)
-    else:
+    ax.tick_params(labelbottom=last)
+    if not last:
         ax.set_xlabel("")
 
 
