@@ -82,7 +82,7 @@ def below(fig: Any, *, side_by_side: int = 2) -> None:
 LINE_PX, MARKER_PX = 1.25, 1.6
 #: Names of dashes, markers and hatches, by those of the marks.
 _DASHES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
-_MARKERS = {"o": "circle", ".": "circle", "x": "x", "s": "square", "D": "diamond", "|": "dash"}
+_MARKERS = {"o": "circle", ".": "circle", "x": "x", "s": "square", "D": "diamond"}
 _MARKERS |= {"^": "triangle", "v": "inverted_triangle"}
 _HATCHES = {"": " ", "/": "right_diagonal_line", ".": "dot", "x": "cross"}
 
@@ -179,8 +179,9 @@ def _points(mark: marks.Points, fig: Any, label: dict[str, Any]) -> list[Any]:
     share = 0.8 if mark.marker == "." else 1.0
     look = {"size": share * MARKER_PX * mark.size, "line_color": mark.colour, "line_width": mark.stroke}
     look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face or mark.colour}
-    look |= {"angle": np.pi / 2} if mark.marker == "|" else {}
-    marker = _MARKERS.get(mark.marker, "circle_dot")
+    stroke = (2, 2, 0.0) if mark.marker == "|" else mark.marker
+    look |= {"angle": np.pi / 2 + np.radians(stroke[2])} if isinstance(stroke, tuple) else {}
+    marker = "dash" if isinstance(stroke, tuple) else _MARKERS.get(stroke, "circle_dot")
     return [fig.scatter("x", "y", source=table, marker=marker, **look, **label)]
 
 

@@ -67,11 +67,11 @@ class Mark:
 
 @dataclass(frozen=True)
 class Points(Mark):
-    """Markers, with their ``error`` and the dash that links them; ``spill`` ones go over the edge."""
+    """Markers, a stroke being (2, 2, degrees), with their ``error``; ``spill`` ones go over the edge."""
 
     x: Any
     y: Any
-    marker: str = "o"
+    marker: Any = "o"
     size: float = 6.0
     colour: str = "black"
     face: str | None = None

@@ -266,7 +266,7 @@ def frame(
     # Points that one unit of the data will take, with equal scales.
     scale = float((room_pt / np.maximum(np.ptp(points, axis=0) * (1.0 + 2.0 * MARGIN), 1e-300)).min())
     ends = points[model.elements]
-    marks = [*_elements(model, ends, given, label), *_carried(model, points, scale)]
+    marks = [*_elements(model, ends, given, label), *_carried(model, points)]
     where = [", ".join(f"{x:g}" for x in node) + " m" for node in model.nodes_m]
     says, more = (
         {"Node": "@node", "At": "@where"},
@@ -302,7 +302,9 @@ def frame(
         "section": [str(name) for name in model.element_sections],
     } | ({} if given is None else {"value": given})
     x, y = ("isometric view (m)", "") if space else ("x (m)", "y (m)")
-    return Panel("model", Axis(x), Axis(y), marks, equal=True, tables={"elements": table})
+    sections = map(model.section_label, range(len(model.sections)))
+    first = (*sections, "fixed", "partly fixed", "point mass", "spring to ground", "node spring")
+    return Panel("model", Axis(x), Axis(y), marks, equal=True, first=first, tables={"elements": table})
 
 
 def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, label: str) -> list[Mark]:
@@ -326,38 +328,32 @@ def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, la
     return marks
 
 
-def _carried(model: FrameModel, points: FloatArray, scale: float) -> list[Mark]:
+def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
     """Fixed nodes, point masses, springs to ground and between nodes; smaller markers over larger ones."""
     space = model.nodes_m.shape[1] == 3
     held: dict[int, list[str]] = {}
     for node, direction in model.fixed:
         held.setdefault(node, []).append(direction)
+    marks: list[Mark] = []
+    for nth, spring in enumerate(model.node_springs):
+        a, b = points[spring.node], points[spring.other]
+        marks.append(Paths([coil(a, b, 0.03)], "black", width=1.0, label=None if nth else "node spring"))
+        marks.append(Points(*xy([a, b]), "D", 3.5))
     whole = 6 if space else 3
     partly = [(node, direction) for node, of in held.items() if len(of) < whole for direction in of]
-    strokes, turns = [], []
-    for node, direction in partly:
-        if direction in ROTATIONS:
-            turns.append(points[node])
-        else:  # a stroke across the direction that is held
-            across = _seen(direction, space)[::-1] * [-8.5 / scale, 8.5 / scale]
-            strokes.append(np.array([points[node] - across, points[node] + across]))
-    marks: list[Mark] = []
-    ends = [(points[spring.node], points[spring.other]) for spring in model.node_springs]
-    if ends:
-        marks.append(Paths([coil(a, b, 0.03) for a, b in ends], "black", width=1.0, label="node spring"))
-        marks.append(Points(*xy(ends), "D", 3.5))
-    if strokes:
-        marks.append(Paths(strokes, "black", width=2.0, label="partly fixed"))
-    if turns:
-        label = None if strokes else "partly fixed"
-        marks.append(Points(*xy(turns), "x", 8.0, stroke=2.0, label=label))
-    for nodes, marker, size, label in (
+    for nth, (node, direction) in enumerate(partly):
+        # A stroke across the direction that is held.
+        along = None if direction in ROTATIONS else _seen(direction, space)
+        marker = "x" if along is None else (2, 2, float(np.degrees(np.arctan2(along[1], along[0]))))
+        size, label = 8.0 if along is None else 17.0, None if nth else "partly fixed"
+        marks.append(Points(*xy(points[node]), marker, size, stroke=2.0, label=label))
+    for nodes, sign, size, name in (
         ([node for node, of in held.items() if len(of) == whole], "s", 11.0, "fixed"),
         ([m.node for m in model.point_masses], "o", 9.0, "point mass"),
         ([s.node for s in model.ground_springs], "v", 6.5, "spring to ground"),
     ):
         if nodes:
-            marks.append(Points(*xy(points[sorted(set(nodes))]), marker, size, face="white", label=label))
+            marks.append(Points(*xy(points[sorted(set(nodes))]), sign, size, face="white", label=name))
     return marks
 
 
