@@ -63,4 +63,3 @@ def served(session):
     page.start()
     yield page
     page.stop()
-    assert not page.running

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.optimize import isotonic_regression
 
 from ..support.checks import FloatArray
 
@@ -250,6 +249,8 @@ def reach(values: Any, margin: float = 1.25) -> float:
 
 def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
     """Ascending positions moved as little as needed to be ``least`` apart and, if they fit, in the limits."""
+    from scipy.optimize import isotonic_regression
+
     where = np.asarray(positions, dtype=np.float64)
     if where.size < 2:
         return where.copy()
