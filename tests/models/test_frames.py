@@ -9,7 +9,7 @@ import scipy.sparse
 
 import antires_rs as ar
 from antires_rs import exceptions
-from antires_rs.figures.canvas import beside
+from antires_rs.figures.marks import beside
 from antires_rs.figures.updating import plot_differences
 from tests.support.tolerances import AGAINST_SCIPY, BEAM_HZ, EIGH, RIGID_FORCE
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..damage.result import DamageResult
 from ..exceptions import reject
-from ..figures.page import Drawn, ResultView, Table
+from ..figures.page import ResultView, Table
 from ..figures.page_session import Session, SetView, View
 from ..figures.report_parts import (
     damage_rows,
@@ -147,11 +147,7 @@ def result_view(file: Path) -> ResultView:
     with arguments(NAMES):
         result = UpdateResult.load(file)
     drawn = drawings(result, evidence_in(RunFolder(file.parent), result))
-    figures = [
-        Drawn(one.explore, one.caption)
-        for one in (*drawn.figures.values(), *drawn.diagrams.values())
-        if one.explore is not None
-    ]
+    figures = [*drawn.figures.values(), *drawn.diagrams.values()]
     return ResultView(file.parent.resolve().name, _answer(result), figures, _tables(result))
 
 
