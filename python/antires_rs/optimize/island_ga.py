@@ -10,7 +10,7 @@ import os
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 import numpy as np
@@ -129,19 +129,8 @@ class OptimizeResult(Value):
     @classmethod
     def _of(cls, raw: dict[str, Any], options: dict[str, Any]) -> Self:
         history = History(raw["history_nfev"], raw["history_cost"], raw["history_migrations"])
-        names = (
-            "x",
-            "fun",
-            "success",
-            "status",
-            "message",
-            "nfev",
-            "njev",
-            "nit",
-            "populations",
-            "population_costs",
-        )
-        return cls(history=history, options=options, **{name: raw[name] for name in names})
+        held = {each.name: raw[each.name] for each in fields(cls) if each.name in raw}
+        return cls(history=history, options=options, **held)
 
 
 def with_result(error: BaseException, result: OptimizeResult) -> BaseException:
@@ -161,16 +150,10 @@ def with_result(error: BaseException, result: OptimizeResult) -> BaseException:
 
 #: Largest count that the core can hold.
 _MOST = 2**63 - 1
-_INTEGERS = {
-    "islands",
-    "population",
-    "patience",
-    "cost_migrations",
-    "polish_interval",
-    "polish_evaluations",
-    "max_evaluations",
-    "max_generations",
-}
+_INTEGERS = frozenset(
+    "islands population patience cost_migrations polish_interval polish_evaluations max_evaluations "
+    "max_generations".split()
+)
 
 
 def seed_of(rng: int | np.random.Generator | None) -> int:
@@ -179,8 +162,17 @@ def seed_of(rng: int | np.random.Generator | None) -> int:
     So the seed kept in a result, passed back as ``rng``, repeats the run.
     """
     if rng is not None and not isinstance(rng, np.random.Generator):
-        return integer("rng", rng, low=0, high=2**63 - 1)
+        return integer("rng", rng, low=0, high=_MOST)
     return int(np.random.default_rng(rng).integers(0, 2**63, dtype=np.int64))
+
+
+def resumed(checkpoint: Any, rng: Any, fingerprint: Callable[[], bytes]) -> tuple[Checkpoint | None, int]:
+    """Where a search is kept, if it is, and its seed: that of the file where none is given."""
+    kept = None if checkpoint is None else Checkpoint(checkpoint)
+    seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
+    if kept:
+        kept.begin(fingerprint(), seed)
+    return kept, seed
 
 
 def thread_count(workers: int | None) -> int:
@@ -193,17 +185,13 @@ def thread_count(workers: int | None) -> int:
 def check_bounds(bounds: Any) -> FloatArray:
     """Bounds as an (n, 2) array; order and finiteness are checked in the core, by gene."""
     wanted = "an array (n, 2) of lower and upper bounds, n >= 1"
+    remedy = "Write them as in [(0.0, 1.0), (0.9, 1.1)]."
     try:
         box = np.asarray(bounds, dtype=np.float64)
     except (TypeError, ValueError) as exc:
-        reject(
-            "bounds",
-            f"{type(bounds).__name__} that does not convert ({exc})",
-            wanted,
-            "Write them as in [(0.0, 1.0), (0.9, 1.1)].",
-        )
+        reject("bounds", f"{type(bounds).__name__} that does not convert ({exc})", wanted, remedy)
     if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
-        reject("bounds", f"shape {box.shape}", wanted, "Write them as in [(0.0, 1.0), (0.9, 1.1)].")
+        reject("bounds", f"shape {box.shape}", wanted, remedy)
     return box
 
 
@@ -211,42 +199,36 @@ def guesses(x0: Any, n: int) -> list[list[float]]:
     """Initial guesses as rows."""
     if x0 is None:
         return []
-    rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=f"an array ({n},) or (m, {n})"))
+    wanted = f"an array ({n},) or (m, {n})"
+    rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=wanted))
     if rows.ndim != 2 or rows.shape[1] != n:
-        reject(
-            "x0",
-            f"shape {np.shape(x0)}",
-            f"an array ({n},) or (m, {n})",
-            "Give a value for each parameter, in the order of the bounds.",
-        )
-    return [[float(v) for v in row] for row in rows]
-
-
-def check_option_type(name: str, value: Any) -> None:
-    """Type of an option; its range is the core's to judge, and so is an unknown name."""
-    if name in _INTEGERS:
-        if not (name == "max_generations" and value is None):
-            integer(name, value, low=0, high=_MOST)
-    elif name == "agreement":
-        texts(name, [value])
-    elif name == "polish":
-        if value is not None and not isinstance(value, bool):
-            reject(name, value, "True, False or None", "None lets the optimizer choose.")
-    elif name != "crossovers" and name in _core.island_options({}):
-        finite_scalar(name, value)
-
-
-def texts(name: str, value: Any) -> list[str]:
-    """A list of texts."""
-    listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
-    if not all(isinstance(text, str) for text in listed):
-        reject(
-            name,
-            value,
-            "text, or a list of texts where several are possible",
-            "Put it in quotes; see the docstring for the names.",
-        )
+        remedy = "Give a value for each parameter, in the order of the bounds."
+        reject("x0", f"shape {np.shape(x0)}", wanted, remedy)
+    listed: list[list[float]] = rows.tolist()
     return listed
+
+
+def _check_type(name: str, value: Any) -> Any:
+    """An option of the right type; its range is the core's to judge, and so is an unknown name."""
+    if name == "crossovers":
+        listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
+        return [_text(name, each, value) for each in listed]
+    if name == "agreement":
+        return _text(name, value, value)
+    if name in _INTEGERS and not (name == "max_generations" and value is None):
+        integer(name, value, low=0, high=_MOST)
+    if name == "polish" and value is not None and not isinstance(value, bool):
+        reject(name, value, "True, False or None", "None lets the optimizer choose.")
+    if name not in {*_INTEGERS, "polish"} and name in _core.island_options({}):
+        finite_scalar(name, value)
+    return value
+
+
+def _text(name: str, value: Any, given: Any) -> str:
+    if not isinstance(value, str):
+        wanted = "text, or a list of texts where several are possible"
+        reject(name, given, wanted, "Put it in quotes; see the docstring for the names.")
+    return value
 
 
 # -- The user's function as the core calls it: all candidates of a generation, or as many as time allows
@@ -448,12 +430,8 @@ class IslandGA:
         self.max_seconds = (
             None if max_seconds is None else finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
         )
-        if "crossovers" in options:
-            options["crossovers"] = texts("crossovers", options["crossovers"])
-        for name, value in options.items():
-            check_option_type(name, value)
         #: Every option with its value in force.
-        self.options = _core.island_options(options)
+        self.options = _core.island_options({name: _check_type(name, each) for name, each in options.items()})
 
     @classmethod
     def paper(cls, **options: Any) -> Self:
@@ -570,25 +548,14 @@ class IslandGA:
         if vectorized and workers is not None:
             reject("workers", workers, "None with vectorized=True", "The function takes all candidates.")
         first = guesses(x0, len(box))
-        kept = None if checkpoint is None else Checkpoint(checkpoint)
-        seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
-        if kept:
-            kept.begin(digest_of(b"minimize", box.tobytes(), sorted(self.options.items()), first), seed)
+        of = (b"minimize", box.tobytes(), sorted(self.options.items()), first)
+        kept, seed = resumed(checkpoint, rng, lambda: digest_of(*of))
         with (
             Batch(fun, vectorized, workers, self.max_seconds) as batch,
             watched(callback, progress, self.options["max_evaluations"]) as watcher,
         ):
-            raw = _core.minimize(
-                batch,
-                box[:, 0].copy(),
-                box[:, 1].copy(),
-                first,
-                self.options,
-                seed,
-                self.max_seconds,
-                watcher,
-                kept,
-            )
+            ends = (box[:, 0].copy(), box[:, 1].copy())
+            raw = _core.minimize(batch, *ends, first, self.options, seed, self.max_seconds, watcher, kept)
         result = OptimizeResult._of(raw, self._in_force)
         if batch.error is not None:
             raise with_result(batch.error, result)

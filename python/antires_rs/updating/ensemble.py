@@ -18,9 +18,6 @@ from .problem import UpdatingProblem
 from .result import UpdateResult
 from .update import update
 
-#: A problem, and the seed of its search.
-_Task = tuple[UpdatingProblem | None, int]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UpdateEnsemble:
@@ -74,12 +71,8 @@ class UpdateEnsemble:
         """
         sizes = {result.x.size for result in self.results if result is not None}
         if len(sizes) > 1:
-            reject(
-                "x",
-                f"problems of {', '.join(map(str, sorted(sizes)))} parameters",
-                "problems of one number of parameters",
-                "Take .x of each result.",
-            )
+            got = f"problems of {', '.join(map(str, sorted(sizes)))} parameters"
+            reject("x", got, "problems of one number of parameters", "Take .x of each result.")
         size = sizes.pop() if sizes else 0
         return np.array([np.full(size, np.nan) if r is None else r.x for r in self.results]).reshape(-1, size)
 
@@ -97,8 +90,8 @@ class UpdateEnsemble:
             lines.append(f"{'parameter':{width}s}       mean        std     lowest    highest")
             for name, column in zip(there[0].problem.names, x.T, strict=True):
                 spread = column.std(ddof=1) if column.size > 1 else 0.0
-                told = (column.mean(), spread, column.min(), column.max())
-                lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in told))
+                numbers = (column.mean(), spread, column.min(), column.max())
+                lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in numbers))
         lines += [f"updating {k} failed: {why}" for k, why in self.failed.items()]
         if self.interrupted:
             lines.append("interrupted: these are the results that were there")
@@ -124,16 +117,13 @@ def update_ensemble(
         A generator is read a few ahead only. One problem alone is updated ``count`` times, with other seeds.
     count : int, optional
         How many seeds one problem gets.
-    optimizer : IslandGA, optional
-        Settings of every search.
+    optimizer, progress
+        As of :func:`update`.
     rng : int or numpy.random.Generator, optional
         Seed of all: search k has the seed ``SeedSequence(seed, spawn_key=(k,))``.
     workers : int, str or executor, optional
-        None: one after another, each by all processors. A number from 2 on, or ``"processes"``: processes of
-        this machine. ``"threads"``. An executor: ``concurrent.futures``, a Dask ``Client``, anything with
-        ``submit`` or ``map``. The bits are the same. A problem alone goes to each worker once.
-    progress : bool, optional
-        A line on standard error after a second; by default on a terminal and in a notebook.
+        Who searches, as of :meth:`IslandGA.minimize`; None is one search after another, each by all
+        processors. The bits are the same. A problem alone goes to each worker once.
 
     Returns
     -------
@@ -162,12 +152,9 @@ def update_ensemble(
     """
     alone = isinstance(problems, UpdatingProblem)
     if alone == (count is None):
-        reject(
-            "count",
-            "none beside one problem" if alone else f"{count} beside several problems",
-            "how many seeds one problem gets; nothing beside several",
-            "Pass count=20." if alone else "Leave it out.",
-        )
+        got = "none beside one problem" if alone else f"{count} beside several problems"
+        remedy = "Pass count=20." if alone else "Leave it out."
+        reject("count", got, "how many seeds one problem gets; nothing beside several", remedy)
     if alone:
         given: Iterable[Any] = repeat(None, integer("count", count, low=1))
     elif isinstance(problems, Iterable):
@@ -178,14 +165,13 @@ def update_ensemble(
     kept: list[UpdatingProblem] = []
     seeds: list[int] = []
 
-    def tasks() -> Iterator[_Task]:
+    def tasks() -> Iterator[tuple[UpdatingProblem | None, int]]:
         for k, problem in enumerate(given):
             if not (alone or isinstance(problem, UpdatingProblem)):
                 reject(part("problems", k), problem, "an UpdatingProblem", "Make one of it first.")
             kept.append(problems if problem is None else problem)  # type: ignore[arg-type]
-            seeds.append(
-                int(np.random.SeedSequence(seed, spawn_key=(k,)).generate_state(1, np.uint64)[0] >> 1)
-            )
+            own = np.random.SeedSequence(seed, spawn_key=(k,))
+            seeds.append(int(own.generate_state(1, np.uint64)[0] >> 1))
             yield problem, seeds[-1]
 
     results: list[UpdateResult | None] = []
@@ -215,11 +201,10 @@ def update_ensemble(
     return UpdateEnsemble(tuple(results), tuple(seeds[: len(results)]), failed, interrupted)
 
 
-def _updated(shared: tuple[Any, ...], task: _Task) -> tuple[Any, ...]:
+def _updated(shared: tuple[Any, ...], task: tuple[UpdatingProblem | None, int]) -> tuple[Any, ...]:
     """What makes a result of a problem: its search, seed and reduction. The problem itself stays at home."""
     alone, optimizer, threads = shared
     problem, seed = task
-    found = update(
-        alone if problem is None else problem, optimizer=optimizer, rng=seed, workers=threads, progress=False
-    )
+    options: dict[str, Any] = {"optimizer": optimizer, "rng": seed, "workers": threads, "progress": False}
+    found = update(alone if problem is None else problem, **options)
     return found.search, found.seed, found.reduction

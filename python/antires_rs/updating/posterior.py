@@ -15,13 +15,10 @@ from ..support.progress import one_blas_thread, patient, step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
 from .profile import open_sides, words_of
-from .residuals import FAR, SAME, Fit, drawn, error_rows, fitted, normalized
+from .residuals import FAR, SAME, Fit, drawn, fitted, normalized
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
-
-
-# -- Intervals of parameters as a value: ends, draws, and a word on each
 
 
 Method = Literal["laplace", "ensemble"]
@@ -116,7 +113,6 @@ class ParameterIntervals(Value, Viewed):
 # cut Gaussian is a normal distribution between two ends, drawn exactly. Without the box one sweep gives
 # independent draws; directions that the data do not see are uniform between the ends.
 
-
 #: A normal distribution this much wider than the line is drawn as uniform.
 _WIDE = 1e4
 #: Beyond so many standard deviations the tail is drawn as an exponential distribution.
@@ -190,7 +186,6 @@ def _between(
 # the model, which is drawn along with the parameters. Chains go through both in turn (Gibbs); each gives
 # one draw.
 
-
 #: Sweeps of every chain, along all axes, and the error of the model after each.
 _SWEEPS = 10
 
@@ -203,19 +198,18 @@ class Linear:
         weighted = fit.jacobian.T[None] / variance[:, None, :]  # (G, n, m)
         self.precisions = weighted @ fit.jacobian
         self.slopes = weighted @ fit.e - fit.residuals.tilt
-        self.axes = axes_of(self.precisions[middle])
         self.typical = self.precisions[middle]
+        self.axes = axes_of(self.typical)
 
     def residuals(self, u: FloatArray) -> FloatArray:
         """Linear residuals at every row, (k, m)."""
         return np.asarray(self.fit.e + (u - self.fit.u) @ self.fit.jacobian.T)
 
     def swept(
-        self, u: FloatArray, which: NDArray[np.intp], rng: np.random.Generator, axes: FloatArray | None = None
+        self, u: FloatArray, which: NDArray[np.intp], rng: np.random.Generator, axes: FloatArray
     ) -> FloatArray:
         """Every chain moved once along each axis within the Gaussian that ``which`` names."""
-        along = self.axes if axes is None else axes
-        return sweep(u, self.fit.u, self.precisions, self.slopes, which, along, rng)
+        return sweep(u, self.fit.u, self.precisions, self.slopes, which, axes, rng)
 
     def spread(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Points to start from, (count, n): of the Gaussian without its box, put on the box where outside."""
@@ -234,7 +228,7 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
     u = linear.spread(count, rng)
     for nth in range(_SWEEPS):
         step(f"linear posterior, sweep {nth + 1} of {_SWEEPS}")
-        u = linear.swept(u, which, rng)
+        u = linear.swept(u, which, rng, linear.axes)
         chances = normalized(fit.errors.log_density(linear.residuals(u) ** 2))
         which = drawn(chances, rng.random(count))
     return u, which
@@ -259,16 +253,6 @@ _COUNTING, _SWEEPS_ENSEMBLE = 0.5, 8
 _MOVES, _LAST, _MOST = 2.0, 5.0, 30
 
 
-@dataclass(frozen=True)
-class Ensemble:
-    """Draws in the unit box (k, n), number of the model's error (k,), steps, and share of moves accepted."""
-
-    u: FloatArray
-    which: NDArray[np.intp]
-    steps: int
-    accepted: float
-
-
 class _Particles:
     """Particles with their residuals on the way from the linear posterior to the true one."""
 
@@ -279,7 +263,7 @@ class _Particles:
         one = np.zeros(count, dtype=np.intp)
         self.u = start.spread(count, rng)
         for _ in range(_SWEEPS_ENSEMBLE):
-            self.u = start.swept(self.u, one, rng)
+            self.u = start.swept(self.u, one, rng, start.axes)
         self.linear = start.residuals
         self.which = drawn(fit.chances, rng.random(count))
         self.e = fit.residuals.many(self.u, workers)
@@ -317,7 +301,8 @@ class _Particles:
         linear = Linear(fit, variance, fit.middle)
         n = self.u.shape[1]
         axes = linear.axes[:n]
-        factor = _root(np.cov(self.u.T).reshape(n, n))
+        values, vectors = np.linalg.eigh(np.cov(self.u.T).reshape(n, n))  # of a matrix that may be singular
+        factor = np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
         done, rounds = 0.0, 0
         while done < moves and rounds < _MOST:
             logits = (1.0 - b) * self.log_chances + b * fit.errors.log_density(self.e**2)
@@ -358,10 +343,12 @@ class _Particles:
         return np.asarray(prior - 0.5 * ((1.0 - self.b) * start + self.b * end))
 
 
-def ensemble_draws(fit: Fit, count: int, rng: np.random.Generator, workers: int) -> Ensemble:
-    """Draws of the free parameters and of the error of the model; the same bits for any number of workers."""
+def ensemble_draws(
+    fit: Fit, count: int, rng: np.random.Generator, workers: int
+) -> tuple[FloatArray, NDArray[np.intp], float]:
+    """As :func:`linear_draws`, the same bits for any number of workers; and the share of moves accepted."""
     if fit.u.size == 0:
-        return Ensemble(np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 0, 1.0)
+        return np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 1.0
     particles = _Particles(fit, count, rng, workers)
     steps, accepted, rounds = 0, 0.0, 0
     while particles.b < 1.0:
@@ -370,13 +357,7 @@ def ensemble_draws(fit: Fit, count: int, rng: np.random.Generator, workers: int)
         step(f"ensemble, step {steps}: {100 * particles.b:.0f} % of the way")
         moved, passed = particles.settle(_LAST if particles.b == 1.0 else _MOVES)
         accepted, rounds = accepted + moved, rounds + passed
-    return Ensemble(particles.u, particles.which, steps, min(1.0, accepted / max(rounds, 1)))
-
-
-def _root(covariance: FloatArray) -> FloatArray:
-    """A matrix whose product with its transpose is the covariance, which may be singular."""
-    values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+    return particles.u, particles.which, min(1.0, accepted / max(rounds, 1))
 
 
 #: Residuals beyond this many standard deviations are named.
@@ -407,50 +388,37 @@ def intervals(
     if method == "laplace":
         u, which = linear_draws(fit, draws, generator)
     else:
-        found = ensemble_draws(fit, draws, generator, threads)
-        u, which = found.u, found.which
-        if found.accepted < 0.1:
+        u, which, accepted = ensemble_draws(fit, draws, generator, threads)
+        if accepted < 0.1:
             notes.append(
-                f"Hardly a move of the ensemble was accepted ({100 * found.accepted:.0f} %): take more draws."
+                f"Hardly a move of the ensemble was accepted ({100 * accepted:.0f} %): take more draws."
             )
     step("sides that the data leave open")
-    sides = open_sides(fit, level, refit=method == "ensemble")
-    return _told(fit, method, level, fit.residuals.vector(u), fit.errors.tau[which], sides, notes)
-
-
-def _told(
-    fit: Fit,
-    method: Method,
-    level: float,
-    x: FloatArray,
-    tau: FloatArray,
-    sides: list[tuple[bool, bool, bool]],
-    notes: list[str],
-) -> ParameterIntervals:
-    problem, rest = fit.residuals.problem, 1.0 - level
-    low, high = np.quantile(x, [rest / 2.0, 1.0 - rest / 2.0], axis=0)
+    drawn_x, rest = fit.residuals.vector(u), 1.0 - level
+    low, high = np.quantile(drawn_x, [rest / 2.0, 1.0 - rest / 2.0], axis=0)
     words = ["fixed"] * len(problem.names)
+    sides = open_sides(fit, level, refit=method == "ensemble")
     for j, (below, above, by_others) in zip(fit.residuals.free, sides, strict=True):
         words[j] = words_of(below, above, by_others)
         if below:
             low[j] = problem.bounds[j, 0]
-            high[j] = np.quantile(x[:, j], level)
+            high[j] = np.quantile(drawn_x[:, j], level)
         if above:
             high[j] = problem.bounds[j, 1]
-            low[j] = low[j] if below else np.quantile(x[:, j], rest)
+            low[j] = low[j] if below else np.quantile(drawn_x[:, j], rest)
     return ParameterIntervals(
-        tuple(problem.names),
-        method,
-        float(level),
-        low,
-        high,
-        np.median(x, axis=0),
-        np.std(x, axis=0),
-        tuple(words),
-        x,
-        fit.chi_square,
-        float(np.median(tau)),
-        tuple(notes),
+        names=tuple(problem.names),
+        method=method,
+        level=float(level),
+        low=low,
+        high=high,
+        center=np.median(drawn_x, axis=0),
+        std=np.std(drawn_x, axis=0),
+        words=tuple(words),
+        draws=drawn_x,
+        chi_square=fit.chi_square,
+        model_error=float(np.median(fit.errors.tau[which])),
+        notes=tuple(notes),
     )
 
 
@@ -469,14 +437,6 @@ def _doubts(fit: Fit, x: FloatArray) -> list[str]:
         )
     odd = np.abs(fit.e) > _ODD * fit.sigma
     if odd.any():
-        value = _values(fit)[odd]
-        named = ", ".join(f"{hz:.4g} Hz" for hz in value[:4])
+        named = ", ".join(f"{hz:.4g} Hz" for hz in residuals.hz[odd][:4])
         notes.append(f"Far from the model even so: {named}. Leave them out if they are wrong.")
     return notes
-
-
-def _values(fit: Fit) -> FloatArray:
-    """Measured frequency that each residual belongs to, (m,)."""
-    residuals = fit.residuals
-    value = error_rows(residuals.problem._targets)[0]
-    return np.asarray(residuals.problem.measured_hz[value][residuals.kept])

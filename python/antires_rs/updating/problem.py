@@ -1,20 +1,10 @@
-"""Model updating with antiresonances, or with resonances and mode shapes, and damage assessment.
-
-The objective (Meruane, J. Sound Vib. 332 (2013) 807-820, Eqs. 11-17, with the misprinted exponent
-of Eq. 11 put right) is evaluated in the Rust core:
-
-.. math:: J = \\sum \\left|\\frac{\\omega_A^2}{\\omega_E^2} - 1\\right|
-          + \\gamma_1 \\sum \\beta_i + \\gamma_2 \\, \\mathrm{count}(\\beta_i > 0)
-
-For comparison, with resonances in place of antiresonances, Eq. 18 adds the shapes:
-:math:`\\sum (1 - \\mathrm{MAC})^2`.
-"""
+"""An updating problem: a model, what may change in it, what was measured, and what damage costs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,10 +21,7 @@ from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import AroundCore, ReadOnly, frozen, frozen_or_none
 from .tables import FrequencyTable, ModalTable
-from .targets import AntiresonanceTargets, ModalTargets, Targets, targets_of
-
-# -- What damage costs in the objective: the paper's numbers, or numbers that grow with the data
-
+from .targets import ModalTargets, Targets, targets_of
 
 Misfit = Literal["absolute", "squared", "largest"]
 
@@ -132,7 +119,19 @@ class DamagePenalty:
         >>> ar.DamagePenalty.scaled([2.0, 0.5, 0.5, 1.0] * 7, gamma2=0.2)
         DamagePenalty(gamma1=0.1, gamma2=0.2, snap=0.001)
         """
-        unit = _unit_misfit(_checked(weights), choice("misfit", misfit, ("absolute", "squared", "largest")))
+        choice("misfit", misfit, get_args(Misfit))
+        if shape_of(weights) == ():
+            w = np.ones(integer("weights", weights, low=1))
+        else:
+            wanted = "a number of values, or the weight of each"
+            w = real_array("weights", weights, ndim=1, wanted=wanted)
+            if w.size == 0 or w.min() < 0.0 or not w.any():
+                got = f"{w.size} numbers" + (f" from {w.min():g} to {w.max():g}" if w.size else "")
+                reject("weights", got, f"{wanted}, at least 0", "Pass how many values are compared.")
+        if misfit == "squared":
+            unit = float(np.sum(w**2) * (_PAPER / _PAPER_VALUES) ** 2)
+        else:
+            unit = float((w.sum() if misfit == "absolute" else w.max()) * _PAPER / _PAPER_VALUES)
         return cls(unit if gamma1 is None else gamma1, unit if gamma2 is None else gamma2, snap)
 
 
@@ -143,37 +142,10 @@ def penalty_of(given: Any, weights: FloatArray, misfit: Misfit) -> DamagePenalty
     if isinstance(given, str) and given == "scaled":
         given = (None, None)
     if shape_of(given) not in ((2,), (3,)):
-        reject(
-            "penalty",
-            given,
-            "a DamagePenalty, 'scaled', a pair (gamma1, gamma2) or None",
-            "Write it as in penalty=(0.1, 0.1).",
-        )
+        wanted = "a DamagePenalty, 'scaled', a pair (gamma1, gamma2) or None"
+        reject("penalty", given, wanted, "Write it as in penalty=(0.1, 0.1).")
     gamma1, gamma2, snap = (*given, _SNAP)[:3]
     return DamagePenalty.scaled(weights, misfit, gamma1=gamma1, gamma2=gamma2, snap=snap)
-
-
-def _unit_misfit(weights: FloatArray, misfit: str) -> float:
-    """Misfit of a difference of 0.1 / 28 in every value."""
-    if misfit == "absolute":
-        return float(weights.sum() * _PAPER / _PAPER_VALUES)
-    if misfit == "squared":
-        return float(np.sum(weights**2) * (_PAPER / _PAPER_VALUES) ** 2)
-    return float(weights.max() * _PAPER / _PAPER_VALUES)
-
-
-def _checked(weights: Any) -> FloatArray:
-    if shape_of(weights) == ():
-        return np.ones(integer("weights", weights, low=1))
-    given = real_array("weights", weights, ndim=1, wanted="a number of values, or the weight of each")
-    if given.size == 0 or given.min() < 0.0 or not given.any():
-        reject(
-            "weights",
-            f"{given.size} numbers" + (f" from {given.min():g} to {given.max():g}" if given.size else ""),
-            "a number of values, or the weight of each, at least 0",
-            "Pass how many values are compared.",
-        )
-    return given
 
 
 Measured = AntiresonanceSet | ModalSet | Sequence[AntiresonanceSet] | Sequence[ModalSet]
@@ -288,18 +260,13 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         weights: Any = None,
     ) -> None:
         if not isinstance(model, StructuralModel):
-            reject(
-                "model",
-                model,
-                "a MassSpringChain, FrameModel or MatrixModel",
-                "Build the model as one of these first.",
-            )
+            wanted = "a MassSpringChain, FrameModel or MatrixModel"
+            reject("model", model, wanted, "Build the model as one of these first.")
         chosen = parameter_tuple(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
-        choice("misfit", misfit, ("absolute", "squared", "largest"))
+        choice("misfit", misfit, get_args(Misfit))
         targets = targets_of(model, measured, objective)
-        by_force = targets if isinstance(targets, AntiresonanceTargets) else None
         bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
         parts = model.description.core_parameters(chosen)
         nominal = _core.nominal_values(model._core, parts)
@@ -308,8 +275,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         warn_far(chosen, names, nominal)
         factors = targets.weights(weights)
         counted = np.ones(targets.hz.size) if factors is None else factors
-        if isinstance(targets, ModalTargets):
-            counted = np.tile(counted, 2)  # a mode has two residuals
+        if targets.noun == "mode":
+            counted = np.tile(counted, 2)  # each has two residuals
         self._fill(
             model=model,
             parameters=chosen,
@@ -319,8 +286,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
             penalty=penalty_of(penalty, counted, misfit),
             bounds=frozen(bounds),
             measured_hz=frozen(targets.hz),
-            measured_dofs=frozen_or_none(by_force and by_force.dofs),
-            measured_excitations=frozen_or_none(by_force and by_force.excitations),
+            measured_dofs=frozen_or_none(getattr(targets, "dofs", None)),
+            measured_excitations=frozen_or_none(getattr(targets, "excitations", None)),
             weights=frozen_or_none(factors),
             left_out=targets.left_out,
             _targets=targets,
@@ -330,15 +297,15 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         self._fill(_core=self._made_core())
 
     def _made_core(self) -> _core.Objective:
-        prices = self.penalty.prices if self.penalty else None
-        return self._targets.core(
-            self.model,
-            self.model.description.core_parameters(self.parameters),
-            self.misfit,
-            prices,
-            self.penalty.snap if self.penalty else 0.0,
-            self.weights,
-        )
+        parameters = self.model.description.core_parameters(self.parameters)
+        return self._targets.core(self.model, parameters, *self._weighing)
+
+    @property
+    def _weighing(self) -> tuple[Misfit, tuple[float, float] | None, float, FloatArray | None]:
+        """How the core weighs residuals and damage: misfit, prices, snap, weights."""
+        if self.penalty is None:
+            return self.misfit, None, 0.0, self.weights
+        return self.misfit, self.penalty.prices, self.penalty.snap, self.weights
 
     @property
     def names(self) -> list[str]:
@@ -382,12 +349,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         n = len(self.parameters)
         rows = real_array("candidates", candidates, ndim=2, wanted=f"an array (m, {n}), one candidate a row")
         if rows.shape[1] != n:
-            reject(
-                "candidates",
-                f"shape {rows.shape}",
-                f"(m, {n})",
-                "Give a row for each candidate, a column for each parameter.",
-            )
+            remedy = "Give a row for each candidate, a column for each parameter."
+            reject("candidates", f"shape {rows.shape}", f"(m, {n})", remedy)
         return self._core.evaluate_many(rows, thread_count(workers))
 
     def model_at(self, x: Any) -> StructuralModel:
@@ -398,28 +361,18 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         return self._core.repaired(self._vector(x))
 
     def _table(self, x: FloatArray) -> FrequencyTable | ModalTable:
-        table: FrequencyTable | ModalTable = self._targets.table(
-            self._core, self._repaired(self._nominal), self._repaired(x)
-        )
-        return table
+        return self._targets.table(self._core, self._repaired(self._nominal), self._repaired(x))
 
     def _vector(self, x: Any) -> FloatArray:
         n = len(self.parameters)
         vector = real_array("x", x, ndim=1, wanted=f"an array ({n},), one value for each parameter")
         if vector.size != n:
-            reject(
-                "x",
-                f"{vector.size} values",
-                f"{n}, one for each parameter",
-                "Give them in the order of the parameters; problem.names lists them.",
-            )
+            remedy = "Give them in the order of the parameters; problem.names lists them."
+            reject("x", f"{vector.size} values", f"{n}, one for each parameter", remedy)
         return vector
 
     def __repr__(self) -> str:
         return f"UpdatingProblem({len(self.parameters)} parameters, {self.measured_hz.size} {self.noun}s)"
-
-
-# -- What tells one search from any other
 
 
 def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list[list[float]]) -> bytes:

@@ -1,8 +1,9 @@
 """Profile likelihood: how the fit falls when one parameter is held and all others are fitted again.
 
-A. Raue et al., Bioinformatics 25 (2009) 1923-1929: a parameter is bounded on the side where the sum of
-squares over the errors' variances rises by the chi-square quantile. The others are fitted within their
-bounds, so that a side may be closed only because another one runs into a bound of its own; that is told.
+A parameter is open on the side where the sum of squares over the errors' variances, with it held at that
+bound and the others fitted within theirs, rises by less than the chi-square quantile (Raue et al.,
+Bioinformatics 25 (2009) 1923-1929). A side may be closed only because another parameter runs into a bound of
+its own; that is said.
 """
 
 from __future__ import annotations
@@ -20,14 +21,6 @@ from .residuals import UNSEEN, Fit, fitted, least_squares
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
-
-
-# -- On which sides the data leave a parameter open, and in which words that is said
-#
-# A side is open if the sum of squares over the errors' variances, with the parameter held at that bound and
-# the others fitted again, rises by less than the chi-square quantile (Raue et al., Bioinformatics 25 (2009)
-# 1923-1929).
-
 
 Kind = Literal["two-sided", "one-sided", "flat", "fixed"]
 
@@ -54,7 +47,7 @@ def covariance(fit: Fit) -> FloatArray:
 def open_sides(fit: Fit, level: float, refit: bool) -> list[tuple[bool, bool, bool]]:
     """For every free parameter: open below, open above, and closed only by the bounds of others.
 
-    By the linear residuals, or with ``refit`` by least squares with the parameter held at its bound.
+    By the linear residuals, or with ``refit`` by those of the model.
     """
     limit, spread = threshold(level), np.diag(covariance(fit))
     least = squares(fit, fit.u)
@@ -73,20 +66,17 @@ def open_sides(fit: Fit, level: float, refit: bool) -> list[tuple[bool, bool, bo
     return sides
 
 
+def kind_of(low_open: bool, high_open: bool) -> Kind:
+    """Which it is by the sides that are open."""
+    return "flat" if low_open and high_open else "one-sided" if low_open or high_open else "two-sided"
+
+
 def words_of(low_open: bool, high_open: bool, by_others: bool) -> str:
     """What the data say of a parameter."""
     kind = kind_of(low_open, high_open)
     if kind == "one-sided":
-        side = "lower" if low_open else "upper"
-        return f"one-sided: its {side} bound fits as well"
-    if kind == "two-sided" and by_others:
-        return "two-sided, through the bounds of others"
-    return kind
-
-
-def kind_of(low_open: bool, high_open: bool) -> Kind:
-    """Which it is by the sides that are open."""
-    return "flat" if low_open and high_open else "one-sided" if low_open or high_open else "two-sided"
+        return f"one-sided: its {'lower' if low_open else 'upper'} bound fits as well"
+    return f"{kind}, through the bounds of others" if kind == "two-sided" and by_others else kind
 
 
 def _rise_at(fit: Fit, j: int, bound: float, refit: bool) -> float:
@@ -193,42 +183,33 @@ def profile(
     fit = fitted(problem, x)
     where = np.flatnonzero(fit.residuals.free == problem.names.index(name))
     if where.size == 0:
-        reject(
-            "name",
-            repr(name),
-            "a parameter that may move",
-            "Its bounds are equal, or it was decided to be 0.",
-        )
+        remedy = "Its bounds are equal, or it was decided to be 0."
+        reject("name", repr(name), "a parameter that may move", remedy)
     j, center = int(where[0]), float(fit.u[where[0]])
     std = np.sqrt(covariance(fit)[j, j])
-    below = _places(center, 0.0, std, points // 2)
-    above = _places(center, 1.0, std, points - points // 2)
     found: dict[float, tuple[float, FloatArray]] = {center: (squares(fit, fit.u), fit.u)}
-    for side in (below, above):
+    for bound, count in ((0.0, points // 2), (1.0, points - points // 2)):
         u = fit.u
-        for place in side:
+        for place in _places(center, bound, std, count):
             u = u.copy()
             u[j] = place
             step(f"{name} held at {_value(fit, j, u):.5g}")
             u = least_squares(fit.residuals, u, fit.sigma, held=[j])
             found[float(place)] = (squares(fit, u), u)
     limit = threshold(level)
-    ends = [_end(fit, found, j, side, limit) for side in (-1.0, 1.0)]
-    (low, low_open), (high, high_open) = ends
-    places = np.array(sorted(found))
+    (low, low_open), (high, high_open) = (_end(fit, found, j, side, limit) for side in (-1.0, 1.0))
+    places = sorted(found)
     rise = np.array([found[place][0] for place in places])
-    rise -= rise.min()
-    at = [_value(fit, j, np.where(np.arange(fit.u.size) == j, end, fit.u)) for end in (low, high)]
     return ProfileLikelihood(
-        name,
-        np.array([_value(fit, j, found[place][1]) for place in places]),
-        rise,
-        limit,
-        level,
-        at[0],
-        at[1],
-        kind_of(low_open, high_open),
-        tuple(_on_bound(fit, found[place][1], j) for place in places),
+        name=name,
+        values=np.array([_value(fit, j, found[place][1]) for place in places]),
+        rise=rise - rise.min(),
+        threshold=limit,
+        level=level,
+        low=_value(fit, j, np.where(np.arange(fit.u.size) == j, low, fit.u)),
+        high=_value(fit, j, np.where(np.arange(fit.u.size) == j, high, fit.u)),
+        kind=kind_of(low_open, high_open),
+        others_on_bound=tuple(_on_bound(fit, found[place][1], j) for place in places),
     )
 
 

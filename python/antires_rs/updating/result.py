@@ -27,14 +27,134 @@ if TYPE_CHECKING:
     from .reduced_search import ReductionReport
 
 
-# -- What a result says of how sure its parameters are: intervals, profiles, and chi-square
+#: What a result has of its search.
+_OF_SEARCH = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations", "history")
+#: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
+_ON_BOUND = 1e-6
+#: A largest difference that stays above half of what it was is not explained, unless it is that of an
+#: identified value: below 1 % in all simulated records of the README's tables.
+_EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
 
 
-class WithIntervals(ReadOnly):
-    """A result with a problem and the parameters ``x`` that solve it."""
+class UpdateResult(ReadOnly, Viewed):
+    """An updated model and how it came about. Read-only.
+
+    Attributes
+    ----------
+    x : ndarray, (n,)
+        Parameter values, in the order of ``problem.names``.
+    fun : float
+        Objective at ``x``.
+    success, status, message, nfev, njev, nit, migrations, history
+        Why and how the search ended; see :class:`OptimizeResult`.
+    search : OptimizeResult
+        The search itself, with the final populations.
+    problem : UpdatingProblem
+    seed : int
+        Master seed in force.
+    reduction : ReductionReport or None
+        What the reduced models came to that served the search; None if there were none, and in a file.
+    options : mapping of str to value
+        Options of the call by name, as they held, with the version ``antires_rs``.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> tested = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances([0, 1, 2], 0))))
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> result = ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0)
+    >>> result.status, result.x.round(2), result.model.stiffness()[0].round(0)
+    ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
+    """
 
     problem: UpdatingProblem
+    search: OptimizeResult
+    seed: int
+    reduction: ReductionReport | None
+    options: Mapping[str, Any]
     x: FloatArray
+    fun: float
+    success: bool
+    status: str
+    message: str
+    nfev: int
+    njev: int | None
+    nit: int
+    migrations: int
+    history: History
+
+    def __init__(
+        self,
+        problem: UpdatingProblem,
+        search: OptimizeResult,
+        seed: int,
+        reduction: ReductionReport | None = None,
+        *,
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._fill(**{name: getattr(search, name) for name in _OF_SEARCH})
+        self._fill(problem=problem, search=search, seed=seed, reduction=reduction)
+        self._fill(options=FrozenDict(search.options if options is None else options))
+
+    @cached_property
+    def model(self) -> StructuralModel:
+        """The model with the parameters found."""
+        return self.problem.model_at(self.x)
+
+    @cached_property
+    def table(self) -> FrequencyTable | ModalTable:
+        """Measured, before and after, one row a measured antiresonance or mode."""
+        return self.problem._table(self.x)
+
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """What the data can and cannot tell about the parameters, at the solution."""
+        return identifiability(self.problem, self.x)
+
+    @cached_property
+    def _fit(self) -> Explained | None:
+        """What the updated model explains; None after Ctrl-C."""
+        return None if self.search.status == "interrupted" else explained(self.problem, self.x)
+
+    @property
+    def at_bound(self) -> list[str]:
+        """Names of the parameters that the data pushed to a bound other than their nominal value."""
+        low, high = self.problem.bounds.T
+        near = _ON_BOUND * (high - low)
+        nominal = self.problem.nominal
+        at_low = (self.x <= low + near) & (abs(nominal - low) > near)
+        at_high = (self.x >= high - near) & (abs(nominal - high) > near)
+        on = (at_low | at_high) & (low < high)
+        on &= ~self.identifiability.blind  # where an unseen parameter ends means nothing
+        return [name for name, hit in zip(self.problem.names, on, strict=True) if hit]
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        notes = [] if self.success else [f"The search did not finish: {self.message}"]
+        fit = self._fit
+        notes += [] if fit is None or fit.enough else [fit.sentence]
+        notes += self.problem.left_out
+        if self.reduction is not None:
+            notes.append(self.reduction.note)
+        alone = int(np.isnan(self.table.after_hz).sum())
+        if alone:
+            notes.append(
+                f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
+                "partner: the updated model has none there up to 1.5 times the highest measured."
+            )
+        before, after = self.table.largest_before_percent, self.table.largest_after_percent
+        if after > max(_EXPLAINED * before, _NOISE_PERCENT):
+            notes.append(
+                f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
+                "before. What is wrong may have no parameter, or a dof may be another one; doubt "
+                "the values found."
+            )
+        if self.at_bound:
+            notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
+        return notes + self.identifiability.notes
 
     @property
     def interval(self) -> dict[Any, tuple[float, float]]:
@@ -104,16 +224,14 @@ class WithIntervals(ReadOnly):
         >>> low < 1.1 < high, found.words
         (True, ('two-sided', 'two-sided'))
         """
-        return intervals(
-            self.problem,
-            self.x,
-            method=method,
-            level=level,
-            draws=draws,
-            rng=rng,
-            workers=workers,
-            progress=progress,
-        )
+        how: dict[str, Any] = {
+            "method": method,
+            "level": level,
+            "draws": draws,
+            "rng": rng,
+            "workers": workers,
+        }
+        return intervals(self.problem, self.x, progress=progress, **how)
 
     def profile(
         self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
@@ -125,171 +243,24 @@ class WithIntervals(ReadOnly):
         """
         return profile(self.problem, self.x, name, level=level, points=points, progress=progress)
 
-
-#: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
-_ON_BOUND = 1e-6
-#: A largest difference that stays above half of what it was is not explained, unless it is that of an
-#: identified value: below 1 % in all simulated records of the README's tables.
-_EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
-
-
-class UpdateResult(WithIntervals, Viewed):
-    """An updated model and how it came about. Read-only.
-
-    Attributes
-    ----------
-    x : ndarray, (n,)
-        Parameter values, in the order of ``problem.names``.
-    fun : float
-        Objective at ``x``.
-    success : bool
-        Whether the search ended by its own rule rather than by a budget or an interruption.
-    status, message : str
-        Why it ended; see :class:`OptimizeResult`.
-    nfev, njev, nit : int
-        Evaluations, the linearizations among them, and generations; see :class:`OptimizeResult`.
-    migrations : int
-        Exchanges between the islands.
-    history : History
-        Best cost by generation and island.
-    search : OptimizeResult
-        The search itself, with the final populations.
-    problem : UpdatingProblem
-    seed : int
-        Master seed in force.
-    reduction : ReductionReport or None
-        What the reduced models came to that served the search; None if there were none, and in a file.
-    options : mapping of str to value
-        Options of the call by name, as they held, with the version ``antires_rs``.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> tested = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances([0, 1, 2], 0))))
-    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
-    >>> result = ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0)
-    >>> result.status, result.x.round(2), result.model.stiffness()[0].round(0)
-    ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
-    """
-
-    problem: UpdatingProblem
-    search: OptimizeResult
-    seed: int
-    reduction: ReductionReport | None
-    options: Mapping[str, Any]
-    x: FloatArray
-    fun: float
-    success: bool
-    status: str
-    message: str
-    nfev: int
-    njev: int | None
-    nit: int
-    migrations: int
-
-    def __init__(
-        self,
-        problem: UpdatingProblem,
-        search: OptimizeResult,
-        seed: int,
-        reduction: ReductionReport | None = None,
-        *,
-        options: Mapping[str, Any] | None = None,
-    ) -> None:
-        told = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
-        of_search = {name: getattr(search, name) for name in told}
-        self._fill(problem=problem, search=search, seed=seed, reduction=reduction, **of_search)
-        self._fill(options=FrozenDict(search.options if options is None else options))
-
-    @property
-    def history(self) -> History:
-        """Best cost by generation and island."""
-        return self.search.history
-
-    @cached_property
-    def model(self) -> StructuralModel:
-        """The model with the parameters found."""
-        return self.problem.model_at(self.x)
-
-    @cached_property
-    def table(self) -> FrequencyTable | ModalTable:
-        """Measured, before and after, one row a measured antiresonance or mode."""
-        return self.problem._table(self.x)
-
-    @cached_property
-    def identifiability(self) -> Identifiability:
-        """What the data can and cannot tell about the parameters, at the solution."""
-        return identifiability(self.problem, self.x)
-
-    @cached_property
-    def _fit(self) -> Explained | None:
-        """What the updated model explains; None after Ctrl-C."""
-        return None if self.search.status == "interrupted" else explained(self.problem, self.x)
-
-    @property
-    def at_bound(self) -> list[str]:
-        """Names of the parameters that the data pushed to a bound other than their nominal value."""
-        low, high = self.problem.bounds.T
-        near = _ON_BOUND * (high - low)
-        nominal = self.problem.nominal
-        at_low = (self.x <= low + near) & (abs(nominal - low) > near)
-        at_high = (self.x >= high - near) & (abs(nominal - high) > near)
-        on = (at_low | at_high) & (low < high)
-        on &= ~self.identifiability.blind  # where an unseen parameter ends means nothing
-        return [name for name, hit in zip(self.problem.names, on, strict=True) if hit]
-
-    @property
-    def notes(self) -> list[str]:
-        """What a reader should know before trusting the numbers."""
-        notes = [] if self.success else [f"The search did not finish: {self.message}"]
-        fit = self._fit
-        notes += [] if fit is None or fit.enough else [fit.sentence]
-        notes += self.problem.left_out
-        if self.reduction is not None:
-            notes.append(self.reduction.note)
-        alone = int(np.isnan(self.table.after_hz).sum())
-        if alone:
-            notes.append(
-                f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
-                "partner: the updated model has none there up to 1.5 times the highest measured."
-            )
-        before, after = self.table.largest_before_percent, self.table.largest_after_percent
-        if after > max(_EXPLAINED * before, _NOISE_PERCENT):
-            notes.append(
-                f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
-                "before. What is wrong may have no parameter, or a dof may be another one; doubt "
-                "the values found."
-            )
-        if self.at_bound:
-            notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
-        return notes + self.identifiability.notes
-
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
         head = f"J = {self.fun:.6g} after {self.search.effort}: {self.status} ({self.message})"
-        notes = [f"note: {note}" for note in self.notes]
-        return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
-
-    @property
-    def std(self) -> FloatArray:
-        """Standard deviation of each parameter to first order, (n,).
-
-        See :class:`~antires_rs.updating.identifiability.Identifiability`.
-        """
-        return self.identifiability.std
-
-    def _values(self) -> list[str]:
         width = max(len(name) for name in self.problem.names)
         spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
         wide = max(map(len, spreads))
-        return [
+        rows = zip(self.problem.names, self.x, spreads, self.problem.bounds, strict=True)
+        values = [
             f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
-            for name, value, spread, (low, high) in zip(
-                self.problem.names, self.x, spreads, self.problem.bounds, strict=True
-            )
+            for name, value, spread, (low, high) in rows
         ]
+        notes = [f"note: {note}" for note in self.notes]
+        return "\n".join([head, "", *values, "", str(self.table), *([""] if notes else []), *notes])
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each parameter to first order, (n,); see ``identifiability``."""
+        return self.identifiability.std
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.figures`."""

@@ -11,8 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..exceptions import NumericalError, reject
-from ..optimize.checkpoint import Checkpoint
-from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, seed_of, thread_count
+from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, resumed, thread_count
 from ..support.checks import FloatArray
 from ..support.progress import watched
 from .problem import UpdatingProblem, fingerprint
@@ -39,21 +38,10 @@ def update(
     problem : UpdatingProblem
     optimizer : IslandGA, optional
         Settings of the search.
-    rng : int or numpy.random.Generator, optional
-        The same seed gives bit-identical results for any number of threads.
+    rng, callback, x0, progress, checkpoint
+        As of :meth:`IslandGA.minimize`.
     workers : int, optional
-        Threads; all processors by default.
-    callback : callable, optional
-        Called after each generation with a dict (``nit, nfev, fun, x, islands, migrations``); return True
-        to stop.
-    x0 : array_like, (n,) or (m, n), optional
-        Guesses that join the initial populations.
-    progress : bool, optional
-        Show progress on standard error; by default on a terminal, after one second.
-    checkpoint : path-like, optional
-        File in which the search is kept, written every two seconds and at the end. If it is there, the search
-        goes on from it, bit-identical to one that never stopped; see
-        :mod:`antires_rs.optimize.checkpoint`.
+        Threads; all processors by default. The bits are the same for any number.
     reduction : {'auto', True, False} or Reduction, optional
         Whether to search on a reduced model, which is made anew where the search arrives until it agrees
         there with the full one; all that the result tells is of the full model. 'auto' does so above 2,000
@@ -87,22 +75,17 @@ def update(
     array([1.1 , 0.96])
     """
     if not isinstance(problem, UpdatingProblem):
-        reject(
-            "problem",
-            problem,
-            "an UpdatingProblem",
-            "Join model, parameters and measurement by UpdatingProblem first.",
-        )
+        remedy = "Join model, parameters and measurement by UpdatingProblem first."
+        reject("problem", problem, "an UpdatingProblem", remedy)
     wanted = wanted_reduction(problem, reduction, checkpoint)
+    asked = (optimizer, rng, workers, callback, x0, progress, checkpoint)
     if wanted is not None:
-        asked = (wanted, optimizer, rng, workers, callback, x0, progress)
         try:
-            return UpdateResult(problem, *_search_reduced(problem, *asked))
+            return UpdateResult(problem, *search(problem, *asked, wanted))
         except NumericalError:
             if reduction != "auto":
                 raise
-    found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
-    return UpdateResult(problem, found, seed)
+    return UpdateResult(problem, *search(problem, *asked))
 
 
 def search(
@@ -114,93 +97,52 @@ def search(
     x0: Any,
     progress: bool | None,
     checkpoint: Any,
-) -> tuple[OptimizeResult, int]:
-    """The core's search as ``update`` and ``assess_damage`` run it, and the seed that was used.
+    reduction: Reduction | None = None,
+) -> tuple[OptimizeResult, int, ReductionReport | None]:
+    """The core's search as ``update`` and ``assess_damage`` run it, the seed used, how reductions served.
 
     The nominal model is evaluated first: what comes back is never worse, however short the search was.
     """
-    ga = _optimizer(optimizer)
+    ga = IslandGA() if optimizer is None else optimizer
+    if not isinstance(ga, IslandGA):
+        reject("optimizer", optimizer, "an IslandGA", "Leave it out for IslandGA().")
     first = guesses(x0, len(problem.parameters))
-    kept = None if checkpoint is None else Checkpoint(checkpoint)
-    seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
-    if kept:
-        kept.begin(fingerprint(problem, ga.options, first), seed)
-    nominal = nominal_first(problem)
-    with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
-        raw = problem._core.minimize(
-            problem.bounds[:, 0].copy(),
-            problem.bounds[:, 1].copy(),
-            first,
-            ga.options,
-            seed,
-            thread_count(workers),
-            ga.max_seconds,
-            watcher,
-            kept,
-        )
-    found = OptimizeResult._of(raw, ga._in_force)
-    if nominal is not None and nominal[1] < found.fun:
-        found = replace(found, x=nominal[0], fun=nominal[1])
-    return found, seed
-
-
-def _search_reduced(
-    problem: UpdatingProblem,
-    reduction: Reduction,
-    optimizer: IslandGA | None,
-    rng: Any,
-    workers: int | None,
-    callback: Callable[[dict[str, Any]], bool | None] | None,
-    x0: Any,
-    progress: bool | None,
-) -> tuple[OptimizeResult, int, ReductionReport]:
-    """The same on reduced models, and how they served."""
-    ga, seed = _optimizer(optimizer), seed_of(rng)
+    kept, seed = resumed(checkpoint, rng, lambda: fingerprint(problem, ga.options, first))
     end = float("inf") if ga.max_seconds is None else time.monotonic() + ga.max_seconds
+    x, (low, high) = problem.nominal, problem.bounds.T
+    inside = bool(np.all((low <= x) & (x <= high)))  # NaN, no nominal value, is outside
+    cost = problem.cost(x) if inside else float("inf")
 
     def seconds_left() -> float:
         return max(0.0, end - time.monotonic())
 
-    first = guesses(x0, len(problem.parameters))
-    nominal = nominal_first(problem)
-    low, high = problem.bounds.T
-    start = np.clip(problem.nominal, low, high)
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
 
         def minimize(
-            core: Any, lower: FloatArray, upper: FloatArray, at: FloatArray, options: dict[str, Any] | None
+            core: Any,
+            low: FloatArray,
+            high: FloatArray,
+            at: FloatArray | None,
+            options: dict[str, Any] | None,
         ) -> OptimizeResult:
-            begin = at.tolist()
+            own = [] if at is None else [at.tolist()]
             raw = core.minimize(
-                np.ascontiguousarray(lower),
-                np.ascontiguousarray(upper),
-                [*first, begin] if options is None else [begin],
+                np.ascontiguousarray(low),
+                np.ascontiguousarray(high),
+                [*first, *own] if options is None else own,
                 ga.options if options is None else options,
                 seed,
                 thread_count(workers),
                 None if ga.max_seconds is None else seconds_left(),
                 watcher,
-                None,
-                begin,
+                kept,
+                own[0] if own else None,
             )
             return OptimizeResult._of(raw, ga._in_force)
 
-        found, report = reduced_search(problem, reduction, minimize, start, seed, seconds_left)
-    if nominal is not None and nominal[1] < found.fun:
-        found = replace(found, x=nominal[0], fun=nominal[1])
-    return found, seed, report
-
-
-def _optimizer(given: IslandGA | None) -> IslandGA:
-    ga = IslandGA() if given is None else given
-    if not isinstance(ga, IslandGA):
-        reject("optimizer", given, "an IslandGA", "Leave it out for IslandGA().")
-    return ga
-
-
-def nominal_first(problem: UpdatingProblem) -> tuple[FloatArray, float] | None:
-    """The nominal values and their cost; none where a parameter has no nominal value within its bounds."""
-    x, (low, high) = problem.nominal, problem.bounds.T
-    if not np.all((low <= x) & (x <= high)):  # NaN is outside
-        return None
-    return x, problem.cost(x)
+        if reduction is None:
+            found, report = minimize(problem._core, low, high, None, None), None
+        else:
+            start = np.clip(x, low, high)
+            found, report = reduced_search(problem, reduction, minimize, start, seed, seconds_left)
+    return (replace(found, x=x, fun=cost) if cost < found.fun else found), seed, report
