@@ -84,19 +84,14 @@ def detectability(
         Default: about those of interest.
     prior, false_alarm_rate
         As for :func:`assess_damage`.
-    rng : int or numpy Generator, optional
-        The same seed gives the same bits for any number of workers.
+    rng, progress
+        As of :func:`update`. After Ctrl-C what is there is returned.
     workers : int, str or executor, optional
-        A number of threads. Simulated tests may also be spread: over ``"processes"``, ``"threads"``, or
-        anything with ``submit`` or ``map``, such as a ``ProcessPoolExecutor`` or a Dask ``Client``.
-    progress : bool, optional
-        Show a line of progress; by default on a terminal. After Ctrl-C what is there is returned.
+        A number of threads. Simulated tests may also be spread, as by :meth:`IslandGA.minimize`.
 
     Returns
     -------
     DetectionCurves
-        ``.pod``, ``.a50``, ``.a90``, ``.a90_95`` {element: loss}, ``.false_call_rate``; prints as a table,
-        ``.plot()``.
 
     Raises
     ------
@@ -136,6 +131,7 @@ def detectability(
     )
     grid = [_around(loss) if given is None else given for loss in linear]
     names = {e: model.element_label(e) for e in chosen}
+    rows: dict[int, tuple[Any, ...]] = {}
     with waiting("predicting" if method == "predicted" else "simulating tests", progress):
         if method == "predicted":
             count = integer("n_tests", 12 if n_tests is None else n_tests, low=1)
@@ -161,7 +157,6 @@ def detectability(
         ]
         declared = simulated(test, tasks, workers if spread else None)
     made = list(zip(tasks, declared, strict=False))
-    rows = {}
     for at, (e, between) in enumerate(zip(chosen, losses, strict=True)):
         own_tests = sorted((t.severity, float(e in found)) for t, found in made if t.place == at)
         if own_tests:
@@ -176,7 +171,7 @@ def detectability(
 
 
 def _curves(
-    method: str, rows: dict[int, Any], names: dict[int, str], calls: float, done: int, wanted: int
+    method: str, rows: dict[int, tuple[Any, ...]], names: dict[int, str], calls: float, done: int, wanted: int
 ) -> DetectionCurves:
     """The curves of ``rows``: of each element severities, pod, a50, a90 and, of tests, a90_95 and these."""
     labels = ("severity", "pod", "a50", "a90", "a90_95", "tests")

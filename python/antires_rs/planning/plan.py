@@ -274,10 +274,8 @@ def plan_test(
         Greedy with exchanges, or all sets, for few candidates.
     prior : DamagePrior, optional
         For ``detectable``.
-    workers : int, optional
-        Threads; the result does not depend on it.
-    progress : bool, optional
-        Show a line of progress; by default on a terminal.
+    workers, progress
+        Threads, and a line of progress, as of :func:`update`.
 
     Returns
     -------

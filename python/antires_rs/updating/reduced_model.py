@@ -228,7 +228,7 @@ def _moved(
 ) -> _Moved | None:
     """By all parameters, over half of their ranges: l = (dK + sigma dM) v."""
     found = []
-    for nth in np.flatnonzero(half_widths > 0.0):
+    for nth in np.flatnonzero(half_widths > 0.0).tolist():
         change = half_widths[nth] * (1.0 if affine.terms[nth][0] is not None else basis.sigma)
         places = affine.places[nth]
         held = change * affine.times(nth, of)
@@ -453,7 +453,8 @@ class ReducedProblem:
         counts = np.cumsum([part[2].size for part in self._parts])[:-1]
         ratios = np.split(self.ratio, counts)
         parts = [(*part[:2], part[2] / r, *part[3:]) for part, r in zip(self._parts, ratios, strict=True)]
-        return _core.Objective.antiresonance(*self._model, parts, *self._affine.problem._weighing)
+        model, parameters = self._model
+        return _core.Objective.antiresonance(model, parameters, parts, *self._affine.problem._weighing)
 
     def estimate(self, x: FloatArray) -> float:
         """Error to be expected of the paired frequencies at ``x``, relative, the largest."""
