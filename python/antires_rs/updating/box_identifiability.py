@@ -136,7 +136,7 @@ def identifiability(
         Dofs to be tried beside those of the test. Default: up to twelve of the responses as forces, and up to
         twelve of the other dofs that move along an axis as sensors. Forces count for antiresonances only.
     progress : bool, optional
-        Show progress on standard error; by default on a terminal, after one second.
+        As of :func:`update`.
 
     Returns
     -------
@@ -158,6 +158,8 @@ def identifiability(
     >>> before.told, before.words[0]
     (3, 'mass 0')
     """
+    from scipy.stats.qmc import Sobol
+
     if not isinstance(problem, UpdatingProblem):
         remedy = "Join model, parameters and a measured or virtual set."
         reject("problem", problem, "an UpdatingProblem", remedy)
@@ -169,8 +171,6 @@ def identifiability(
         remedy = "Give lower and upper bounds."
         reject("problem", "no parameter that may move", "bounds with a distance", remedy)
     names = tuple(problem.names[j] for j in box.free)
-    from scipy.stats.qmc import Sobol
-
     sobol = Sobol(n, seed=0).random_base2(int(np.ceil(np.log2(points))))
     x = box.vector(np.asarray(sobol[:points]))
     jacobians = []

@@ -37,13 +37,9 @@ class UpdateEnsemble:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
-    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-    >>> found = ar.update_ensemble(problem, count=3, rng=0)
-    >>> len(found), found.x.round(2).tolist()
-    (3, [[1.1, 0.96], [1.1, 0.96], [1.1, 0.96]])
+    >>> found = ar.update_ensemble(ar.cases.chain8().damage_problem(), count=3, rng=0)
+    >>> len(found), found.x[:, 4].round(2).tolist()
+    (3, [0.55, 0.55, 0.55])
     """
 
     results: tuple[UpdateResult | None, ...]

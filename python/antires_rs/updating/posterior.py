@@ -40,8 +40,7 @@ class ParameterIntervals(Value, Viewed):
         Median and standard deviation of the draws.
     words : tuple of str, (n,)
         "two-sided"; "two-sided, through the bounds of others"; "one-sided: its lower bound fits as well" (or
-        upper: the interval then begins at that bound); "flat": any value within the bounds fits, and
-        the interval is the bounds; "fixed": not estimated.
+        upper: the interval begins there); "flat": any value within the bounds fits; "fixed": not estimated.
     draws : ndarray, (k, n)
         Independent draws (of an ensemble nearly independent), rows in no order.
     chi_square : float
@@ -55,14 +54,9 @@ class ParameterIntervals(Value, Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> case = ar.cases.chain8()
-    >>> zeros = case.exact()
-    >>> stated = {dof: 1e-3 * freq for dof, freq in zeros.items()}
-    >>> zeros = ar.AntiresonanceSet(0, dict(zeros.items()), std_hz=stated)
-    >>> problem = ar.UpdatingProblem(case.model, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), zeros)
-    >>> found = ar.update(problem, rng=0).intervals()
-    >>> found.words, found.draws.shape
-    (('two-sided', 'two-sided'), (1000, 2))
+    >>> found = ar.update(ar.cases.chain8().updating_problem(), rng=0).intervals()
+    >>> found.words[0], found.draws.shape
+    ('flat', (1000, 15))
     """
 
     names: tuple[str, ...]
@@ -135,8 +129,7 @@ def sweep(
 ) -> FloatArray:
     """Every chain ``u`` (k, n) moved once along each axis.
 
-    Chain c has the density ``exp(-v' P v / 2 - b' v)`` with v = u - center, P and b those number ``which[c]``
-    of ``precisions`` (G, n, n) and ``slopes`` (G, n).
+    Chain c has the density ``exp(-v' P v / 2 - b' v)`` with v = u - center, P and b those number ``which[c]``.
     """
     v = np.ascontiguousarray((u - center).T)  # (n, k)
     low_edge, high_edge = -center[:, None], 1.0 - center[:, None]
@@ -237,13 +230,10 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
 # -- Draws of the parameters given the measured values, with the residuals as the model has them
 #
 # Sequential Monte Carlo, as the transitional Markov chain Monte Carlo of Ching & Chen (J. Eng. Mech. 133
-# (2007) 816-832): particles go by steps from one density to another, weighted, drawn anew and moved. Two
-# things are other than there. They set out not from the prior but from the linear posterior with twice its
-# errors, so that few steps are enough; and most moves are proposed by the linear posterior of the step
-# itself, along its axes there and back, and accepted by what the true residuals say (Christen & Fox, J.
-# Comput. Graph. Stat. 14 (2005) 795-810), so that where the residuals are nearly linear every move goes
-# anywhere. Random walks do the rest.
-
+# (2007) 816-832): particles go by steps from one density to another, weighted, drawn anew and moved. They set
+# out not from the prior but from the linear posterior with twice its errors; and most moves are proposed by
+# the linear posterior of the step itself, along its axes there and back, and accepted by what the true
+# residuals say (Christen & Fox, J. Comput. Graph. Stat. 14 (2005) 795-810). Random walks do the rest.
 
 #: How much wider than the linear posterior the particles set out, and the proposals are.
 _START, _WIDER = 2.0, 1.1

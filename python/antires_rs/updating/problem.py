@@ -84,20 +84,11 @@ class DamagePenalty:
     ) -> DamagePenalty:
         """Penalties that grow with the number of measured values and with their weights.
 
-        Both are the misfit of a difference of 0.1 / 28 = 0.36 % in every omega**2, so that an element is
-        named if it explains more than that on average:
-
-        ==========  ====================================  ==============================
-        misfit      gamma, with e = 0.1 / 28              28 values of weight one
-        ==========  ====================================  ==============================
-        absolute    sum(w) e                              0.1, the paper's on its chain
-        squared     sum(w**2) e**2                        0.00036
-        largest     max(w) e                              0.0036
-        ==========  ====================================  ==============================
-
-        The same data given three times, or all weights doubled, leave the located elements and their
-        severities. ``weights="std"`` has a mean of one, so that the penalties go with the number of values
-        however well these are known. A mode counts as two values, since it has two residuals.
+        Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, so that an element is
+        named if it explains more than that on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1
+        on its chain of 28 values; ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. The
+        same data given three times, or all weights doubled, leave the located elements and their severities.
+        A mode counts as two values, since it has two residuals.
 
         Parameters
         ----------
@@ -212,11 +203,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     A measured mode is paired, at every evaluation, with the mode of the model that is least apart:
     ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` decides, ties go to the lower, one mode of the model may
     serve several measured ones, and those up to 1.5 times the highest measured frequency are at choice. So
-    the shapes decide among modes of like frequency, as where two have changed places; but they make up for
-    a factor of 1.65 in frequency at most, so that no mode far away, and no rigid-body mode, takes a partner
-    from a nearer one because the two look alike at a few sensors. For a repeated mode of the model the MAC
-    is that of the most alike combination of its shapes. A measured mode without a partner counts 1 for its
-    frequency and 1 for its shape.
+    the shapes decide among modes of like frequency; but they make up for a factor of 1.65 in frequency at
+    most, so that no mode far away, and no rigid-body mode, takes a partner from a nearer one. For a repeated
+    mode of the model the MAC is that of the most alike combination of its shapes. A measured mode without a
+    partner counts 1 for its frequency and 1 for its shape.
 
     Examples
     --------

@@ -135,13 +135,9 @@ class ProfileLikelihood(Value):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
-    >>> hz = dict(enumerate(true.antiresonances([0, 1, 2], 0)))
-    >>> measured = ar.AntiresonanceSet(0, hz, std_hz={dof: 1e-3 * f for dof, f in hz.items()})
-    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-    >>> held = ar.update(problem, rng=0).profile("stiffness of spring 0")
-    >>> held.kind, bool(held.low < 1.1 < held.high)
+    >>> found = ar.update(ar.cases.chain8().damage_problem(), rng=0)
+    >>> held = found.profile(found.problem.names[4], points=5)
+    >>> held.kind, bool(held.low < 0.55 < held.high)
     ('two-sided', True)
     """
 
