@@ -23,8 +23,6 @@ from ..support.values import FrozenDict, Value
 from ..support.workers import MOST_WORKERS, Failed, Workers, processors
 from .checkpoint import Checkpoint, digest_of
 
-# -- What came out of a search, read-only
-
 
 @dataclass(frozen=True, eq=False)
 class History(Value):
@@ -133,27 +131,11 @@ class OptimizeResult(Value):
         return cls(history=history, options=options, **held)
 
 
-def with_result(error: BaseException, result: OptimizeResult) -> BaseException:
-    """An exception of the objective, with the best found before it as ``error.result``."""
-    so_far = "this is the best found until then" if result.nfev else "nothing had been evaluated"
-    text = f"The objective failed ({type(error).__name__}); {so_far}."
-    kept = replace(result, status="objective error", message=text)
-    with suppress(AttributeError):  # a class of exceptions with slots takes nothing
-        error.result = kept  # type: ignore[attr-defined]
-    if result.nfev:
-        error.add_note(f"The best of {result.nfev:,} evaluations, {result.fun:.6g}, is kept: error.result")
-    return error
-
-
 # -- Arguments of a search, checked: seed, threads, bounds, guesses and the types of options
 
 
 #: Largest count that the core can hold.
 _MOST = 2**63 - 1
-_INTEGERS = frozenset(
-    "islands population patience cost_migrations polish_interval polish_evaluations max_evaluations "
-    "max_generations".split()
-)
 
 
 def seed_of(rng: int | np.random.Generator | None) -> int:
@@ -215,11 +197,13 @@ def _check_type(name: str, value: Any) -> Any:
         return [_text(name, each, value) for each in listed]
     if name == "agreement":
         return _text(name, value, value)
-    if name in _INTEGERS and not (name == "max_generations" and value is None):
+    default = _core.island_options({}).get(name)
+    if name == "polish":
+        if value is not None and not isinstance(value, bool):
+            reject(name, value, "True, False or None", "None lets the optimizer choose.")
+    elif isinstance(default, int) or (name == "max_generations" and value is not None):
         integer(name, value, low=0, high=_MOST)
-    if name == "polish" and value is not None and not isinstance(value, bool):
-        reject(name, value, "True, False or None", "None lets the optimizer choose.")
-    if name not in {*_INTEGERS, "polish"} and name in _core.island_options({}):
+    elif isinstance(default, float):
         finite_scalar(name, value)
     return value
 
@@ -272,7 +256,11 @@ class Batch:
     def __call__(self, candidates: FloatArray) -> tuple[FloatArray, str | None]:
         """Costs of a generation."""
         if self._vectorized:
-            return self._all_at_once(candidates)
+            try:
+                return self._numbers(self._fun(candidates), len(candidates), whole=True), None
+            except Exception as error:
+                self.error = error
+                return np.full(len(candidates), np.nan), "error"
         found: dict[int, Any] = {}
         why = self._evaluate(candidates, found)
         costs = np.full(len(candidates), np.nan)
@@ -316,14 +304,6 @@ class Batch:
         if time.monotonic() > self._end:
             raise _Late
 
-    def _all_at_once(self, candidates: FloatArray) -> tuple[FloatArray, str | None]:
-        count = len(candidates)
-        try:
-            return self._numbers(self._fun(candidates), count, whole=True), None
-        except Exception as error:
-            self.error = error
-            return np.full(count, np.nan), "error"
-
     def _numbers(self, answer: Any, count: int, whole: bool) -> FloatArray:
         """The answer as costs; one that is not finite is the worst there is."""
         wanted = f"{count} real costs, one for each candidate"
@@ -357,8 +337,7 @@ class IslandGA:
     heuristic, BLX-0.5, uniform, in turn), mutates genes to a bound or anywhere, and never loses its
     best. An island that finds nothing better for ``patience`` generations waits; when all wait they
     compare their bests, and stop or exchange them with their ring neighbours (best out, worst
-    replaced). Where the objective allows, a local search polishes the bests before they are compared;
-    ``IslandGA(polish=False)`` leaves that out, :meth:`IslandGA.paper` all that the paper does not have.
+    replaced). The algorithm as printed is :meth:`IslandGA.paper`.
     Parameters not given take the defaults of the Rust core, shown by ``.options``.
 
     Parameters
@@ -388,12 +367,10 @@ class IslandGA:
         ``cost_migrations`` (3) migrations in a row.
     polish : bool, optional
         Local search from the nominal model and from the islands' bests. By default where the objective
-        tells how it is composed, as an :class:`UpdatingProblem` does and a plain function does not:
-        sequential linear programming with analytic sensitivities on the parameters, and moves that drop,
-        add or exchange single damages, which a count of damages needs. ``True`` polishes plain functions
-        too, without derivatives; variables with lower bound 0 may then be dropped and exchanged.
-        ``False`` leaves the polish out and nothing else: when islands wait and when they agree is still ours
-        (``improvement_tolerance``, ``agreement``). The algorithm as printed is :meth:`IslandGA.paper`.
+        tells how it is composed, as an :class:`UpdatingProblem` does: sequential linear programming with
+        analytic sensitivities, and moves that drop, add or exchange single damages, which a count of damages
+        needs. ``True`` polishes plain functions too, without derivatives; variables with lower bound 0 may
+        then be dropped and exchanged. ``False`` leaves the polish out and nothing else.
     polish_interval : int, default 10
         Generations after which the bests are polished, even if not all islands wait.
     polish_evaluations : int, default 1000
@@ -513,14 +490,14 @@ class IslandGA:
         progress : bool, optional
             Show progress on standard error; by default on a terminal, after one second.
         checkpoint : path-like, optional
-            File in which the search is kept between generations. If it is there, the search goes on from it,
-            bit-identical to one that never stopped. That ``fun`` is the same is for the caller to know.
+            File in which the search is kept, written every two seconds and at the end. If it is there, the
+            search goes on from it, bit-identical to one that never stopped. That ``fun`` is the same is for
+            the caller to know.
 
         Returns
         -------
         OptimizeResult
-            Ctrl-C and ``max_seconds`` return the best so far after the evaluation under way, also in the
-            first generation, with the status ``'interrupted'`` or ``'budget'``.
+            After Ctrl-C or ``max_seconds`` the best so far, also in the first generation.
 
         Raises
         ------
@@ -558,5 +535,16 @@ class IslandGA:
             raw = _core.minimize(batch, *ends, first, self.options, seed, self.max_seconds, watcher, kept)
         result = OptimizeResult._of(raw, self._in_force)
         if batch.error is not None:
-            raise with_result(batch.error, result)
+            raise _with_result(batch.error, result)
         return result
+
+
+def _with_result(error: BaseException, result: OptimizeResult) -> BaseException:
+    """An exception of the objective, with the best found before it as ``error.result``."""
+    so_far = "this is the best found until then" if result.nfev else "nothing had been evaluated"
+    text = f"The objective failed ({type(error).__name__}); {so_far}."
+    with suppress(AttributeError):  # a class of exceptions with slots takes nothing
+        error.result = replace(result, status="objective error", message=text)  # type: ignore[attr-defined]
+    if result.nfev:
+        error.add_note(f"The best of {result.nfev:,} evaluations, {result.fun:.6g}, is kept: error.result")
+    return error
