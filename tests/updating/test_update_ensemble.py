@@ -50,7 +50,7 @@ def test_each_is_what_update_gives_with_its_seed():
 
 
 def test_what_fails_is_told_and_the_others_stand(monkeypatch):
-    from antires_rs.updating import ensemble as room
+    from antires_rs.updating import update as room
 
     real = room.update
 

@@ -37,9 +37,8 @@ class Reduction:
     """How a model is reduced while its parameters are sought.
 
     The model is projected on modes, on the first Krylov vectors of force and sensors, and on what parameters
-    make of these to first order. The reduced model has the same parameters and stands for the full one near
-    a point; the search goes on with a basis made where it arrived, its frequencies corrected by those of the
-    full model there, until both agree.
+    make of these to first order. The search goes on with a basis made where it arrived, its frequencies
+    corrected by those of the full model there, until both agree.
 
     Parameters
     ----------
@@ -50,8 +49,7 @@ class Reduction:
         A direction that parameters move the basis by less than this, relatively, over half of their ranges,
         is left out. Smaller is larger, slower and better.
     tolerance : float, default 1e-6
-        Largest relative difference, at the answer, of a frequency of the reduced model from that of the full
-        one.
+        Largest relative difference, at the answer, of a frequency of the reduced model from the full one's.
     rounds : int, default 8
         Most bases.
 

@@ -199,9 +199,6 @@ def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
 
 
 # -- The weighted least-squares solution near the parameters found: where the posterior is expanded
-#
-# The search minimizes what the problem says, by default the paper's sum of abs(e); the posterior lies around
-# the minimum of the sum of squares over the errors' variances. Both are near each other where the model fits.
 
 #: A combination whose residuals move less than this over the bounds' distance is not seen.
 UNSEEN = 1e-5
@@ -218,7 +215,7 @@ _DAMPED = 1e-6
 class Fit:
     """Solution u (n,), residuals e (m,) and Jacobian (m, n) there, and the errors that they suggest.
 
-    ``tau`` is the median error of the model, ``chances`` (G,) the probabilities of all on the grid.
+    ``chances`` (G,) are the probabilities of all errors of the model on the grid.
     """
 
     residuals: BoxResiduals
@@ -230,11 +227,6 @@ class Fit:
     chances: FloatArray
 
     @property
-    def tau(self) -> float:
-        """Median error of the model, of omega squared."""
-        return float(self.errors.tau[self.middle])
-
-    @property
     def middle(self) -> int:
         """Number of the median error of the model."""
         return int(np.clip(np.searchsorted(np.cumsum(self.chances), 0.5), 0, self.chances.size - 1))
@@ -243,6 +235,20 @@ class Fit:
     def sigma(self) -> FloatArray:
         """Standard deviations of the residuals at the median error of the model, (m,)."""
         return np.asarray(np.sqrt(self.errors.variance[self.middle]))
+
+    @property
+    def weighted(self) -> FloatArray:
+        """The Jacobian over these, (m, n)."""
+        return np.asarray(self.jacobian / self.sigma[:, None])
+
+    def squares(self, u: FloatArray) -> float:
+        """Sum of squares over the errors' variances at ``u``."""
+        return float(np.sum((self.residuals.at(u) / self.sigma) ** 2))
+
+    def held(self, j: int, u: FloatArray) -> tuple[float, FloatArray]:
+        """The least sum of squares, and where it is, with parameter j held as in ``u``, the others from it."""
+        u = least_squares(self.residuals, u, self.sigma, held=[j])
+        return self.squares(u), u
 
     @property
     def chi_square(self) -> float:
@@ -268,7 +274,12 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
             u = min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
         e, jacobian = residuals.at(u), residuals.jacobian(u)
         rank = int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if u.size else 0
-        size = residuals.size * _kinds(residuals, e / residuals.size)
+        size = residuals.size
+        shape = residuals.kind == 1
+        if stated is None and shape.any():  # errors of shapes have a unit of their own
+            rest = np.abs(e / size)
+            ratio = max(_rms(rest[shape]), FLOOR) / max(_rms(rest[~shape]), FLOOR)
+            size = size * np.where(shape, ratio, 1.0)
         guess = _rms(e / size) * np.sqrt(e.size / max(e.size - rank, 1))
         errors = ErrorModel.around(stated, size, float(guess), e.size - rank)
         fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
@@ -310,15 +321,6 @@ def least_squares(
         if cost - z @ z < 1e-6 * cost + 1e-6:
             break  # less than any probability would show
     return u
-
-
-def _kinds(residuals: BoxResiduals, e: FloatArray) -> FloatArray:
-    """Error of each kind of value relative to that of the frequencies, (m,): they have units of their own."""
-    if residuals.stated is not None or not residuals.kind.any():
-        return np.ones(e.size)
-    shape = residuals.kind == 1
-    ratio = max(_rms(e[shape]), FLOOR) / max(_rms(e[~shape]), FLOOR)
-    return np.where(shape, ratio, 1.0)
 
 
 def _rms(values: FloatArray) -> float:

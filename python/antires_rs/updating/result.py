@@ -12,8 +12,7 @@ from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .identifiability import Identifiability, identifiability
 from .model_check import Explained, explained
-from .posterior import Method, ParameterIntervals, intervals
-from .profile import ProfileLikelihood, profile
+from .posterior import Method, ParameterIntervals, ProfileLikelihood, intervals, profile
 from .residuals import fitted
 from .tables import FrequencyTable, ModalTable
 

@@ -27,14 +27,10 @@ if TYPE_CHECKING:
 #
 # Between two antiresonances of the undamped structure that have met, the zeros of H_ik are complex,
 # f (1 + j d) and f (1 - j d) in frequency; with damping zeta they lie at damping ratios near zeta + d and
-# zeta - d. Identification keeps the first, if it looks like a strongly damped antiresonance. A model has no
-# real root there; so such a value is left out, and named. Of sets with damping ratios it is one of these if
-#
-# - the nominal model has a complex zero nearer to it than any real root, and its damping is nearer to a half
-#   of that than to the median of the set;
-# - or that zero is so much nearer than any real root that damping need not tell;
-# - or, whatever the model has, its damping differs from the median by more than 2 % and by more than twice
-#   the median.
+# zeta - d. Identification keeps the first, if it looks like a strongly damped antiresonance; it is left out,
+# and named, if the nominal model has a complex zero nearer to it than any real root, its damping being nearer
+# to a half of that than to the median of the set; or one so much nearer that damping need not tell; or if its
+# damping differs from the median by more than 2 % and by more than twice the median.
 
 #: Damping ratios whose median says what is usual.
 _LEAST_KNOWN = 4
@@ -158,14 +154,11 @@ def _complex(
 # -- Roots of the intact model that a test shows, and how far they can be counted on
 #
 # The smallest damage that can be seen follows from the antiresonances that the intact structure has and a
-# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show: the ones
-# of all responses for transmissibilities, those on a resonance for FRFs; nor new ones, made of zeros that
-# were complex.
-#
+# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show (of all
+# responses for transmissibilities, on a resonance for FRFs), nor new ones, made of zeros that were complex.
 # Others count less or not at all, since small differences between the members move them far, damage or not:
-# where a symmetric response is weak and hangs on these differences, or where two roots are all but one. The
-# sensitivities of an ordinary root to all stiffnesses add up to about one, for it goes with the common
-# scale of K. Without this any asymmetry, of a thousandth, would pass for damage.
+# where a symmetric response is weak, or where two roots are all but one. The sensitivities of an ordinary
+# root to all stiffnesses add up to about one, for it goes with the common scale of K.
 
 #: Roots of all responses within this share are taken for one: a hidden mode, with double roots beside it that
 #: hardly any difference between the members splits by so much.

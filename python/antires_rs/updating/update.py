@@ -1,19 +1,21 @@
-"""Run the search of an updating problem."""
+"""Run the search of an updating problem, or those of many."""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import repeat
 from typing import Any, Literal
 
 import numpy as np
 
-from ..exceptions import NumericalError, reject
-from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, resumed, thread_count
-from ..support.checks import FloatArray
-from ..support.progress import watched
+from ..exceptions import NumericalError, part, reject
+from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, resumed, seed_of, thread_count
+from ..support.checks import FloatArray, integer
+from ..support.progress import waiting, watched
+from ..support.workers import Failed, in_order
 from .problem import UpdatingProblem, fingerprint
 from .reduced_search import Reduction, ReductionReport, reduced_search, wanted_reduction
 from .result import UpdateResult
@@ -146,3 +148,193 @@ def search(
             start = np.clip(x, low, high)
             found, report = reduced_search(problem, reduction, minimize, start, seed, seconds_left)
     return (replace(found, x=x, fun=cost) if cost < found.fun else found), seed, report
+
+
+# -- Many updating problems: seeds, drawn measurements, scenarios; by threads, processes or a cluster
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UpdateEnsemble:
+    """Results of many updatings, in the order of their problems. Read-only.
+
+    Attributes
+    ----------
+    results : tuple of UpdateResult or None
+        None where an updating failed.
+    seeds : tuple of int
+        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
+    failed : mapping of int to str
+        Why, by the number of the problem.
+    interrupted : bool
+        Whether Ctrl-C ended it; the results are those that were there.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> found = ar.update_ensemble(ar.cases.chain8().damage_problem(), count=3, rng=0)
+    >>> len(found), found.x[:, 4].round(2).tolist()
+    (3, [0.55, 0.55, 0.55])
+    """
+
+    results: tuple[UpdateResult | None, ...]
+    seeds: tuple[int, ...]
+    failed: dict[int, str]
+    interrupted: bool = False
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __getitem__(self, k: int) -> UpdateResult | None:
+        return self.results[k]
+
+    def __iter__(self) -> Iterator[UpdateResult | None]:
+        return iter(self.results)
+
+    @property
+    def x(self) -> FloatArray:
+        """Parameters of every result, (n_problems, n_parameters); NaN where it failed.
+
+        Raises
+        ------
+        InvalidInputError
+            The problems have different numbers of parameters.
+        """
+        sizes = {result.x.size for result in self.results if result is not None}
+        if len(sizes) > 1:
+            got = f"problems of {', '.join(map(str, sorted(sizes)))} parameters"
+            reject("x", got, "problems of one number of parameters", "Take .x of each result.")
+        size = sizes.pop() if sizes else 0
+        return np.array([np.full(size, np.nan) if r is None else r.x for r in self.results]).reshape(-1, size)
+
+    @property
+    def fun(self) -> FloatArray:
+        """Objective of every result, (n_problems,); NaN where it failed."""
+        return np.array([np.nan if result is None else result.fun for result in self.results])
+
+    def __str__(self) -> str:
+        there = [result for result in self.results if result is not None]
+        lines = [f"{len(self.results)} updatings, {len(there)} with a result"]
+        if len({result.x.size for result in there}) == 1:
+            names, columns = there[0].problem.names, np.array([result.x for result in there]).T
+            width = max(map(len, names))
+            lines.append(f"{'parameter':{width}s}       mean        std     lowest    highest")
+            for name, column in zip(names, columns, strict=True):
+                spread = column.std(ddof=1) if column.size > 1 else 0.0
+                numbers = (column.mean(), spread, column.min(), column.max())
+                lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in numbers))
+        lines += [f"updating {k} failed: {why}" for k, why in self.failed.items()]
+        if self.interrupted:
+            lines.append("interrupted: these are the results that were there")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def update_ensemble(
+    problems: UpdatingProblem | Iterable[UpdatingProblem],
+    *,
+    count: int | None = None,
+    optimizer: IslandGA | None = None,
+    rng: int | np.random.Generator | None = None,
+    workers: Any = None,
+    progress: bool | None = None,
+) -> UpdateEnsemble:
+    """Update many problems: one from several seeds, drawn measurements, scenarios of what is unknown.
+
+    Parameters
+    ----------
+    problems : UpdatingProblem, or an iterable of them
+        A generator is read a few ahead only. One problem alone is updated ``count`` times, with other seeds.
+    count : int, optional
+        How many seeds one problem gets.
+    optimizer, progress
+        As of :func:`update`.
+    rng : int or numpy.random.Generator, optional
+        Seed of all: search k has the seed ``SeedSequence(seed, spawn_key=(k,))``.
+    workers : int, str or executor, optional
+        Who searches, as of :meth:`IslandGA.minimize`; None is one search after another, each by all
+        processors. The bits are the same. A problem alone goes to each worker once.
+
+    Returns
+    -------
+    UpdateEnsemble
+        Also after Ctrl-C: what was there.
+
+    Raises
+    ------
+    InvalidInputError
+        Something that is not an UpdatingProblem; ``count`` beside several problems, or none beside one.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> exact, rng = true.antiresonances([0, 1, 2], 0), np.random.default_rng(0)
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> def drawn():  # measured values drawn anew tell how far parameters scatter
+    ...     for _ in range(4):
+    ...         noisy = [hz * (1 + 0.002 * rng.standard_normal(hz.size)) for hz in exact]
+    ...         yield ar.UpdatingProblem(nominal, springs, ar.AntiresonanceSet(0, dict(enumerate(noisy))))
+    >>> found = ar.update_ensemble(drawn(), rng=0)
+    >>> bool((found.x.std(axis=0) < 0.02).all())
+    True
+    """
+    alone = isinstance(problems, UpdatingProblem)
+    if alone == (count is None):
+        got = "none beside one problem" if alone else f"{count} beside several problems"
+        remedy = "Pass count=20." if alone else "Leave it out."
+        reject("count", got, "how many seeds one problem gets; nothing beside several", remedy)
+    if alone:
+        given: Iterable[Any] = repeat(None, integer("count", count, low=1))
+    elif isinstance(problems, Iterable):
+        given = problems
+    else:
+        reject("problems", problems, "an UpdatingProblem, or an iterable of them", "Make them first.")
+    seed = seed_of(rng)
+    kept: list[UpdatingProblem] = []
+    seeds: list[int] = []
+
+    def tasks() -> Iterator[tuple[UpdatingProblem | None, int]]:
+        for k, problem in enumerate(given):
+            if not (alone or isinstance(problem, UpdatingProblem)):
+                reject(part("problems", k), problem, "an UpdatingProblem", "Make one of it first.")
+            kept.append(problems if problem is None else problem)  # type: ignore[arg-type]
+            own = np.random.SeedSequence(seed, spawn_key=(k,))
+            seeds.append(int(own.generate_state(1, np.uint64)[0] >> 1))
+            yield problem, seeds[-1]
+
+    results: list[UpdateResult | None] = []
+    failed: dict[int, str] = {}
+    interrupted = False
+    shared = (problems if alone else None, optimizer, None if workers is None else 1)
+    with waiting("updating", progress):
+        answers = in_order(_updated, tasks(), workers, shared=shared, errors="return", what="problem")
+        try:
+            for k, answer in enumerate(answers):
+                if isinstance(answer, Failed):
+                    if isinstance(answer.error, KeyboardInterrupt):
+                        raise answer.error
+                    failed[k] = f"{type(answer.error).__name__}: {answer.error}"
+                    results.append(None)
+                    continue
+                results.append(UpdateResult(kept[k], *answer))
+                if answer[0].status == "interrupted":
+                    interrupted = True
+                    break
+        except KeyboardInterrupt:
+            if not results:
+                raise
+            interrupted = True
+        finally:
+            answers.close()  # type: ignore[attr-defined]
+    return UpdateEnsemble(tuple(results), tuple(seeds[: len(results)]), failed, interrupted)
+
+
+def _updated(shared: tuple[Any, ...], task: tuple[UpdatingProblem | None, int]) -> tuple[Any, ...]:
+    """What makes a result of a problem: its search, seed and reduction. The problem itself stays at home."""
+    alone, optimizer, threads = shared
+    problem, seed = task
+    options: dict[str, Any] = {"optimizer": optimizer, "rng": seed, "workers": threads, "progress": False}
+    found = update(alone if problem is None else problem, **options)
+    return found.search, found.seed, found.reduction
