@@ -215,15 +215,6 @@ def read(path, content):
             return None
 
 
-def test_what_was_written_is_read(tmp_path, good):
-    content, whole, _ = good
-    again = read(tmp_path / NAME, content)
-    assert (again.seed, again.resume) == (whole.seed, whole.resume)
-    again.begin(whole._problem, whole.seed)
-    again.store(whole.resume)
-    assert (tmp_path / NAME).read_bytes() == content
-
-
 @ONE_FILE
 @given(content=any_bytes)
 def test_any_bytes(tmp_path, content):

@@ -1,6 +1,5 @@
 """Sensors chosen, against all sets; and the information of a set, against the core asked for that set."""
 
-from itertools import combinations
 
 import numpy as np
 import pytest
@@ -77,19 +76,3 @@ def test_the_information_of_a_set_is_that_of_the_roots_the_core_shows_of_it(name
         np.testing.assert_allclose(
             found.of(chosen), rows.T @ rows, rtol=1e-6, atol=1e-6 * np.trace(rows.T @ rows)
         )
-
-
-@pytest.mark.parametrize("name", ["1", "portal", "ring"])
-def test_many_sets_at_once_are_worth_what_each_is_alone(name):
-    found = told(name)[-1]
-    count = found.own.shape[0]
-    for n in (1, 3, count - 1):
-        sets = np.array(list(combinations(range(count), n))[:60])
-        plain = np.array(
-            [0.5 * np.linalg.slogdet(np.eye(found.of(s).shape[0]) + found.of(s))[1] for s in sets]
-        )
-        np.testing.assert_allclose(found.worths(sets, "determinant"), plain, rtol=1e-9)
-        least = np.array([0.5 * np.log1p(np.diag(found.of(s))).min() for s in sets])
-        assert np.all(found.worths(sets, "worst") >= least - 1e-9)
-        # The bound by which pairs are left out of the search.
-        assert np.all(found.worths(sets, "determinant", all_shown=True) >= plain - 1e-9)

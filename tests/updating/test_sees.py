@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.updating.targets import complex_zeros, followed
+from antires_rs.updating.targets import complex_zeros
 from reference.symmetric_structures import cases, true_zeros
 from tests.support.campaign import some_of
 
@@ -129,14 +129,6 @@ def test_complex_zeros_are_those_of_the_deleted_pencil(name):
         assert ours == pytest.approx((theirs.imag / np.abs(theirs))[order], abs=2e-3)
         compared += freq.size
     assert compared
-
-
-def test_each_root_has_one_heir_and_new_ones_count_nothing():
-    own = (np.array([10.0, 20.0, 20.0, 30.0]), np.array([1.0, 0.5, 0.25, 0.0]))
-    now = np.array([9.8, 14.0, 19.5, 20.0, 29.0])
-    freq, weight = followed(own, now)
-    assert (freq.tolist(), sorted(weight.tolist())) == ([9.8, 19.5, 20.0], [0.25, 0.5, 1.0])
-    assert followed(own, None)[0].size == followed((np.empty(0), np.empty(0)), now)[0].size == 0
 
 
 QUICK = ["5 equal masses, force at 0", "1 storeys of 2, corner"]

@@ -133,7 +133,6 @@ class OptimizeResult(Value):
 
 # -- Arguments of a search, checked: seed, threads, bounds, guesses and the types of options
 
-
 #: Largest count that the core can hold.
 _MOST = 2**63 - 1
 
@@ -216,7 +215,6 @@ def _text(name: str, value: Any, given: Any) -> str:
 
 
 # -- The user's function as the core calls it: all candidates of a generation, or as many as time allows
-
 
 _RETURN = "Return a float for each candidate: an array (m,) of them with vectorized=True."
 #: Candidates go to workers in chunks of about so long: an interrupted chunk is lost.

@@ -104,7 +104,6 @@ def percent(loss: float) -> str:
 #
 # Reference: MIL-HDBK-1823A, Nondestructive evaluation system reliability assessment, 2009, appendix G.
 
-
 #: Logit of 0.9, and half the 90 % quantile of chi-square with one degree of freedom.
 _LN9, _DROP = float(np.log(9.0)), 1.3528
 #: A grid, and one of so many points between its neighbours.

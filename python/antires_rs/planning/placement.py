@@ -35,7 +35,6 @@ from .virtual_roots import VirtualRoots
 # Reference: K. Chaloner and I. Verdinelli, Bayesian experimental design, Statistical Science 10 (1995)
 # 273-304.
 
-
 CRITERIA = ("determinant", "worst")
 #: Share of the mean in the criterion of the worst.
 _MEAN = 0.01

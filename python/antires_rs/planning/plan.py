@@ -37,10 +37,9 @@ UNIFORM = 1.0 / float(np.sqrt(12.0))
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Severities of elements, or parameters of an updating.
+    """Severities of elements, from the difference of two tests, or parameters of an updating, from one.
 
-    ``spread`` (p,) are their standard deviations before the test. Severities come from the difference of two
-    tests, ``tests`` is 2; parameters from one.
+    ``spread`` (p,) are their standard deviations before the test.
     """
 
     parameters: tuple[Parameter, ...]
@@ -101,7 +100,6 @@ def band_of(model: StructuralModel, band_hz: Any) -> tuple[float, float]:
 
 # -- A planned test: its sensors and force, and what it would show
 
-
 #: Positions of the force that are printed.
 _FORCES = 5
 
@@ -118,22 +116,17 @@ class SensorPlan(ReadOnly, Viewed):
         Dof of the force.
     criterion : str
         ``'determinant'`` or ``'worst'``.
-    value : float
+    value, value_of_all : float
         Of the criterion: information in nats that the test is expected to give; or the largest of
-        ``detectable`` (of parameters, of ``std`` over the spread before the test).
-    value_of_all : float
-        The same, with a sensor on every candidate.
+        ``detectable`` (of parameters, of ``std`` over the spread before the test). And the same with a
+        sensor on every candidate.
     n_values : int
         Antiresonances in the band that the test would show.
-    detectable : dict of int to float
+    detectable, detectable_by_all : dict of int to float
         Stiffness loss of each element that nine of ten tests would show, in [0, 0.99], infinity where none
         would: the linear estimate for small losses. Empty for parameters.
-    detectable_by_all : dict of int to float
-        The same, with a sensor on every candidate.
-    std : dict of str to float
-        Standard deviation of each unknown after the test, in its unit, the others unknown too.
-    std_before : dict of str to float
-        The same before it: uniform within its bounds.
+    std, std_before : dict of str to float
+        Standard deviation of each unknown in its unit: after the test, the others unknown too; and before.
     excitations : dict of int to float
         ``value`` by position of the force, the best first, each with its own best sensors.
     rounds : tuple of Round
@@ -277,10 +270,6 @@ def plan_test(
     workers, progress
         Threads, and a line of progress, as of :func:`update`.
 
-    Returns
-    -------
-    SensorPlan
-
     Raises
     ------
     InvalidInputError
@@ -288,8 +277,8 @@ def plan_test(
 
     Notes
     -----
-    Information of small changes, at the model as it is (D-optimality: Kammer 1991, Papadimitriou 2004). What
-    larger damage and errors of the model make of it is told by :func:`detectability`.
+    Information of small changes, at the model as it is (D-optimality: Kammer 1991, Papadimitriou 2004); of
+    larger damage see :func:`detectability`.
 
     Examples
     --------

@@ -323,7 +323,6 @@ def _places(identity: NDArray[np.intp], n_intact: int) -> NDArray[np.intp]:
 
 # -- Probability of detection by linear algebra: some structures with their baselines, many tests of each
 
-
 #: Tests of each structure and damage.
 _DRAWS = 64
 

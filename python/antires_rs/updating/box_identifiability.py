@@ -121,15 +121,14 @@ def identifiability(
     """What a test like this one tells about the parameters, wherever they are within the bounds.
 
     Before a test the measured set is a virtual one, made of the model itself; only its responses, forces and
-    band are used. At each point of a Sobol sequence (always the same) the sensitivities are those of a
-    test of the structure with these parameters.
+    band are used. Sensitivities are those at the points of a Sobol sequence, always the same.
 
     Parameters
     ----------
     problem : UpdatingProblem
     noise : float, optional
-        Relative standard deviation of the measured frequencies. Default: the median of those stated, 0.1 %
-        where none are. Entries of shapes at unit length are given ten times as much.
+        Relative standard deviation of the measured frequencies, that of entries of shapes is ten times as
+        much. Default: the median of those stated, 0.1 % where none are.
     points : int
         Points within the bounds, at least 4; a power of two covers them evenly.
     forces, sensors : sequence of int, optional
@@ -137,10 +136,6 @@ def identifiability(
         twelve of the other dofs that move along an axis as sensors. Forces count for antiresonances only.
     progress : bool, optional
         As of :func:`update`.
-
-    Returns
-    -------
-    BoxIdentifiability
 
     Raises
     ------
@@ -164,7 +159,12 @@ def identifiability(
         remedy = "Join model, parameters and a measured or virtual set."
         reject("problem", problem, "an UpdatingProblem", remedy)
     integer("points", points, low=4, high=4096)
-    taken = _stated(problem) if noise is None else finite_scalar("noise", noise, low=1e-8, high=1.0)
+    if noise is None:
+        std = problem._targets.error_rows()[2]  # of omega squared
+        std = std[np.isfinite(std) & (std > 0.0)]
+        taken = float(0.5 * np.median(std)) if std.size else _NOISE
+    else:
+        taken = finite_scalar("noise", noise, low=1e-8, high=1.0)
     box = BoxResiduals(problem, problem.bounds.mean(axis=1))
     n = box.free.size
     if n == 0:
@@ -196,13 +196,6 @@ def identifiability(
         words=tuple(words),
         suggestions=tuple(helpful),
     )
-
-
-def _stated(problem: UpdatingProblem) -> float:
-    """Median relative error of the frequencies that the measured values state."""
-    std = problem._targets.error_rows()[2]
-    known = std[np.isfinite(std) & (std > 0.0)]
-    return float(0.5 * np.median(known)) if known.size else _NOISE
 
 
 def _candidates(
@@ -256,11 +249,8 @@ def sensitivities(
     error is larger. ``forces`` and ``sensors`` are dofs that the test would have beside its own.
     """
     model = problem.model_at(x)
-    sets: Any = (
-        _modes(problem, model, sensors)
-        if problem.noun == "mode"
-        else _antiresonances(problem, model, forces, sensors)
-    )
+    of_modes = problem.noun == "mode"
+    sets: Any = _modes(problem, model, sensors) if of_modes else _zeros(problem, model, forces, sensors)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # on bounds far from nominal: said when the problem was made
         exact = UpdatingProblem(problem.model, problem.parameters, sets)
@@ -271,7 +261,7 @@ def sensitivities(
     return (weight[:, None] * residuals.jacobian(u))[met]
 
 
-def _antiresonances(
+def _zeros(
     problem: UpdatingProblem, model: StructuralModel, forces: tuple[int, ...], sensors: tuple[int, ...]
 ) -> list[AntiresonanceSet]:
     """The roots of the model that have the numbers of the measured ones in the nominal model."""
@@ -298,12 +288,8 @@ def _antiresonances(
             found[dof] = freq[freq >= low]
         sets.append(AntiresonanceSet(force, found, sees=sees, channels=dofs))
     if not any(freq.size for each in sets for freq in each.values()):
-        reject(
-            "problem",
-            f"no antiresonance up to {high:.4g} Hz at some parameters within the bounds",
-            "antiresonances in the band",
-            "Narrow the bounds, or take a wider band.",
-        )
+        got = f"no antiresonance up to {high:.4g} Hz at some parameters within the bounds"
+        reject("problem", got, "antiresonances in the band", "Narrow the bounds, or take a wider band.")
     return sets
 
 

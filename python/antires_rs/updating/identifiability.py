@@ -34,24 +34,16 @@ class Identifiability(Value):
 
     Attributes
     ----------
-    names : tuple of str
-        Parameters.
     sensitivity : ndarray, (n,)
         Norm of each parameter's column: change of the residuals over its bound range.
     rank : int
         Number of parameter combinations that the data determine.
     unseen : ndarray, (n - rank, n)
-        Orthonormal combinations that they do not.
-    scale_unseen : bool
-        Whether scaling all parameters together is one of these.
-    weak : ndarray of bool, (n,)
-        Seen, but with a standard deviation above a tenth of the bounds' distance.
+        Orthonormal combinations that they do not; ``scale_unseen`` says whether a common scale is one.
     std : ndarray, (n,)
         Standard deviation of each value to first order, from the scatter of the residuals, in the parameter's
         unit; infinity where it is not determined, NaN where it cannot be said: a damage that rests at 0, or
-        no more residuals than parameters. Errors of the model count as far as they show in the residuals.
-    noun : str
-        What was measured.
+        no more residuals than parameters. ``weak`` is one above a tenth of the bounds' distance.
     """
 
     names: tuple[str, ...]

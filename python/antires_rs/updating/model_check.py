@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 # A wrong unit multiplies every frequency of the model, or every measured one, by the same number; exchanged
 # matrices turn each root into its inverse.
 
-
 #: Values by response.
 Lists = dict[tuple[Any, Any] | None, FloatArray]
 

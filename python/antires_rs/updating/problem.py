@@ -156,8 +156,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         Measured antiresonances, one set for each position of the force; each value is paired, at every
         evaluation, with the model's nearest of the same response and force that the set can show, see
         ``AntiresonanceSet.sees``; halves of complex zeros are left out (``left_out``). Or modes, one set for
-        all sensors that measured together, real or complex, at as many or few dofs as there were;
-        rigid-body modes, at 0 Hz, are left out. For their pairing see Notes.
+        all sensors that measured together, real or complex; rigid-body modes, at 0 Hz, are left out.
     objective : {'antiresonance', 'modal'}, optional
         What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
@@ -169,20 +168,17 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         :meth:`DamagePenalty.scaled` gives for these values and weights.
     weights : 'std' or array_like (m,), optional
         Factors on the residuals; for modes one each, on e and on 1 - MAC. 'std' takes them from the standard
-        deviations of measured antiresonances, with 0.2 % for the error of the model, so that what is known
-        badly counts less. Default: all one.
+        deviations of measured antiresonances, with 0.2 % for the error of the model. Default: all one.
 
     Attributes
     ----------
     bounds : ndarray, (n, 2)
     names : list of str
-    measured_hz : ndarray, (m,)
-        Measured values, dof by dof.
+    measured_hz, weights : ndarray, (m,)
+        Measured values, dof by dof, and their factors, None where these are all one.
     measured_dofs, measured_excitations : ndarray of int, (m,), or None
         Response and force of each; None for modes.
     noun : {'antiresonance', 'mode'}
-        What was measured.
-    weights : ndarray, (m,), or None
     penalty : DamagePenalty or None
         The numbers in force.
     left_out : tuple of str

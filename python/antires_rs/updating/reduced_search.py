@@ -85,18 +85,13 @@ class ReductionReport:
     ----------
     n_dof, size : int
         Dofs of the full model, and of the last reduced one.
-    rounds : int
-        Bases made.
-    estimate : float
-        Error that was to be expected of the last reduced model's frequencies at the answer, uncorrected,
-        relative.
-    difference : float
-        The largest relative difference, at the answer, of a frequency of the reduced model, corrected at the
-        place before, from that of the full model.
+    rounds, full_evaluations : int
+        Bases made, and evaluations of the full model.
+    estimate, difference : float
+        Largest relative error of a frequency of the reduced model at the answer: as expected of the last one,
+        uncorrected; and as it was, corrected at the place before.
     agreed : bool
         Whether it is within the tolerance.
-    full_evaluations : int
-        Evaluations of the full model.
 
     Examples
     --------

@@ -246,7 +246,7 @@ class Fit:
         return float(np.sum((self.residuals.at(u) / self.sigma) ** 2))
 
     def held(self, j: int, u: FloatArray) -> tuple[float, FloatArray]:
-        """The least sum of squares, and where it is, with parameter j held as in ``u``, the others from it."""
+        """The least sum of squares and its place, parameter j held as in ``u``, the others begun there."""
         u = least_squares(self.residuals, u, self.sigma, held=[j])
         return self.squares(u), u
 

@@ -193,10 +193,6 @@ class UpdateResult(ReadOnly, Viewed):
         rng, workers, progress
             As of :func:`update`; the threads are those of the ensemble.
 
-        Returns
-        -------
-        ParameterIntervals
-
         Raises
         ------
         InvalidInputError
@@ -247,10 +243,7 @@ class UpdateResult(ReadOnly, Viewed):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write problem, search and versions into one file ``*.npz``, whole or not at all; no pickle.
 
-        Raises
-        ------
-        InvalidInputError
-            Another ending, or a folder that does not exist.
+        Another ending, or a folder that does not exist, is an ``InvalidInputError``.
         """
         self._view("save")(self, path)
 

@@ -45,10 +45,9 @@ def update(
     workers : int, optional
         Threads; all processors by default. The bits are the same for any number.
     reduction : {'auto', True, False} or Reduction, optional
-        Whether to search on a reduced model, which is made anew where the search arrives until it agrees
-        there with the full one; all that the result tells is of the full model. 'auto' does so above 2,000
-        dofs, where antiresonances were measured, the parameters (60 at most) scale terms, and no checkpoint
-        is kept. See :class:`Reduction`, and ``reduction`` of the result.
+        Whether to search on a reduced model, see :class:`Reduction`; all that the result tells is of the full
+        one. 'auto' does so above 2,000 dofs, where antiresonances were measured, the parameters (60 at most)
+        scale terms, and no checkpoint is kept.
 
     Returns
     -------
