@@ -20,8 +20,6 @@ from .targets import AntiresonanceTargets, by_rows
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from numpy.typing import NDArray
-
     from .._core import Model as CoreModel
     from ..models.parameters import Parameter
     from ..support.checks import FloatArray
@@ -59,8 +57,8 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
 class Affine:
     """The sums of a problem, its parameters as :func:`bent_by` allows.
 
-    ``terms`` are those of each parameter, (K_j, M_j), one of them None, ``places`` the rows where these have
-    entries; ``parts`` the targets, response and force by row.
+    Each has a term, of K if ``of_stiffness`` says so, else of M, with entries in the rows ``places``;
+    ``parts`` are the targets, response and force by row.
     """
 
     def __init__(self, problem: UpdatingProblem) -> None:
@@ -71,12 +69,10 @@ class Affine:
         self.forces = sorted({part[1] for part in self.parts})
         self._parameters = problem.model.description.core_parameters(problem.parameters)
         self.stiffness, self.mass = matrices(self.core)
-        self.terms = [self._term(nth) for nth in range(len(problem.parameters))]
-        self.places = [_filled(k if k is not None else m) for k, m in self.terms]
-        self._cut = [
-            (k if k is not None else m).tocsr()[rows][:, rows]
-            for (k, m), rows in zip(self.terms, self.places, strict=True)
-        ]
+        self.of_stiffness = [_SCALES[p.quantity] == "K" for p in problem.parameters]
+        terms = [self._term(nth) for nth in range(len(problem.parameters))]
+        self.places = [np.flatnonzero(np.diff(term.indptr)) for term in terms]
+        self._cut = [term[rows][:, rows] for term, rows in zip(terms, self.places, strict=True)]
 
     def at(self, x: FloatArray) -> CoreModel:
         """The full model at ``x``."""
@@ -86,20 +82,14 @@ class Affine:
         """The term of a parameter times vectors (n, m), in its places."""
         return np.asarray(self._cut[nth] @ vectors[self.places[nth]])
 
-    def _term(self, nth: int) -> tuple[Any, Any]:
-        quantity = self.problem.parameters[nth].quantity
+    def _term(self, nth: int) -> Any:
         # Half of it taken away or all of it added: no digit is lost that its sum with the others had kept.
-        value, factor = (0.5, -0.5) if quantity == "stiffness_reduction" else (2.0, 1.0)
+        reduction = self.problem.parameters[nth].quantity == "stiffness_reduction"
+        value, factor = (0.5, -0.5) if reduction else (2.0, 1.0)
         k, m = matrices(self.core.at([self._parameters[nth]], np.array([value])))
-        of_stiffness = _SCALES[quantity] == "K"
-        term = (k - self.stiffness if of_stiffness else m - self.mass) / factor
+        term = (k - self.stiffness if self.of_stiffness[nth] else m - self.mass) / factor
         term.eliminate_zeros()
-        return (term, None) if of_stiffness else (None, term)
-
-
-def _filled(matrix: Any) -> NDArray[np.intp]:
-    """Rows with entries."""
-    return np.flatnonzero(np.diff(matrix.tocsr().indptr))
+        return term.tocsr()
 
 
 # -- Vectors that carry a model and its parameters' effect near one point, for antiresonances up to a limit
@@ -229,7 +219,7 @@ def _moved(
     """By all parameters, over half of their ranges: l = (dK + sigma dM) v."""
     found = []
     for nth in np.flatnonzero(half_widths > 0.0).tolist():
-        change = half_widths[nth] * (1.0 if affine.terms[nth][0] is not None else basis.sigma)
+        change = half_widths[nth] * (1.0 if affine.of_stiffness[nth] else basis.sigma)
         places = affine.places[nth]
         held = change * affine.times(nth, of)
         loads = np.zeros(of.shape)
@@ -480,7 +470,6 @@ def largest_difference(one: FloatArray, other: FloatArray) -> float:
 def _projected(affine: Affine, vectors: FloatArray, rows: list[int]) -> tuple[_core.Model, list[Any]]:
     """The model on the basis, measured dofs first, and its parameters: each has a term of its own."""
     change = coordinates(vectors[rows])
-
     turned = vectors @ change
 
     def entries(of: FloatArray, product: Any) -> Entries:
@@ -490,7 +479,7 @@ def _projected(affine: Affine, vectors: FloatArray, rows: list[int]) -> tuple[_c
     sides: tuple[list[Entries], list[Entries]] = ([], [])
     parameters = []
     for nth, (parameter, places) in enumerate(zip(affine.problem.parameters, affine.places, strict=True)):
-        side = sides[0 if affine.terms[nth][0] is not None else 1]
+        side = sides[0 if affine.of_stiffness[nth] else 1]
         parameters.append((parameter.quantity, [len(side)], False, None))
         side.append(entries(turned[places], affine.times(nth, turned)))
     stiffness, mass = (entries(turned, matrix @ turned) for matrix in (affine.stiffness, affine.mass))
