@@ -1,6 +1,5 @@
 """Sensors chosen, against all sets; and the information of a set, against the core asked for that set."""
 
-
 import numpy as np
 import pytest
 

@@ -89,6 +89,10 @@ def detectability(
     workers : int, str or executor, optional
         A number of threads. Simulated tests may also be spread, as by :meth:`IslandGA.minimize`.
 
+    Returns
+    -------
+    DetectionCurves
+
     Raises
     ------
     InvalidInputError

@@ -270,6 +270,10 @@ def plan_test(
     workers, progress
         Threads, and a line of progress, as of :func:`update`.
 
+    Returns
+    -------
+    SensorPlan
+
     Raises
     ------
     InvalidInputError

@@ -137,6 +137,10 @@ def identifiability(
     progress : bool, optional
         As of :func:`update`.
 
+    Returns
+    -------
+    BoxIdentifiability
+
     Raises
     ------
     InvalidInputError
