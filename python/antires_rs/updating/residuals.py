@@ -277,14 +277,13 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
         size = residuals.size
         shape = residuals.kind == 1
         if stated is None and shape.any():  # errors of shapes have a unit of their own
-            rest = np.abs(e / size)
-            ratio = max(_rms(rest[shape]), FLOOR) / max(_rms(rest[~shape]), FLOOR)
+            ratio = max(_rms((e / size)[shape]), FLOOR) / max(_rms((e / size)[~shape]), FLOOR)
             size = size * np.where(shape, ratio, 1.0)
         guess = _rms(e / size) * np.sqrt(e.size / max(e.size - rank, 1))
         errors = ErrorModel.around(stated, size, float(guess), e.size - rank)
         fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
-        ratio = fit.sigma / sigma
-        if ratio.max() < 1.05 * ratio.min():
+        change = fit.sigma / sigma
+        if change.max() < 1.05 * change.min():
             break  # a common factor moves no minimum
         sigma = fit.sigma
     return fit
