@@ -107,14 +107,19 @@ from .updating.box_identifiability import (
     BoxIdentifiability as BoxIdentifiability,
     identifiability as identifiability,
 )
-from .updating.ensemble import UpdateEnsemble as UpdateEnsemble, update_ensemble as update_ensemble
-from .updating.posterior import ParameterIntervals as ParameterIntervals
+from .updating.posterior import (
+    ParameterIntervals as ParameterIntervals,
+    ProfileLikelihood as ProfileLikelihood,
+)
 from .updating.problem import DamagePenalty as DamagePenalty, UpdatingProblem as UpdatingProblem
-from .updating.profile import ProfileLikelihood as ProfileLikelihood
 from .updating.reduced_search import Reduction as Reduction, ReductionReport as ReductionReport
 from .updating.result import UpdateResult as UpdateResult
 from .updating.tables import FrequencyTable as FrequencyTable, ModalTable as ModalTable
-from .updating.update import update as update
+from .updating.update import (
+    UpdateEnsemble as UpdateEnsemble,
+    update as update,
+    update_ensemble as update_ensemble,
+)
 from .watch.charts import Chart as Chart
 from .watch.faults import Fault as Fault
 from .watch.identify_series import identify_series as identify_series

@@ -155,7 +155,7 @@ def assess_damage(
         problem = UpdatingProblem(
             model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
         )
-        found, seed = find(problem, optimizer, rng, workers, callback, options.x0, progress, checkpoint)
+        found, seed, _ = find(problem, optimizer, rng, workers, callback, options.x0, progress, checkpoint)
         told = {"antires_rs": __version__, **options.held(ONE_STATE), **found.options}
         return DamageResult(problem, found, seed, options=told)
     options = options.of(TWO_STATES)

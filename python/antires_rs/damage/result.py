@@ -26,9 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..optimize.island_ga import OptimizeResult
-    from ..updating.posterior import Method, ParameterIntervals
+    from ..updating.posterior import Method, ParameterIntervals, ProfileLikelihood
     from ..updating.problem import UpdatingProblem
-    from ..updating.profile import ProfileLikelihood
     from ..updating.reduced_search import ReductionReport
     from .hypotheses import Assessment, Hypotheses
 

@@ -12,8 +12,7 @@ from ..exceptions import reject
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer
 from ..support.progress import one_blas_thread, patient, step
-from ..updating.posterior import Method, ParameterIntervals
-from ..updating.profile import ProfileLikelihood, kind_of, threshold
+from ..updating.posterior import Method, ParameterIntervals, ProfileLikelihood, kind_of, threshold
 from .evidence import FURTHEST, HIGHEST, Fit, Truncated, truncated
 from .hypotheses import Assessment, Hypothesis
 from .inference import LEVEL, settled
