@@ -9,7 +9,7 @@ from antires_rs.damage.evidence import refitted
 from antires_rs.damage.inference import Search
 from antires_rs.damage.likelihood import View
 from antires_rs.damage.options import DamagePrior
-from antires_rs.damage.question import Question
+from antires_rs.damage.likelihood import Question
 from reference.grouped_meshes import grouped, measured, of_groups, with_groups
 from reference.meshes import MESHES, frame
 

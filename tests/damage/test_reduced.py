@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.measured_states import measured_states, roots_at
-from antires_rs.damage.model_error import factors_of
+from antires_rs.damage.likelihood import factors_of
 from antires_rs.damage.reduced_roots import ReducedRoots, Terms
 from antires_rs.models.parameters import stiffness_reduction
 

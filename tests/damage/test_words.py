@@ -40,7 +40,7 @@ def said(rows, declared=(), group=None, **fields):
     table = Hypotheses(rows, {e: label(e) for e in range(7)})
     alike = tuple(group if group is not None else [row for row in rows if row.elements][:1])
     found = Assessment(**(known | {"hypotheses": table, "group": alike, "declared": declared} | fields))
-    return headline(found, label), found
+    return headline(found), found
 
 
 def test_one_damaged_element():
@@ -58,10 +58,10 @@ def test_few_values_are_answered_with_reserve():
         "Damage; if only one element is damaged: spring 4 has lost 20.0 % of its stiffness.",
         "Probability 97.0 %; 90 % interval of the loss 19.0 to 22.0 %. 2 values cannot tell more.",
     ]
-    assert any("Only 2 values are compared, 1 more than" in note for note in reservations(found, label))
+    assert any("Only 2 values are compared, 1 more than" in note for note in reservations(found))
     lines, found = said(rows, (4,), n_values=5, n_matched=5)
     assert lines[0].startswith("Damage: ")
-    assert not any("Only" in note for note in reservations(found, label))
+    assert not any("Only" in note for note in reservations(found))
 
 
 def test_an_unknown_change_that_is_not_sure_is_not_said_to_be():
@@ -205,7 +205,7 @@ def test_a_loss_of_a_whole_percent_is_told():
 
 def test_errors_that_are_tiny_keep_their_digits():
     _, found = said([one((4,), 0.99)], (4,), kappa=0.00042, root_std=3.2e-6)
-    told = " ".join(reservations(found, label))
+    told = " ".join(reservations(found))
     assert "predicts changes to about 0.042 %: it explained the baseline to 0.00032 %" in told
     assert (figure(0.05), figure(0.996), figure(0.0)) == ("5 %", "100 %", "0 %")
 
@@ -279,7 +279,7 @@ def test_what_is_not_explained_is_said_at_once():
     lines, found = said([one((4,), 0.99)], (4,), chi_square=9.0)
     assert not found.explained
     assert lines[-1].startswith("But it does not explain all of the values")
-    assert any("reduced chi-square 9.0" in note for note in reservations(found, label))
+    assert any("reduced chi-square 9.0" in note for note in reservations(found))
 
 
 @pytest.mark.parametrize(

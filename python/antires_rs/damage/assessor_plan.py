@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,9 @@ from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import looked_up_to, model_dof, real_zeros, sorted_out, usual_damping, zero_series
 from .inference import Learned, learned_from
-from .likelihood import ERRORS, Band, Likelihood
+from .likelihood import ERRORS, Band, Errors, ModelError, Prepared, Question, factors_of
 from .measured_states import (
-    ASSUMED_STD,
-    LEAST_STD,
+    Column,
     Responses,
     Roots,
     Values,
@@ -29,9 +28,8 @@ from .measured_states import (
     note_of_same_data,
     roots_at,
     same_data,
+    values_of,
 )
-from .model_error import ModelError, factors_of
-from .question import Prepared, Question
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -80,79 +78,82 @@ class Tables:
     slopes: Single
     errors: Single
 
-    @cached_property
-    def old(self) -> NDArray[np.bool_]:
-        """Which roots the undamaged model has."""
-        return self.identity >= 0
-
 
 def tables_of(prepared: Prepared) -> Tables:
     """The tables of a model after its baseline."""
     from scipy.interpolate import CubicSpline
 
-    likelihood, error = prepared.likelihood, prepared.error
+    likelihood, error = prepared.likelihood, prepared.likelihood.error
     n, intact = likelihood.n, error.intact
-    at = _at_levels(likelihood, n)
+    at: list[list[tuple[Roots, NDArray[np.intp]]]] = []  # roots, and which of the intact ones they have been
+    for e in range(n):
+        step(f"sensitivities of element {e + 1} of {n}")
+        betas = np.zeros((LEVELS.size, n))
+        betas[:, e] = -np.expm1(-LEVELS)
+        at.append([roots.since(intact) for roots in likelihood.roots(betas, slopes=True)])
     low, high = likelihood.band.low - _MARGIN, likelihood.band.high + _MARGIN
-    inside = intact.between(low, high)
-    new: dict[int, int] = {}
-    for row in at:
-        for roots, identity in row:
-            near = roots.between(low, high)
-            inside[identity[near & (identity >= 0)]] = True
-            own, count = np.unique(roots.response[near & (identity < 0)], return_counts=True)
-            for response, more in zip(own.tolist(), count.tolist(), strict=True):
-                new[response] = max(new.get(response, 0), more)
-    kept = np.flatnonzero(inside)
-    response = np.concatenate([intact.response[kept], *(np.full(k, r) for r, k in new.items())]).astype(
-        np.intp
-    )
-    identity_of = np.concatenate([kept, np.full(sum(new.values()), -1)]).astype(np.intp)
-    order = np.argsort(response, kind="stable")
-    response, identity_of = response[order], identity_of[order]
+    response, identity_of = _listed(at, intact, low, high)
     factor = _factor(error)
     shape = (n, LEVELS.size, response.size)
-    _check_size(shape, n, factor.shape[1])
-    there, log_f = np.zeros(shape, dtype=bool), np.zeros(shape)
+    size = 8.0 * float(np.prod(shape)) * (factor.shape[1] + 0.5 * n)
+    if size > _MOST_BYTES:
+        reject(
+            "model",
+            f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB",
+            f"at most {_MOST_BYTES / 1e9:.0f} GB",
+            "Use assess_damage, or a model with fewer terms.",
+        )
+    there, log_f, beside = np.zeros(shape, dtype=bool), np.zeros(shape), np.zeros(shape)
     slopes, rows = np.zeros((*shape, n), dtype=np.float32), np.zeros((*shape, factor.shape[1]))
-    beside = np.zeros(shape)
-    for e, row in enumerate(at):
-        for level, (roots, identity) in enumerate(row):
-            slot, root = _slots(identity_of, response, roots, identity, low, high)
-            there[e, level, slot] = True
-            log_f[e, level, slot] = roots.log_f[root]
-            by_u = roots.slopes[root, :n].copy()
-            by_u[:, e] *= np.exp(-LEVELS[level])
-            slopes[e, level, slot] = by_u
-            by_errors = np.zeros((slot.size, error.mean.size))
-            by_errors[:, : error.theta.size] = roots.slopes[root, n:] * likelihood.factors
-            is_old = identity[root] >= 0
-            by_errors[is_old, error.theta.size + identity[root][is_old]] = 1.0
-            beside[e, level, slot] = by_errors @ error.mean
-            rows[e, level, slot] = by_errors @ factor
+    for e, level in np.ndindex(n, LEVELS.size):
+        roots, identity = at[e][level]
+        slot, root = _slots(identity_of, response, roots, identity, low, high)
+        there[e, level, slot] = True
+        log_f[e, level, slot] = roots.log_f[root]
+        by_u = roots.slopes[root, :n].copy()
+        by_u[:, e] *= np.exp(-LEVELS[level])
+        slopes[e, level, slot] = by_u
+        by_errors = np.zeros((slot.size, error.mean.size))
+        by_errors[:, : error.theta.size] = roots.slopes[root, n:] * likelihood.factors
+        old = np.flatnonzero(identity[root] >= 0)
+        by_errors[old, error.theta.size + identity[root][old]] = 1.0
+        beside[e, level, slot] = by_errors @ error.mean
+        rows[e, level, slot] = by_errors @ factor
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
     for e in range(n):
         whole = there[e].all(axis=0)
         if whole.any():
             by_own[e][:, whole] += CubicSpline(LEVELS, beside[e][:, whole])(LEVELS, 1)
-    seen = (identity_of >= 0) & error.seen[identity_of]
-    placed = np.where(identity_of >= 0, intact.log_f[identity_of], 0.0)
-    errors = _compressed(rows.reshape(-1, factor.shape[1]))
+    # The same products of rows in fewer columns.
+    flat = rows.reshape(-1, factor.shape[1])
+    sizes, vectors = np.linalg.eigh(flat.T @ flat)
+    dropped = np.cumsum(np.maximum(sizes, 0.0)) / len(flat) < _DROPPED
+    errors = np.asarray(flat @ vectors[:, ~dropped], dtype=np.float32)
+    was = identity_of >= 0
     return Tables(
-        response, seen, identity_of, intact.response, intact.log_f, placed, there, log_f + beside, beside,
+        response, was & error.seen[identity_of], identity_of, intact.response, intact.log_f,
+        np.where(was, intact.log_f[identity_of], 0.0), there, log_f + beside, beside,
         by_own, slopes, errors.reshape(*shape, -1),
     )  # fmt: skip
 
 
-def _at_levels(likelihood: Likelihood, n: int) -> list[list[tuple[Roots, NDArray[np.intp]]]]:
-    """Roots at every level of every element, and which of the intact ones they have been."""
-    found = []
-    for e in range(n):
-        step(f"sensitivities of element {e + 1} of {n}")
-        betas = np.zeros((LEVELS.size, n))
-        betas[:, e] = -np.expm1(-LEVELS)
-        found.append([roots.since(likelihood.error.intact) for roots in likelihood.roots(betas, slopes=True)])
-    return found
+def _listed(
+    at: list[list[tuple[Roots, NDArray[np.intp]]]], intact: Roots, low: float, high: float
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Response of each root that the tables need, and its number among the intact ones, -1 for new ones."""
+    inside = intact.between(low, high)
+    new: dict[int, int] = {}
+    for roots, identity in (state for row in at for state in row):
+        near = roots.between(low, high)
+        inside[identity[near & (identity >= 0)]] = True
+        own, count = np.unique(roots.response[near & (identity < 0)], return_counts=True)
+        for response, more in zip(own.tolist(), count.tolist(), strict=True):
+            new[response] = max(new.get(response, 0), more)
+    kept = np.flatnonzero(inside)
+    responses = np.concatenate([intact.response[kept], np.repeat(list(new), list(new.values()))])
+    order = np.argsort(responses, kind="stable")
+    numbers = np.concatenate([kept, np.full(sum(new.values()), -1)])
+    return responses[order].astype(np.intp), numbers[order].astype(np.intp)
 
 
 def _slots(
@@ -193,24 +194,6 @@ def _factor(error: ModelError) -> FloatArray:
     return np.asarray(vectors[:, kept] * np.sqrt(size[kept]))
 
 
-def _compressed(rows: FloatArray) -> Single:
-    """The same products of rows in fewer columns."""
-    size, vectors = np.linalg.eigh(rows.T @ rows)
-    dropped = np.cumsum(np.maximum(size, 0.0)) / len(rows) < _DROPPED
-    return np.asarray(rows @ vectors[:, ~dropped], dtype=np.float32)
-
-
-def _check_size(shape: tuple[int, int, int], n: int, q: int) -> None:
-    size = 8.0 * float(np.prod(shape)) * (q + 0.5 * n)
-    if size > _MOST_BYTES:
-        reject(
-            "model",
-            f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB",
-            f"at most {_MOST_BYTES / 1e9:.0f} GB",
-            "Use assess_damage, or a model with fewer terms.",
-        )
-
-
 # -- A measured set as values, by what was prepared: no question to the model
 
 
@@ -218,8 +201,7 @@ def _check_size(shape: tuple[int, int, int], n: int, q: int) -> None:
 _BEYOND = 1.3
 
 
-@dataclass(frozen=True)
-class Expected:
+class Expected(NamedTuple):
     """What a set with one force may hold: the number of each response, and the model's real and complex zeros
     (Hz) there."""
 
@@ -227,51 +209,42 @@ class Expected:
     real: dict[Any, FloatArray]
     complex: dict[Any, tuple[FloatArray, FloatArray]]
     sees: str | None
-    channels: tuple[Any, ...]
+    channels: set[Any]
 
 
 def expected_of(question: Question, responses: Responses) -> dict[Any, Expected]:
     """By force label."""
-    found = {}
-    model = question.model
+    found, model = {}, question.model
     for each, labels in zip(question.measured, responses.labels, strict=True):
         assert isinstance(each, AntiresonanceSet)
         force = model_dof(model, "excitation", each.excitation)
-        dofs = [model_dof(model, "measured dof", label) for label in labels]
+        dofs = {label: model_dof(model, "measured dof", label) for label in labels}
         limit_hz = looked_up_to(_BEYOND * max(each[dof].max(initial=0.0) for dof in each))
-        real = real_zeros(model, dofs, force, limit_hz)
+        real = real_zeros(model, list(dofs.values()), force, limit_hz)
+        series = {label: zero_series(model, dof, force, limit_hz) for label, dof in dofs.items()}
+        channels = set(each.channels or ())
         found[each.excitation] = Expected(
-            labels,
-            dict(zip(labels, real, strict=True)),
-            {
-                label: zero_series(model, dof, force, limit_hz)
-                for label, dof in zip(labels, dofs, strict=True)
-            },
-            each.sees,
-            tuple(each.channels or ()),
+            labels, dict(zip(labels, real, strict=True)), series, each.sees, channels
         )
     return found
 
 
-def _columns(one: AntiresonanceSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
-    """Values and their standard deviations by response."""
-    return {(label, one.excitation): (table.freq_hz, table.std_hz) for label, table in one.tables.items()}
+class Read(NamedTuple):
+    """Values of a test, notes on those that are left out, what the plan does not hold, and whether some lack
+    a standard deviation."""
+
+    values: Values
+    notes: list[str]
+    strange: list[str]
+    assumed: bool
 
 
-def values_of(
-    sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
-) -> tuple[Values, list[str], list[str], bool]:
-    """Values, notes on those that are left out, what the plan does not hold, and whether some lack a standard
-    deviation."""
-    rows: list[tuple[int, int, float, float]] = []
-    asked: list[tuple[int, int]] = []
+def read(sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float) -> Read:
+    """The values of a test, without a question to the model."""
     notes: list[str] = []
     strange: list[str] = []
-    assumed = False
-    twice = same_data([_columns(one) for one in sets])
-    notes += note_of_same_data("zeros", twice)
-    for nth, one in enumerate(sets):
-        first = _columns(sets[twice[nth]]) if nth in twice else {}
+    columns: list[dict[int, Column]] = []
+    for one in sets:
         plan = expected.get(one.excitation)
         if plan is None:
             known = ", ".join(map(repr, expected))
@@ -281,41 +254,26 @@ def values_of(
                 f"the force of the baseline: {known}",
                 "Make an Assessor from a baseline with the force there too.",
             )
-        if one.sees != plan.sees or set(one.channels or ()) != set(plan.channels):
+        if one.sees != plan.sees or set(one.channels or ()) != plan.channels:
             strange.append("it was identified from other responses than the baseline")
-        usual = usual_damping(one)
+        usual, own = usual_damping(one), {}
         for label, table in one.tables.items():
-            if (label, one.excitation) in first and first[label, one.excitation][0].size:
+            if label not in plan.number:
+                strange += [f"the baseline does not have dof {label}"] * bool(len(table))
                 continue
-            number = plan.number.get(label)
-            if number is None:
-                if len(table):
-                    strange.append(f"the baseline does not have dof {label}")
-                continue
-            asked.append((number, nth))
             keep = np.ones(len(table), dtype=bool)
             if usual is not None:
                 series = partial(plan.complex.__getitem__, label)
                 notes += sorted_out(label, table, usual, plan.real[label], series, keep)
-            least = ASSUMED_STD if "share" in table.scores else LEAST_STD
-            std = np.where(np.isfinite(table.std_hz), table.std_hz / table.freq_hz, ASSUMED_STD)
-            assumed |= not bool(np.isfinite(table.std_hz[keep]).all())
-            rows += [
-                (nth, number, f, max(s, least))
-                for f, s in zip(np.log(table.freq_hz[keep]).tolist(), std[keep].tolist(), strict=True)
-            ]
-    if not rows:
+            freq, std = table.freq_hz[keep], table.std_hz[keep]
+            own[plan.number[label]] = Column(freq, std, "share" in table.scores)
+        columns.append(own)
+    twice = same_data(columns)
+    values = values_of(columns, twice)
+    if not values.size:
         reject("zeros", "no antiresonance", "at least one", "Identify in the band of the baseline.")
-    rows.sort()
-    columns = list(zip(*rows, strict=True))
-    values = Values(
-        np.array(columns[1], dtype=np.intp),
-        np.array(columns[2], dtype=np.float64),
-        scatter * np.array(columns[3], dtype=np.float64),
-        np.array(columns[0], dtype=np.intp),
-        asked=np.array(asked, dtype=np.intp),
-    )
-    return values, notes, strange, assumed
+    assumed = any(not np.isfinite(column.std).all() for own in columns for column in own.values())
+    return Read(values.noisier(scatter), [*note_of_same_data("zeros", twice), *notes], strange, assumed)
 
 
 @dataclass(frozen=True)
@@ -334,18 +292,12 @@ class Plan:
         self.__dict__.update(state)
 
     @cached_property
-    def numbers(self) -> tuple[int, ...]:
-        """Elements in the order of the tables, candidates first."""
-        model, elements = self.question.model, self.question.elements
-        return (*elements, *(e for e in model._springs if e not in elements))
-
-    @cached_property
     def names(self) -> dict[int, str]:
         """What the elements are called."""
-        return {e: self.question.model.element_label(e) for e in self.numbers}
+        return {e: self.question.model.element_label(e) for e in self.question.numbers}
 
     @cached_property
-    def errors(self) -> tuple[tuple[float, float, float], ...]:
+    def errors(self) -> Errors:
         """As the likelihood has them."""
         return tuple((self.learned.outside * kappa, times, p) for kappa, times, p in ERRORS)
 
@@ -356,9 +308,9 @@ class Plan:
         c: Any = np.ascontiguousarray
         undamaged = t.errors[0, 0].astype(np.float64)
         return _core.PreparedTables(
-            c(LEVELS), c(t.response), c(t.seen), c(t.old), c(t.intact), c(t.there), c(t.place), c(t.beside),
-            c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors), undamaged @ undamaged.T,
-            self.learned.tau**2,
+            c(LEVELS), c(t.response), c(t.seen), c(t.identity >= 0), c(t.intact), c(t.there), c(t.place),
+            c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
+            undamaged @ undamaged.T, self.learned.tau**2,
         )  # fmt: skip
 
     @cached_property
@@ -372,7 +324,7 @@ class Plan:
     def core(self) -> Any:
         """The model's antiresonances, computed."""
         model = self.question.model
-        parts = (*stiffness_reduction(self.numbers), *factors_of(model))
+        parts = (*stiffness_reduction(self.question.numbers), *factors_of(model))
         return self.states[0].source(model, model.description.core_parameters(parts))
 
     @cached_property
@@ -402,4 +354,4 @@ class Plan:
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads)
-    return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, hint=True))
+    return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, question.hint()))

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ..support.checks import FloatArray
 from .likelihood import View
 
-# -- Gaussians within bounds: where in the box the peak is, and one coordinate's mean and quantiles
+# -- Gaussians within bounds: where in the box the peak is, and quantiles of one coordinate
 
 
 def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
@@ -50,18 +50,6 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: floa
     return best
 
 
-def given(
-    mean: FloatArray, covariance: FloatArray, nth: int, known: FloatArray, which: NDArray[np.bool_]
-) -> tuple[float, float]:
-    """Mean and standard deviation of one coordinate of a Gaussian, given some of the others."""
-    at = np.array([k for k in np.flatnonzero(which) if k != nth], dtype=np.intp)
-    if not at.size:
-        return float(mean[nth]), float(np.sqrt(covariance[nth, nth]))
-    gain = np.linalg.solve(covariance[np.ix_(at, at)], covariance[at, nth])
-    variance = covariance[nth, nth] - gain @ covariance[at, nth]
-    return float(mean[nth] + gain @ (known[at] - mean[at])), float(np.sqrt(variance))
-
-
 def quantiles(
     mean: float, std: float, low: float, high: float, shares: tuple[float, float]
 ) -> tuple[float, float]:
@@ -84,12 +72,17 @@ def quantiles(
 
 def log_between(low: Any, high: Any) -> FloatArray:
     """ln of the standard normal probability between two limits, element by element."""
+    _, _, _, bottom, top = _on_negative_side(np.asarray(low), high)
+    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
+
+
+def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, FloatArray, Any, Any]:
+    """Where limits are turned about 0, so that the tail is resolved; the limits and ln of what is below."""
     from scipy.special import log_ndtr
 
-    flip = np.asarray(low) > 0.0  # the tail is resolved on the negative side
-    low, high = np.where(flip, -high, low), np.where(flip, -low, high)
-    top, bottom = log_ndtr(high), log_ndtr(low)
-    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
+    flip = low > 0.0
+    a, b = np.where(flip, -high, low), np.where(flip, -low, high)
+    return flip, a, b, log_ndtr(a), log_ndtr(b)
 
 
 # -- Gaussians of which only a box is left: their probability, densities, and draws
@@ -189,12 +182,10 @@ def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float
 
 def _between(low: FloatArray, high: FloatArray, p: FloatArray) -> FloatArray:
     """Quantiles p of the standard normal distribution between two limits."""
-    from scipy.special import log_ndtr, ndtri_exp
+    from scipy.special import ndtri_exp
 
-    flip = low > 0.0  # the tail is resolved on the negative side
-    a, b = np.where(flip, -high, low), np.where(flip, -low, high)
+    flip, a, b, bottom, top = _on_negative_side(low, high)
     share = np.where(flip, 1.0 - p, p)
-    bottom, top = log_ndtr(a), log_ndtr(b)
     # ln of (1 - share) e^bottom + share e^top
     z = ndtri_exp(top + np.log(share + (1.0 - share) * np.exp(np.minimum(bottom - top, 0.0))))
     z = np.clip(z, a, b)
@@ -222,7 +213,7 @@ _LINEAR = 0.12
 #: So near to the largest u counts as there.
 _ON_BOUND = 1e-9
 #: Precision of u where nothing sees it.
-_BLIND = 1e-2
+BLIND = 1e-2
 
 
 @dataclass(frozen=True)
@@ -245,30 +236,38 @@ class Fit:
         """Shares with the most probable severity between their quantiles: those given, else as much of the
         probability from the nearer bound on."""
         low, high = self._quantiles(nth, shares)
-        best, whole = self._peak[nth], shares[1] - shares[0]
+        best, whole = self.u[nth], shares[1] - shares[0]
         if best <= 0.0 or best < low:
             return 0.0, whole
         return (1.0 - whole, 1.0) if best > high else shares
 
     @property
-    def _peak(self) -> FloatArray:
+    def u(self) -> FloatArray:
+        """Most probable u."""
         return np.asarray(-np.log1p(-self.beta))
 
     def _quantiles(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
         """Of u; partners whose most probable severity is a bound stay on it."""
-        on_bound = (self._peak <= 0.0) | (self._peak >= FURTHEST - _ON_BOUND)
-        mean, std = given(self.mean, self.covariance, nth, self._peak, on_bound)
-        return quantiles(mean, std, 0.0, FURTHEST, shares)
+        on_bound = (self.u <= 0.0) | (self.u >= FURTHEST - _ON_BOUND)
+        at = np.array([k for k in np.flatnonzero(on_bound) if k != nth], dtype=np.intp)
+        mean, variance = self.mean[nth], self.covariance[nth, nth]
+        if at.size:
+            gain = np.linalg.solve(self.covariance[np.ix_(at, at)], self.covariance[at, nth])
+            mean, variance = (
+                mean + gain @ (self.u[at] - self.mean[at]),
+                variance - gain @ self.covariance[at, nth],
+            )
+        return quantiles(float(mean), float(np.sqrt(variance)), 0.0, FURTHEST, shares)
 
 
-def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit | None]:
-    """Sets of one size as seen from one point; None where severities are too far from there, in u."""
+def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit]:
+    """Sets of one size as seen from one point; not those whose severities are too far from there, in u."""
     at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
     size = at.shape[1]
     room = 1.0 - view.beta[at]
     start = -np.log(room)
     matrix = view.curvature[at[:, :, None], at[:, None, :]] * room[:, :, None] * room[:, None, :]
-    covariance: FloatArray = np.asarray(np.linalg.inv(matrix + _BLIND * np.eye(size)), dtype=np.float64)
+    covariance: FloatArray = np.asarray(np.linalg.inv(matrix + BLIND * np.eye(size)), dtype=np.float64)
     # All severities are equally probable, so that large u are less.
     gain = view.gain[at] * room - 1.0
     step = (covariance @ gain[:, :, None])[:, :, 0]
@@ -279,15 +278,13 @@ def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) 
     spread = np.linalg.slogdet(covariance[near])[1] - 2.0 * start[near].sum(axis=1)
     volume = 0.5 * (size * np.log(2.0 * np.pi) + spread) - size * np.log(HIGHEST)
     evidence = view.log_likelihood + 0.5 * np.sum(gain * step, axis=1)[near] + volume + inside
-    found: list[Fit | None] = [None] * len(sets)
-    for nth, log_evidence in zip(near.tolist(), evidence.tolist(), strict=True):
-        beta = -np.expm1(-best[nth])
-        found[nth] = Fit(tuple(sets[nth]), log_evidence, beta, mean[nth], covariance[nth], view)
-    return found
+    return [
+        Fit(tuple(sets[nth]), log_evidence, -np.expm1(-best[nth]), mean[nth], covariance[nth], view)
+        for nth, log_evidence in zip(near.tolist(), evidence.tolist(), strict=True)
+    ]
 
 
 def refitted(view: View, elements: tuple[int, ...]) -> Fit:
     """One set, however far its severities are."""
     (fit,) = fitted(view, [elements], np.inf)
-    assert fit is not None  # none is too far away
     return fit

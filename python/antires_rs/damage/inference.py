@@ -1,9 +1,9 @@
-"""From two measured states to an :class:`Assessment`: learn the model's errors, search, weigh."""
+"""From two measured states to an :class:`Assessment`: sets of damaged elements searched and weighed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import combinations, product
 from typing import Any
@@ -11,19 +11,15 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import reject
-from ..models.parameters import Parameter
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
 from ..updating.reduced_search import ReductionReport
 from .evidence import HIGHEST, Fit, fitted, log_between, refitted
-from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, figure
-from .likelihood import Likelihood, ValueLikelihood, View
-from .measured_modes import ModeResponses
-from .measured_states import Responses, Roots, Values
-from .one_state import mostly_risen
+from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
+from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
+from .measured_states import Values, mostly_risen
 from .options import DamagePrior
-from .question import Prepared, Question
 from .reduced_roots import TOLERANCE, ReducedRoots
 
 # -- Which elements may be damaged: a beam search over sets of elements
@@ -32,35 +28,16 @@ from .reduced_roots import TOLERANCE, ReducedRoots
 # finds where to begin; Newton steps with an error of the values that falls to nothing lead to the most
 # probable severities; there the evidence is told. From every point on the way the sets with one element
 # more are judged too, as far as the linear model goes. Elements that are no candidates are judged one by
-# one only.
-
-
-# -- Which elements a scan looks at, where there are many: those that would explain most to first order
-#
-# The likelihood's slope and curvature along each severity are at hand from the sensitivities of one point.
-# All other elements stay judged by the linear model alone.
-
-
-#: More elements than these are not all scanned; of one damage, and of a further one, so many are.
-_MANY_SCREENING, _SCANNED_SCREENING = 60, (40, 16)
-#: Severities of a scan for a further damage among many elements.
-COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
-
-
-def worth_a_scan(view: View, elements: list[int], size: int) -> list[int] | None:
-    """The elements to scan for a set of ``size``, ascending; None for all of them."""
-    if len(elements) <= _MANY_SCREENING:
-        return None
-    gains: FloatArray = np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
-    best = sorted(elements, key=lambda e: -gains[e])[
-        : _SCANNED_SCREENING[min(size, len(_SCANNED_SCREENING)) - 1]
-    ]
-    return sorted(best)
-
+# one only. Where there are many elements a scan looks at those that would explain most to first order; all
+# others stay judged by the linear model alone.
 
 Elements = tuple[int, ...]
 
+#: More elements than these are not all scanned; of one damage, and of a further one, so many are.
+_MANY_ELEMENTS, _SCANNED_ELEMENTS = 60, (40, 16)
+#: Severities of a scan, and of one for a further damage among many elements.
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
+_COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 #: Sets that get another one where nothing found so far is better than no element at all.
@@ -89,9 +66,23 @@ _LOST = 0.05
 _MANY = 8
 
 
+def worth_a_scan(view: View, elements: list[int], size: int) -> list[int] | None:
+    """The elements to scan for a set of ``size``, ascending; None for all of them."""
+    if len(elements) <= _MANY_ELEMENTS:
+        return None
+    gains = view.gains
+    most = _SCANNED_ELEMENTS[min(size, len(_SCANNED_ELEMENTS)) - 1]
+    return sorted(sorted(elements, key=lambda e: -gains[e])[:most])
+
+
 @dataclass
 class Search:
-    """The sets found so far, by elements; ``n_candidates`` first, then those that are none."""
+    """The sets found so far, by elements; ``n_candidates`` first, then those that are none.
+
+    ``screened`` tells how many elements were scanned for a single damage, of how many, unless all were;
+    ``hopeless`` are sets that explain far less than others wherever they came to, without coming to rest, and
+    single elements that the sensitivities rule out.
+    """
 
     likelihood: ValueLikelihood
     n_candidates: int
@@ -99,10 +90,7 @@ class Search:
     most: int = 3
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
-    #: How many elements were scanned for a single damage, of how many; none where all were.
     screened: tuple[int, int] | None = None
-    #: Sets that explain far less than others wherever they came to, without coming to rest, and single
-    #: elements that the sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
 
     def run(self) -> None:
@@ -111,13 +99,11 @@ class Search:
         try:
             for size in range(1, min(self.most, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                likeliest = max(self.fits.values(), key=lambda fit: fit.log_evidence)
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                if self.explained(likeliest) and singles:
+                if self.finished and singles:
                     break
-                parents = self._parents(size - 1)
-                self._refine(self._starts(parents, size))
+                self._refine(self._starts(size))
                 if size == 2 and not self._any():
                     self._refine(self._pairs())
             self._smaller()
@@ -127,7 +113,17 @@ class Search:
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
-        return max(fit.log_evidence for fit in self.fits.values()) > self.likelihood.something_else
+        return self._likeliest.log_evidence > self.likelihood.something_else
+
+    @property
+    def _likeliest(self) -> Fit:
+        return max(self.fits.values(), key=lambda fit: fit.log_evidence)
+
+    def _row(self, elements: Elements, severities: Any) -> FloatArray:
+        """Severities of all elements, (n,)."""
+        row = np.zeros(self.likelihood.n)
+        row[list(elements)] = np.minimum(severities, HIGHEST)
+        return row
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Pairs that explain most, both severities scanned: of two large damages one may not show alone."""
@@ -152,8 +148,7 @@ class Search:
             severities = dict(zip(elements, self.fits[elements].beta, strict=True))
             kept = tuple(e for e in elements if severities[e] >= _HARDLY)
             if kept and kept != elements:
-                row = starts.setdefault(kept, np.zeros(self.likelihood.n))
-                row[list(kept)] = [min(severities[e], HIGHEST) for e in kept]
+                starts[kept] = self._row(kept, [severities[e] for e in kept])
         if starts:
             views = self.likelihood.views(np.array(list(starts.values())))
             for elements, view in zip(starts, views, strict=True):
@@ -161,30 +156,17 @@ class Search:
 
     def _near(self) -> list[Elements]:
         """The likeliest sets, first the likeliest."""
-        top = max(fit.log_evidence for fit in self.fits.values())
+        top = self._likeliest.log_evidence
         near = [s for s, fit in self.fits.items() if s and fit.log_evidence > top - _NEAR]
         return sorted(near, key=lambda s: -self.fits[s].log_evidence)[:_RENEWED]
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, each from its own severities."""
         sets = self._near()
-        if not sets:
-            return
-        betas = np.zeros((len(sets), self.likelihood.n))
-        for row, elements in enumerate(sets):
-            betas[row, list(elements)] = np.minimum(self.fits[elements].beta, HIGHEST)
-        for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
-            (fit,) = fitted(view, [elements])
-            if fit:
-                self.fits[elements] = fit
-
-    def _parents(self, size: int) -> list[Fit]:
-        own = [
-            fit
-            for elements, fit in self.fits.items()
-            if len(elements) == size and all(e < self.n_candidates for e in elements)
-        ]
-        return sorted(own, key=lambda fit: -fit.log_evidence)[: self._most_parents(size)]
+        if sets:
+            betas = np.array([self._row(elements, self.fits[elements].beta) for elements in sets])
+            for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
+                self.fits.update({fit.elements: fit for fit in fitted(view, [elements])})
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -204,29 +186,24 @@ class Search:
         larger = [] if len(elements) == self.most or self.outside(elements) else self._larger(elements, view)
         for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
             for fit in fitted(view, sets) if sets else ():
-                known = self.fits.get(fit.elements) if fit else None
-                if fit and (known is None or fit.log_evidence > known.log_evidence):
+                known = self.fits.get(fit.elements)
+                if known is None or fit.log_evidence > known.log_evidence:
                     self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
         """Whether the likeliest set leaves nothing to be explained."""
-        return self.explained(max(self.fits.values(), key=lambda fit: fit.log_evidence))
-
-    def explained(self, fit: Fit) -> bool:
-        """Whether a set leaves nothing to be explained."""
-        view = fit.view
-        gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+        fit = self._likeliest
+        view, count = fit.view, fit.view.n_matched
+        gains = view.gains
         gains[list(fit.elements)] = 0.0
-        count = int(view.matched.sum())
         fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
-        all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
+        all_there = view.partner.size - count <= max(1, _LOST * view.partner.size)
         # Errors as they are stated: larger ones would explain anything.
         stated = view.times <= (_WIDER if fit.elements else 1.0)
         # A few values are explained by much that is not so, and what is no damage may explain them better.
         many = not fit.elements or count >= _MANY + len(fit.elements)
-        whole = bool(fits and all_there and gains.max() < _GAIN and stated and many)
-        return whole and fit.log_evidence > self.likelihood.something_else
+        return bool(fits and all_there and gains.max() < _GAIN and stated and many and self._any())
 
     def outside(self, elements: Elements) -> bool:
         """Whether a set has an element that is no candidate."""
@@ -239,29 +216,31 @@ class Search:
         own = [self.prior.log_of(k, n) if k <= n else -np.inf for k in range(4)]
         return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
-    def log_prior(self, elements: Elements) -> float:
-        """Log probability of a set before the test; ``UNKNOWN`` is something else."""
-        kind = -1 if elements == UNKNOWN else 4 if self.outside(elements) else len(elements)
-        return self._log_priors[kind]
-
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements; ``UNKNOWN`` for something else."""
         found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-        return {**found, UNKNOWN: self.likelihood.something_else + self.log_prior(UNKNOWN)}
+        return {**found, UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
 
-    def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
+    def log_prior(self, elements: Elements) -> float:
+        """Log probability of a set before the test."""
+        return self._log_priors[4 if self.outside(elements) else len(elements)]
+
+    def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
+        own = [fit for s, fit in self.fits.items() if len(s) == size - 1 and not self.outside(s)]
+        parents = sorted(own, key=lambda fit: -fit.log_evidence)[: self._most_parents(size - 1)]
         found: list[tuple[float, Elements, FloatArray]] = []
         for parent in parents:
-            base = np.zeros(self.likelihood.n)
-            base[list(parent.elements)] = np.clip(parent.beta, 0.0, HIGHEST)
-            further = self._further(parent.elements)
-            chosen_few = worth_a_scan(parent.view, further, size)
-            if chosen_few is not None and size == 1:
-                self.screened = len(chosen_few), len(further)
-                self.hopeless.update((e,) for e in set(further) - set(chosen_few))
-            grid = _GRID if chosen_few is None or size == 1 else COARSE
-            further = further if chosen_few is None else chosen_few
+            further, grid = self._further(parent.elements), _GRID
+            few = worth_a_scan(parent.view, further, size)
+            if few is not None:
+                if size == 1:
+                    self.screened = len(few), len(further)
+                    self.hopeless.update((e,) for e in set(further) - set(few))
+                else:
+                    grid = _COARSE
+                further = few
+            base = self._row(parent.elements, np.maximum(parent.beta, 0.0))
             rows = np.repeat(base[None], len(further) * grid.size, axis=0)
             for nth, e in enumerate(further):
                 rows[nth * grid.size : (nth + 1) * grid.size, e] = grid
@@ -283,8 +262,12 @@ class Search:
         sets, betas = list(chosen), np.array(list(chosen.values()))
         for extra in _TEMPERED:
             views = self.likelihood.views(betas, extra)
-            if not extra:
-                near = _worth(sets, views)
+            if not extra:  # those that may still win, and all single elements
+                logs = np.array([view.log_likelihood for view in views])
+                order = np.argsort(-logs, kind="stable")
+                least = logs[order[0]] - _HOPELESS
+                kept = {n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > least}
+                near = sorted(kept | {n for n, elements in enumerate(sets) if len(elements) == 1})
                 sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
             for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
                 at = np.array(elements)
@@ -303,94 +286,22 @@ class Search:
         self.hopeless.update(elements for elements in far if elements not in self.fits)
 
 
-def _worth(sets: list[Elements], views: list[View]) -> list[int]:
-    """Those that may still win, and all single elements."""
-    logs = np.array([view.log_likelihood for view in views])
-    order = np.argsort(-logs, kind="stable")
-    kept = [n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS]
-    return sorted({*kept, *(n for n, elements in enumerate(sets) if len(elements) == 1)})
-
-
-# -- From evidence to probabilities: of hypotheses, of elements, of groups that the data cannot tell apart
-
-
-#: Probability of the intervals, and the shares between which they lie.
-LEVEL = 0.9
-_SHARES = (0.05, 0.95)
-#: A group holds this share of the probability of its kind; and has at most so many hypotheses.
-_GROUPED, _MOST_ALTERNATIVES = 0.9, 4
-#: Hypotheses below this probability are dropped.
-_LEAST = 1e-9
-
-
-def posterior(
-    search: Search,
-    weights: dict[Elements, float],
-    numbers: Sequence[int],
-    kept: Elements = (),
-    least: float = _LEAST,
-) -> list[Hypothesis]:
-    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own.
-    Those of less than the ``least`` probability are dropped, but for no damage and ``kept``."""
-    from scipy.special import logsumexp
-
-    total = float(logsumexp(list(weights.values())))
-    if not np.isfinite(total):
-        reject(
-            "prior",
-            "one that allows none of the hypotheses that were judged",
-            "some probability for no damage or one element",
-            "Leave the prior out, or give nothing, one and unknown more than 0.",
-        )
-    rows = []
-    for elements, weight in weights.items():
-        probability = min(float(np.exp(weight - total)), 1.0)
-        if probability < least and elements and elements != kept:
-            continue
-        if elements == UNKNOWN:
-            rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
-            continue
-        fit = search.fits[elements]
-        limits = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
-        rows.append(
-            Hypothesis(
-                tuple(numbers[e] for e in elements),
-                probability,
-                tuple(float(b) for b in fit.beta),
-                tuple(low for low, _ in limits),
-                tuple(high for _, high in limits),
-                candidate=not search.outside(elements),
-            )
-        )
-    return sorted(rows, key=lambda one: (-one.probability, one.elements))
-
-
-def together(hypotheses: list[Hypothesis]) -> list[Hypothesis]:
-    """The most probable damage of candidates with its alternatives: those that make up most of it.
-
-    One hypothesis where it is clear; none where more than a few would be needed.
-    """
-    damage = [one for one in hypotheses if one.candidate and one.elements]
-    if not damage:
-        return []
-    total = sum(one.probability for one in damage)
-    group: list[Hypothesis] = []
-    for one in damage:
-        group.append(one)
-        if sum(each.probability for each in group) >= _GROUPED * total:
-            return group if len(group) <= _MOST_ALTERNATIVES else []
-    return []
-
-
-# -- The threshold at which damage is declared, for a wanted rate of false alarms
+# -- The threshold at which damage is declared, and the smallest severity that a pair of tests would show
 #
 # Intact tests are simulated from what is known after the baseline: the values of the roots that it shows,
 # with noise and with the errors that are left. Each is judged as a real one is, by the sum of prior times
 # evidence of all single elements over that of no damage, with the linear model at no damage, where small
 # evidence is decided.
+#
+# Damage of one element is found where its evidence outweighs no damage: with sigma the standard deviation of
+# its severity (errors of values and of the model, after the baseline) and z = beta / sigma,
+#
+# .. math:: \tfrac{1}{2} z^2 + \ln\frac{\sqrt{2 \pi} \sigma p_1}{0.99 \, p_0} > 0,
+#
+# which holds in nine of ten tests from 1.28 sigma above the beta of equality on.
 
-
-_DRAWS = 4000
+#: Intact tests that are simulated, and share of tests in which a severity is found.
+_DRAWS, _NINE_OF_TEN = 4000, 0.9
 
 
 def log_odds_threshold(
@@ -409,26 +320,12 @@ def log_odds_threshold(
     return float(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, n) - prior.log_of(0, n)
 
 
-# -- The smallest severity of each element that a pair of tests would show
-#
-# Damage of one element is found where its evidence outweighs no damage: with sigma the standard deviation of
-# its severity (errors of values and of the model, after the baseline) and z = beta / sigma,
-#
-# .. math:: \tfrac{1}{2} z^2 + \ln\frac{\sqrt{2 \pi} \sigma p_1}{0.99 \, p_0} > 0,
-#
-# which holds in nine of ten tests from 1.28 sigma above the beta of equality on.
-
-
-#: Share of tests in which a severity is found.
-_NINE_OF_TEN = 0.9
-
-
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     """Changes of the baseline's values by each severity, over the errors they will have, made independent."""
     from scipy.linalg import solve_triangular
 
     error, n, now = likelihood.error, likelihood.n, likelihood.now
-    root = np.unique(error.partner[error.partner >= 0])
+    root = np.flatnonzero(error.seen)
     if not root.size:
         root = np.arange(error.intact.size)
     slopes = error.intact.slopes[root]
@@ -461,7 +358,6 @@ def smallest_found(slopes: FloatArray, prior: DamagePrior, threshold: float | No
 # compared with those of the full model there, and is judged from it; so is no damage. All others stay as
 # the search has them.
 
-
 #: Hypotheses of at least this probability are confirmed, so many of them.
 _SHARE, _MOST = 0.01, 6
 #: Newton steps of each, and when it has come to rest, in u.
@@ -475,12 +371,16 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
         return None
     apart: dict[Elements, float] = {}
     try:
-        while True:
-            new = [elements for elements in _near(search) if elements not in apart]
-            if not new or len(apart) >= _MOST:
+        while len(apart) < _MOST:
+            weights = search.log_weights()
+            least = float(np.logaddexp.reduce(list(weights.values()))) + np.log(_SHARE)
+            near = [s for s, weight in weights.items() if s and s != UNKNOWN and weight > least]
+            likeliest = [(), *sorted(near, key=lambda s: -weights[s])]
+            new = next((elements for elements in likeliest if elements not in apart), None)
+            if new is None:
                 break
             step("the answers on the full model")
-            search.fits[new[0]], apart[new[0]] = settled(likelihood, new[0], search.fits[new[0]].beta)
+            search.fits[new], apart[new] = settled(likelihood, new, search.fits[new].beta)
     except KeyboardInterrupt:
         search.interrupted = True
     worst = max(apart.values(), default=float("inf"))
@@ -493,14 +393,6 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
         agreed=worst <= TOLERANCE,
         full_evaluations=source.full_evaluations,
     )
-
-
-def _near(search: Search) -> list[Elements]:
-    """No damage, and the likeliest hypotheses, first the likeliest."""
-    weights = search.log_weights()
-    total = float(np.logaddexp.reduce(list(weights.values())))
-    known = [s for s, weight in weights.items() if s != UNKNOWN and weight > total + np.log(_SHARE)]
-    return [(), *sorted((s for s in known if s), key=lambda s: -weights[s])]
 
 
 def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tuple[Fit, float]:
@@ -521,14 +413,17 @@ def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tup
 
 # -- From a search to an assessment
 
+#: Probability of the intervals, and the shares between which they lie.
+LEVEL = 0.9
+_SHARES = (0.05, 0.95)
+#: Hypotheses below this probability are dropped.
+_LEAST = 1e-9
 
-@dataclass(frozen=True)
-class Learned:
-    """What the baseline has told; see :class:`~antires_rs.damage.hypotheses.Assessment`.
 
-    ``factors`` are those of the model, ``outside`` the share of a change that counts as its error, ``low``
-    and ``high`` the band in ln f.
-    """
+@dataclass(frozen=True, kw_only=True)
+class Learned(Taught):
+    """What the baseline has told, with ``factors`` of the model, scatters ``s`` of these and ``tau`` of the
+    roots' own errors, the share ``outside`` of a change that counts as its error, and the band in ln f."""
 
     factors: FloatArray
     tau: float
@@ -536,29 +431,24 @@ class Learned:
     outside: float
     low: float
     high: float
-    threshold: float | None
-    detectable: tuple[float, ...]
-    assumed_std: bool
-    n_intact: int
-    n_intact_matched: int
-    n_intact_roots: int
-    hint: str | None
-    n_baselines: int
-    scatter: float
-    notes: tuple[str, ...]
-    odd_baselines: tuple[int, ...]
-    baseline_gap: float
-    usual_gap: float
+    hint: str | None = None
 
 
 def learned_from(
-    prepared: Prepared, question: Question, rng: np.random.Generator, *, hint: bool = False
+    prepared: Prepared, question: Question, rng: np.random.Generator, hint: str | None = None
 ) -> Learned:
-    """What is known before the values of now are looked at; the hint at once, or where it is needed."""
-    likelihood, error, odd, prior = prepared.likelihood, prepared.error, prepared.odd, question.prior
-    slopes, rate = intact_slopes(likelihood, len(question.elements)), question.options.alarm_rate
+    """What is known before the values of now are looked at."""
+    likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
+    error, odd, rate = likelihood.error, prepared.odd, question.options.false_alarm_rate
+    slopes = intact_slopes(likelihood, len(question.elements))
+    own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
+    between = [
+        roots_between(intact.response[at], intact.log_f[at], error.intact.response, error.intact.log_f)
+        for at in (intact.test == test for test in intact.tests)
+        if type(intact) is Values  # modes have shapes
+    ]
     return Learned(
-        factors=np.exp(error.theta),
+        factors=likelihood.factors,
         tau=error.tau,
         s=error.s,
         outside=error.outside,
@@ -567,24 +457,54 @@ def learned_from(
         threshold=None if rate is None else log_odds_threshold(slopes, prior, rate, rng),
         detectable=tuple(smallest_found(slopes, prior).tolist()),
         assumed_std=prepared.responses.assumed,
-        n_intact=prepared.intact.size,
+        n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
-        n_intact_roots=roots_beside(prepared.intact, error.intact),
-        hint=question.hint() if hint else None,
-        n_baselines=prepared.n_baselines,
+        n_intact_roots=sum(between),
+        hint=hint,
+        n_baselines=max(map(own.count, own), default=0),
         scatter=prepared.scatter,
         notes=tuple(dict.fromkeys(prepared.responses.left_out)),
-        odd_baselines=odd.tests if odd else (),
-        baseline_gap=odd.apart if odd else 0.0,
-        usual_gap=odd.usual if odd else 0.0,
+        odd_baselines=odd.tests,
+        baseline_gap=odd.apart,
+        usual_gap=odd.usual,
     )
+
+
+def posterior(
+    search: Search, weights: dict[Elements, float], numbers: Sequence[int], kept: Elements, least: float
+) -> list[Hypothesis]:
+    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own.
+    Those of less than the ``least`` probability are dropped, but for no damage and ``kept``."""
+    from scipy.special import logsumexp
+
+    total = float(logsumexp(list(weights.values())))
+    if not np.isfinite(total):
+        reject(
+            "prior",
+            "one that allows none of the hypotheses that were judged",
+            "some probability for no damage or one element",
+            "Leave the prior out, or give nothing, one and unknown more than 0.",
+        )
+    rows = []
+    for elements, weight in weights.items():
+        probability = min(float(np.exp(weight - total)), 1.0)
+        if probability < least and elements and elements != kept:
+            continue
+        if elements == UNKNOWN:
+            rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
+            continue
+        fit = search.fits[elements]
+        ends = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
+        low, high = (tuple(end[side] for end in ends) for side in (0, 1))
+        own, candidate = tuple(numbers[e] for e in elements), not search.outside(elements)
+        rows.append(Hypothesis(own, probability, tuple(fit.beta.tolist()), low, high, candidate))
+    return sorted(rows, key=lambda one: (-one.probability, one.elements))
 
 
 def concluded(
     search: Search,
     question: Question,
     learned: Learned,
-    numbers: Sequence[int],
     intact: Values,
     *,
     measured: Sequence[Any],
@@ -592,9 +512,9 @@ def concluded(
     least: float = _LEAST,
 ) -> Assessment:
     """Hypotheses with their probabilities, and how well the best explains the values."""
-    likelihood, now = search.likelihood, search.likelihood.now
+    likelihood, now, numbers = search.likelihood, search.likelihood.now, question.numbers
     weights = search.log_weights()
-    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < search.n_candidates}
+    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and not search.outside(s)}
     likeliest = max(damage, key=lambda s: damage[s], default=())
     rows = posterior(search, weights, numbers, likeliest, least)
     best = rows[0]
@@ -603,10 +523,12 @@ def concluded(
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
     own = () if best.unknown else tuple(numbers.index(e) for e in best.elements)
-    view = search.fits[own].view
-    matched = int(view.matched.sum())
+    view, matched = search.fits[own].view, search.fits[own].view.n_matched
     shift = likelihood.moved_alike if best.unknown else 0.0
+    taught = {each.name: getattr(learned, each.name) for each in fields(Taught)}
+    taught["notes"] = (*learned.notes, *notes, *_of_shift(shift), *_of_screening(search))
     found = Assessment(
+        **taught,
         hypotheses=Hypotheses(rows, {e: question.model.element_label(e) for e in numbers}),
         group=tuple(together(rows)),
         declared=declared,
@@ -616,21 +538,9 @@ def concluded(
         kappa=view.kappa,
         factor_std=learned.s,
         root_std=learned.tau,
-        threshold=learned.threshold,
-        detectable=learned.detectable,
         baseline=bool(question.baseline),
-        assumed_std=learned.assumed_std,
-        n_intact=learned.n_intact,
-        n_intact_matched=learned.n_intact_matched,
-        n_baselines=learned.n_baselines,
-        scatter=learned.scatter,
-        notes=(*learned.notes, *notes, *note_of_shift(shift), *_of_screening(search)),
-        odd_baselines=learned.odd_baselines,
-        baseline_gap=learned.baseline_gap,
-        usual_gap=learned.usual_gap,
         interrupted=search.interrupted,
         moved_alike=shift,
-        n_intact_roots=learned.n_intact_roots,
     )
     if not found.model_fits:
         found = replace(found, hint=question.hint() if learned.hint is None else learned.hint)
@@ -642,50 +552,7 @@ def concluded(
     return found
 
 
-@dataclass(frozen=True)
-class Inferred:
-    """An assessment, the model after the baseline, and the values of now as that model would have them."""
-
-    assessment: Assessment
-    factors: tuple[Parameter, ...]
-    values: FloatArray
-    nfev: int
-    #: The values of now as the model after the baseline would have them: what is wrong in both states taken
-    #: out.
-    corrected: list[Any]
-    #: How reduced models served; None where there were none.
-    reduction: ReductionReport | None
-
-
-@one_blas_thread
-def infer(question: Question, *, rng: np.random.Generator, threads: int) -> Inferred:
-    """Judge all hypotheses."""
-    prepared = question.prepared(threads)
-    likelihood, numbers = prepared.likelihood, prepared.numbers
-    search = Search(likelihood, len(question.elements), question.prior)
-    search.run()
-    reduction = confirmed(search, likelihood)
-    learned = learned_from(prepared, question, rng)
-    found = concluded(search, question, learned, numbers, prepared.intact, measured=question.measured)
-    betas = np.zeros((1, len(numbers)))
-    for e, beta in found.severities.items():
-        betas[0, numbers.index(e)] = beta
-    nfev = likelihood.nfev
-    corrected = _corrected(likelihood, betas, prepared.responses)
-    return Inferred(found, prepared.factors, learned.factors, nfev, corrected, reduction)
-
-
-def roots_beside(intact: Any, roots: Roots) -> int:
-    """Roots between the values of each response, test by test; 0 for modes, which have shapes."""
-    if not isinstance(intact, Values):
-        return 0
-    return sum(
-        roots_between(intact.response[own], intact.log_f[own], roots.response, roots.log_f)
-        for own in (intact.test == test for test in np.unique(intact.test))
-    )
-
-
-def note_of_shift(moved: float) -> list[str]:
+def _of_shift(moved: float) -> list[str]:
     """A note where all values have moved alike, which is no damage."""
     if not moved:
         return []
@@ -707,7 +574,15 @@ def _of_screening(search: Search) -> list[str]:
     ]
 
 
-def _corrected(likelihood: Likelihood, betas: FloatArray, responses: Responses | ModeResponses) -> list[Any]:
-    view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
-    now: Any = likelihood.now
-    return list(responses.corrected(now, roots, view.partner, view.beside))
+@one_blas_thread
+def infer(
+    question: Question, rng: np.random.Generator, threads: int
+) -> tuple[Assessment, Prepared, ReductionReport | None]:
+    """Judge all hypotheses; what was made on the way, and how reduced models served."""
+    prepared = question.prepared(threads)
+    search = Search(prepared.likelihood, len(question.elements), question.prior)
+    search.run()
+    reduction = confirmed(search, prepared.likelihood)
+    learned = learned_from(prepared, question, rng)
+    found = concluded(search, question, learned, prepared.intact, measured=question.measured)
+    return found, prepared, reduction

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Hashable, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..exceptions import reject
 from ..measured.modal_set import ModalSet
 from ..support.checks import FloatArray
 from ..updating.targets import model_dof
-from .measured_states import ASSUMED_STD, LEAST_STD, Roots, Values, note_of_same_data, same_data
+from .measured_states import ASSUMED_STD, LEAST_STD, Column, Roots, Values, note_of_same_data, same_data
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -81,27 +82,24 @@ class ModeRoots(Roots):
 
     def only(self, kept: NDArray[np.bool_]) -> ModeRoots:
         """Some of the modes; ``kept`` is by root."""
-        modes = kept[:: self.each]
-        return ModeRoots(
-            self.response[kept],
-            self.log_f[kept],
-            self.slopes[kept] if len(self.slopes) else self.slopes,
-            tuple(shapes[modes] for shapes in self.shapes),
-            tuple(basis[modes] for basis in self.bases),
-            self.mixed[modes],
+        modes, rest = kept[:: self.each], super().only(kept)
+        assert isinstance(rest, ModeRoots)
+        return replace(
+            rest,
+            shapes=tuple(shapes[modes] for shapes in self.shapes),
+            bases=tuple(basis[modes] for basis in self.bases),
+            mixed=self.mixed[modes],
         )
-
-    def likeness(self, other: ModeRoots) -> FloatArray:
-        """MAC with the modes of another state over all groups, (modes, its modes)."""
-        alike = [(own @ theirs.T) ** 2 for own, theirs in zip(self.shapes, other.shapes, strict=True)]
-        return np.asarray(np.mean(alike, axis=0))
 
     def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
         """These with their shapes turned from those of ``before``, and which root there each has been."""
         from scipy.optimize import linear_sum_assignment
 
         assert isinstance(before, ModeRoots)
-        alike = self.likeness(before)
+        # MAC over all groups of sensors, (modes, modes before).
+        alike = np.mean(
+            [(own @ theirs.T) ** 2 for own, theirs in zip(self.shapes, before.shapes, strict=True)], axis=0
+        )
         cost = 1.0 - alike + _BY_FREQUENCY * np.abs(self.frequencies[:, None] - before.frequencies)
         rows, columns = linear_sum_assignment(cost)
         same = alike[rows, columns] > _ALIKE
@@ -127,13 +125,9 @@ class ModeRoots(Roots):
             bases.append(turned)
             faced.append(shapes)
         identity = np.where(was[:, None] >= 0, was[:, None] * self.each + np.arange(self.each), -1)
-        found = ModeRoots(
-            self.response,
-            place.ravel(),
-            self.slopes if slopes is None else slopes.reshape(self.slopes.shape),
-            tuple(faced),
-            tuple(bases),
-            self.mixed,
+        moved_slopes = self.slopes if slopes is None else slopes.reshape(self.slopes.shape)
+        found = replace(
+            self, log_f=place.ravel(), slopes=moved_slopes, shapes=tuple(faced), bases=tuple(bases)
         )
         return found, identity.ravel()
 
@@ -211,20 +205,15 @@ _ANGLE, _FAR = 0.3, 0.2
 class ModeValues(Values):
     """Values of modes: of each its ln f, then the coordinates of its shape, which depend on its partner.
 
-    ``log_f`` is 0 for coordinates. ``start``, ``group``, ``shape`` and ``setup`` are of each mode: its first
-    value, the sensors, the unit shape there, and the number of the set.
+    ``log_f`` is 0 for coordinates. ``start``, ``group`` and ``shape`` are of each mode: its first value,
+    the sensors, and the unit shape there.
     """
 
     start: NDArray[np.intp]
     group: NDArray[np.intp]
     shape: tuple[FloatArray, ...]
 
-    @property
-    def frequencies(self) -> FloatArray:
-        """ln f of each mode."""
-        return self.log_f[self.start]
-
-    @property
+    @cached_property
     def plain(self) -> Values:
         """Frequencies alone."""
         at = self.start
@@ -309,29 +298,9 @@ class ModeValues(Values):
         for mode, group in enumerate(self.group):
             alike = np.clip(np.abs(roots.shapes[group] @ self.shape[mode]), 0.0, 1.0)
             angle = np.where(roots.mixed, 0.0, np.arccos(alike))
-            apart = np.abs(self.frequencies[mode] - frequencies) + _ANGLE * angle
+            apart = np.abs(self.plain.log_f[mode] - frequencies) + _ANGLE * angle
             total += float(np.minimum(apart, _FAR).min(initial=_FAR))
         return total
-
-    @classmethod
-    def of(cls, rows: Sequence[tuple[int, float, float, int, FloatArray, float]]) -> ModeValues:
-        """From modes: test, ln f, its std, group, unit shape, std of its components."""
-        sizes = [row[4].size for row in rows]
-        start = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.intp) if rows else np.empty(0, int)
-        many = int(sum(sizes))
-        log_f, std, response = np.zeros(many), np.zeros(many), np.zeros(many, dtype=np.intp)
-        for at, n, (_, ln, ln_std, group, _, shape_std) in zip(start, sizes, rows, strict=True):
-            log_f[at], std[at] = ln, ln_std
-            std[at + 1 : at + n], response[at + 1 : at + n] = shape_std, 1 + group
-        return cls(
-            response,
-            log_f,
-            std,
-            np.repeat(np.array([row[0] for row in rows], dtype=np.intp), sizes),
-            start,
-            np.array([row[3] for row in rows], dtype=np.intp),
-            tuple(row[4] for row in rows),
-        )
 
 
 def _any_shape(n: int) -> float:
@@ -415,7 +384,10 @@ def measured_modes(
     model: StructuralModel, baseline: Sequence[ModalSet], measured: Sequence[ModalSet]
 ) -> tuple[ModeResponses, ModeValues, ModeValues]:
     """The sensors of all sets, the intact modes and those of now."""
-    listed = [[_dofs(model, each) for each in sets] for sets in (baseline, measured)]
+    listed = [
+        [tuple(model_dof(model, "measured dof", dof) for dof in each.dofs) for each in sets]
+        for sets in (baseline, measured)
+    ]
     before, after = ([tuple(sorted(dofs)) for dofs in each] for each in listed)
     for each, dofs in zip(measured, after, strict=True):
         if before and dofs not in before:
@@ -430,72 +402,70 @@ def measured_modes(
     highest = max((float(each.freq_hz.max(initial=0.0)) for each in both), default=0.0)
     if highest <= 0.0:
         reject("measured", "no mode", "at least one", "Identify in a wider band.")
-    unstated = any(each.std_shapes is None for each in both)
-    twice = [same_data([_columns(each) for each in sets]) for sets in (baseline, measured)]
+    twice = [same_data([_column(each) for each in sets]) for sets in (baseline, measured)]
+    notes = [*note_of_same_data("baseline", twice[0]), *note_of_same_data("measured", twice[1])]
+    if any(each.std_shapes is None for each in both):
+        share = f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length"
+        notes.insert(0, f"Components of shapes without standard deviation count as known to {share}.")
     responses = ModeResponses(
         groups,
         tuple(measured),
         tuple(
-            np.flatnonzero(each.freq_hz > 0.0) if nth not in twice[1] else np.empty(0, dtype=np.intp)
-            for nth, each in enumerate(measured)
+            np.flatnonzero((each.freq_hz > 0.0) & (nth not in twice[1])) for nth, each in enumerate(measured)
         ),
         highest,
-        (
-            *(
-                [
-                    "Components of shapes without standard deviation count as known to "
-                    f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length."
-                ]
-                if unstated
-                else []
-            ),
-            *note_of_same_data("baseline", twice[0]),
-            *note_of_same_data("measured", twice[1]),
-        ),
+        tuple(notes),
         any(each.std_hz is None for each in both),
         tuple(groups[dofs] for dofs in before),
     )
-    return (
-        responses,
-        _values("baseline", baseline, listed[0], groups, twice[0]),
-        _values("measured", measured, listed[1], groups, twice[1]),
+    intact, now = (
+        _values(name, sets, dofs, groups, repeated)
+        for name, sets, dofs, repeated in zip(
+            ("baseline", "measured"), (baseline, measured), listed, twice, strict=True
+        )
     )
+    return responses, intact, now
 
 
-def _dofs(model: StructuralModel, each: ModalSet) -> _Dofs:
-    return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
-
-
-def _columns(each: ModalSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
+def _column(each: ModalSet) -> dict[Any, Column]:
     """Frequencies and shapes, with the standard deviations of the frequencies, by the sensors."""
     std = np.full(each.freq_hz.size, np.nan) if each.std_hz is None else each.std_hz
-    shapes = each.to_real().shapes
-    return {each.dofs: (np.concatenate([each.freq_hz, shapes.ravel()]), std)}
+    return {each.dofs: Column(np.concatenate([each.freq_hz, each.to_real().shapes.ravel()]), std)}
 
 
 def _values(
     name: str, sets: Sequence[ModalSet], dofs: list[_Dofs], groups: dict[_Dofs, int], twice: Container[int]
 ) -> ModeValues:
-    rows = []
+    response: list[int] = []
+    log_f: list[float] = []
+    std: list[float] = []
+    test: list[int] = []
+    start, group, shape = [], [], []
     for nth, each in enumerate(sets):
         if nth in twice:
             continue
-        order = np.argsort(dofs[nth])
-        shapes = each.to_real().shapes[:, order]
+        own = groups[tuple(sorted(dofs[nth]))]
+        shapes = each.to_real().shapes[:, np.argsort(dofs[nth])]
         for mode in np.flatnonzero(each.freq_hz > 0.0):
-            size = float(np.linalg.norm(shapes[mode]))
+            size, rest = float(np.linalg.norm(shapes[mode])), shapes.shape[1] - 1
             if size == 0.0:
                 reject(name, f"mode {mode} at rest at every dof", "shapes that move", "Leave that mode out.")
-            std = ASSUMED_STD if each.std_hz is None else each.std_hz[mode] / each.freq_hz[mode]
+            of_hz = ASSUMED_STD if each.std_hz is None else each.std_hz[mode] / each.freq_hz[mode]
             of_shape = ASSUMED_SHAPE_STD if each.std_shapes is None else each.std_shapes[mode]
-            rows.append(
-                (
-                    nth,
-                    float(np.log(each.freq_hz[mode])),
-                    max(float(std), LEAST_STD),
-                    groups[tuple(sorted(dofs[nth]))],
-                    np.asarray(shapes[mode] / size, dtype=np.float64),
-                    max(float(of_shape), _LEAST_SHAPE_STD),
-                )
-            )
-    return ModeValues.of(rows)
+            start.append(len(log_f))
+            group.append(own)
+            shape.append(np.asarray(shapes[mode] / size, dtype=np.float64))
+            response += [0] + [1 + own] * rest
+            log_f += [float(np.log(each.freq_hz[mode]))] + [0.0] * rest
+            std += [max(float(of_hz), LEAST_STD)] + [max(float(of_shape), _LEAST_SHAPE_STD)] * rest
+            test += [nth] * (1 + rest)
+    numbers = [np.array(column, dtype=np.intp) for column in (response, test, start, group)]
+    return ModeValues(
+        numbers[0],
+        np.array(log_f),
+        np.array(std),
+        numbers[1],
+        start=numbers[2],
+        group=numbers[3],
+        shape=tuple(shape),
+    )

@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..updating.model_check import Explained
-from .evidence import FURTHEST, HIGHEST
-from .measured_states import Values, align
+from .evidence import BLIND, FURTHEST, HIGHEST
 
 if TYPE_CHECKING:
     from ..support.checks import FloatArray
-    from .likelihood import Likelihood
-    from .question import Question
+    from .likelihood import Likelihood, Question
 
 #: So large a loss in half of the elements, or in so many, is none: the model is another structure.
 _LOST, _MOST_LOST = 0.8, 4
@@ -74,8 +72,6 @@ def all_lost(losses: Mapping[int, float], n_elements: int) -> bool:
 _STEPS, _LONGEST, _RESTS = 10, 0.3, 1e-4
 #: Sets beyond the three elements of the prior: so many times less probable for each element more.
 _RARER = 6.0
-#: As in the evidence: precision of u where nothing sees it.
-_BLIND = 1e-2
 
 
 def many(n_losses: int, n_elements: int) -> bool:
@@ -86,11 +82,11 @@ def many(n_losses: int, n_elements: int) -> bool:
 def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
     """The loss of all stiffnesses that is more probable than these losses of single ones and than none; 0 if
     there is no such."""
-    prepared, prior = question.prepared(threads), question.prior
-    likelihood, k, n = prepared.likelihood, len(losses), len(question.elements)
+    prior, numbers = question.prior, question.numbers
+    likelihood, k, n = question.prepared(threads).likelihood, len(losses), len(question.elements)
     u = np.zeros(likelihood.n)
     for element, loss in losses.items():
-        u[prepared.numbers.index(element)] = -np.log1p(-min(loss, HIGHEST))
+        u[numbers.index(element)] = -np.log1p(-min(loss, HIGHEST))
     each = np.eye(likelihood.n)[u > 0.0]
     share = (prior.nothing, prior.one, prior.two, prior.three)[min(k, 3)]
     of_set = np.log(share) - max(k - 3, 0) * np.log(_RARER) - np.log(comb(n, k))
@@ -115,7 +111,7 @@ def _settled(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tup
         view = likelihood.views(beta[None])[0]
         by_u = ways * (1.0 - beta)
         gain = by_u @ view.gain - 1.0
-        matrix = by_u @ view.curvature @ by_u.T + _BLIND * np.eye(u.size)
+        matrix = by_u @ view.curvature @ by_u.T + BLIND * np.eye(u.size)
         step = np.linalg.solve(matrix, gain)
         volume = 0.5 * (u.size * np.log(2.0 * np.pi) - np.linalg.slogdet(matrix)[1])
         told = view.log_likelihood + 0.5 * float(gain @ step) + float(volume) - u.size * size - u.sum()
@@ -125,40 +121,3 @@ def _settled(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tup
         if np.abs(step).max() < _RESTS:
             break
     return best, most
-
-
-# -- Values that have risen since the intact state: lost stiffness lowers most of them, so it is something
-#    else
-#
-# Values of one response are paired with those of the intact state in their order, as between intact tests.
-
-
-#: Difference of ln f up to which values are paired.
-_PAIRED = 0.3
-#: A value has moved if it differs by so many standard deviations, and by this share at least.
-_DEVIATIONS, _MOVED = 4.0, 1e-3
-#: So many values must have moved, and this share of them upwards.
-_LEAST, _MOST = 3, 0.75
-
-
-def mostly_risen(intact: Values, now: Values) -> tuple[int, int]:
-    """How many values have risen, of how many that have moved; (0, 0) where these are not most of them."""
-    up = moved = 0
-    for number in np.unique(now.response):
-        for test in np.unique(now.test):
-            here = np.flatnonzero((now.response == number) & (now.test == test))
-            for other in np.unique(intact.test):
-                there = np.flatnonzero((intact.response == number) & (intact.test == other))
-                if not here.size or not there.size:
-                    continue
-                by = now.log_f[here][:, None] - intact.log_f[there]
-                alone = 0.5 * _PAIRED
-                partner = align(np.abs(by), np.full(here.size, alone), np.full(there.size, alone))
-                has = np.flatnonzero(partner >= 0)
-                change = by[has, partner[has]]
-                error = np.hypot(now.std[here[has]], intact.std[there[partner[has]]])
-                far = np.abs(change) > np.maximum(_DEVIATIONS * error, _MOVED)
-                moved += int(far.sum())
-                up += int((far & (change > 0.0)).sum())
-                break  # one intact test is enough
-    return (up, moved) if moved >= _LEAST and up >= _MOST * moved else (0, 0)

@@ -12,8 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..exceptions import reject
-from ..measured.modal_set import ModalSet
 from ..models.matrices import Entries
 from ..support.progress import step
 from ..updating.reduced_model import (
@@ -25,12 +23,11 @@ from ..updating.reduced_model import (
     point_basis,
     solved,
 )
-from .measured_states import SHOWN, Roots
+from .measured_states import Roots, shown_roots
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from .. import _core
     from .._core import Model as CoreModel
     from ..models.parameters import Parameter
     from ..models.structural_model import StructuralModel
@@ -201,8 +198,6 @@ class Local:
 _DEPTH, _DEEPEST, TOLERANCE = 3, 7, 1e-6
 #: Roots so far (ln f) beside the measured band are compared too.
 _BESIDE = 0.01
-#: More dofs than these are reduced unless told otherwise.
-_LARGE = 2000
 
 
 class ReducedRoots:
@@ -248,7 +243,7 @@ class ReducedRoots:
         """
         self.full_evaluations += 1
         target, hz, shown, _ = self._full.states(x[None].copy(), False, 1)[0]
-        exact = _seen(target, hz, shown)
+        exact = shown_roots(target, hz, shown)
         while True:
             near = NearPoint(self.terms, x, self._depth)
             self.bases += 1
@@ -277,36 +272,13 @@ class ReducedRoots:
         self.largest = max(self.largest, local.size)
         if not slopes:
             states = local.core.states(local.severities(rows), False, threads)
-            return [_seen(*state[:3]) for state in states]
+            return [shown_roots(*state[:3]) for state in states]
         with ThreadPoolExecutor(max(1, min(threads, len(rows)))) as pool:
             return list(pool.map(lambda row: self._with_slopes(local, row), rows))
 
     def _with_slopes(self, local: Local, row: FloatArray) -> Roots:
         target, hz, shown, *vectors = local.null_vectors(row)
-        return _seen(target, hz, shown, self.terms.slopes(row, hz, *vectors))
-
-
-def wanted_reduced(model: StructuralModel, measured: Any, given: Any) -> bool:
-    """Whether to seek the roots on reduced models."""
-    modes = isinstance(measured, ModalSet)
-    if isinstance(given, str) and given == "auto":
-        return model.n_dof > _LARGE and not modes
-    if not isinstance(given, bool):
-        reject(
-            "reduction",
-            given,
-            "'auto', True or False",
-            "Leave it out: large models are reduced where that is sound.",
-        )
-    if given and modes:
-        reject("reduction", "a reduced model, but modes were measured", "antiresonances", "Leave it out.")
-    return given
-
-
-def _seen(target: Any, hz: FloatArray, shown: FloatArray, slopes: FloatArray | None = None) -> Roots:
-    seen = (shown >= SHOWN) & (hz > 0.0)
-    told = np.empty((0, 0)) if slopes is None else slopes[seen]
-    return Roots(target[seen].astype(np.intp), np.log(hz[seen]), told)
+        return shown_roots(target, hz, shown, self.terms.slopes(row, hz, *vectors))
 
 
 def _largest_difference(one: Roots, other: Roots, terms: Terms) -> float:

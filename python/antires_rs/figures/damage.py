@@ -13,8 +13,8 @@ from ..support.checks import FloatArray, integer
 from .canvas import COLOURS, below, fit_across, new_axes, offer, text_width_pt
 
 if TYPE_CHECKING:
+    from ..damage.assess import DamageResult
     from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
-    from ..damage.result import DamageResult
 
 
 # -- What a bar chart of losses shows where hypotheses were judged: intervals, probabilities, alternatives

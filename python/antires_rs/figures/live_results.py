@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..damage.assess import DamageResult
 from ..damage.hypotheses import loss, percent, span
-from ..damage.result import DamageResult
 from ..damage.words import without_idle
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
@@ -21,8 +21,8 @@ from .responses import curves_db, named, summed_db
 from .structure import ISOMETRIC, ROTATIONS, SHADES, _seen, spring_paths
 
 if TYPE_CHECKING:
+    from ..damage.assess import DamageResult
     from ..damage.hypotheses import Hypotheses, Hypothesis
-    from ..damage.result import DamageResult
     from ..models.frame import FrameModel
     from ..models.structural_model import StructuralModel
     from ..signals.frequency_response import FrequencyResponse

@@ -20,14 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import __version__
-from ..damage import assessor_plan, hypotheses, inference, options, question
+from ..damage import assessor_plan, hypotheses, inference, likelihood, options
+from ..damage.assess import DamageResult
 from ..damage.assessor import Assessor
 from ..damage.assessor_plan import LEVELS, Plan, Tables
 from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 from ..damage.inference import Learned
+from ..damage.likelihood import Question
 from ..damage.options import DamagePrior, SearchOptions
-from ..damage.question import Question
-from ..damage.result import DamageResult
 from ..exceptions import AntiresError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
@@ -151,7 +151,7 @@ _HOMES = (
     assessor_plan,
     inference,
     hypotheses,
-    question,
+    likelihood,
     options,
     frame_parts,
     recipes,
