@@ -283,15 +283,12 @@ class DamageResult(Answered, UpdateResult):
         Examples
         --------
         >>> import antires_rs as ar
-        >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
-        >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 297.0, 500.0])
-        >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-        ...                for m in (intact, damaged))
-        >>> model = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-        >>> sure = ar.assess_damage(model, now, baseline=before).intervals("ensemble", draws=200)
-        >>> low, high = sure[1]
-        >>> bool(low < 0.4 < high), bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
-        (True, True, (200, 3))
+        >>> case = ar.cases.chain8()
+        >>> result = ar.assess_damage(case.model, case.exact(level=1), baseline=case.exact(level=0))
+        >>> sure = result.intervals("ensemble", draws=200)
+        >>> low, high = sure[4]
+        >>> bool(low < 0.55 < high), bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
+        (True, True, (200, 7))
         """
         if self._assessment is None:
             return super().intervals(

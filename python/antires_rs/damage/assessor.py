@@ -52,10 +52,9 @@ class AssessedTest(Answered, ReadOnly):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
-    >>> before = ar.AntiresonanceSet(0, dict(enumerate(intact.antiresonances([0, 1, 2, 3], 0))))
-    >>> model = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> ar.Assessor(model, baseline=before).assess(before).damaged
+    >>> case = ar.cases.chain8()
+    >>> before = case.exact(level=0)
+    >>> ar.Assessor(case.model, baseline=before).assess(before).damaged
     []
     """
 
@@ -175,14 +174,11 @@ class Assessor(ReadOnly, Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 297.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> assessor = ar.Assessor(ar.MassSpringChain([1.0] * 4, [500.0] * 3), baseline=before)
-    >>> found = assessor.assess(now)
-    >>> found.damaged, round(found.severity[1], 2)
-    ([1], 0.4)
+    >>> case = ar.cases.chain8()
+    >>> assessor = ar.Assessor(case.model, baseline=case.exact(level=0))
+    >>> found = assessor.assess(case.exact(level=1))
+    >>> found.damaged, round(found.severity[4], 2)
+    ([4], 0.55)
     """
 
     _plan: Plan

@@ -18,7 +18,7 @@ from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import looked_up_to, model_dof, real_zeros, sorted_out, usual_damping, zero_series
 from .inference import Learned, learned_from
-from .likelihood import ERRORS, Band, Errors, ModelError, Prepared, Question, factors_of
+from .likelihood import ERRORS, Band, Errors, ModelError, Prepared, Question, factors_of, rows_of
 from .measured_states import (
     Column,
     Responses,
@@ -50,19 +50,14 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Tables:
-    """Roots (r,) at levels (l,) of u of each element (n,).
+    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,).
 
-    Attributes
-    ----------
-    response, seen : (r,) of each root; whether the baseline shows it. Ascending by response.
-    identity : (r,) its number among all roots of the undamaged model, -1 for one that only damage makes.
-    all_response, all_log_f : of these.
-    intact : (r,) ln f in the undamaged model.
-    there : (n, l, r) whether the model has it.
-    place : (n, l, r) ln f expected in the measured structure; ``beside`` how far that is from the model's.
-    by_own : (n, l, r) slope of the place by u of the element.
-    slopes : (n, l, r, n) slopes of ln f by all u.
-    errors : (n, l, r, q) what multiplies q independent errors of the model, of variance 1.
+    ``seen`` (r,) by the baseline; ``identity`` (r,) is the number among all roots of the undamaged model,
+    which ``all_response`` and ``all_log_f`` are, -1 for one that only damage makes; ``intact`` (r,) ln f
+    there. By element, level and root: whether the model has it (``there``), ``place`` ln f expected in the
+    measured structure, ``beside`` how far that is from the model's, ``by_own`` its slope by u of the element,
+    ``slopes`` (n, l, r, n) those of ln f by all u, ``errors`` (n, l, r, q) what multiplies q independent
+    errors of the model, of variance 1.
     """
 
     response: NDArray[np.intp]
@@ -113,10 +108,7 @@ def tables_of(prepared: Prepared) -> Tables:
         by_u = roots.slopes[root, :n].copy()
         by_u[:, e] *= np.exp(-LEVELS[level])
         slopes[e, level, slot] = by_u
-        by_errors = np.zeros((slot.size, error.mean.size))
-        by_errors[:, : error.theta.size] = roots.slopes[root, n:] * likelihood.factors
-        old = np.flatnonzero(identity[root] >= 0)
-        by_errors[old, error.theta.size + identity[root][old]] = 1.0
+        by_errors = rows_of(roots.slopes[root, n:] * likelihood.factors, identity[root], intact)
         beside[e, level, slot] = by_errors @ error.mean
         rows[e, level, slot] = by_errors @ factor
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)

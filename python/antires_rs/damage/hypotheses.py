@@ -93,13 +93,10 @@ class Hypotheses(Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 300.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> result = ar.assess_damage(intact, now, baseline=before)
+    >>> case = ar.cases.chain8()
+    >>> result = ar.assess_damage(case.model, case.exact(level=1), baseline=case.exact(level=0))
     >>> result.hypotheses[0].elements, round(result.hypotheses[0].severities[0], 2)
-    ((1,), 0.4)
+    ((4,), 0.55)
     """
 
     def __init__(self, rows: Sequence[Hypothesis], names: dict[int, str]) -> None:
@@ -187,29 +184,14 @@ _MISSED = 0.06
 class Taught:
     """What the baseline has told, as an assessment and what is prepared for it have it.
 
-    Attributes
-    ----------
-    threshold : float or None
-        Log odds of damage from which on it is declared, where a rate of false alarms was asked for.
-    detectable : tuple of float
-        Severity of each candidate that nine of ten such tests would show.
-    assumed_std : bool
-        Whether some values had no standard deviation.
-    n_intact, n_intact_matched : int
-        Values of the baseline, and those with a partner in the model.
-    n_intact_roots : int
-        Roots of the model between the lowest and the highest value of each response; 0 where not counted.
-    n_baselines : int
-        Tests of the intact structure that have values, the most with one force.
-    scatter : float
-        Scatter between these over their standard deviations, by which all of them were multiplied; 1 where
-        there is one test only.
-    odd_baselines : tuple of int
-        Positions of the baseline sets that contradict the others, zero-based: one, or all that disagree where
-        it cannot be told which is odd.
-    baseline_gap, usual_gap : float
-        Relative difference between these and the others, and between the others.
-    notes : tuple of str
+    ``threshold`` are log odds of damage from which on it is declared, where a rate of false alarms was asked
+    for; ``detectable`` the severity of each candidate that nine of ten such tests would show; ``assumed_std``
+    whether some values had no standard deviation. ``n_intact`` values of the baseline, of which
+    ``n_intact_matched`` have a partner in the model, lie among ``n_intact_roots`` of it (0: not counted).
+    ``n_baselines`` is how many tests there are, the most with one force, and ``scatter`` that between them
+    over their standard deviations, which were multiplied by it. ``odd_baselines`` are positions of the sets
+    that contradict the others, one or all that disagree; they differ from the others by ``baseline_gap``,
+    these among themselves by ``usual_gap``, relative.
     """
 
     threshold: float | None
@@ -230,35 +212,15 @@ class Taught:
 class Assessment(Value, Taught):
     """The answer to a baseline assessment, without the model; beside what it has of :class:`Taught`:
 
-    Attributes
-    ----------
-    hypotheses : Hypotheses
-    group : tuple of Hypothesis
-        The most probable damage of candidates and what cannot be told from it.
-    declared : tuple of int
-        Elements declared damaged.
-    chi_square : float
-        Of the residuals of the most probable hypothesis, over the number of values less that of severities;
-        NaN where no value has a partner.
-    n_values, n_matched : int
-        Values of now, and those with a partner among the model's roots there.
-    kappa : float
-        Share of a predicted change that counts as its error.
-    factor_std, root_std : float
-        Learned from the baseline: scatter of the model's stiffness and mass factors, and error of a
-        frequency that no factor explains; both relative.
-    baseline : bool
-        Whether there was one.
-    interrupted : bool
-        Whether Ctrl-C stopped the search.
-    moved_alike : float
-        Relative change of all values alike, where that is what has happened; else 0.
-    n_risen, n_moved : int
-        Values that have risen, of those that have moved since the intact state, where these are most of them
-        and no hypothesis explains them; else 0.
-    hint : str
-        A mistake of units that would account for a model that does not explain the intact structure, or for
-        two states that have nothing in common.
+    ``group`` is the most probable damage of candidates and what cannot be told from it, ``declared`` the
+    elements declared damaged, ``chi_square`` that of the residuals of the most probable hypothesis over the
+    number of values less that of severities (NaN where no value has a partner). ``n_matched`` of ``n_values``
+    of now have a partner among the model's roots there; ``kappa`` is the share of a predicted change that
+    counts as its error, ``factor_std`` the scatter of the model's stiffness and mass factors, ``root_std``
+    the error of a frequency that no factor explains, both relative. ``moved_alike`` is the relative change of
+    all values alike where that is what has happened, else 0; ``n_risen`` of ``n_moved`` values have risen,
+    where these are most of them and no hypothesis explains them, else 0; ``hint`` a mistake of units that
+    would account for a model that does not explain the intact structure, or for states far apart.
     """
 
     hypotheses: Hypotheses

@@ -165,10 +165,7 @@ class ModelError:
         """
         from scipy.linalg import cho_solve
 
-        rows = np.zeros((identity.size, self.prior.size))
-        rows[:, : self.theta.size] = slopes
-        old = np.flatnonzero(identity >= 0)
-        rows[old, self.theta.size + identity[old]] = 1.0
+        rows = rows_of(slopes, identity, self.intact)
         spread = (rows * self.prior) @ rows.T
         if self.rows.size:
             cross = (rows * self.prior) @ self.rows.T
@@ -176,6 +173,14 @@ class ModelError:
         new = np.flatnonzero(identity < 0)
         spread[new, new] += self.tau**2 if kind is None else self.taus[kind[new]] ** 2
         return rows @ self.mean, spread
+
+
+def rows_of(slopes: FloatArray, identity: NDArray[np.intp], intact: Roots) -> FloatArray:
+    """Slopes of roots by theta (m, p) and by the intact roots' own errors; -1 for what is none of these."""
+    own = np.zeros((identity.size, intact.size))
+    old = np.flatnonzero(identity >= 0)
+    own[old, identity[old]] = 1.0
+    return np.hstack([slopes, own])
 
 
 Undamaged = Callable[[FloatArray], tuple[Roots, FloatArray]]
@@ -246,9 +251,7 @@ def _from(
         # Rows by theta and eps, and what they give: ln f_I - ln r + J theta.
         has = np.flatnonzero(partner >= 0)
         root, std = partner[has], values.std[has]
-        rows = np.zeros((has.size, n + intact.size))
-        rows[:, :n] = slopes[root]
-        rows[np.arange(has.size), n + root] = 1.0
+        rows = rows_of(slopes[root], root, intact)
         y = place[has] - intact.log_f[root] + slopes[root] @ theta
         if scales is None and not last:
             s, taus = _scales(rows, y, std, n, intact.kind)

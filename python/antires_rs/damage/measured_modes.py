@@ -45,11 +45,8 @@ _BY_FREQUENCY, _ALIKE = 0.5, 0.1
 class ModeRoots(Roots):
     """Modes; ``log_f`` holds ln f, then the coordinates of the shape beside the intact model's, mode by mode.
 
-    Attributes
-    ----------
-    shapes : of each group of sensors, (modes, n), unit length.
-    bases : of each group, (modes, n, n - 1).
-    mixed : (modes,) whether another mode is so near that the shape says nothing.
+    ``shapes`` (modes, n) of unit length and ``bases`` (modes, n, n - 1) are of each group of sensors;
+    ``mixed`` (modes,) tells whether another mode is so near that the shape says nothing.
     """
 
     shapes: tuple[FloatArray, ...]

@@ -1,5 +1,5 @@
-"""Gaussians within a box: probability against another method, draws against rejection, the sampler against
-integrals that are known."""
+"""Gaussians within a box against other methods, draws against rejection, the sampler and the threshold of a
+rate of false alarms against integrals that are known."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, multivariate_normal, norm
 
+import antires_rs as ar
 from antires_rs.damage.evidence import FURTHEST, Fit, log_inside, peak_in_box, truncated
+from antires_rs.damage.inference import log_odds_threshold
 from antires_rs.damage.severity_intervals import stepwise
 
 
@@ -109,3 +111,19 @@ def test_far_beyond_the_upper_bound_the_interval_ends_there():
     fit = fit_of(np.array([FURTHEST + 5.0]), np.array([[0.01]]))
     low, high = fit.interval(0, (0.05, 0.95))
     assert 0.98 < low < high <= 0.99 + 1e-12
+
+
+def test_the_threshold_is_the_quantile_of_integrated_evidence():
+    """Elements from well seen to hardly seen at all: a severity that nothing shows gains no evidence."""
+    rng, prior = np.random.default_rng(0), ar.DamagePrior()
+    slopes = np.linalg.qr(rng.standard_normal((6, 6)))[0] * [100.0, 10.0, 3.0, 1.0, 0.1, 1e-3]
+    beta = np.linspace(0.0, 0.99, 4001)
+    values = np.random.default_rng(1).standard_normal((4000, 6))
+    odds = np.zeros(4000)
+    for own in slopes.T:
+        gain = np.outer(values @ own, beta) - 0.5 * (own @ own) * beta**2
+        odds += np.trapezoid(np.exp(gain), beta, axis=1) / 0.99
+    for rate in (0.3, 0.05):
+        wanted = np.log(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, 6) - prior.log_of(0, 6)
+        found = log_odds_threshold(slopes, prior, rate, np.random.default_rng(1))
+        assert abs(found - wanted) < 1e-3
