@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.assessor_plan import LEVELS, read
-from antires_rs.damage.assessor_search import QuickSearch, TabulatedLikelihood
+from antires_rs.damage.assessor_plan import LEVELS, QuickSearch, TabulatedLikelihood, read
 from antires_rs.damage.evidence import refitted
 from tests.support.wrong_chains import NOMINAL, N, changed, states
 

@@ -33,13 +33,13 @@ def test_the_probability_of_a_box(n):
         ).cdf(np.full(n, FURTHEST), lower_limit=np.zeros(n))
         if exact > 1e-4:  # the other method is exact to about 1e-9
             compared += 1
-            assert abs(log_inside(mean[None], spread[None], 0.0, FURTHEST)[0] - np.log(exact)) < 0.02
+            assert abs(log_inside(mean[None], spread[None])[0] - np.log(exact)) < 0.02
     assert compared > 30
 
 
 def test_far_outside_the_tail_counts():
     """One coordinate 40 standard deviations below its bound, and one that goes with it."""
-    found = log_inside(np.array([[-4.0, 1.0]]), np.diag([0.01, 0.04])[None], 0.0, FURTHEST)
+    found = log_inside(np.array([[-4.0, 1.0]]), np.diag([0.01, 0.04])[None])
     assert np.isclose(found, norm.logsf(40.0), rtol=1e-6)
 
 
@@ -51,7 +51,7 @@ def test_weighted_draws_are_those_of_rejection():
     rng = np.random.default_rng(3)
     free = rng.multivariate_normal(mean, spread, 80_000)
     wanted = free[np.all(free > 0.0, axis=1)]
-    gaussian = truncated(mean, spread, 0.0, FURTHEST)
+    gaussian = truncated(mean, spread)
     u, log_weight = gaussian.draws(rng.random((20_000, 3)))
     weight = np.exp(log_weight)
     chosen = rng.choice(len(u), 2000, p=weight / weight.sum())
@@ -69,7 +69,7 @@ def test_particles_find_both_peaks_and_their_integral():
     def log_density(u):
         return np.log(sum(w * norm.pdf(u[:, 0], m, s) for m, s, w in peaks) + 1e-300)
 
-    start = truncated(np.array([1.2]), np.array([[0.3**2]]), 0.0, FURTHEST)
+    start = truncated(np.array([1.2]), np.array([[0.3**2]]))
     u, log_integral = stepwise(log_density, start, 2000, np.random.default_rng(0))
     assert abs(log_integral - np.log(4.0)) < 0.15
     assert abs(np.mean(u < 1.2) - 0.75) < 0.06
@@ -77,7 +77,7 @@ def test_particles_find_both_peaks_and_their_integral():
 
 
 def fit_of(mean, spread):
-    beta = -np.expm1(-peak_in_box(mean[None], spread[None], 0.0, FURTHEST)[0])
+    beta = -np.expm1(-peak_in_box(mean[None], spread[None])[0])
     return Fit((*range(mean.size),), 0.0, beta, mean, spread, None)
 
 

@@ -26,8 +26,8 @@ def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=
     return ar.ModalSet(freq[order], shapes[order], dofs, **told)
 
 
-def assess(rng, factors, losses=None, **options):
-    now, before = measured(chain(factors, losses), rng), measured(chain(factors), rng)
+def assess(stream, factors, losses=None, **options):
+    now, before = measured(chain(factors, losses), stream), measured(chain(factors), stream)
     return ar.assess_damage(NOMINAL, now, baseline=before, **options)
 
 

@@ -15,8 +15,7 @@ from antires_rs.damage.hypotheses import (
     percent,
     span,
 )
-from antires_rs.damage.one_state import headline_of_one_state
-from antires_rs.damage.words import headline, reservations, without_idle
+from antires_rs.damage.words import headline, headline_of_one_state, reservations, without_idle
 from antires_rs.figures.report_parts import hypothesis_rows
 
 

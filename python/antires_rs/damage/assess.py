@@ -28,12 +28,11 @@ from ..updating.reduced_search import ReductionReport
 from ..updating.result import UpdateResult
 from ..updating.update import search as find
 from .hypotheses import Answered, Assessment, figure
-from .inference import infer
+from .inference import common_loss, infer, many
 from .likelihood import Prepared, Question
-from .one_state import all_lost, common_loss, headline_of_one_state, many
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
-from .words import headline, largest_left, note_of_reduction, reservations
+from .words import all_lost, headline, headline_of_one_state, largest_left, note_of_reduction, reservations
 
 if TYPE_CHECKING:
     from ..updating.posterior import Method, ParameterIntervals

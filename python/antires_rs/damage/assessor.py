@@ -18,8 +18,7 @@ from ..support.progress import patient
 from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .assess import checked_model, checked_search, elements_of, question_of, sets_of
-from .assessor_plan import Plan, plan_of, read
-from .assessor_search import QuickSearch, TabulatedLikelihood
+from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment
 from .inference import concluded
 from .options import TWO_STATES, DamagePrior, SearchOptions

@@ -23,11 +23,15 @@ from numpy.typing import NDArray
 from ..support.checks import FloatArray
 from .likelihood import View
 
+#: Largest severity, and the same as u: Gaussians of u are those of what lies in the box [0, FURTHEST]^n.
+HIGHEST = 0.99
+FURTHEST = -float(np.log1p(-HIGHEST))
+
 # -- Gaussians within bounds: where in the box the peak is, and quantiles of one coordinate
 
 
-def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
-    """Most probable points (k, n) of Gaussians in the box [low, high]^n.
+def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Most probable points (k, n) of Gaussians in the box.
 
     Coordinates whose peak lies outside are put on their bound one by one, the worst first; given these, the
     others follow.
@@ -35,7 +39,7 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: floa
     best, spread, free = mean.copy(), covariance.copy(), np.ones(mean.shape, dtype=bool)
     for _ in range(mean.shape[1]):
         sd = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
-        below, above = (low - best) / sd, (best - high) / sd
+        below, above = -best / sd, (best - FURTHEST) / sd
         outside = np.where(free, np.maximum(below, above), -np.inf)
         worst = np.argmax(outside, axis=1)
         row = np.flatnonzero(outside[np.arange(worst.size), worst] > 0.0)
@@ -43,7 +47,7 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: floa
             break
         at = worst[row]
         gain = spread[row, :, at] / spread[row, at, at][:, None]
-        bound = np.where(below[row, at] > above[row, at], low, high)
+        bound = np.where(below[row, at] > above[row, at], 0.0, FURTHEST)
         best[row] += gain * (bound - best[row, at])[:, None]
         spread[row] -= gain[:, :, None] * spread[row, at][:, None, :]
         free[row, at], spread[row, at, at] = False, 1.0
@@ -94,7 +98,6 @@ def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, Floa
 #
 # Reference: A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149.
 
-
 #: Points of the rule of quadrature along each coordinate but the last.
 _POINTS = 16
 #: Coordinates so many standard deviations from both bounds do not count.
@@ -104,19 +107,17 @@ _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
 
 @dataclass(frozen=True)
 class Truncated:
-    """Gaussians within [low, high]^n: mean (..., n), Cholesky factor, both in the order of ``order``."""
+    """Gaussians within the box: mean (..., n), Cholesky factor, both in the order of ``order``."""
 
     mean: FloatArray
     factor: FloatArray
     order: NDArray[np.intp]
-    low: float
-    high: float
 
     def draws(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them one Gaussian's."""
         z, log_weight = self._transformed(uniform)
         found = np.empty_like(z)
-        found[:, self.order] = np.clip(self.mean + z @ self.factor.T, self.low, self.high)
+        found[:, self.order] = np.clip(self.mean + z @ self.factor.T, 0.0, FURTHEST)
         return found, log_weight
 
     def log_density(self, points: FloatArray) -> FloatArray:
@@ -141,7 +142,7 @@ class Truncated:
         """Limits of coordinate i in standard deviations, given those before."""
         before = (z[..., :i] @ self.factor[..., i, :i, None])[..., 0]
         middle, scale = self.mean[..., i, None] + before, self.factor[..., i, i, None]
-        return (self.low - middle) / scale, (self.high - middle) / scale
+        return -middle / scale, (FURTHEST - middle) / scale
 
     def _transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Standard normal coordinates of as many uniform numbers as there are, and ln of the product."""
@@ -155,20 +156,20 @@ class Truncated:
         return z, total
 
 
-def truncated(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> Truncated:
-    """Gaussians of mean (..., n) within [low, high]^n."""
+def truncated(mean: FloatArray, covariance: FloatArray) -> Truncated:
+    """Gaussians of mean (..., n) within the box."""
     sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
-    order = np.argsort(log_between((low - mean) / sd, (high - mean) / sd), axis=-1, kind="stable")
+    order = np.argsort(log_between(-mean / sd, (FURTHEST - mean) / sd), axis=-1, kind="stable")
     rows = np.take_along_axis(covariance, order[..., :, None], axis=-2)
     factor = np.linalg.cholesky(np.take_along_axis(rows, order[..., None, :], axis=-1))
-    return Truncated(np.take_along_axis(mean, order, axis=-1), np.asarray(factor), order, low, high)
+    return Truncated(np.take_along_axis(mean, order, axis=-1), np.asarray(factor), order)
 
 
-def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
-    """ln of the probability that each Gaussian of mean (k, n) gives to [low, high]^n, by a fixed rule."""
+def log_inside(mean: FloatArray, covariance: FloatArray) -> FloatArray:
+    """ln of the probability that each Gaussian of mean (k, n) gives to the box, by a fixed rule."""
     sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    near = np.minimum(mean - low, high - mean) < _FAR * sd
-    alone = log_between((low - mean) / sd, (high - mean) / sd)
+    near = np.minimum(mean, FURTHEST - mean) < _FAR * sd
+    alone = log_between(-mean / sd, (FURTHEST - mean) / sd)
     found: FloatArray = np.where(near, alone, 0.0).sum(axis=1)
     count = near.sum(axis=1)
     for size in range(2, mean.shape[1] + 1):
@@ -176,7 +177,7 @@ def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float
         if row.size:
             at = np.nonzero(near[row])[1].reshape(-1, size)
             own = covariance[row[:, None, None], at[:, :, None], at[:, None, :]]
-            found[row] = truncated(mean[row[:, None], at], own, low, high).log_probability()
+            found[row] = truncated(mean[row[:, None], at], own).log_probability()
     return found
 
 
@@ -204,10 +205,6 @@ def _rule(n: int) -> tuple[FloatArray, FloatArray]:
     return np.stack([a.ravel() for a in axes], axis=1) if n else np.empty((1, 0)), weights
 
 
-#: Largest severity.
-HIGHEST = 0.99
-#: The same as u.
-FURTHEST = -float(np.log1p(-HIGHEST))
 #: Change of u up to which the roots count as linear.
 _LINEAR = 0.12
 #: So near to the largest u counts as there.
@@ -272,9 +269,9 @@ def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) 
     gain = view.gain[at] * room - 1.0
     step = (covariance @ gain[:, :, None])[:, :, 0]
     mean = start + step
-    best = peak_in_box(mean, covariance, 0.0, FURTHEST)
+    best = peak_in_box(mean, covariance)
     near = np.flatnonzero(np.all(np.abs(best - start) <= reach, axis=1))
-    inside = log_inside(mean[near], covariance[near], 0.0, FURTHEST)
+    inside = log_inside(mean[near], covariance[near])
     spread = np.linalg.slogdet(covariance[near])[1] - 2.0 * start[near].sum(axis=1)
     volume = 0.5 * (size * np.log(2.0 * np.pi) + spread) - size * np.log(HIGHEST)
     evidence = view.log_likelihood + 0.5 * np.sum(gain * step, axis=1)[near] + volume + inside

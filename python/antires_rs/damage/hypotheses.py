@@ -169,7 +169,6 @@ class Hypotheses(Viewed):
 
 # -- What an assessment came to: hypotheses, how well the best explains the values, how wrong the model is
 
-
 #: Below this probability of so large a chi-square, the best explanation does not explain.
 _HARDLY = 1e-3
 #: A model that needs factors which scatter more is of another structure: that of the exhaust, never updated,

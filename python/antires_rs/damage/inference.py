@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import combinations, product
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
 from ..updating.reduced_search import ReductionReport
-from .evidence import HIGHEST, Fit, fitted, log_between, refitted
+from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
@@ -586,3 +587,68 @@ def infer(
     learned = learned_from(prepared, question, rng)
     found = concluded(search, question, learned, prepared.intact, measured=question.measured)
     return found, prepared, reduction
+
+
+# -- Without a baseline: is one factor on all stiffnesses more probable than the losses of many elements?
+#
+# A modulus, a section or a unit that is wrong throughout multiplies every stiffness by the same number. A
+# search that knows losses only makes it a loss of nearly every element. Both are judged by the same
+# likelihood, with the scatter of stiffnesses and masses that is assumed without a baseline, and by
+# Laplace's approximation of the evidence: the one factor with every loss equally probable, as that of one
+# element is, on the candidates or on all elements; the set of elements with the prior of their number.
+
+#: Steps to the most probable factor, and the largest of them, in u.
+_MOST_STEPS, _LONGEST_STEP = 10, 0.3
+#: Sets beyond the three elements of the prior: so many times less probable for each element more.
+_RARER = 6.0
+
+
+def many(n_losses: int, n_elements: int) -> bool:
+    """Whether a common factor may have come out as so many losses."""
+    return n_losses >= max(2.0, n_elements / 3.0)
+
+
+def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
+    """The loss of all stiffnesses that is more probable than these losses of single ones and than none; 0 if
+    there is no such."""
+    prior, numbers = question.prior, question.numbers
+    likelihood, k, n = question.prepared(threads).likelihood, len(losses), len(question.elements)
+    u = np.zeros(likelihood.n)
+    for element, loss in losses.items():
+        u[numbers.index(element)] = -np.log1p(-min(loss, HIGHEST))
+    each = np.eye(likelihood.n)[u > 0.0]
+    share = (prior.nothing, prior.one, prior.two, prior.three)[min(k, 3)]
+    of_set = np.log(share) - max(k - 3, 0) * np.log(_RARER) - np.log(comb(n, k))
+    of_losses = _along(likelihood, each, u[u > 0.0])[1] + of_set
+    start = np.array([np.median(u[u > 0.0])])
+    families = [np.arange(likelihood.n) < n, np.ones(likelihood.n, dtype=bool)]
+    found = [_along(likelihood, family[None].astype(np.float64), start) for family in families]
+    at, of_factor = max(found, key=lambda one: one[1])
+    of_nothing = likelihood.start.log_likelihood + np.log(prior.nothing)
+    if of_factor + np.log(prior.unknown) <= max(of_losses, of_nothing):
+        return 0.0
+    return -float(np.expm1(-at[0]))
+
+
+def _along(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
+    """Most probable severities (u) along some ways (k, n) through those of all elements, and the log
+    evidence; bounds are not considered, so that it is at least so much."""
+    u, size = start, float(np.log(HIGHEST))
+    best, most = start, -np.inf
+    for _ in range(_MOST_STEPS):
+        beta = -np.expm1(-u @ ways)
+        view = likelihood.views(beta[None])[0]
+        by_u = ways * (1.0 - beta)
+        gain = by_u @ view.gain - 1.0
+        matrix = by_u @ view.curvature @ by_u.T + BLIND * np.eye(u.size)
+        step_by = np.linalg.solve(matrix, gain)
+        volume = 0.5 * (u.size * np.log(2.0 * np.pi) - np.linalg.slogdet(matrix)[1])
+        log_evidence = (
+            view.log_likelihood + 0.5 * float(gain @ step_by) + float(volume) - u.size * size - u.sum()
+        )
+        if log_evidence > most:
+            best, most = u, float(log_evidence)
+        u = np.clip(u + np.clip(step_by, -_LONGEST_STEP, _LONGEST_STEP), 0.0, FURTHEST)
+        if np.abs(step_by).max() < _RESTS:
+            break
+    return best, most

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 # The modes of another state are those that look most alike, one to one, with a little weight on the
 # frequency: modes that pass each other are followed.
 
-
 #: Modes whose frequencies lie nearer together (ln f): the model does not tell how their shapes mix.
 _MIXED = 1e-3
 #: Weight of a difference in ln f against one of MAC; and the least likeness of what may be the same mode.
@@ -68,9 +67,11 @@ class ModeRoots(Roots):
         """ln f of each mode."""
         return self.log_f[:: self.each]
 
-    def first(self, group: int) -> int:
-        """Where the coordinates of a group begin, among the roots of a mode."""
-        return 1 + sum(int(basis.shape[2]) for basis in self.bases[:group])
+    def coordinates(self, group: int) -> slice:
+        """Where those of a group are, among the roots of a mode."""
+        sizes = [1, *(basis.shape[2] for basis in self.bases)]
+        first = int(sum(sizes[: group + 1]))
+        return slice(first, first + sizes[group + 1])
 
     def between(self, low: float, high: float) -> NDArray[np.bool_]:
         """Which belong to a mode between two ln f."""
@@ -107,7 +108,7 @@ class ModeRoots(Roots):
         old = np.flatnonzero(was >= 0)
         bases, faced = [], []
         for group, (shapes, basis) in enumerate(zip(self.shapes, self.bases, strict=True)):
-            at = slice(self.first(group), self.first(group) + basis.shape[2])
+            at = self.coordinates(group)
             known = before.shapes[group][was[old]]
             facing = np.ones(was.size)
             facing[old] = np.where(np.sum(known * shapes[old], axis=1) < 0.0, -1.0, 1.0)
@@ -190,7 +191,6 @@ def _turned(old: FloatArray, new: FloatArray, basis: FloatArray) -> FloatArray:
 
 # -- Measured modes as values: a natural frequency each, and where its shape lies beside a mode of the model
 
-
 _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
 #: More than any price.
 _NEVER = 1e12
@@ -234,59 +234,55 @@ class ModeValues(Values):
         price: FloatArray,
         wider: float = 1.0,
     ) -> tuple[NDArray[np.intp], FloatArray, float]:
-        """Root of each value, the values as seen from there, and what those without one cost.
-
-        Frequency and shape decide together, one to one within a test. A false mode has any shape.
-        """
+        """As those of the base class, but that frequency and shape decide together, one to one within a test.
+        A false mode has any shape."""
         from scipy.optimize import linear_sum_assignment
 
         assert isinstance(roots, ModeRoots)
         found, seen, lost = np.full(self.size, -1), self.log_f.copy(), 0.0
+        any_shape = np.array([_any_shape(shape.size) for shape in self.shape])
         if not roots.size:
-            return found, seen, sum(alone + _any_shape(shape.size) for shape in self.shape)
+            return found, seen, float(np.sum(alone + any_shape))
         for test in np.unique(self.test[self.start]):
             modes = np.flatnonzero(self.test[self.start] == test)
-            costs, views = zip(
-                *(self._beside(int(mode), roots, place, sigma, wider) for mode in modes), strict=True
-            )
-            cost = np.array(costs) + price[:: roots.each]
-            single = np.array([alone + _any_shape(self.shape[mode].size) for mode in modes])
-            rows, columns = linear_sum_assignment(
-                np.hstack([cost, np.where(np.eye(modes.size, dtype=bool), single, _NEVER)])
-            )
-            for row, column in zip(rows, columns, strict=True):
+            pairs = [self._beside(int(mode), roots, place, sigma, wider) for mode in modes]
+            cost = np.array([own for own, _ in pairs]) + price[:: roots.each]
+            single = alone + any_shape[modes]
+            alone_too = np.where(np.eye(modes.size, dtype=bool), single, _NEVER)
+            for row, column in zip(*linear_sum_assignment(np.hstack([cost, alone_too])), strict=True):
                 if column >= cost.shape[1]:
                     lost += single[row]
                     continue
-                own, group = self.own(modes[row]), int(self.group[modes[row]])
-                at = column * roots.each
+                own, at = self.own(modes[row]), column * roots.each
                 found[own.start] = at
                 if roots.mixed[column]:
-                    lost += _any_shape(self.shape[modes[row]].size)
+                    lost += any_shape[modes[row]]
                     continue
-                first = at + roots.first(group)
-                many = own.stop - own.start - 1
-                found[own.start + 1 : own.stop] = np.arange(first, first + many)
-                seen[own.start + 1 : own.stop] = views[row][column]
+                found[own.start + 1 : own.stop] = at + np.arange(roots.each)[self._at(modes[row], roots)]
+                seen[own.start + 1 : own.stop] = pairs[row][1][column]
         return found, seen, lost
+
+    def _at(self, mode: int, roots: ModeRoots) -> slice:
+        """Where the coordinates of its shape are, among the roots of a mode of the model."""
+        return roots.coordinates(int(self.group[mode]))
 
     def _beside(
         self, mode: int, roots: ModeRoots, place: FloatArray, sigma: FloatArray, wider: float
     ) -> tuple[FloatArray, FloatArray]:
         """What it costs that a mode belongs to each of the model's, and its shape as seen from these."""
-        own, group, each = self.own(mode), int(self.group[mode]), roots.each
-        at = slice(roots.first(group), roots.first(group) + own.stop - own.start - 1)
-        wide = np.hypot(wider * self.std[own.start], sigma[::each])
-        apart = (self.log_f[own.start] - place[::each]) / wide
-        cost = 0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU
-        facing = roots.shapes[group] @ self.shape[mode]
-        across = np.einsum("rij,i->rj", roots.bases[group], self.shape[mode])
-        by_mode = roots.log_f.reshape(-1, each)[:, at]
-        seen = by_mode + np.where(facing < 0.0, -1.0, 1.0)[:, None] * across
-        wide = np.hypot(wider * self.std[own.start + 1 : own.stop], sigma.reshape(-1, each)[:, at])
-        apart = (seen - place.reshape(-1, each)[:, at]) / wide
-        shapes = np.sum(0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU, axis=1)
-        return cost + np.where(roots.mixed, _any_shape(self.shape[mode].size), shapes), seen
+        own, group, at, shape = self.own(mode), self.group[mode], self._at(mode, roots), self.shape[mode]
+        log_f, places, sigmas = (each.reshape(-1, roots.each) for each in (roots.log_f, place, sigma))
+
+        def cost(value: Any, std: FloatArray, columns: Any) -> FloatArray:
+            wide = np.hypot(wider * std, sigmas[:, columns])
+            apart = (value - places[:, columns]) / wide
+            return np.asarray(0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU)
+
+        facing = np.where(roots.shapes[group] @ shape < 0.0, -1.0, 1.0)
+        seen = log_f[:, at] + facing[:, None] * np.einsum("rij,i->rj", roots.bases[group], shape)
+        of_shape = np.sum(cost(seen, self.std[own.start + 1 : own.stop], at), axis=1)
+        of_frequency = cost(self.log_f[own.start], self.std[own.start], 0)
+        return of_frequency + np.where(roots.mixed, _any_shape(shape.size), of_shape), seen
 
     def unexplained(self, roots: Roots, place: FloatArray) -> float:
         """Sum of the distances of the modes from the nearest of the model, shapes considered."""
@@ -347,33 +343,24 @@ class ModeResponses:
     ) -> list[ModalSet]:
         """The sets of now without what is wrong in both states."""
         assert isinstance(roots, ModeRoots)
-        sets, mode = [], 0
+        sets, modes = [], iter(range(now.start.size))
         for each, kept in zip(self.measured, self.numbers, strict=True):
             freq, shapes = [], []
-            dofs: _Dofs = ()
-            for _ in kept:
-                own, group = now.own(mode), int(now.group[mode])
-                dofs = list(self.groups)[group]
+            for _, mode in zip(kept, modes, strict=False):
+                own, group, shape = now.own(mode), int(now.group[mode]), now.shape[mode]
                 freq.append(float(np.exp(now.log_f[own.start] - beside[own.start])))
-                shapes.append(now.shape[mode])
                 if (partner[own] >= 0).all() and own.stop > own.start + 1:
                     at = int(partner[own.start]) // roots.each
-                    facing = -1.0 if roots.shapes[group][at] @ shapes[-1] < 0.0 else 1.0
-                    across = roots.bases[group][at] @ beside[own.start + 1 : own.stop]
-                    shapes[-1] = facing * shapes[-1] - across
-                mode += 1
+                    facing = -1.0 if roots.shapes[group][at] @ shape < 0.0 else 1.0
+                    shape = facing * shape - roots.bases[group][at] @ beside[own.start + 1 : own.stop]
+                shapes.append(shape)
             if freq:
-                order = np.argsort(freq)
-                told = [None if std is None else std[kept][order] for std in (each.std_hz, each.std_shapes)]
-                sets.append(
-                    ModalSet(
-                        np.array(freq)[order],
-                        np.array(shapes)[order],
-                        dofs,
-                        std_hz=told[0],
-                        std_shapes=told[1],
-                    )
+                order, dofs = np.argsort(freq), list(self.groups)[group]
+                std_hz, std_shapes = (
+                    None if std is None else std[kept][order] for std in (each.std_hz, each.std_shapes)
                 )
+                columns = np.array(freq)[order], np.array(shapes)[order], dofs
+                sets.append(ModalSet(*columns, std_hz=std_hz, std_shapes=std_shapes))
         return sets
 
 

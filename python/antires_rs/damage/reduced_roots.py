@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 # Slopes by all parameters come from the null vectors of each root: those of the reduced model are those of
 # the full one, and the terms of the full one are sparse.
 
-
 #: Vectors that an element's damage makes: generations, and the least size of one.
 _GENERATIONS, _LEAST = 4, 1e-4
 #: A direction of several elements together that is smaller is one of them twice.
@@ -266,7 +265,6 @@ class ReducedRoots:
 
 
 # -- K and M of a model as sums of terms that severities and factors scale, and how roots move with each
-
 
 #: The model is asked for roots up to this multiple of the highest measured one, as the core does; slopes are
 #: told of those within so much (ln f) of what was measured.

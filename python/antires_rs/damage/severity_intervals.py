@@ -130,7 +130,7 @@ def stepwise(
         u, target, first = u[chosen], target[chosen], first[chosen]
         for _ in range(_LAST if share == 1.0 else _WALKS):
             walked = u + scale * rng.standard_normal(u.shape) @ factor.T
-            inside = np.all((walked >= start.low) & (walked <= start.high), axis=1)
+            inside = np.all((walked >= 0.0) & (walked <= FURTHEST), axis=1)
             walked = np.where(inside[:, None], walked, u)
             new_target, new_first = log_density(walked), start.log_density(walked)
             gain = share * (new_target - target) + (1.0 - share) * (new_first - first)
@@ -214,7 +214,7 @@ class Sampled:
 
 def linear(fit: Fit, count: int, rng: np.random.Generator) -> Sampled:
     """Severities of the Gaussian of ``fit``, without another look at the model."""
-    gaussian = truncated(fit.mean, fit.covariance, 0.0, FURTHEST)
+    gaussian = truncated(fit.mean, fit.covariance)
     u, log_weight = gaussian.draws(_evenly(count, fit.mean.size, rng))
     weight = np.exp(log_weight - log_weight.max())
     weight /= weight.sum()
@@ -246,7 +246,7 @@ def sampled(
         return np.asarray(np.array(found) - u.sum(axis=1) - n * float(np.log(HIGHEST)))
 
     pool = _Pool(n, log_density, rng)
-    sizes = [(truncated(fit.mean, s**2 * fit.covariance, 0.0, FURTHEST), share) for s, share in _FIRST]
+    sizes = [(truncated(fit.mean, s**2 * fit.covariance), share) for s, share in _FIRST]
     round_size = max(40, wanted // 2)
     for gaussian, share in sizes:
         pool.add(gaussian, int(np.ceil(share * round_size)))
@@ -300,7 +300,7 @@ class _Pool:
         rough[np.ix_(first.order, first.order)] = first.factor @ first.factor.T
         covariance = trust * covariance + (1.0 - trust) * rough
         covariance = _LEARNED**2 * covariance + _LEAST_STD**2 * np.eye(len(covariance))
-        return truncated(mean, covariance, 0.0, FURTHEST)
+        return truncated(mean, covariance)
 
 
 def _evenly(count: int, n: int, rng: np.random.Generator) -> FloatArray:
