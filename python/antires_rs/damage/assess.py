@@ -28,7 +28,7 @@ from ..updating.reduced_search import ReductionReport
 from ..updating.result import UpdateResult
 from ..updating.update import search as find
 from .hypotheses import Answered, Assessment, figure
-from .inference import common_loss, infer, many
+from .inference import common_loss, infer
 from .likelihood import Prepared, Question
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
@@ -213,7 +213,7 @@ class DamageResult(Answered, UpdateResult):
         if self._assessment is not None or self.search.status == "interrupted":
             return None
         losses, n = self._losses, len(self.elements)
-        common = common_loss(self._alone, losses, thread_count(None)) if many(len(losses), n) else 0.0
+        common = common_loss(self._alone, losses, thread_count(None))
         found = explained(self.problem, self.x, doubted=bool(common) or all_lost(losses, n))
         return replace(found, common_loss=common)
 

@@ -37,12 +37,9 @@ class AssessedTest(Answered, ReadOnly):
         Whether the answer may not hold, and :func:`~antires_rs.assess_damage` should be asked.
     reasons : tuple of str
         Why; empty where it holds.
-    severity : dict of int to float
-        Stiffness loss of each candidate; 0 where there is no damage.
-    interval : dict of int to (low, high)
-        90 % interval of each severity, given the elements declared damaged; (0, 0) of the others.
-    probability : dict of int to float
-        Probability that each candidate is damaged, over all hypotheses that were judged.
+    severity, interval, probability : dict of int to float, to (low, high), to float
+        Stiffness loss of each candidate with its 90 % interval, 0 and (0, 0) where there is no damage; and
+        the probability that it is damaged.
     assessment : Assessment
         Hypotheses, chi-square and what they rest on.
     labels : dict of int to str

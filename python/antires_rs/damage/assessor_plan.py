@@ -408,10 +408,6 @@ class TabulatedLikelihood(ValueLikelihood):
         """The same without slopes."""
         return float(self._test(extra, common).settle([([], [])], 1, 0.0, True)[0][-1])
 
-    def of_frequencies(self, view: View) -> Any:
-        """All values are."""
-        return np.ones(view.residual.size, dtype=bool)
-
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """See the base class; with computed antiresonances."""
         sets = [tuple(np.flatnonzero(beta).tolist()) for beta in betas]
@@ -426,15 +422,13 @@ class TabulatedLikelihood(ValueLikelihood):
     def seen(self, elements: Elements, u: FloatArray, *places: Any) -> View:
         """From severities of some elements; ``places`` are ln f of the roots (r,), whether they are there,
         and slopes, in place of those of the tables."""
-        beta = np.zeros(self.n)
-        beta[list(elements)] = -np.expm1(-u)
+        (beta,) = self.rows(elements, -np.expm1(-u)[None])
         return self._view(beta, self.test.look(list(elements), u.tolist(), *places), self.plan.errors)
 
     def computed(self, elements: Elements, u: FloatArray, *, slopes: bool = False) -> View:
         """The same with computed antiresonances, and slopes where they are asked for."""
         _, beside, _ = self.test.places(list(elements), u.tolist())
-        beta = np.zeros(self.n)
-        beta[list(elements)] = -np.expm1(-u)
+        (beta,) = self.rows(elements, -np.expm1(-u)[None])
         log_f, by_u = self.plan.exact(beta, self.band, slopes=slopes)
         there = np.isfinite(log_f)
         return self.seen(elements, u, np.where(there, log_f + beside, 0.0).tolist(), there.tolist(), by_u)

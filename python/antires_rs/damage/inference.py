@@ -39,6 +39,8 @@ _MANY_ELEMENTS, _SCANNED_ELEMENTS = 60, (40, 16)
 #: Severities of a scan, and of one for a further damage among many elements.
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 _COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
+#: Elements of the largest sets.
+_LARGEST = 3
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 #: Sets that get another one where nothing found so far is better than no element at all.
@@ -88,17 +90,16 @@ class Search:
     likelihood: ValueLikelihood
     n_candidates: int
     prior: DamagePrior = field(default_factory=DamagePrior)
-    most: int = 3
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
     screened: tuple[int, int] | None = None
     hopeless: set[Elements] = field(default_factory=set)
 
     def run(self) -> None:
-        """Judge sets of up to ``most`` elements; after Ctrl-C those judged so far stay."""
+        """Judge sets of up to three elements; after Ctrl-C those judged so far stay."""
         self._judge((), self.likelihood.start)
         try:
-            for size in range(1, min(self.most, self.n_candidates) + 1):
+            for size in range(1, min(_LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
@@ -122,9 +123,8 @@ class Search:
 
     def _row(self, elements: Elements, severities: Any) -> FloatArray:
         """Severities of all elements, (n,)."""
-        row = np.zeros(self.likelihood.n)
-        row[list(elements)] = np.minimum(severities, HIGHEST)
-        return row
+        (row,) = self.likelihood.rows(elements, np.minimum([severities], HIGHEST))
+        return np.asarray(row)
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Pairs that explain most, both severities scanned: of two large damages one may not show alone."""
@@ -184,7 +184,7 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        larger = [] if len(elements) == self.most or self.outside(elements) else self._larger(elements, view)
+        larger = [] if len(elements) == _LARGEST or self.outside(elements) else self._larger(elements, view)
         for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
             for fit in fitted(view, sets) if sets else ():
                 known = self.fits.get(fit.elements)
@@ -399,13 +399,11 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
 def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tuple[Fit, float]:
     """A set as seen from its own most probable severities, begun at ``beta``; how far a reduced model, made
     anew there, is from the full one."""
-    at = list(elements)
     for _ in range(_STEPS):
-        betas = np.zeros((1, likelihood.n))
-        betas[0, at] = np.minimum(beta, HIGHEST)
+        betas = likelihood.rows(elements, np.minimum(beta, HIGHEST)[None])
         apart = likelihood.settle(betas[0])
         fit = refitted(likelihood.views(betas)[0], elements)
-        moved = np.log1p(-np.minimum(fit.beta, HIGHEST)) - np.log1p(-betas[0, at])
+        moved = np.log1p(-np.minimum(fit.beta, HIGHEST)) - np.log1p(-betas[0, list(elements)])
         beta = fit.beta
         if np.abs(moved).max(initial=0.0) < _RESTS:
             break
@@ -603,16 +601,13 @@ _MOST_STEPS, _LONGEST_STEP = 10, 0.3
 _RARER = 6.0
 
 
-def many(n_losses: int, n_elements: int) -> bool:
-    """Whether a common factor may have come out as so many losses."""
-    return n_losses >= max(2.0, n_elements / 3.0)
-
-
 def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
     """The loss of all stiffnesses that is more probable than these losses of single ones and than none; 0 if
-    there is no such."""
-    prior, numbers = question.prior, question.numbers
-    likelihood, k, n = question.prepared(threads).likelihood, len(losses), len(question.elements)
+    there is no such, or few losses are none of a common factor."""
+    prior, numbers, k, n = question.prior, question.numbers, len(losses), len(question.elements)
+    if k < max(2.0, n / 3.0):
+        return 0.0
+    likelihood = question.prepared(threads).likelihood
     u = np.zeros(likelihood.n)
     for element, loss in losses.items():
         u[numbers.index(element)] = -np.log1p(-min(loss, HIGHEST))

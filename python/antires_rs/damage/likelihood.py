@@ -24,7 +24,7 @@ Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -183,9 +183,6 @@ def rows_of(slopes: FloatArray, identity: NDArray[np.intp], intact: Roots) -> Fl
     return np.hstack([slopes, own])
 
 
-Undamaged = Callable[[FloatArray], tuple[Roots, FloatArray]]
-
-
 def learned(
     core: Core, n_elements: int, n_factors: int, values: Values, assumed: float | None, threads: int
 ) -> ModelError:
@@ -226,7 +223,7 @@ def _from(
     theta: FloatArray,
     scales: tuple[float, FloatArray] | None,
     values: Values,
-    undamaged: Undamaged,
+    undamaged: Callable[[FloatArray], tuple[Roots, FloatArray]],
 ) -> tuple[ModelError, float, bool]:
     """The errors learned from one width of the first association, the log evidence, whether it settled;
     ``scales`` are s and taus where they are not to be learned."""
@@ -534,6 +531,12 @@ class ValueLikelihood(ABC):
     start: View
     now: Values
 
+    def rows(self, elements: Iterable[int], severities: Any) -> FloatArray:
+        """Severities of all elements (m, n) of those of some (m, k)."""
+        rows = np.zeros((len(severities), self.n))
+        rows[:, list(elements)] = severities
+        return rows
+
     @abstractmethod
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """The values as seen from each row of severities (m, n), with an extra error of every value."""
@@ -545,10 +548,6 @@ class ValueLikelihood(ABC):
     @abstractmethod
     def without_damage(self, extra: float, common: float) -> View:
         """The values as seen from no damage, with an extra error of each and one of all alike."""
-
-    @abstractmethod
-    def of_frequencies(self, view: View) -> NDArray[np.bool_]:
-        """Which of the values that have a root in the undamaged model are frequencies."""
 
     def log_without_damage(self, extra: float, common: float) -> float:
         """The log-likelihood of that."""
@@ -569,7 +568,8 @@ class ValueLikelihood(ABC):
         if self.something_else > np.log(2.0) + alike:  # less than half of it
             return 0.0
         view = self.without_damage(0.0, likeliest)
-        moved = view.residual[self.of_frequencies(view)]
+        frequency = self.now.kind[view.partner >= 0] == 0
+        moved = view.residual[frequency]
         return float(np.expm1(np.median(moved))) if moved.size else 0.0
 
     @cached_property
@@ -642,10 +642,6 @@ class Likelihood(ValueLikelihood):
         kept = roots.between(self.band.low - _MARGIN, self.band.high + _MARGIN)
         return roots.only(kept), followed[kept], followed
 
-    def of_frequencies(self, view: View) -> NDArray[np.bool_]:
-        """See the base class."""
-        return np.asarray(self.near(self._undamaged)[0].kind[view.partner[view.partner >= 0]] == 0)
-
     def without_damage(self, extra: float, common: float) -> View:
         """See the base class."""
         return self._view(np.zeros(self.n), self._undamaged, extra, common)
@@ -695,9 +691,7 @@ class Prepared(NamedTuple):
         """The sets of now as the model after the baseline would have them: what is wrong in both states
         taken out."""
         likelihood, now = self.likelihood, self.likelihood.now
-        betas = np.zeros((1, likelihood.n))
-        for element, beta in severities.items():
-            betas[0, self.numbers.index(element)] = beta
+        betas = likelihood.rows([self.numbers.index(e) for e in severities], [list(severities.values())])
         view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
         responses: Any = self.responses
         return list(responses.corrected(now, roots, view.partner, view.beside))

@@ -216,6 +216,11 @@ class ModeValues(Values):
         at = self.start
         return Values(self.response[at], self.log_f[at], self.std[at], self.test[at])
 
+    @property
+    def kind(self) -> NDArray[np.intp]:
+        """0 of frequencies, 1 of shapes."""
+        return (self.response > 0).astype(np.intp)
+
     def times_measured(self, response: NDArray[np.intp]) -> FloatArray:
         """A mode moves the sensors of every test."""
         return np.full(response.size, float(self.tests.size))

@@ -138,6 +138,11 @@ class Values:
         """How many."""
         return int(self.log_f.size)
 
+    @property
+    def kind(self) -> NDArray[np.intp]:
+        """0 for each frequency."""
+        return np.zeros(self.size, dtype=np.intp)
+
     @cached_property
     def tests(self) -> NDArray[np.intp]:
         """Numbers of the tests that have values."""

@@ -240,9 +240,8 @@ def sampled(
         for first in range(0, len(u), _BATCH):
             step(f"severities of {name}")
             part = u[first : first + _BATCH]
-            betas = np.zeros((len(part), likelihood.n))
-            betas[:, list(fit.elements)] = -np.expm1(-part)
-            found += [view.log_likelihood for view in likelihood.views(betas)]
+            views = likelihood.views(likelihood.rows(fit.elements, -np.expm1(-part)))
+            found += [view.log_likelihood for view in views]
         return np.asarray(np.array(found) - u.sum(axis=1) - n * float(np.log(HIGHEST)))
 
     pool = _Pool(n, log_density, rng)
@@ -529,9 +528,7 @@ def _fitted_again(
     u = np.clip(start, 0.0, FURTHEST)
     free = np.array([nth for nth in range(at.size) if nth != held], dtype=np.intp)
     for nth in range(_STEPS + 1):
-        betas = np.zeros((len(u), likelihood.n))
-        betas[:, at] = -np.expm1(-u)
-        views = likelihood.views(betas)
+        views = likelihood.views(likelihood.rows(at, -np.expm1(-u)))
         if nth == _STEPS or not free.size:
             break
         for row, view in zip(u, views, strict=True):
