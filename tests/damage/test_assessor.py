@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.assessor_plan import LEVELS, QuickSearch, TabulatedLikelihood, read
+from antires_rs.damage.assessor_plan import LEVELS, TabulatedLikelihood, read
 from antires_rs.damage.evidence import refitted
 from tests.support.wrong_chains import NOMINAL, N, changed, states
 
@@ -309,28 +309,3 @@ def test_the_evidence_is_that_of_the_full_run(both, elements):
     np.testing.assert_allclose(-np.expm1(-np.array(ahead)), fit.beta, atol=1e-8)
     np.testing.assert_allclose(mean, fit.mean, rtol=1e-8)
     np.testing.assert_allclose(np.reshape(covariance, fit.covariance.shape), fit.covariance, rtol=1e-6)
-
-
-@pytest.mark.parametrize("parent", [(), (1,), (0, 4)])
-def test_a_scan_is_the_distance_from_the_nearest_roots(both, parent):
-    tables, _ = both
-    response, now = tables.plan.tables.response, tables.now
-    u = np.full(len(parent), 0.25)
-    distance, _ = tables.test.scan(list(parent), u.tolist(), [2, 3])
-    for (nth, e), level in ((which, level) for which in enumerate((2, 3)) for level in (1, 6)):
-        elements = tuple(sorted((*parent, e)))
-        place, _, there = map(
-            np.array,
-            tables.test.places(list(elements), [LEVELS[level] if x == e else 0.25 for x in elements]),
-        )
-        apart = np.abs(now.log_f[:, None] - place)
-        apart[(now.response[:, None] != response) | ~there.astype(bool)] = np.inf
-        assert distance[nth, level] == pytest.approx(np.minimum(apart.min(axis=1), 0.2).sum(), abs=1e-6)
-
-
-def test_the_search_finds_both_damages(both):
-    search = QuickSearch(both[0], N - 1)
-    search.run()
-    best = max(search.fits, key=lambda s: search.log_weights()[s])
-    assert best == (1, 3)
-    np.testing.assert_allclose(search.fits[best].beta, [0.4, 0.2], atol=0.03)
