@@ -40,16 +40,9 @@ def test_states_with_no_response_in_common_are_refused():
 
 
 def roots(response, place):
-    size = len(place)
-    return Foreseen(
-        response=np.array(response),
-        place=np.array(place),
-        beside=np.zeros(size),
-        spread=1e-6 * np.eye(size),
-        change=np.zeros(size),
-        slopes=np.empty((size, 0)),
-        seen=np.ones(size, dtype=bool),
-    )
+    own = Roots(np.array(response), np.array(place), np.empty((len(place), 0)))
+    none = np.zeros(own.size)
+    return Foreseen(own, own.log_f, none, 1e-6 * np.eye(own.size), none, none == 0.0)
 
 
 def price_of(response, log_f, test, expected, asked=None):
@@ -248,7 +241,7 @@ def test_what_moves_far_is_followed_while_a_pair_vanishes():
 
 def test_what_is_gone_takes_its_place_with_little_to_say():
     both = and_vanished(roots([0, 0, 2], [1.0, 3.0, 1.5]), np.array([0, 1]), np.array([2.0, 0.5]))
-    assert both.response.tolist() == [0, 0, 0, 1, 2]
+    assert both.roots.response.tolist() == [0, 0, 0, 1, 2]
     assert both.place.tolist() == [1.0, 2.0, 3.0, 0.5, 1.5]
     assert both.seen.tolist() == [True, False, True, False, True]
     assert np.allclose(both.spread, np.diag([1e-6, 0.01, 1e-6, 0.01, 1e-6]))

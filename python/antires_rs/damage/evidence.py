@@ -115,7 +115,7 @@ class Truncated:
 
     def draws(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them one Gaussian's."""
-        z, log_weight = self._transformed(uniform)
+        z, log_weight = self.transformed(uniform)
         found = np.empty_like(z)
         found[:, self.order] = np.clip(self.mean + z @ self.factor.T, 0.0, FURTHEST)
         return found, log_weight
@@ -131,20 +131,13 @@ class Truncated:
             total -= log_between(below, above)
         return total
 
-    def log_probability(self) -> FloatArray:
-        """ln of the probability of the box under each whole Gaussian, (...)."""
-        from scipy.special import logsumexp
-
-        points, weights = _rule(self.mean.shape[-1] - 1)
-        return np.asarray(logsumexp(self._transformed(points)[1], b=weights, axis=-1))
-
     def _limits(self, z: FloatArray, i: int) -> tuple[FloatArray, FloatArray]:
         """Limits of coordinate i in standard deviations, given those before."""
         before = (z[..., :i] @ self.factor[..., i, :i, None])[..., 0]
         middle, scale = self.mean[..., i, None] + before, self.factor[..., i, i, None]
         return -middle / scale, (FURTHEST - middle) / scale
 
-    def _transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Standard normal coordinates of as many uniform numbers as there are, and ln of the product."""
         z = np.zeros((*self.mean.shape[:-1], len(uniform), self.mean.shape[-1]))
         total = np.zeros(z.shape[:-1])
@@ -167,6 +160,8 @@ def truncated(mean: FloatArray, covariance: FloatArray) -> Truncated:
 
 def log_inside(mean: FloatArray, covariance: FloatArray) -> FloatArray:
     """ln of the probability that each Gaussian of mean (k, n) gives to the box, by a fixed rule."""
+    from scipy.special import logsumexp
+
     sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     near = np.minimum(mean, FURTHEST - mean) < _FAR * sd
     alone = log_between(-mean / sd, (FURTHEST - mean) / sd)
@@ -177,7 +172,10 @@ def log_inside(mean: FloatArray, covariance: FloatArray) -> FloatArray:
         if row.size:
             at = np.nonzero(near[row])[1].reshape(-1, size)
             own = covariance[row[:, None, None], at[:, :, None], at[:, None, :]]
-            found[row] = truncated(mean[row[:, None], at], own).log_probability()
+            points, weights = _rule(size - 1)
+            found[row] = logsumexp(
+                truncated(mean[row[:, None], at], own).transformed(points)[1], b=weights, axis=-1
+            )
     return found
 
 

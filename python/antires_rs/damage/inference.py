@@ -69,15 +69,6 @@ _LOST = 0.05
 _MANY = 8
 
 
-def worth_a_scan(view: View, elements: list[int], size: int) -> list[int] | None:
-    """The elements to scan for a set of ``size``, ascending; None for all of them."""
-    if len(elements) <= _MANY_ELEMENTS:
-        return None
-    gains = view.gains
-    most = _SCANNED_ELEMENTS[min(size, len(_SCANNED_ELEMENTS)) - 1]
-    return sorted(sorted(elements, key=lambda e: -gains[e])[:most])
-
-
 @dataclass
 class Search:
     """The sets found so far, by elements; ``n_candidates`` first, then those that are none.
@@ -233,8 +224,10 @@ class Search:
         found: list[tuple[float, Elements, FloatArray]] = []
         for parent in parents:
             further, grid = self._further(parent.elements), _GRID
-            few = worth_a_scan(parent.view, further, size)
-            if few is not None:
+            if len(further) > _MANY_ELEMENTS:
+                gains = parent.view.gains
+                most = _SCANNED_ELEMENTS[min(size, len(_SCANNED_ELEMENTS)) - 1]
+                few = sorted(sorted(further, key=lambda e: -gains[e])[:most])
                 if size == 1:
                     self.screened = len(few), len(further)
                     self.hopeless.update((e,) for e in set(further) - set(few))
@@ -525,7 +518,7 @@ def concluded(
     view, matched = search.fits[own].view, search.fits[own].view.n_matched
     shift = likelihood.moved_alike if best.unknown else 0.0
     taught = {each.name: getattr(learned, each.name) for each in fields(Taught)}
-    taught["notes"] = (*learned.notes, *notes, *_of_shift(shift), *_of_screening(search))
+    taught["notes"] = (*learned.notes, *notes, *_notes(search, shift))
     found = Assessment(
         **taught,
         hypotheses=Hypotheses(rows, {e: question.model.element_label(e) for e in numbers}),
@@ -551,26 +544,22 @@ def concluded(
     return found
 
 
-def _of_shift(moved: float) -> list[str]:
-    """A note where all values have moved alike, which is no damage."""
-    if not moved:
-        return []
-    way = "higher" if moved > 0.0 else "lower"
-    return [
-        f"All values are {figure(abs(moved))} {way} than in the intact state, as at another temperature or "
-        "by another sampling clock: correct them for it, or raise std_common."
-    ]
-
-
-def _of_screening(search: Search) -> list[str]:
-    """A note on what was looked at less closely, where there are many elements."""
-    if search.screened is None:
-        return []
-    closely, count = search.screened
-    return [
-        f"Of {count} elements the {closely} that would explain most to first order were scanned from 2 to "
-        "97 % loss; the others were judged from the slopes of the undamaged model."
-    ]
+def _notes(search: Search, shift: float) -> list[str]:
+    """On a shift of all values, which is no damage, and on elements that were looked at less closely."""
+    notes = []
+    if shift:
+        way = "higher" if shift > 0.0 else "lower"
+        notes.append(
+            f"All values are {figure(abs(shift))} {way} than in the intact state, as at another temperature "
+            "or by another sampling clock: correct them for it, or raise std_common."
+        )
+    if search.screened is not None:
+        closely, count = search.screened
+        notes.append(
+            f"Of {count} elements the {closely} that would explain most to first order were scanned from 2 "
+            "to 97 % loss; the others were judged from the slopes of the undamaged model."
+        )
+    return notes
 
 
 @one_blas_thread

@@ -377,27 +377,19 @@ class Band(NamedTuple):
         return missed, present
 
 
-@dataclass(frozen=True)
-class Foreseen:
-    """Roots as they are expected in the measured structure at some severities; (r,) each.
+class Foreseen(NamedTuple):
+    """Roots (r,) as they are expected in the measured structure at some severities.
 
-    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state, with
-    ``slopes`` (r, n) by the severities; ``seen`` in the intact state; ``modes`` where they are of modes.
+    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state;
+    ``seen`` there.
     """
 
-    response: NDArray[np.intp]
+    roots: Roots
     place: FloatArray
     beside: FloatArray
     spread: FloatArray
     change: FloatArray
-    slopes: FloatArray
     seen: NDArray[np.bool_]
-    modes: Roots | None = None
-
-    @property
-    def roots(self) -> Roots:
-        """What values are associated with."""
-        return self.modes or Roots(self.response, self.place, self.slopes)
 
 
 def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: Errors) -> View:
@@ -421,7 +413,7 @@ def associated(
     alone = price_alone(*band)
     partner, place, lost = now.associated(roots.roots, roots.place, sigma, alone, missed - present, wider)
     taken = partner[partner >= 0]
-    price = lost + now.times_measured(roots.response) @ missed - (missed - present)[taken].sum()
+    price = lost + now.times_measured(roots.roots.response) @ missed - (missed - present)[taken].sum()
     return partner, place, float(price)
 
 
@@ -453,7 +445,7 @@ def _judged(
     log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
     logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
     best = int(np.argmax(logs))
-    slopes = roots.slopes[root]
+    slopes = roots.roots.slopes[root, : beta.size]
     slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
@@ -490,22 +482,23 @@ def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
 _MOVED = 0.1
 
 
-def and_vanished(roots: Foreseen, response: NDArray[np.intp], place: FloatArray) -> Foreseen:
+def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray) -> Foreseen:
     """The roots together with those that are gone, in ascending order within each response."""
-    n, m = roots.place.size, response.size
+    n, m = there.place.size, response.size
     if not m:
-        return roots
-    both, places = np.concatenate([roots.response, response]), np.concatenate([roots.place, place])
+        return there
+    both, places = np.concatenate([there.roots.response, response]), np.concatenate([there.place, place])
     order = np.lexsort((places, both))
     spread = np.zeros((n + m, n + m))
-    spread[:n, :n] = roots.spread
+    spread[:n, :n] = there.spread
     spread[np.arange(n, n + m), np.arange(n, n + m)] = _MOVED**2
 
     def joined(own: Any) -> Any:
         return np.concatenate([own, np.zeros((m, *own.shape[1:]), dtype=own.dtype)])[order]
 
-    rest = {name: joined(getattr(roots, name)) for name in ("beside", "change", "slopes", "seen")}
-    return Foreseen(response=both[order], place=places[order], spread=spread[np.ix_(order, order)], **rest)
+    roots = Roots(both[order], places[order], joined(there.roots.slopes))
+    beside, change, seen = map(joined, (there.beside, there.change, there.seen))
+    return Foreseen(roots, places[order], beside, spread[np.ix_(order, order)], change, seen)
 
 
 # -- The likelihood, wherever the roots come from, and how probable changes are that are no damage
@@ -653,16 +646,14 @@ class Likelihood(ValueLikelihood):
         old = identity >= 0
         alike = np.hypot(self.common, common) * (roots.kind == 0)
         foreseen = Foreseen(
-            response=roots.response,
-            place=log_f + beside,
-            beside=beside,
-            spread=spread + extra**2 * np.eye(log_f.size) + np.outer(alike, alike),
-            change=np.where(old, log_f - error.intact.log_f[identity], _NEW),
-            slopes=slopes[:, : self.n],
-            seen=old & error.seen[identity],
-            modes=roots if isinstance(roots, ModeRoots) else None,
+            roots,
+            log_f + beside,
+            beside,
+            spread + extra**2 * np.eye(log_f.size) + np.outer(alike, alike),
+            np.where(old, log_f - error.intact.log_f[identity], _NEW),
+            old & error.seen[identity],
         )
-        if foreseen.modes is None:  # modes do not vanish
+        if not isinstance(roots, ModeRoots):  # modes do not vanish
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
             places = error.intact.log_f[gone] + self._beside[gone]
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
