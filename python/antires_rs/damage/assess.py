@@ -20,7 +20,6 @@ from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thr
 from ..support.checks import FloatArray, integer, shape_of
 from ..support.options import gathered
 from ..support.progress import waiting
-from ..support.values import FrozenDict
 from ..updating.identifiability import smallest_visible
 from ..updating.model_check import Explained, explained
 from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
@@ -227,7 +226,7 @@ class DamageResult(Answered, UpdateResult):
         """Stiffness loss beta of each element; exactly 0 where there is no damage."""
         return {element: float(beta) for element, beta in zip(self.elements, self.x, strict=True)}
 
-    @cached_property
+    @property
     def detectable(self) -> dict[int, float]:
         """Smallest beta of each element that would be seen; infinity where none would.
 
@@ -235,8 +234,11 @@ class DamageResult(Answered, UpdateResult):
         the baseline leaves to the model. Without one: below it the penalties cost more than the damage
         explains, on exact data, so that an undamaged structure is the better answer to the objective.
         """
-        found = self._assessment.detectable if self._assessment else smallest_visible(self.problem)
-        return FrozenDict(zip(self.elements, found, strict=True))
+        return dict(zip(self.elements, self._detectable, strict=True))
+
+    @cached_property
+    def _detectable(self) -> tuple[float, ...]:
+        return self._assessment.detectable if self._assessment else tuple(smallest_visible(self.problem))
 
     @property
     def interval(self) -> dict[int, tuple[float, float]]:
