@@ -15,11 +15,10 @@ from ._core import __version__ as __version__
 # Where each public name lives. It is imported at first use, so that `antires --help` waits for no numpy.
 # No name may be that of a module, which would take its place once imported.
 _NAMES = {
-    "damage.assess": ("assess_damage",),
+    "damage.assess": ("DamageResult", "assess_damage"),
     "damage.assessor": ("AssessedTest", "Assessor"),
     "damage.hypotheses": ("Hypotheses", "Hypothesis"),
     "damage.options": ("DamagePrior", "SearchOptions"),
-    "damage.result": ("DamageResult",),
     "damage.severity_intervals": ("SampledSet", "SeverityIntervals"),
     "exceptions": (
         "AntiresError",

@@ -2,11 +2,10 @@
 
 from . import cases, exceptions as exceptions, figures as figures, io as io
 from ._core import __version__
-from .damage.assess import assess_damage as assess_damage
+from .damage.assess import DamageResult as DamageResult, assess_damage as assess_damage
 from .damage.assessor import AssessedTest as AssessedTest, Assessor as Assessor
 from .damage.hypotheses import Hypotheses as Hypotheses, Hypothesis as Hypothesis
 from .damage.options import DamagePrior as DamagePrior, SearchOptions as SearchOptions
-from .damage.result import DamageResult as DamageResult
 from .damage.severity_intervals import SampledSet as SampledSet, SeverityIntervals as SeverityIntervals
 from .exceptions import (
     AntiresError as AntiresError,

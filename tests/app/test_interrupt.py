@@ -9,7 +9,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.app import arguments as damage_jobs, main as cli
-from antires_rs.damage import result as damage_result
+from antires_rs.damage import assess as damage_result
 from antires_rs.updating import result as results
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
 from tests.support.signalled import ANTIRES, LONG, stopped

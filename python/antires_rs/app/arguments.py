@@ -9,10 +9,9 @@ from functools import partial
 from typing import Any
 
 from .. import io
-from ..damage.assess import assess_damage
+from ..damage.assess import DamageResult, assess_damage
 from ..damage.measured_states import measured_states
 from ..damage.options import TWO_STATES, DamagePrior, SearchOptions
-from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models import parameters
 from ..models.chain import MassSpringChain

@@ -16,8 +16,7 @@ import numpy as np
 from .. import cases
 from .._core import __version__
 from ..cases.chain8 import DURATION_S, FS_HZ, Chain8
-from ..damage.assess import assess_damage
-from ..damage.result import DamageResult
+from ..damage.assess import DamageResult, assess_damage
 from ..exceptions import MissingDependencyError
 from ..identification.identify import identify_antiresonances
 from ..measured.antiresonance_set import AntiresonanceSet

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ..damage.result import DamageResult
+from ..damage.assess import DamageResult
 from ..exceptions import reject
 from ..figures.page import ResultView, Table
 from ..figures.page_session import Session, SetView, View

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
-from ..damage.result import DamageResult
+from ..damage.assess import DamageResult
 from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..figures.report_parts import (
     Drawings,

@@ -14,8 +14,8 @@ from .canvas import draw, fit_across, new_axes
 from .marks import Axis, Bands, Bars, Heads, Mark, Panel, Points, Ticks, Whiskers, Words
 
 if TYPE_CHECKING:
+    from ..damage.assess import DamageResult
     from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
-    from ..damage.result import DamageResult
 
 #: From this probability on an element that was not declared has a bar of its own.
 _WORTH_A_BAR = 0.02

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core import __version__
-from ..damage.result import DamageResult
+from ..damage.assess import DamageResult
 from ..damage.words import without_idle
 from ..exceptions import MissingDependencyError, reject
 from ..signals.frequency_response import FrequencyResponse

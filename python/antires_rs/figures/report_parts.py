@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..damage.assess import DamageResult
 from ..damage.hypotheses import Assessment, loss, span
-from ..damage.result import DamageResult
 from ..damage.words import without_idle
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain

@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import __version__
-from ..damage import assessor_plan, hypotheses, inference, options, question
+from ..damage import assessor_plan, hypotheses, inference, likelihood, options
+from ..damage.assess import DamageResult
 from ..damage.assessor import Assessor
 from ..damage.assessor_plan import LEVELS, Plan, Tables
 from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 from ..damage.inference import Learned
+from ..damage.likelihood import Question
 from ..damage.options import DamagePrior, SearchOptions
-from ..damage.question import Question
-from ..damage.result import DamageResult
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
@@ -138,7 +138,7 @@ _FIELDS: dict[type, tuple[str, ...]] = {
     Entries: Entries._fields,
 }
 _HOMES = (
-    *(assessor_plan, inference, hypotheses, question, options),
+    *(assessor_plan, inference, hypotheses, likelihood, options),
     *(frame_parts, recipes, structural_model, island_ga),
 )
 #: Classes by the names that stand in files: our dataclasses, as these modules know them, and those above.

@@ -14,9 +14,8 @@ from .. import _core
 from ..damage.assess import assess_damage
 from ..damage.evidence import HIGHEST, log_between
 from ..damage.inference import intact_slopes, log_odds_threshold
-from ..damage.likelihood import ERRORS, Likelihood
+from ..damage.likelihood import BOUNDS, ERRORS, Likelihood, ModelError, factors_of, learned
 from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
-from ..damage.model_error import BOUNDS, ModelError, factors_of, learned
 from ..damage.options import DamagePrior, SearchOptions
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
@@ -177,7 +176,7 @@ class Judge:
         found = roots_at(core, rows, slopes=True, threads=self.threads)
         self._tabulate(error, found)
         self.threshold = None
-        rate = self.options.alarm_rate
+        rate = self.options.false_alarm_rate
         if rate is not None:
             states = (self.baseline, self.baseline)
             likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..damage.measured_states import LEAST_STD, align, roots_at
+from ..damage.measured_states import LEAST_STD, roots_at
 from ..support.checks import FloatArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
@@ -171,7 +171,7 @@ def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:
             if apart.min() >= APART:
                 continue
             # Each root has one counterpart at most.
-            partner = align(apart, np.full(own.size, 0.5 * APART), np.full(theirs.size, 0.5 * APART))
+            partner = _core.align(apart, np.full(own.size, 0.5 * APART), np.full(theirs.size, 0.5 * APART))
             for root in np.flatnonzero(partner >= 0):
                 share = (apart[root, partner[root]] - ONE) / (APART - ONE) >= SEEN
                 row = found.setdefault(int(starts[nth] + root), np.ones(len(log_f)))

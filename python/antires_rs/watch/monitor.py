@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..damage.assess import assess_damage, checked_search, elements_of
+from ..damage.assess import DamageResult, assess_damage, checked_search, elements_of
 from ..damage.assessor import AssessedTest, Assessor
 from ..damage.options import TWO_STATES, SearchOptions, checked_prior, sorted_out
-from ..damage.result import DamageResult
 from ..exceptions import reject
 from ..io.data_frames import frame_of
 from ..measured.antiresonance_set import AntiresonanceSet

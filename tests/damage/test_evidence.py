@@ -1,5 +1,5 @@
-"""Gaussians within a box: probability against another method, draws against rejection, the sampler against
-integrals that are known."""
+"""Gaussians within a box against other methods, draws against rejection, the sampler and the threshold of a
+rate of false alarms against integrals that are known."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, multivariate_normal, norm
 
+import antires_rs as ar
 from antires_rs.damage.evidence import FURTHEST, Fit, log_inside, peak_in_box, truncated
+from antires_rs.damage.inference import log_odds_threshold
 from antires_rs.damage.severity_intervals import stepwise
 
 
@@ -31,13 +33,13 @@ def test_the_probability_of_a_box(n):
         ).cdf(np.full(n, FURTHEST), lower_limit=np.zeros(n))
         if exact > 1e-4:  # the other method is exact to about 1e-9
             compared += 1
-            assert abs(log_inside(mean[None], spread[None], 0.0, FURTHEST)[0] - np.log(exact)) < 0.02
+            assert abs(log_inside(mean[None], spread[None])[0] - np.log(exact)) < 0.02
     assert compared > 30
 
 
 def test_far_outside_the_tail_counts():
     """One coordinate 40 standard deviations below its bound, and one that goes with it."""
-    found = log_inside(np.array([[-4.0, 1.0]]), np.diag([0.01, 0.04])[None], 0.0, FURTHEST)
+    found = log_inside(np.array([[-4.0, 1.0]]), np.diag([0.01, 0.04])[None])
     assert np.isclose(found, norm.logsf(40.0), rtol=1e-6)
 
 
@@ -49,7 +51,7 @@ def test_weighted_draws_are_those_of_rejection():
     rng = np.random.default_rng(3)
     free = rng.multivariate_normal(mean, spread, 80_000)
     wanted = free[np.all(free > 0.0, axis=1)]
-    gaussian = truncated(mean, spread, 0.0, FURTHEST)
+    gaussian = truncated(mean, spread)
     u, log_weight = gaussian.draws(rng.random((20_000, 3)))
     weight = np.exp(log_weight)
     chosen = rng.choice(len(u), 2000, p=weight / weight.sum())
@@ -67,7 +69,7 @@ def test_particles_find_both_peaks_and_their_integral():
     def log_density(u):
         return np.log(sum(w * norm.pdf(u[:, 0], m, s) for m, s, w in peaks) + 1e-300)
 
-    start = truncated(np.array([1.2]), np.array([[0.3**2]]), 0.0, FURTHEST)
+    start = truncated(np.array([1.2]), np.array([[0.3**2]]))
     u, log_integral = stepwise(log_density, start, 2000, np.random.default_rng(0))
     assert abs(log_integral - np.log(4.0)) < 0.15
     assert abs(np.mean(u < 1.2) - 0.75) < 0.06
@@ -75,7 +77,7 @@ def test_particles_find_both_peaks_and_their_integral():
 
 
 def fit_of(mean, spread):
-    beta = -np.expm1(-peak_in_box(mean[None], spread[None], 0.0, FURTHEST)[0])
+    beta = -np.expm1(-peak_in_box(mean[None], spread[None])[0])
     return Fit((*range(mean.size),), 0.0, beta, mean, spread, None)
 
 
@@ -109,3 +111,19 @@ def test_far_beyond_the_upper_bound_the_interval_ends_there():
     fit = fit_of(np.array([FURTHEST + 5.0]), np.array([[0.01]]))
     low, high = fit.interval(0, (0.05, 0.95))
     assert 0.98 < low < high <= 0.99 + 1e-12
+
+
+def test_the_threshold_is_the_quantile_of_integrated_evidence():
+    """Elements from well seen to hardly seen at all: a severity that nothing shows gains no evidence."""
+    rng, prior = np.random.default_rng(0), ar.DamagePrior()
+    slopes = np.linalg.qr(rng.standard_normal((6, 6)))[0] * [100.0, 10.0, 3.0, 1.0, 0.1, 1e-3]
+    beta = np.linspace(0.0, 0.99, 4001)
+    values = np.random.default_rng(1).standard_normal((4000, 6))
+    odds = np.zeros(4000)
+    for own in slopes.T:
+        gain = np.outer(values @ own, beta) - 0.5 * (own @ own) * beta**2
+        odds += np.trapezoid(np.exp(gain), beta, axis=1) / 0.99
+    for rate in (0.3, 0.05):
+        wanted = np.log(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, 6) - prior.log_of(0, 6)
+        found = log_odds_threshold(slopes, prior, rate, np.random.default_rng(1))
+        assert abs(found - wanted) < 1e-3
