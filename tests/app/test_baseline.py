@@ -121,7 +121,7 @@ def test_records_are_identified_as_the_data_are(records, capsys):
 def intact(folder, baseline, text=FOUR):
     (folder / "job.toml").write_text(text.replace('"intact.npz"', json.dumps(baseline)), encoding="utf-8")
     job = read_job(folder / "job.toml")
-    return baseline_of(job, model_of(job), lambda line: None)
+    return baseline_of(job, model_of(job))
 
 
 def test_several_files_are_several_tests_and_a_pattern_is_one(records):

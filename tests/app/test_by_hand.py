@@ -24,7 +24,7 @@ def job_with(folder, more, file="measured.json"):
 
 
 def measured(job):
-    return [one.found for one in measured_of(job, None, lambda line: None)]
+    return [one.found for one in measured_of(job, None)]
 
 
 @pytest.fixture

@@ -80,7 +80,7 @@ def test_failures_become_exit_codes_without_traceback(monkeypatch, capsys, raise
     def fail(*args, **options):
         raise raised
 
-    monkeypatch.setattr(demo, "command", fail)
+    monkeypatch.setattr(demo, "demo", fail)
     assert cli.main(["demo"]) == code
     err = capsys.readouterr().err
     assert said in err
@@ -88,7 +88,7 @@ def test_failures_become_exit_codes_without_traceback(monkeypatch, capsys, raise
 
 
 def test_bugs_are_not_hidden(monkeypatch):
-    monkeypatch.setattr(demo, "command", lambda *args, **options: [][1])
+    monkeypatch.setattr(demo, "demo", lambda args: [][1])
     with pytest.raises(IndexError):
         cli.main(["demo"])
 
@@ -143,9 +143,8 @@ def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tm
 def test_comparison_with_the_truth_counts_found_and_false():
     found = ar.AntiresonanceSet(0, {0: [10.1, 20.0, 20.1, 50.0], 1: []})
     first, second = demo.compare(found, {0: np.array([10.0, 20.08, 30.0]), 1: np.empty(0)})
-    assert (first.true, first.found, first.false) == (3, 2, 2)
-    assert first.largest_percent == pytest.approx(1.0)
-    assert (second.true, second.found, second.false, second.largest_percent) == (0, 0, 0, None)
+    assert first == {"dof": 0, "true": 3, "found": 2, "false": 2, "largest_error_percent": pytest.approx(1.0)}
+    assert second == {"dof": 1, "true": 0, "found": 0, "false": 0, "largest_error_percent": None}
 
 
 def test_the_pipeline_never_asks_for_the_truth(monkeypatch):
@@ -154,7 +153,8 @@ def test_the_pipeline_never_asks_for_the_truth(monkeypatch):
 
     monkeypatch.setattr(ar.cases.Chain8, "truth", forbidden)
     monkeypatch.setattr(ar.cases.Chain8, "exact", forbidden)
-    told = demo.tell(noise=0.0, max_evaluations=2000, workers=1)
+    monkeypatch.setattr(demo, "MAX_EVALUATIONS", 2000)
+    told = demo.tell(noise=0.0, workers=1)
     assert told.damage.damaged[0] == 4
 
 
@@ -264,7 +264,7 @@ def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
     ],
 )
 def test_the_channel_that_a_place_probably_means(force, names, meant):
-    from antires_rs.app.measurement import _meant
+    from antires_rs.app.call import _meant
 
     assert _meant(force, tuple(names)) == meant
 
@@ -380,7 +380,7 @@ def test_an_import_that_ctrl_c_broke_is_ctrl_c_and_no_other(monkeypatch, capsys)
 
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        monkeypatch.setattr(demo, "command", broken)
+        monkeypatch.setattr(demo, "demo", broken)
         interrupt = signal.SIGINT
         assert cli.main(["demo"]) == 130
         assert capsys.readouterr().err == "antires: interrupted\n"

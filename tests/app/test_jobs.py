@@ -156,7 +156,7 @@ def test_edits_of_a_set_move_with_its_names(tmp_path):
     named.drop("m1", exact[1][-1], reason="hum").add("m0", 140.0).save(tmp_path / "measured.json")
     names = ", ".join(f"m{dof} = {dof}" for dof in exact)
     job = job_of(tmp_path, DAMAGE.replace('"measured.json"', f'"measured.json"\ndofs = {{ {names} }}'))
-    (measured,) = measured_of(job, model_of(job), print)
+    (measured,) = measured_of(job, model_of(job))
     found = measured.found
     assert [(e.action, e.dof, e.reason) for e in found.edits] == [("drop", 1, "hum"), ("add", 0, "")]
     assert found.by_hand() == {(0, 140.0)}
@@ -167,7 +167,7 @@ def test_two_names_of_one_dof_are_refused(tmp_path):
     ar.AntiresonanceSet(0, {0: [20.0], 1: [30.0]}).save(tmp_path / "measured.json")
     job = job_of(tmp_path, DAMAGE.replace('"measured.json"', '"measured.json"\ndofs = [3, 3]'))
     with pytest.raises(ar.InvalidInputError, match=r"line 3, \[data\] dofs: got 3 for two of \(0, 1\)"):
-        measured_of(job, model_of(job), print)
+        measured_of(job, model_of(job))
 
 
 FRAME = """[model]

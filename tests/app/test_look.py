@@ -254,7 +254,7 @@ def test_identify_refuses_options_beside_a_set(tmp_path, capsys):
 
 
 def test_a_result_under_another_name_is_looked_at(tmp_path):
-    from antires_rs.app.look_view import result_file
+    from antires_rs.app.look import result_file
 
     write_measured(tmp_path)
     run(tmp_path, DAMAGE)

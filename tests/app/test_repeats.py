@@ -39,7 +39,7 @@ def measured(folder, repeats):
     data = DATA.format(repeats=json.dumps(repeats))
     path.write_text(DAMAGE.replace('[data]\nfile = "measured.json"\n', data), encoding="utf-8")
     job = read_job(path)
-    return job, measured_of(job, None, lambda line: None)
+    return job, measured_of(job, None)
 
 
 def test_repeats_of_a_job(tmp_path, impacts):
@@ -48,7 +48,7 @@ def test_repeats_of_a_job(tmp_path, impacts):
     job, (one,) = measured(tmp_path, ["hit_*.npz"])
     assert one.found == wanted
     assert [path.name for path in one.repeats] == ["hit_1.npz", "hit_2.npz", "hit_3.npz"]
-    facts = measurement_of(job, [one])[0]
+    facts = measurement_of([one])[0]
     assert facts["File"] == [f"hit_{i}.npz" for i in range(4)]
     assert facts["Record"][0].startswith("4 records of one test, together 64 s at 512 Hz")
     _, (same,) = measured(tmp_path, ["hit_1.npz", "hit_2.npz", "hit_3.npz"])
