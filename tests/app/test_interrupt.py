@@ -31,17 +31,19 @@ antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
 """
 
 
+FILES = {"antiresonances.json", "result.npz", "run.json", "summary.json"}
+
+
+def names_in(folder):
+    return {path.name for path in folder.iterdir()}
+
+
 def bytes_of(file):
     result = ar.UpdateResult.load(file)
     search, history = result.search, result.search.history
     arrays = (search.x, history.cost, history.nfev, history.migrations, search.populations)
-    return [a.tobytes() for a in arrays] + [
-        search.fun.hex(),
-        search.nfev,
-        search.nit,
-        search.status,
-        result.seed,
-    ]
+    numbers = (search.fun.hex(), search.nfev, search.nit, search.status, result.seed)
+    return [*(a.tobytes() for a in arrays), *numbers]
 
 
 def fill(folder, text):
@@ -66,13 +68,7 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
     assert took < INTERRUPT_S
     assert err == "antires: interrupted, the best so far is kept; go on with: antires resume job.toml\n"
     assert "interrupted" in out.splitlines()[0]
-    assert sorted(p.name for p in results.iterdir() if p.name != "search.ckpt.previous") == [
-        "antiresonances.json",
-        "result.npz",
-        "run.json",
-        "search.ckpt",
-        "summary.json",
-    ]
+    assert names_in(results) - {"search.ckpt.previous"} == FILES | {"search.ckpt"}
     summary = json.loads((results / "summary.json").read_text())
     best = ar.UpdateResult.load(results / "result.npz")
     assert summary["status"] == best.status == "interrupted"
@@ -129,12 +125,7 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
     assert code == 130, err
     assert cli.main(["resume", str(results / "search.ckpt"), "--workers", "2"]) == 0
     assert bytes_of(results / "result.npz") == whole
-    assert sorted(p.name for p in results.iterdir()) == [
-        "antiresonances.json",
-        "result.npz",
-        "run.json",
-        "summary.json",
-    ]
+    assert names_in(results) == FILES
     # Nothing is left to do, and it says so.
     capsys.readouterr()
     assert cli.main(["resume", str(tmp_path / "job.toml"), "--json"]) == 0
@@ -146,24 +137,12 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this system has no SIGKILL")
 def test_killed_at_any_moment_a_job_goes_on_to_the_same_bits(tmp_path, whole):
     results = fill(tmp_path, LONG)
-    commands = iter([("update", "job.toml")])
-    for after in (0.05, 0.15, 0.1):
-        stopped(
-            tmp_path,
-            signal.SIGKILL,
-            *next(commands, ("resume", "job.toml")),
-            after=after,
-            code=OFTEN + ANTIRES,
-        )
+    for command, after in (("update", 0.05), ("resume", 0.15), ("resume", 0.1)):
+        stopped(tmp_path, signal.SIGKILL, command, "job.toml", after=after, code=OFTEN + ANTIRES)
     (results / ".result.npz.4711.tmp").write_bytes(b"half")
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
     assert bytes_of(results / "result.npz") == whole
-    assert sorted(p.name for p in results.iterdir()) == [
-        "antiresonances.json",
-        "result.npz",
-        "run.json",
-        "summary.json",
-    ]
+    assert names_in(results) == FILES
 
 
 def test_a_time_limit_leaves_a_search_to_go_on_with(tmp_path, whole, capsys):
@@ -202,7 +181,7 @@ def test_ctrl_c_before_the_search_says_so_in_one_line(tmp_path):
 import antires_rs.app.reading as m
 identify = m.identify_antiresonances
 def announced(*args, **options):
-    open("run.json", "w").write("searching")
+    open("job_results/run.json", "w").write("searching")
     return identify(*args, **options)
 m.identify_antiresonances = announced
 from antires_rs.app.main import main""",
@@ -211,13 +190,6 @@ from antires_rs.app.main import main""",
     (tmp_path / "job.toml").write_text(
         LONG.replace('file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 130]')
     )
-    exit_code, out, err, took = stopped(
-        tmp_path,
-        signal.SIGINT,
-        "update",
-        "job.toml",
-        after=0.05,
-        code=code.replace('"run.json"', '"job_results/run.json"'),
-    )
+    exit_code, out, err, took = stopped(tmp_path, signal.SIGINT, "update", "job.toml", after=0.05, code=code)
     assert (exit_code, out, err) == (130, "", "antires: interrupted\n")
     assert took < INTERRUPT_S

@@ -9,6 +9,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,8 @@ def run(argv: Sequence[str] | None) -> int:
         warnings.simplefilter("always", AntiresWarning)
         warnings.showwarning = _warn
         try:
-            code: int = args.does(args)
+            module, name = args.does.split(".")
+            code: int = getattr(import_module(f"{__package__}.{module}"), name)(args)
             sys.stdout.flush()
             return code
         except BrokenPipeError:

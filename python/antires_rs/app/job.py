@@ -149,7 +149,7 @@ def _label(place: KeyPath) -> str:
     """``[search] seed`` of ("search", "seed"); arrays of tables by their number."""
     name, rest = str(place[0]), list(place[1:])
     label = f"[{name}]"
-    if rest and isinstance(rest[0], int) and name in SECTIONS and SECTIONS[name].several != "no":
+    if rest and isinstance(rest[0], int) and name in SECTIONS and SECTIONS[name].several:
         label = f"[[{name}]] {rest.pop(0)}"
     for i, part in enumerate(rest):
         label += f"[{part}]" if isinstance(part, int) else f"{'.' if i else ' '}{part}"
@@ -184,7 +184,7 @@ def parsed(name: str, text: str) -> dict[str, Any]:
         remedy = "Text stands in quotes, lists in [ ], and each key once."
         heading = line.strip("[] ")
         again = line == f"[{heading}]" and line in lines[: number - 1]
-        if again and heading in SECTIONS and SECTIONS[heading].several != "no":
+        if again and heading in SECTIONS and SECTIONS[heading].several:
             remedy = f"Where there are several, each is headed [[{heading}]]."
         if "\\" in line:
             remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'."
@@ -275,7 +275,7 @@ class Job:
         if isinstance(value, dict) and section.several != "must":
             return {(name,): value}
         several = isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value)
-        if several and section.several != "no":
+        if several and section.several:
             return {(name, i): row for i, row in enumerate(value)}
         heading = f"[[{name}]]" if section.several == "must" else f"[{name}]"
         got = "several tables" if several else "a single table" if isinstance(value, dict) else shown(value)

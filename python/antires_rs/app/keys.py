@@ -48,12 +48,12 @@ class Key:
 
 @dataclass(frozen=True)
 class Section:
-    """One table of a job; ``several`` tables of that name, [[name]]: "no", they "may" or "must" be."""
+    """One table of a job; whether there "may" or "must" be ``several`` of that name, [[name]]."""
 
     name: str
     help: str
     keys: tuple[Key, ...]
-    several: str = "no"
+    several: str = ""
 
     def key(self, name: str) -> Key | None:
         """The key of that name."""
@@ -97,27 +97,33 @@ def format_of(name: str, given: str | None = None) -> str | None:
     return next((kind for kind, endings in FORMATS.items() if suffix in endings), None)
 
 
-# -- The sections: a key a paragraph, ``name (required kind of formats, --flag VALUE) = default: sentence``
+# -- The sections, a key a paragraph: ``name (required kind of formats, --flag VALUE) = default: sentence``
 
 
 _DECLARED = re.compile(r"(\w+) \((required )?(\w+)(?: of ([\w ]+))?(?:, (--[^)]+))?\)(?: = (.+?))?: (.+)")
 
 
-def section(name: str, text: str, several: str = "no", **inserted: Sequence[Key]) -> Section:
-    """A section from its declaration; ``<name>`` stands for keys that are declared elsewhere."""
-    about, *paragraphs = re.split(r"\n(?! )", text.strip())
-    keys: list[Key] = []
-    for paragraph in paragraphs:
-        if paragraph[1:-1] in inserted:
-            keys += inserted[paragraph[1:-1]]
-            continue
-        found = _DECLARED.fullmatch(" ".join(paragraph.split()))
-        if found is None:
-            raise ValueError(f"no declaration of a key: {paragraph!r}")
-        key, required, kind, of, flag, default, sentence = (part or "" for part in found.groups())
-        groups = tuple(one for word in of.split() for one in GROUPS.get(word, (word,)))
-        keys.append(Key(key, kind, sentence, default, bool(required), groups, flag))
-    return Section(name, about, tuple(keys), several)
+def _sections(text: str, **inserted: Sequence[Key]) -> dict[str, Section]:
+    """Every section; ``<name>`` stands for keys that are declared elsewhere."""
+    sections = {}
+    for part in text.strip().split("\n\n"):
+        head, *paragraphs = re.split(r"\n(?! )", part)
+        heading, _, about = head.partition(": ")
+        name, _, several = heading[1:].partition("]")
+        keys: list[Key] = []
+        for paragraph in paragraphs:
+            keys += inserted.get(paragraph[1:-1]) or [_key(" ".join(paragraph.split()))]
+        sections[name] = Section(name, about, tuple(keys), several.strip())
+    return sections
+
+
+def _key(paragraph: str) -> Key:
+    found = _DECLARED.fullmatch(paragraph)
+    if found is None:
+        raise ValueError(f"no declaration of a key: {paragraph!r}")
+    name, required, kind, of, flag, default, sentence = (part or "" for part in found.groups())
+    groups = tuple(one for word in of.split() for one in GROUPS.get(word, (word,)))
+    return Key(name, kind, sentence, default, bool(required), groups, flag)
 
 
 #: Options of an identification that commands have too.
@@ -149,9 +155,8 @@ def _of_damage(scope: str) -> list[Key]:
     ]
 
 
-DATA = section(
-    "data",
-    """What was measured. One [[data]] for each position of the force, or a single [data].
+_TEXT = """
+[data] may: What was measured. One [[data]] for each position of the force, or a single [data].
 file (required text): The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt, .npz, .npy, .tdms,
     .lvm, .wav, .xlsx, .parquet or .mseed, a folder of files of one FRF each, or the .json of 'antires
     identify'. Relative to this job file.
@@ -163,8 +168,8 @@ excitation (dof of signals, --excitation DOF): Dof of the model at which the one
     its channel.
 band_hz (pair of signals, --band LOW HIGH): Lowest and highest frequency in Hz: from above the rigid-body
     modes to beyond the highest antiresonance wanted.
-dofs (dofs, --dof CHANNEL=DOF): Dof of the model for each channel: a list in their order, or name = dof; false
-    leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".
+dofs (dofs, --dof CHANNEL=DOF ...): Dof of the model for each channel: a list in their order, or name = dof;
+    false leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".
 drop (texts): Values to leave out, "DOF=HZ why", each the one within 1 % of it: "3=31.9 mains hum".
 add (texts): Values that are added, in the same way.
 unit (text of signals, --unit UNIT): Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".
@@ -175,8 +180,8 @@ fs_hz (number of arrays csv tdms lvm excel parquet, --fs HZ): Sampling rate in H
 kind (word of responses, --kind WORD): "frf" or "transmissibility" (for UFF also "time" and "spectra"): what
     to read where a file does not tell or holds several.
 reference (dof of responses, --reference DOF): Reference of transmissibilities.
-responses (texts of arrays records folder, --responses NAME): Arrays or channels of the responses; * stands
-    for anything.
+responses (texts of arrays records folder, --responses NAME ...): Arrays or channels of the responses; *
+    stands for anything.
 time (text of arrays): Array of time in s.
 freq (text of arrays folder): Array of frequencies in Hz.
 df_hz (number of arrays columns folder, --df HZ): Spacing in Hz of FRFs from 0 Hz on, where the file has no
@@ -196,35 +201,19 @@ full_scale (number of wav, --full-scale VALUE) = 1: What full scale of a WAV fil
 delimiter (text of csv folder): What stands between columns.
 decimal (text of csv folder): Decimal sign.
 partial (switch of uff csv tdms lvm folder) = false: Whether to read what is whole of a file that was cut.
-""",
-    several="may",
-)
 
-SERIES = section(
-    "series",
-    """Many tests of one structure: [data] names a folder, or a pattern such as "records/*.npz".
+[series]: Many tests of one structure: [data] names a folder, or a pattern such as "records/*.npz".
 conditions (text): A CSV or Parquet file with what was measured beside: a row a test, in their order, or with
     their names in a column "name"; a column "time" dates them.
 over (text): The condition over which the pictures draw the antiresonances; by default the tests in order.
 workers (whole): Processes that identify; by default one. No number depends on it.
-""",
-    several="no",
-)
 
-IDENTIFICATION = section(
-    "identification",
-    """How antiresonances are identified. The defaults suit most records.
+[identification]: How antiresonances are identified. The defaults suit most records.
 dofs (list): Dofs whose antiresonances are used; by default all that were measured.
 <options>
 second_opinion (text): The older name of cross_check.
-""",
-    several="no",
-    options=_IDENTIFICATION,
-)
 
-MODEL = section(
-    "model",
-    """The model. Masses, springs, nodes, elements and dofs count from 0.
+[model]: The model. Masses, springs, nodes, elements and dofs count from 0.
 kind (required text): "chain" (masses and springs in a row), "frame" (beams), "matrices" (K and M of any
     finite-element program), "result" (the updated model of 'antires update').
 masses_kg (required numbers of chain): Masses in kg, from the first to the last.
@@ -252,13 +241,8 @@ mass_terms (texts of matrices): The same for M.
 dof_map (text of matrices): Text file with node and direction of each row, so that channels such as "12+Z"
     find their dof.
 first_row (whole of matrices) = 1: Number of the first row in dof_map.
-""",
-    several="no",
-)
 
-PARAMETERS = section(
-    "parameters",
-    """What may change in the model: one [[parameters]] for each kind and its bounds.
+[parameters] must: What may change in the model: one [[parameters]] for each kind and its bounds.
 kind (required text): stiffness_factor, stiffness_reduction (of elements), mass_factor (of terms); for frames
     also youngs_modulus, density, thickness, diameter (of sections), point_mass, inertia (of masses),
     support_stiffness (of springs), angle (of elements about a pivot), length (of elements from a pivot),
@@ -278,22 +262,12 @@ nodes (required terms of position): A list of nodes.
 direction (required numbers of position): The direction in which the nodes move, (x, y, z).
 pivot (required whole of turned): The node about which the elements turn, or that stays.
 axis (numbers of angle) = [0, 0, 1]: The axis, in space.
-""",
-    several="must",
-)
 
-UPDATING = section(
-    "updating",
-    """The objective of the updating.
+[updating]: The objective of the updating.
 misfit (text) = "absolute": "absolute" (a few wrong values do not move it), "squared" or "largest".
 weights (text): "std": what is known badly counts less.
-""",
-    several="no",
-)
 
-DAMAGE = section(
-    "damage",
-    """Where damage is looked for.
+[damage]: Where damage is looked for.
 baseline (texts): The intact structure: measurements as in [data], identified with the same options, or the
     .json of 'antires identify'; with several [[data]] one for each; * takes records of one test. With it
     changes are compared, and errors of the model do not count as damage.
@@ -302,15 +276,8 @@ elements (terms) = "all": Candidates: "all" or a list such as [0, 1, 2].
 prior (shares): With a baseline: probabilities before the test that add up to one, { nothing = 0.5, one = 0.3,
     two = 0.1, three = 0.03, elsewhere = 0.05, unknown = 0.02 } by default.
 <one_state>
-""",
-    several="no",
-    two_states=_of_damage(TWO_STATES),
-    one_state=_of_damage(ONE_STATE),
-)
 
-SEARCH = section(
-    "search",
-    """The search. The same seed gives bit-identical results for any number of workers.
+[search]: The search. The same seed gives bit-identical results for any number of workers.
 seed (whole) = 0: A whole number of at least 0.
 workers (whole): Threads; by default all processors.
 max_seconds (number): Longest time; 'antires resume' goes on from there.
@@ -333,27 +300,18 @@ cost_floor (number) = 1e-12: The same for costs, absolute.
 cost_migrations (whole) = 3: Migrations in a row for which costs must agree.
 polish_interval (whole) = 10: Generations between two polishes.
 polish_evaluations (whole) = 1000: Evaluations after which a polish begins nothing new.
-""",
-    several="no",
-)
 
-OUTPUT = section(
-    "output",
-    """What is written. Files are whole or not there.
+[output]: What is written. Files are whole or not there.
 folder (text): Folder of the results, made if need be. Relative to this job file.
 title (text): Heading of the report.
 report (switch) = true: Whether to write report.html.
 pictures (switch) = true: Whether to write the pictures as PNG too.
-""",
-    several="no",
-)
-
-
+"""
 #: In the order of a job file.
-SECTIONS = {
-    one.name: one
-    for one in (DATA, SERIES, IDENTIFICATION, MODEL, PARAMETERS, UPDATING, DAMAGE, SEARCH, OUTPUT)
-}
+SECTIONS = _sections(
+    _TEXT, options=_IDENTIFICATION, two_states=_of_damage(TWO_STATES), one_state=_of_damage(ONE_STATE)
+)
+DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
 #: What a job of each task may hold, in the order in which ``antires init`` writes it.
 TASKS = {
     "damage": ("data", "model", "damage", "identification", "search", "output"),
@@ -410,10 +368,10 @@ def _any_of(*kinds: Callable[[Any], bool]) -> Callable[[Any], bool]:
     return lambda value: any(fits(value) for fits in kinds)
 
 
-_TEXT = Kind("text in quotes", _text, "Put it in quotes.")
+_QUOTED = Kind("text in quotes", _text, "Put it in quotes.")
 KINDS = {
-    "text": _TEXT,
-    "word": _TEXT,
+    "text": _QUOTED,
+    "word": _QUOTED,
     "texts": Kind(
         "text in quotes, or a list of such",
         _any_of(_text, _list(_text)),

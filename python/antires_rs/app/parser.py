@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from difflib import get_close_matches
-from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from .._core import __version__
 from ..exceptions import InvalidInputError
@@ -185,10 +185,14 @@ def edit(text: str) -> str:
     return text
 
 
+#: By the word that stands for a value.
 _KINDS: dict[str, Callable[[str], Any]] = {
     **dict.fromkeys(("DIR", "FILE", "FILE.json", "FILE.html", "FOLDER", "JOB", "RESULT"), Path),
     **dict.fromkeys(("DOF", "SENSOR"), dof),
     **dict.fromkeys(("HZ", "LOW", "VALUE"), number(float, 0.0)),
+    "FRACTION": number(float, 0.0, 1.0),
+    "P": number(float, 1e-6, 0.2),
+    "S": number(float, 0.1),
     "CHANNEL=DOF": pair,
     "DOF=HZ": edit,
 }
@@ -196,20 +200,28 @@ _KINDS: dict[str, Callable[[str], Any]] = {
 Row = tuple[list[str], dict[str, Any]]
 
 
-def argument(use: str, about: str, default: str | None = None, **how: Any) -> Row:
-    """An argument from how it is used, as in ``--fs HZ``, ``--max-order N>=2`` or ``job JOB``."""
+def argument(use: str, about: str, **how: Any) -> Row:
+    """An argument from how it is used: ``--fs HZ``, ``--max-order N>=2``, ``job JOB? = job.toml``."""
+    use, _, default = use.partition(" = ")
     words = use.split()
     flags = [word for word in words if word.startswith("--")] or words[:1]
-    values = words[len(flags) :]
-    if not values and "type" not in how:
+    values = [word for word in words[len(flags) :] if word not in ("!", "...")]
+    if not values:
         return flags, {"help": about, "action": "store_true"}
-    if values:
-        metavar, _, least = values[0].partition(">=")
-        kind = number(int, int(least)) if least else _KINDS.get(metavar)
-        how = {"metavar": metavar if len(values) == 1 else tuple(values), "type": kind} | how
-        if len(values) > 1:
-            how["nargs"] = len(values)
-    if default is not None:
+    first, _, least = values[0].rstrip("?*+").partition(">=")
+    if first.startswith("{"):
+        how = one_of(first[1:-1].split(",")) | how
+    else:
+        how = {"metavar": first, "type": number(int, int(least)) if least else _KINDS.get(first)} | how
+    if len(values) > 1:
+        how |= {"metavar": tuple(values), "nargs": len(values)}
+    elif values[0][-1] in "?*+":
+        how["nargs"] = values[0][-1]
+    if "!" in words:
+        how["required"] = True
+    if "..." in words:
+        how["action"] = "append"
+    if default:
         how["default"], about = default, f"{about} (default: %(default)s)"
     return flags, how | {"help": about}
 
@@ -217,21 +229,103 @@ def argument(use: str, about: str, default: str | None = None, **how: Any) -> Ro
 # -- The commands
 
 
-_DATA = (
-    "a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet .mseed, or a "
-    "folder of files of one FRF each), several of one test, "
-)
-_JSON = argument("--json", "print JSON instead of the tables")
-_JOB = argument("job JOB", "a job file, TOML")
-_THREADS = argument(
-    "--workers N>=1", "threads of the search (default: all processors); no number depends on it"
-)
-_ONCE_EACH: dict[str, Any] = {"action": "append"}
-_EDIT = ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each'
-_EDITS = (
-    argument("--drop DOF=HZ", f"leave a value out{_EDIT}", **_ONCE_EACH),
-    argument("--add DOF=HZ", f"add a value{_EDIT}", **_ONCE_EACH),
-)
+#: What carries a command out, its line in the list, its page of help, and its arguments: "?", "*" and "+" say
+#: how many values there may be, "..." that it may be given several times, "!" that it must be; "=" has the
+#: default.
+_COMMANDS = """
+demo (demo.demo): a whole study in a few seconds: record, identify, update, find the damage
+    Virtual test of an eight-mass chain: antiresonances from records alone, an updated model, and the damaged
+    spring. Writes pictures and reports.
+        --out DIR = demo_output: folder for pictures, reports and summary.json
+        --seed N>=0 = 0: another structure, another record, another search
+        --noise FRACTION = 0.01: sensor noise as a fraction of each channel's rms
+        <threads>
+        <json>
+init (studies.init): write a job file with every key explained
+    Write a commented job file to be filled in.
+        job JOB? = job.toml: the file to write
+        --task {damage,update,series} = damage: what the job is to do
+        --model {chain,frame,matrices,result} = chain: kind of model
+        --data FILE: a measurement, whose channels are listed in the job
+        --overwrite: replace a job file that exists
+identify (studies.identify): antiresonances of a measurement
+    Identify the antiresonances of every response in a file, or of the [data] of a job.
+        files FILE+: <files> or a job (.toml)
+        <measurement>
+        --drop DOF=HZ ...: leave a value out<edit>
+        --add DOF=HZ ...: add a value<edit>
+        --out FILE.json: save the antiresonances, for a job
+        --pictures DIR: draw the stabilization diagrams into a folder
+        --json: print JSON instead of the table
+look (look.look): a page to look at a measurement or a result, to add and drop values
+    Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set of
+    antiresonances, which can be edited, or the figures of a result. It ends with Ctrl-C, or when the page is
+    closed.
+        files FILE+: <files> antiresonances (.json), <results>
+        <measurement>
+        --out FILE.json: where the page saves the set (default: by the name of the file, in this folder)
+        --edits FILE.json: a set that was saved: make its edits again
+        --no-browser: print the address, and open no browser
+update (run.search): bring a model to the measured antiresonances, as a job file says
+    Carry out a job file: bring a model to the measured antiresonances. <search>
+        <job>
+        <fresh>
+        <threads>
+        <json>
+damage (run.search): locate and size damage, as a job file says
+    Carry out a job file: locate and size damage. <search>
+        <job>
+        <fresh>
+        <threads>
+        <json>
+series (series.series): antiresonances of many tests, as a job file says
+    Identify all tests of a job with [series]; 'antires init --task series' writes one. Run again it goes on
+    where it was stopped, and takes in new files.
+        <job>
+        --workers N>=1: processes that identify (default: 1); no number depends on it
+        <json>
+watch (watch.watch): identify new files of a folder as they come, and say which differ from the first
+    Identify the measurements in a folder, and new ones when they are complete; tell which differ from the
+    baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.
+        folder FOLDER: where the measurements arrive
+        --excitation DOF !: of the force: a number, or a name as the file has it
+        --band LOW HIGH !: in Hz
+        --baseline N>=8 = 50: first tests
+        --rate P = 0.01: of false alarms
+        --conditions FILE: table of temperatures, by name of the file
+        --assessor FILE: saved by Assessor.save: what is damaged, at each alarm
+        --out DIR = watch_output: series and page
+        --every S = 5: look at least so often
+        --once: end when all files that are there are judged
+resume (run.resume): go on with a search that was interrupted
+    Go on with a search; the result is bit-identical to that of one that never stopped.
+        target JOB: a job file, its results folder or its checkpoint
+        <threads>
+        <json>
+report (studies.report): one HTML file of a result
+    Write the report of a result: one file that needs nothing else.
+        result RESULT: a result.npz, or the folder that holds it
+        --out FILE.html: the file to write (default: beside the result)
+        --title TITLE: heading of the report
+        --pictures DIR: write the pictures as PNG too
+        <json>
+explain (studies.explain): what a warning means
+    What is seen, why, and what to do, for the names in brackets at the end of warnings.
+        names NAME*: of a warning, finding or doubt; without any: all
+"""
+#: What several commands say.
+_SHARED = {
+    "job": "job JOB: a job file, TOML",
+    "json": "--json: print JSON instead of the tables",
+    "fresh": "--fresh: begin anew, though a search of this job waits",
+    "threads": "--workers N>=1: threads of the search (default: all processors); no number depends on it",
+    "search": "'antires init' writes one. Ctrl-C hands back the best so far; 'antires resume' goes on from "
+    "there.",
+    "files": "a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet "
+    ".mseed, or a folder of files of one FRF each), several of one test,",
+    "results": "or a result.npz or the folder that holds it",
+    "edit": ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each',
+}
 #: What the help says of an argument that it does not take from the sentence of the key of a job.
 _HELP = {
     "format": "format of the file (default: its ending tells)",
@@ -244,7 +338,7 @@ _HELP = {
 }
 
 
-def measurement_rows() -> Iterable[Row]:
+def measurement_rows() -> Iterator[Row]:
     """How a measurement is read and identified: the keys of a job that have a flag."""
     from ..io.registry import ENDINGS
     from .keys import DATA, IDENTIFICATION, small
@@ -252,19 +346,47 @@ def measurement_rows() -> Iterable[Row]:
     for key in (*DATA.keys, *IDENTIFICATION.keys):
         if key.flag:
             how: dict[str, Any] = {"dest": key.name}
-            if key.name in ("dofs", "responses"):
-                how |= _ONCE_EACH
             if key.flag.endswith(" WORD"):
                 how |= one_of(key.words)
             elif key.name == "format":
                 how |= one_of(list(ENDINGS))
             yield argument(key.flag, _HELP.get(key.name, small(key.help).removesuffix(".")), **how)
-    yield argument(
-        "--hit DOF",
-        "with --roving: where the force of each file acted, once for each in their order (default: as "
-        "universal files state)",
-        **_ONCE_EACH,
-    )
+    about = "with --roving: where the force of each file acted, once for each in their order (default: as "
+    yield argument("--hit DOF ...", f"{about}universal files state)")
+
+
+class Command(NamedTuple):
+    """A command as it is declared."""
+
+    does: str
+    about: str
+    description: str
+    arguments: list[str]
+
+    def rows(self) -> Iterator[Row]:
+        """Its arguments."""
+        for text in self.arguments:
+            if text == "<measurement>":
+                yield from measurement_rows()
+            else:
+                use, _, about = text.partition(": ")
+                yield argument(use, about)
+
+
+def _declared(text: str) -> dict[str, Command]:
+    commands = {}
+    for paragraph in re.split(r"\n(?! )", text.strip()):
+        head, *lines = re.sub(r"<(\w+)>", lambda m: _SHARED.get(m[1], m[0]), paragraph).split("\n")
+        name, _, about = head.partition(": ")
+        name, _, does = name.partition(" ")
+        description = " ".join(line.strip() for line in lines if not line.startswith(_DEEP))
+        arguments = [line.strip() for line in lines if line.startswith(_DEEP)]
+        commands[name] = Command(does.strip("()"), about, description, arguments)
+    return commands
+
+
+_DEEP = 8 * " "
+COMMANDS = _declared(_COMMANDS)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -275,162 +397,14 @@ def parser() -> argparse.ArgumentParser:
         epilog="Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.",
     )
     top.add_argument("--version", action="version", version=f"antires {__version__}")
-    commands = top.add_subparsers(
-        title="commands",
-        metavar="COMMAND",
-        dest="command",
-        required=True,
-        parser_class=Parser,
-        help="a command",
-    )
-    for name, (does, what, description, rows) in COMMANDS.items():
-        one = commands.add_parser(name, help=what, description=description, rows=rows)
-        one.set_defaults(does=_command(does))
+    names: dict[str, Any] = {
+        "title": "commands",
+        "metavar": "COMMAND",
+        "dest": "command",
+        "help": "a command",
+    }
+    commands = top.add_subparsers(required=True, parser_class=Parser, **names)
+    for name, one in COMMANDS.items():
+        added = commands.add_parser(name, help=one.about, description=one.description, rows=one.rows)
+        added.set_defaults(does=one.does)
     return top
-
-
-def _command(does: str) -> Callable[[argparse.Namespace], int]:
-    """The function of a command, ``module:name``, imported when it is called."""
-
-    def run(args: argparse.Namespace) -> int:
-        module, _, name = does.partition(":")
-        code: int = getattr(import_module(f"{__package__}.{module}"), name)(args)
-        return code
-
-    return run
-
-
-def _search(what: str) -> tuple[str, str, str, Callable[[], Iterable[Row]]]:
-    return (
-        "run:search",
-        f"{what}, as a job file says",
-        f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C hands back the best so far; "
-        "'antires resume' goes on from there.",
-        lambda: [_JOB, argument("--fresh", "begin anew, though a search of this job waits"), _THREADS, _JSON],
-    )
-
-
-#: By name: what carries it out, its line in the list, its page of help, its arguments.
-COMMANDS: dict[str, tuple[str, str, str, Callable[[], Iterable[Row]]]] = {
-    "demo": (
-        "demo:demo",
-        "a whole study in a few seconds: record, identify, update, find the damage",
-        "Virtual test of an eight-mass chain: antiresonances from records alone, an updated model, and the "
-        "damaged spring. Writes pictures and reports.",
-        lambda: [
-            argument("--out DIR", "folder for pictures, reports and summary.json", "demo_output"),
-            argument("--seed N>=0", "another structure, another record, another search", "0"),
-            argument(
-                "--noise FRACTION",
-                "sensor noise as a fraction of each channel's rms",
-                "0.01",
-                type=number(float, 0.0, 1.0),
-            ),
-            _THREADS,
-            _JSON,
-        ],
-    ),
-    "init": (
-        "studies:init",
-        "write a job file with every key explained",
-        "Write a commented job file to be filled in.",
-        lambda: [
-            argument("job JOB", "the file to write", "job.toml", nargs="?"),
-            argument("--task", "what the job is to do", "damage", **one_of(("damage", "update", "series"))),
-            argument("--model", "kind of model", "chain", **one_of(("chain", "frame", "matrices", "result"))),
-            argument("--data FILE", "a measurement, whose channels are listed in the job"),
-            argument("--overwrite", "replace a job file that exists"),
-        ],
-    ),
-    "identify": (
-        "studies:identify",
-        "antiresonances of a measurement",
-        "Identify the antiresonances of every response in a file, or of the [data] of a job.",
-        lambda: [
-            argument("files FILE", f"{_DATA}or a job (.toml)", nargs="+"),
-            *measurement_rows(),
-            *_EDITS,
-            argument("--out FILE.json", "save the antiresonances, for a job"),
-            argument("--pictures DIR", "draw the stabilization diagrams into a folder"),
-            _JSON,
-        ],
-    ),
-    "look": (
-        "look:look",
-        "a page to look at a measurement or a result, to add and drop values",
-        "Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set "
-        "of antiresonances, which can be edited, or the figures of a result. It ends with Ctrl-C, or when "
-        "the page is closed.",
-        lambda: [
-            argument(
-                "files FILE",
-                f"{_DATA}antiresonances (.json), or a result.npz or the folder that holds it",
-                nargs="+",
-            ),
-            *measurement_rows(),
-            argument(
-                "--out FILE.json",
-                "where the page saves the set (default: by the name of the file, in this folder)",
-            ),
-            argument("--edits FILE.json", "a set that was saved: make its edits again"),
-            argument("--no-browser", "print the address, and open no browser"),
-        ],
-    ),
-    "update": _search("bring a model to the measured antiresonances"),
-    "damage": _search("locate and size damage"),
-    "series": (
-        "series:series",
-        "antiresonances of many tests, as a job file says",
-        "Identify all tests of a job with [series]; 'antires init --task series' writes one. Run again it "
-        "goes on where it was stopped, and takes in new files.",
-        lambda: [
-            _JOB,
-            argument("--workers N>=1", "processes that identify (default: 1); no number depends on it"),
-            _JSON,
-        ],
-    ),
-    "watch": (
-        "watch:watch",
-        "identify new files of a folder as they come, and say which differ from the first",
-        "Identify the measurements in a folder, and new ones when they are complete; tell which differ from "
-        "the baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.",
-        lambda: [
-            argument("folder FOLDER", "where the measurements arrive"),
-            argument(
-                "--excitation DOF", "dof of the force: a number, or a name as the file has it", required=True
-            ),
-            argument("--band LOW HIGH", "lowest and highest frequency in Hz", required=True),
-            argument("--baseline N>=8", "first tests", "50"),
-            argument("--rate P", "of false alarms", "0.01", type=number(float, 1e-6, 0.2)),
-            argument("--conditions FILE", "table of temperatures, by name of the file"),
-            argument("--assessor FILE", "saved by Assessor.save: what is damaged, at each alarm"),
-            argument("--out DIR", "series and page", "watch_output"),
-            argument("--every S", "look at least so often", "5", type=number(float, 0.1)),
-            argument("--once", "end when all files that are there are judged"),
-        ],
-    ),
-    "resume": (
-        "run:resume",
-        "go on with a search that was interrupted",
-        "Go on with a search; the result is bit-identical to that of one that never stopped.",
-        lambda: [argument("target JOB", "a job file, its results folder or its checkpoint"), _THREADS, _JSON],
-    ),
-    "report": (
-        "studies:report",
-        "one HTML file of a result",
-        "Write the report of a result: one file that needs nothing else.",
-        lambda: [
-            argument("result RESULT", "a result.npz, or the folder that holds it"),
-            argument("--out FILE.html", "the file to write (default: beside the result)"),
-            argument("--title TITLE", "heading of the report"),
-            argument("--pictures DIR", "write the pictures as PNG too"),
-            _JSON,
-        ],
-    ),
-    "explain": (
-        "studies:explain",
-        "what a warning means",
-        "What is seen, why, and what to do, for the names in brackets at the end of warnings.",
-        lambda: [argument("names NAME", "of a warning, finding or doubt; without any: all", nargs="*")],
-    ),
-}
