@@ -143,14 +143,11 @@ def test_what_does_not_fit_is_named_where_it_stands(records):
         intact(records, ["intact.npz", "miss_*.npz"])
     exact(chain()).save(records / "now.json")
     typed = FOUR.replace('"damaged.npz"\nexcitation = 0\nband_hz = [0.8, 9.0]', '"now.json"')
-    with pytest.raises(
-        InvalidInputError, match=r"line 13, .damage. baseline: got \"intact.npz\", a meas.*Ide"
-    ):
+    said = r"line 13, .damage. baseline: got \"intact.npz\", a meas.*Ide"
+    with pytest.raises(InvalidInputError, match=said):
         intact(records, "intact.npz", typed)
     both = FOUR.replace("[data]", "[[data]]") + FOUR[: FOUR.index("[model]")].replace("[data]", "[[data]]")
-    with pytest.raises(
-        InvalidInputError, match=r"baseline: got 1 of them; wanted 2, one for each \[\[data\]"
-    ):
+    with pytest.raises(InvalidInputError, match=r"baseline: got 1 of them; wanted 2, one for each \[\[dat"):
         intact(records, "intact.npz", both)
     assert len(intact(records, ["intact.npz", "intact_2.npz"], both)) == 2
 

@@ -232,7 +232,7 @@ def test_options_that_would_do_nothing_are_refused(tmp_path, monkeypatch, capsys
 
 
 def test_a_result_under_another_name_is_looked_at(tmp_path):
-    from antires_rs.app.look import result_file
+    from antires_rs.app.look_view import result_file
 
     write_measured(tmp_path)
     run(tmp_path, DAMAGE)

@@ -78,7 +78,7 @@ def test_the_command_line_takes_both(files, tmp_path, capsys):
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
 def test_the_page_shows_what_identify_finds(files, tmp_path):
     pytest.importorskip("bokeh", reason="the page needs bokeh")
-    from antires_rs.app.look import view_of
+    from antires_rs.app.look_view import view_of
     from antires_rs.app.parser import parser
 
     for given in (files[:1], files[1]):
