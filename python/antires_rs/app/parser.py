@@ -266,13 +266,13 @@ look (look.look): a page to look at a measurement or a result, to add and drop v
         --out FILE.json: where the page saves the set (default: by the name of the file, in this folder)
         --edits FILE.json: a set that was saved: make its edits again
         --no-browser: print the address, and open no browser
-update (run.search): bring a model to the measured antiresonances, as a job file says
+update (studies.search): bring a model to the measured antiresonances, as a job file says
     Carry out a job file: bring a model to the measured antiresonances. <search>
         <job>
         <fresh>
         <threads>
         <json>
-damage (run.search): locate and size damage, as a job file says
+damage (studies.search): locate and size damage, as a job file says
     Carry out a job file: locate and size damage. <search>
         <job>
         <fresh>
@@ -297,7 +297,7 @@ watch (watch.watch): identify new files of a folder as they come, and say which 
         --out DIR = watch_output: series and page
         --every S = 5: look at least so often
         --once: end when all files that are there are judged
-resume (run.resume): go on with a search that was interrupted
+resume (studies.resume): go on with a search that was interrupted
     Go on with a search; the result is bit-identical to that of one that never stopped.
         target JOB: a job file, its results folder or its checkpoint
         <threads>

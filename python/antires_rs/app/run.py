@@ -1,4 +1,4 @@
-"""``antires update``, ``damage`` and ``resume``: carry out a job: measurement, model, search, files."""
+"""Carry out a job: measurement, model, search, files."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ import numpy as np
 
 from .._core import __version__
 from ..damage.result import DamageResult
-from ..exceptions import MissingDependencyError, UnsuitableDataError, reject
+from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..figures.report_parts import (
     Drawings,
     drawings_of,
@@ -48,7 +48,7 @@ from ..updating.tables import FrequencyTable
 from ..updating.update import update
 from .arguments import damage_search, model_of, parameters_of, search_of, term_files
 from .command import hint, print_json, say
-from .job import Job, read_job
+from .job import Job
 from .reading import Measurement, baseline_of, check_options, measured_of
 
 # -- The folder of a run: what is in it, what was left by one that was killed
@@ -453,27 +453,27 @@ def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool
         note = None
         if result.status != "interrupted":
             note = draw(job, result, folder, evidence)
-            if not _out_of_time(result):
+            if not out_of_time(result):
                 folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
     if args.json:
         print_json(summary)
     else:
         print(text_of(result))
         written = sorted(path.name for path in folder.folder.iterdir())
-        print(f"\nIn {_near(folder.folder)}: {', '.join(written)}")
+        print(f"\nIn {near(folder.folder)}: {', '.join(written)}")
     if note is not None:
         hint(f"warning: {note}")
     if result.status == "interrupted":
         if folder.unfinished:
-            then = f"go on with: antires resume {_near(job.path)}"
+            then = f"go on with: antires resume {near(job.path)}"
         elif job.sections["damage"].get("baseline"):
-            then = f"begin anew with: antires {job.task} {_near(job.path)}"
+            then = f"begin anew with: antires {job.task} {near(job.path)}"
         else:
             then = "without a checkpoint"
         hint(f"interrupted, the best so far is kept; {then}")
         return 130
     if folder.unfinished:
-        hint(f"out of time; go on with: antires resume {_near(job.path)}")
+        hint(f"out of time; go on with: antires resume {near(job.path)}")
     return 0
 
 
@@ -617,13 +617,13 @@ def _relative(file: Path, folder: Path) -> str:
         return file.absolute().as_posix()
 
 
-def _near(path: Path) -> str:
+def near(path: Path) -> str:
     """A path as the user would write it."""
     relative = os.path.relpath(path)
     return relative if not relative.startswith("..") else str(path)
 
 
-def _out_of_time(result: UpdateResult) -> bool:
+def out_of_time(result: UpdateResult) -> bool:
     """Whether max_seconds ended the search, so that it could go on."""
     return result.status == "callback" or (result.status == "budget" and "time" in result.message)
 
@@ -702,63 +702,3 @@ def pictures(drawn: Drawings, folder: Path) -> list[Path]:
     """Write every picture as PNG; returns the files."""
     named = {**drawn.figures, **{f"stabilization_{name}": one for name, one in drawn.diagrams.items()}}
     return [write_atomically(folder / picture_name(name), one.png) for name, one in named.items()]
-
-
-# -- The commands
-
-
-def search(args: argparse.Namespace) -> int:
-    """Carry out a job."""
-    job = read_job(args.job)
-    if job.task != args.command:
-        sections = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series]"}
-        got = f"{str(args.job)!r}, which has {sections[job.task]}"
-        remedy = f"Use 'antires {job.task} {args.job}'."
-        reject("JOB", got, f"a job with {sections[args.command]}", remedy)
-    return run(job, args, fresh=args.fresh)
-
-
-def resume(args: argparse.Namespace) -> int:
-    """Go on with a job."""
-    job = read_job(_job_of(args.target))
-    if job.task == "series":
-        from .series import series
-
-        return series(argparse.Namespace(**vars(args), job=job.path))
-    folder = RunFolder.of(job)
-    if folder.unfinished or folder.state in (None, "searching") or not folder.result.is_file():
-        return run(job, args, resume=True)
-    done = UpdateResult.load(folder.result)
-    interrupted = folder.state == "interrupted"
-    anew = f"Begin anew with 'antires {job.task} {_near(job.path)}'"
-    if interrupted and job.sections["damage"].get("baseline"):
-        how = "assessment was interrupted"
-        remedy = f"{anew}: with a baseline it takes seconds and keeps no checkpoint."
-    elif interrupted or _out_of_time(done):
-        how = f"search {'was interrupted' if interrupted else 'ran out of time'} and kept no checkpoint"
-        remedy = f"{anew}, and checkpoint = true under [search]."
-    else:
-        hint(f"this search has finished ({done.status}); nothing is left to do")
-        if job.sections["output"].get("report", True) and not folder.report.exists():
-            hint(f"for its report: antires report {_near(folder.folder)}")
-        text = folder.summary.read_text(encoding="utf-8") if args.json else f"{done.summary()}\n"
-        print(text, end="")
-        return 0
-    reject("JOB", f"{str(args.target)!r}, whose {how}", "a search that is kept on disk", remedy)
-
-
-def _job_of(target: Path) -> Path:
-    """The job file: itself, or that of a results folder or checkpoint."""
-    if target.suffix == ".toml":
-        return target
-    folder = RunFolder(target if target.is_dir() else target.parent)
-    job = folder.job_path()
-    if "job" not in folder.read_record():
-        got = f"{str(target)!r}, {'where no job has run' if target.exists() else 'which does not exist'}"
-        wanted = "a job file, its results folder or its checkpoint"
-        reject("JOB", got, wanted, "The folder of a run holds run.json.")
-    if not job.is_file():
-        got = f"{str(target)!r}, whose job {job.name!r} is gone"
-        wanted = "a run whose job file is where it was"
-        reject("JOB", got, wanted, "Put the job file back, or pass it by its new name.")
-    return job

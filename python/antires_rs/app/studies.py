@@ -1,4 +1,4 @@
-"""``antires init``, ``identify``, ``report`` and ``explain``."""
+"""``antires init``, ``identify``, ``report``, ``explain``, ``update``, ``damage`` and ``resume``."""
 
 from __future__ import annotations
 
@@ -17,11 +17,22 @@ from ..support.messages import explain as entries
 from ..updating.result import UpdateResult
 from .arguments import model_of
 from .call import check_files, identified, refuse_beside
-from .command import arguments, existing, new_file, print_json, say
+from .command import arguments, existing, hint, new_file, print_json, say
 from .job import read_job
 from .keys import FORMATS, UNSET, format_of, template
 from .reading import measured_of, read_signal
-from .run import RunFolder, drawings, evidence_in, number, picture_name, pictures, report as write_report
+from .run import (
+    RunFolder,
+    drawings,
+    evidence_in,
+    near,
+    number,
+    out_of_time,
+    picture_name,
+    pictures,
+    report as write_report,
+    run,
+)
 
 
 def identify(args: argparse.Namespace) -> int:
@@ -150,3 +161,63 @@ def _channels(file: Path) -> dict[str, Any]:
             channels.append(str(force))
         options["channels"] = list(dict.fromkeys(channels))
     return options
+
+
+# -- ``antires update``, ``damage`` and ``resume``
+
+
+def search(args: argparse.Namespace) -> int:
+    """Carry out a job."""
+    job = read_job(args.job)
+    if job.task != args.command:
+        sections = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series]"}
+        got = f"{str(args.job)!r}, which has {sections[job.task]}"
+        remedy = f"Use 'antires {job.task} {args.job}'."
+        reject("JOB", got, f"a job with {sections[args.command]}", remedy)
+    return run(job, args, fresh=args.fresh)
+
+
+def resume(args: argparse.Namespace) -> int:
+    """Go on with a job."""
+    job = read_job(_job_of(args.target))
+    if job.task == "series":
+        from .series import series
+
+        return series(argparse.Namespace(**vars(args), job=job.path))
+    folder = RunFolder.of(job)
+    if folder.unfinished or folder.state in (None, "searching") or not folder.result.is_file():
+        return run(job, args, resume=True)
+    done = UpdateResult.load(folder.result)
+    interrupted = folder.state == "interrupted"
+    anew = f"Begin anew with 'antires {job.task} {near(job.path)}'"
+    if interrupted and job.sections["damage"].get("baseline"):
+        how = "assessment was interrupted"
+        remedy = f"{anew}: with a baseline it takes seconds and keeps no checkpoint."
+    elif interrupted or out_of_time(done):
+        how = f"search {'was interrupted' if interrupted else 'ran out of time'} and kept no checkpoint"
+        remedy = f"{anew}, and checkpoint = true under [search]."
+    else:
+        hint(f"this search has finished ({done.status}); nothing is left to do")
+        if job.sections["output"].get("report", True) and not folder.report.exists():
+            hint(f"for its report: antires report {near(folder.folder)}")
+        text = folder.summary.read_text(encoding="utf-8") if args.json else f"{done.summary()}\n"
+        print(text, end="")
+        return 0
+    reject("JOB", f"{str(args.target)!r}, whose {how}", "a search that is kept on disk", remedy)
+
+
+def _job_of(target: Path) -> Path:
+    """The job file: itself, or that of a results folder or checkpoint."""
+    if target.suffix == ".toml":
+        return target
+    folder = RunFolder(target if target.is_dir() else target.parent)
+    job = folder.job_path()
+    if "job" not in folder.read_record():
+        got = f"{str(target)!r}, {'where no job has run' if target.exists() else 'which does not exist'}"
+        wanted = "a job file, its results folder or its checkpoint"
+        reject("JOB", got, wanted, "The folder of a run holds run.json.")
+    if not job.is_file():
+        got = f"{str(target)!r}, whose job {job.name!r} is gone"
+        wanted = "a run whose job file is where it was"
+        reject("JOB", got, wanted, "Put the job file back, or pass it by its new name.")
+    return job
