@@ -2,7 +2,6 @@
 
 import json
 import re
-import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from matplotlib.figure import Figure
 
 import antires_rs as ar
 from antires_rs.app import main as cli
-from antires_rs.app.run import Evidence, heard
+from antires_rs.app.run import Evidence
 from antires_rs.figures import report_parts as figures
 from antires_rs.measured.response_table import ResponseTable
 from tests.support.job_files import DAMAGE, write_measured
@@ -177,15 +176,6 @@ def test_every_warning_of_a_run_is_in_its_report_and_summary(tmp_path, capsys):
     assert plain == warned
     summary = json.loads((tmp_path / "job_results" / "summary.json").read_text())
     assert any("clipped" in text.lower() for text in summary["warnings"])
-
-
-def test_warnings_are_heard_once_and_shown_as_ever():
-    with warnings.catch_warnings(record=True) as shown, heard() as said:
-        warnings.simplefilter("always")
-        for text in ("one", "two", "two"):
-            warnings.warn(text, UserWarning, stacklevel=1)
-    assert said == ["one", "two"]
-    assert [str(each.message) for each in shown] == ["one", "two", "two"]
 
 
 def test_two_positions_of_the_force_keep_both_diagrams(tmp_path, monkeypatch):
