@@ -1,19 +1,19 @@
 """Jobs with a baseline: the intact structure from files, what is written, what a run that ends early says."""
 
-import dataclasses
 import json
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import arguments as damage_jobs, main as cli
+from antires_rs.app import main as cli
 from antires_rs.app.arguments import model_of
 from antires_rs.app.job import read_job
 from antires_rs.app.reading import baseline_of
 from antires_rs.exceptions import InvalidInputError
 from tests.support.four_masses import BAND, chain, exact
 from tests.support.job_files import DAMAGE, losses, run
+from tests.support.signalled import interrupt_assessments
 
 #: Four masses of 1 kg on springs that are off by up to 6 %.
 FOUR = """\
@@ -155,14 +155,7 @@ def test_what_does_not_fit_is_named_where_it_stands(records):
 def test_an_assessment_that_was_interrupted_is_begun_anew(tmp_path, monkeypatch, capsys):
     write_states(tmp_path)
     (tmp_path / "job.toml").write_text(WITH)
-    complete = damage_jobs.assess_damage
-
-    def interrupted(*args, **options):
-        result = complete(*args, **options)
-        search = dataclasses.replace(result.search, status="interrupted", success=False)
-        return type(result)(result.problem, search, result.seed, result.assessment)
-
-    monkeypatch.setattr(damage_jobs, "assess_damage", interrupted)
+    interrupt_assessments(monkeypatch)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
     assert "begin anew with: antires damage" in capsys.readouterr().err
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2

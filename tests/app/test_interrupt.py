@@ -1,6 +1,5 @@
 """Ctrl-C, SIGKILL and resume of jobs, on the command line as a user has it."""
 
-import dataclasses
 import json
 import os
 import signal
@@ -10,13 +9,13 @@ import sys
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import arguments as damage_jobs, main as cli
+from antires_rs.app import main as cli
 from antires_rs.damage import result as damage_result
 from antires_rs.updating import result as results
 from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
 from tests.support.paths import ROOT
-from tests.support.signalled import ANTIRES, LONG, stopped
+from tests.support.signalled import ANTIRES, LONG, interrupt_assessments, stopped
 from tests.support.tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
@@ -97,17 +96,11 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
 def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, capsys):
     write_measured(tmp_path)
     (tmp_path / "job.toml").write_text(DAMAGE.replace("seed = 1", "seed = 1\ncheckpoint = false"))
-    complete = damage_jobs.assess_damage
-
-    def interrupted(*args, **options):
-        result = complete(*args, **options)
-        search = dataclasses.replace(result.search, status="interrupted", success=False)
-        return type(result)(result.problem, search, result.seed)
 
     def slow(*args):
         raise AssertionError("computed")
 
-    monkeypatch.setattr(damage_jobs, "assess_damage", interrupted)
+    interrupt_assessments(monkeypatch)
     monkeypatch.setattr(damage_result, "smallest_visible", slow)
     monkeypatch.setattr(results, "identifiability", slow)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130

@@ -154,18 +154,14 @@ def test_a_file_that_grows_is_left_alone(tmp_path):
     assert not arrivals.growing
 
 
-def test_the_folder_must_be_there(tmp_path, capsys):
-    assert main(["watch", str(tmp_path / "none"), *GIVEN]) == 2
-    assert "FOLDER" in capsys.readouterr().err
-
-
-def test_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
-    call = ["watch", str(tmp_path), *GIVEN, "--baseline", "9", "--once"]
-    call += ["--out", str(tmp_path / "out"), "--assessor"]
-    assert main([*call, str(tmp_path / "none.npz")]) == 2
-    assert "--assessor: got" in (said := capsys.readouterr().err)
-    assert "does not exist" in said
+def test_a_folder_or_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
     (tmp_path / "other.npz").write_bytes(b"no assessor")
-    assert main([*call, str(tmp_path / "other.npz")]) != 0
-    assert "--assessor: got" in capsys.readouterr().err
+    for folder, assessor, code, said in (
+        ("none", "other.npz", 2, "FOLDER: got"),
+        (".", "none.npz", 2, "--assessor: got"),
+        (".", "other.npz", 1, "--assessor: got"),
+    ):
+        call = ["watch", str(tmp_path / folder), *GIVEN, "--once", "--out", str(tmp_path / "out")]
+        assert main([*call, "--assessor", str(tmp_path / assessor)]) == code
+        assert said in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
