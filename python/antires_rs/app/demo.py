@@ -9,7 +9,6 @@ answers, never used for them.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Callable
@@ -36,8 +35,8 @@ from ..support.checks import FloatArray
 from ..support.files import write_atomically
 from ..updating.result import UpdateResult
 from ..updating.update import update
-from .command import say
-from .run import number
+from .command import print_json, say
+from .run import number, write_json
 
 PERTURBATION = 0.08
 #: Budget of the updating: a flat valley (common scale, mass 0) keeps it from ending by itself. Over eight
@@ -310,9 +309,12 @@ def demo(args: argparse.Namespace) -> int:
     out: Path = args.out
     out.mkdir(parents=True, exist_ok=True)
     story = tell(args.seed, args.noise, args.workers)
-    numbers = json.dumps(summary(story), indent=1, allow_nan=False) + "\n"
-    write_atomically(out / "summary.json", numbers.encode("utf-8"))
-    print(numbers if args.json else text(story), end="" if args.json else "\n")
+    numbers = summary(story)
+    write_json(out / "summary.json", numbers)
+    if args.json:
+        print_json(numbers)
+    else:
+        print(text(story))
     closing = [
         f"Open {out / 'damage.html'} (where the damage is) and {out / 'updating.html'} (the model).",
         f"The pictures are beside them as PNG, all numbers in {out / 'summary.json'}.",

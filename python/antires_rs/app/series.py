@@ -77,9 +77,7 @@ def _identified(job: Job, folder: Path, workers: int | None) -> Series:
     """The series, kept in the folder of the job."""
     place, table, own = job.data_places[0], job.data[0], job.sections["series"]
     sources = job.file(table["file"])
-    for key in ("excitation", "band_hz"):
-        if key not in table:
-            job.missing(place, key)
+    job.check_data(place, table)
     if "repeats" in table:
         job.reject((*place, "repeats"), "repeats", "tests of one file each", "Remove it.")
     for key in EDITS.keys() & table:
