@@ -25,6 +25,8 @@ from .reading import EDITS, Measurement, edited, kind_of
 #: So many channels are named in a message.
 _NAMED = 12
 _PLACE: KeyPath = ("data",)
+#: What functions call the files, or what was read from them.
+_OF_FILES = ("file", "path", "files", "signal", "source", "sets")
 #: Options of the command line by keys of a job.
 _FLAGS = {key.name: key.flag.split()[0] for key in (*DATA.keys, *IDENTIFICATION.keys) if key.flag}
 _FLAGS |= {name: f"--{name}" for name in EDITS}
@@ -64,7 +66,7 @@ class Call(Job):
             with self.blame(_PLACE):
                 table["excitation"] = label_of(as_point("roving", table["roving"]))
         if not {"excitation", "reference"} & table.keys() and kind_of(self, _PLACE, table, files[0]) == "uff":
-            with self.blame(_PLACE, {"path": _FILE}):
+            with self.blame(_PLACE):
                 force = force_of(files[0])
             if force is not None:
                 say(f"the force is at {force}, as the file states")
@@ -111,7 +113,7 @@ class Call(Job):
     def where(self, place: KeyPath) -> Place:
         """The option of a place."""
         name = next((part for part in place[1:] if isinstance(part, str)), "file")
-        return Place("FILE" if name == "file" else _FLAGS.get(name, name), place)
+        return Place("FILE" if name in _OF_FILES else _FLAGS.get(name, name), place)
 
     def belongs(self, place: KeyPath) -> str:
         """Nothing: the help of the command tells."""
@@ -159,7 +161,7 @@ def identified(args: argparse.Namespace) -> AntiresonanceSet:
     if several_hits(args):  # each is identified by itself, and all are joined at the sensor that stayed
         hits, call = hits_of(args)
         options = call.sections["identification"]
-        with call.blame(_PLACE, {"sets": _FILE}):
+        with call.blame(_PLACE):
             joined = identify_roving(hits, args.roving, args.band_hz, say=say, **options)
         return edited(call, _PLACE, {name: getattr(args, name) or () for name in EDITS}, joined)
     return Call(args).read(args.files).identified().found

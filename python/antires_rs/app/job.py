@@ -420,9 +420,9 @@ class Job:
             at = (elsewhere or {}).get(name, (*place, name))
             if isinstance(at, list):
                 at, steps = (at[steps[0]], steps[1:]) if steps else (place, steps)
-            remedy, help = exc.remedy, self.belongs(at)
-            if help not in remedy:
-                remedy += f" What belongs here: {help}"
+            remedy, about = exc.remedy, self.belongs(at)
+            if about not in remedy:
+                remedy += f" What belongs here: {about}"
             raise type(exc)(self.where((*at, *steps)), exc.got, exc.wanted, remedy) from exc
 
 

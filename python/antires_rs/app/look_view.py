@@ -72,7 +72,7 @@ def _of_files(args: argparse.Namespace) -> Session:
         call = Call(args, band_needed=False)
         one = call.read(args.files)
         source, force = one.signal, one.force
-    with call.blame(("data",), {"source": ("data", "file")}):
+    with call.blame(("data",)):
         return _session(args, call.sections["identification"], None, source, args.band_hz, excitation=force)
 
 
