@@ -18,7 +18,7 @@ FOLDER = Path(__file__).with_name("files_0")
 SHORT = ar.MassSpringChain([0.8, 0.5, 0.6], [4e4, 6e4], ground_first_n_per_m=3e4)
 
 
-def tested(loss: float = 0.0) -> ar.AntiresonanceSet:
+def of_short(loss: float = 0.0) -> ar.AntiresonanceSet:
     """Values of the short chain, its second spring softened."""
     dofs = range(3)
     zeros = SHORT.with_parameters(ar.stiffness_reduction(1), loss).antiresonances(dofs, 0)
@@ -39,7 +39,7 @@ def write(folder: Path) -> None:
     rng, factors = truth(890)
     before, now = measured(chain(factors), rng), measured(chain(factors, [0, 0.3, 0, 0, 0]), rng)
     ar.assess_damage(NOMINAL, now, baseline=before, workers=1).save(folder / "damage.npz")
-    ar.Assessor(SHORT, baseline=tested(), workers=1).save(folder / "assessor.npz")
+    ar.Assessor(SHORT, baseline=of_short(), workers=1).save(folder / "assessor.npz")
     ar.identify_series([record(s) for s in (731, 732)], **OPTIONS).save(folder / "series.parquet")
     ar.write_npz(folder / "record.npz", record(733, duration_s=4.0))
     ar.write_uff(folder / "record.uff", record(733, duration_s=4.0))
@@ -59,7 +59,7 @@ def read(folder: Path) -> dict[str, Any]:
         "zeros": {str(dof): zeros[dof].tolist() for dof in zeros},
         "updated": [*updated.x.tolist(), updated.fun],
         "damage": [[list(one.elements), one.probability] for one in damage.hypotheses],
-        "assessor": [list(one.elements) for one in assessor.assess(tested(0.3)).hypotheses][:1],
+        "assessor": [list(one.elements) for one in assessor.assess(of_short(0.3)).hypotheses][:1],
         "series": [{str(dof): one[dof].tolist() for dof in one} for one in series],
         "record": [rec.fs_hz, float(np.sum(rec.responses**2))],
     }

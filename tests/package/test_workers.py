@@ -190,20 +190,6 @@ def test_chunks_last_as_long_as_asked_and_get_smaller_towards_the_end():
     assert [n for n, _ in chunks(Schedule(range(5), 100.0, 1, {}), seconds_a_task=200.0)] == [0, 1, 2, 3, 4]
 
 
-def test_chunks_of_many_workers_leave_rest_to_the_one_scheduler():
-    def sizes(workers, a_chunk_s):
-        schedule = Schedule(range(20_000), 1.0, 1, {}, 0.1, a_chunk_s)
-        return [size for _, size in chunks(schedule, workers, 0.1)]
-
-    # Four workers: 1 s of tasks of 0.1 s. 64: four times the 1.28 s in which the scheduler serves them all.
-    assert max(sizes(4, 0.02)) == 10
-    many = sizes(64, 0.02)
-    assert max(many) == 51
-    assert sum(many) == 20_000
-    assert many[-1] == 1
-    assert len(many) < 0.4 * len(sizes(64, 0.0))
-
-
 def test_a_lost_chunk_is_cut_until_the_task_that_ends_workers_is_alone():
     arrived = {}
     schedule = Schedule(range(200), 1.0, 3, arrived)
