@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from .constraints import (
     equations_of,
     solved,
     without,
-)
+)  # fmt: skip
 from .matrices import Entries
 
 if TYPE_CHECKING:
@@ -35,16 +36,10 @@ class Matrices(NamedTuple):
     stiffness_terms: tuple[Entries, ...]
     mass_terms: tuple[Entries, ...]
 
-    def transformed(self, t: object) -> Matrices:
-        """T' A T of all."""
-        n = self.n
-        return Matrices(
-            n,
-            congruent(n, self.stiffness, t),
-            congruent(n, self.mass, t),
-            tuple(congruent(n, term, t) for term in self.stiffness_terms),
-            tuple(congruent(n, term, t) for term in self.mass_terms),
-        )
+    def each(self, n: int, change: Callable[[Entries], Entries]) -> Matrices:
+        """All of them changed, of ``n`` dofs then."""
+        terms = (tuple(map(change, each)) for each in (self.stiffness_terms, self.mass_terms))
+        return Matrices(n, change(self.stiffness), change(self.mass), *terms)
 
 
 class Independent(NamedTuple):
@@ -80,20 +75,14 @@ def independent_of(given: Matrices, constraints: Entries | None, kept: set[int])
     if equations:
         gone = {dof: TakenOut(CONSTRAINT, by) for dof, by in solved(equations, kept).items()}
         if gone:
-            left = left.transformed(Dependent.of(gone).transformation(n))
+            t = Dependent.of(gone).transformation(n)
+            left = left.each(n, lambda entries: congruent(n, entries, t))
             taken |= gone
     if not taken:
         return Independent(left, None, None)
     dependent = Dependent.of(taken)
     rows = dependent.rows(n)
-    kept_rows = Matrices(
-        int(rows.max()) + 1,
-        without(left.stiffness, rows),
-        without(left.mass, rows),
-        tuple(without(term, rows) for term in left.stiffness_terms),
-        tuple(without(term, rows) for term in left.mass_terms),
-    )
-    return Independent(kept_rows, dependent, rows)
+    return Independent(left.each(int(rows.max()) + 1, lambda own: without(own, rows)), dependent, rows)
 
 
 def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[Matrices, list[Equation]]:
@@ -111,12 +100,9 @@ def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[M
         for i, term in enumerate(terms):
             touched = term.rows[multiplier[term.rows]]
             if touched.size:
-                reject(
-                    part(name, i),
-                    f"an entry in row {int(touched[0])}, which is a Lagrange multiplier",
-                    "terms of the structure: an equation has no stiffness that a parameter could scale",
-                    "Leave the rows of the equations out of the term.",
-                )
+                got = f"an entry in row {int(touched[0])}, which is a Lagrange multiplier"
+                wanted = "terms of the structure: an equation has no stiffness that a parameter could scale"
+                reject(part(name, i), got, wanted, "Leave the rows of the equations out of the term.")
     equations: dict[int, Equation] = {int(row): {} for row in np.flatnonzero(multiplier)}
     of_rows = k.those(multiplier[k.rows])
     for row, column, value in zip(*(each.tolist() for each in of_rows), strict=True):

@@ -28,12 +28,9 @@ class _Recipe(Value):
     def section_index(self, name: str | int) -> int:
         """Index of a section by its name; only frames have sections."""
         if isinstance(name, str):
-            reject(
-                "parameters",
-                f"the section {name!r}",
-                "zero-based terms, as the model is not a FrameModel",
-                "Count the terms from 0, or build a FrameModel, which has named sections.",
-            )
+            wanted = "zero-based terms, as the model is not a FrameModel"
+            remedy = "Count the terms from 0, or build a FrameModel, which has named sections."
+            reject("parameters", f"the section {name!r}", wanted, remedy)
         return name
 
 
@@ -133,20 +130,13 @@ class FrameRecipe(_Recipe):
         """Index of a section by its name."""
         names = self.section_names
         if name not in names and isinstance(name, str):
-            reject(
-                "sections",
-                repr(name),
-                f"a section of the model: {', '.join(map(repr, names))}",
-                "Correct the name.",
-            )
+            wanted = f"a section of the model: {', '.join(map(repr, names))}"
+            reject("sections", repr(name), wanted, "Correct the name.")
         return names.index(name) if isinstance(name, str) else integer("sections", name, low=0)
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""
-        named = [
-            (section, section_argument(name))
-            for name, section in zip(self.section_names, self.sections, strict=True)
-        ]
+        named = list(zip(self.sections, map(section_argument, self.section_names), strict=True))
         sections = [section._parts(name, self.in_space) for section, name in named]
         shear = [shear_of(section, name) for section, name in named]
         frame = _core.Frame(

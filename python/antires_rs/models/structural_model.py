@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 
@@ -38,8 +38,6 @@ from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
-    from ..signals.recording import Recording
-    from ..support.checks import ComplexArray, FloatArray
 
 
 # -- One description of a model: what it was made of, and the parameters that were applied to it since
@@ -54,13 +52,7 @@ Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
 
 @dataclass(frozen=True, eq=False)
 class AppliedParameters(Value):
-    """Parameters and the values that they were given, as one updating leaves them.
-
-    Attributes
-    ----------
-    parameters : tuple of Parameter
-    values : ndarray, (n,)
-    """
+    """Parameters and their values (n,), as one updating leaves them."""
 
     parameters: tuple[Parameter, ...]
     values: FloatArray
@@ -73,12 +65,8 @@ class AppliedParameters(Value):
         wanted = f"an array ({n},), one value for each parameter"
         vector = np.atleast_1d(real_array("values", values, ndim=None, wanted=wanted))
         if vector.shape != (n,):
-            reject(
-                "values",
-                f"an array of shape {np.shape(values)}",
-                wanted,
-                "Give a value for each parameter, in their order.",
-            )
+            got = f"an array of shape {np.shape(values)}"
+            reject("values", got, wanted, "Give a value for each parameter, in their order.")
         return cls(chosen, vector)
 
 
@@ -115,16 +103,15 @@ class ModelDescription(Value):
         """Parameters as the core takes them."""
         return core_parameters(self.recipe.section_index, parameters)
 
-    def core(self) -> CoreModel:
-        """The core's model, made from nothing but this description."""
-        core = self.recipe.core()
-        for applied in self.applied:
-            core = self.applied_to(core, applied)
-        return core
+    def core(self, made: CoreModel | None = None) -> CoreModel:
+        """The core's model, from nothing but this description, or from what its recipe ``made``."""
+        return self.applied_to(self.recipe.core() if made is None else made, *self.applied)
 
-    def applied_to(self, core: CoreModel, applied: AppliedParameters) -> CoreModel:
+    def applied_to(self, core: CoreModel, *every: AppliedParameters) -> CoreModel:
         """The core's model with parameters applied to the state that ``core`` is."""
-        return core.at(self.core_parameters(applied.parameters), applied.values)
+        for applied in every:
+            core = core.at(self.core_parameters(applied.parameters), applied.values)
+        return core
 
 
 # -- A model and its description: how it is built, copied and changed, and what its parts are called
@@ -143,6 +130,10 @@ class Described(AroundCore["CoreModel"], ReadOnly):
 
     def _made_core(self) -> CoreModel:
         return self._description.core()
+
+    @property
+    def _recipe(self) -> Any:
+        return self._description.recipe
 
     @property
     def description(self) -> ModelDescription:
@@ -190,7 +181,7 @@ class Described(AroundCore["CoreModel"], ReadOnly):
                 "description",
                 f"the recipe of another kind of model, a {type(description.recipe).__name__}",
                 f"{needed} that a {cls.__name__} is made of",
-                "Call from_description of the class that the description was taken from.",
+                "Call from_description of its own class.",
             )
         model = object.__new__(cls)
         model._build(description)
@@ -283,7 +274,7 @@ class Described(AroundCore["CoreModel"], ReadOnly):
     @property
     def _springs(self) -> list[int]:
         """Stiffness terms that have a stiffness."""
-        return list(range(self._core.n_stiffness_terms))
+        return self.default_elements
 
 
 # -- What the core leaves in doubt about antiresonances and modes, in words
@@ -295,12 +286,17 @@ _NAMED = 4
 _EDGE = 1e-6
 
 
-def warn_doubts(
+def _some(named: Sequence[Any]) -> str:
+    """The first of them, and how many more there are."""
+    more = f" and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
+    return ", ".join(map(str, named[:_NAMED])) + more
+
+
+def _warn_doubts(
     dof: int,
     excitation: int | str,
     n_dof: int,
     values: Sequence[FloatArray],
-    *,
     is_zero: bool,
     is_doubtful: bool,
 ) -> None:
@@ -319,17 +315,15 @@ def warn_doubts(
             "softest part would tell.",
         )
     if len(values) == 2 and np.isinf(values[1]).any():
-        open_hz = values[0][np.isinf(values[1])]
-        named = ", ".join(f"{f:.6g}" for f in open_hz[:_NAMED])
-        more = f" and {open_hz.size - _NAMED} more" if open_hz.size > _NAMED else ""
+        named = _some([f"{f:.6g}" for f in values[0][np.isinf(values[1])]])
         warn(
             "uncertain_roots",
-            f"response dof {dof}: {named}{more} Hz are not certain: too close to others to be told "
+            f"response dof {dof}: {named} Hz are not certain: too close to others to be told "
             "from them, or moved too far by the rounding of K and M.",
         )
 
 
-def warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
+def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
     """Name dofs joined to no other whose modes are not among all modes found: too far above the lowest."""
     from scipy.sparse import csc_array
 
@@ -342,11 +336,10 @@ def warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: C
     hz = np.sqrt(own[alone] / of_mass[alone]) / (2.0 * np.pi)
     out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
     if out.any():
-        named = ", ".join(label(int(dof)) for dof in alone[out][:_NAMED])
-        more = f" and {int(out.sum()) - _NAMED} more" if out.sum() > _NAMED else ""
+        named = _some([label(int(dof)) for dof in alone[out]])
         warn(
             "modes_left_out",
-            f"modes at {named}{more}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
+            f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
             f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them.",
         )
 
@@ -413,15 +406,11 @@ class StructuralModel(Described):
             )
         if limit is None and most is None:
             whole: Any = self  # every kind of model has these matrices
-            warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
+            _warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
-            reject(
-                "f_max_hz",
-                f"{limit:g} Hz",
-                f"at least the first resonance, {freq[0]:.6g} Hz",
-                "Raise it, or leave it out for all modes.",
-            )
+            wanted = f"at least the first resonance, {freq[0]:.6g} Hz"
+            reject("f_max_hz", f"{limit:g} Hz", wanted, "Raise it, or leave it out for all modes.")
         return ModalSet(freq[:keep], self._whole_shapes(shapes[:, :keep].T), dofs=range(self.n_dof))
 
     def frf(
@@ -474,13 +463,8 @@ class StructuralModel(Described):
         """
         freq = real_array("freq_hz", freq_hz, ndim=1, wanted="an array (n_freq,) of frequencies in Hz")
         if freq.min() < 0:
-            reject(
-                "freq_hz",
-                f"{freq.min():g} Hz",
-                "no negative frequency",
-                "Pass the positive half of the axis.",
-            )
-        choice("kind", kind, ("accelerance", "mobility", "receptance"))
+            reject("freq_hz", f"{freq.min():g} Hz", "no negative frequency", "Pass the positive half axis.")
+        choice("kind", kind, get_args(Motion))
         dofs, force = self._dofs("response", response), self._dof("excitation", excitation)
         damping = self._damping(damping_ratio)
         values = np.empty((len(dofs), freq.size), dtype=np.complex128)
@@ -565,31 +549,23 @@ class StructuralModel(Described):
         >>> bool(0.0 < error_hz[0] < 1e-12)
         True
         """
-        choice("method", method, ("modal", "pencil"))
-        limit = (
-            np.inf
-            if f_max_hz is None
-            else finite_scalar("f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
-        )
-        dofs = self._dofs("response", response)
-        force = self._dof("excitation", excitation)
+        choice("method", method, get_args(Method))
+        limit = np.inf
+        if f_max_hz is not None:
+            limit = finite_scalar("f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
+        dofs, force = self._dofs("response", response), self._dof("excitation", excitation)
         found: list[Any] = [None] * len(dofs)
         for which in self._together(dofs, force):
             core, at = self._core_for([*(dofs[i] for i in which), force])
-            asked = (at[:-1], at[-1], limit, method, bool(include_cancelled))
-            solved = (
-                core.bounded_antiresonances if bounds or self._needs_both_methods else core.antiresonances
-            )
-            call = partial(solved, *asked)
-            roots: Any = (
-                call()
-                if self.n_dof < MANY_DOFS
-                else interruptible(call, f"antiresonances of {len(which)} responses")
-            )
+            both = bounds or self._needs_both_methods
+            solved: Any = core.bounded_antiresonances if both else core.antiresonances
+            call = partial(solved, at[:-1], at[-1], limit, method, bool(include_cancelled))
+            what = f"antiresonances of {len(which)} responses"
+            roots = call() if self.n_dof < MANY_DOFS else interruptible(call, what)
             for i, of_one in zip(which, roots, strict=True):
                 found[i] = of_one
         for dof, (*values, is_zero, is_doubtful) in zip(dofs, found, strict=True):
-            warn_doubts(dof, excitation, self.n_dof, values, is_zero=is_zero, is_doubtful=is_doubtful)
+            _warn_doubts(dof, excitation, self.n_dof, values, is_zero, is_doubtful)
         zeros = [(values[0], values[1]) if bounds else values[0] for *values, _, _ in found]
         return zeros[0] if shape_of(response) == () else zeros
 
@@ -647,18 +623,15 @@ class StructuralModel(Described):
         >>> chain.simulate(excitation=0, fs_hz=50.0, duration_s=10.0, damping_ratio=0.01, rng=0)
         Recording(2 channels, 10 s at 50 Hz, dofs=(0, 1), with force)
         """
-
-        dofs = self._free_dofs if responses is None else self._dofs("responses", responses)
         self._damping(damping_ratio)
-        elastic = [f for f in self._core.modes()[0] if f > 0]
         return simulate(
             self,
-            responses=dofs,
+            responses=self._free_dofs if responses is None else self._dofs("responses", responses),
             excitation=self._dof("excitation", excitation),
             fs_hz=fs_hz,
             duration_s=duration_s,
             damping_ratio=damping_ratio,
-            lowest_hz=min(elastic, default=0.0),
+            lowest_hz=min((f for f in self._core.modes()[0] if f > 0), default=0.0),
             band_hz=band_hz,
             noise=noise,
             rng=rng,
@@ -715,21 +688,9 @@ _LONGEST_LEAD_IN = 4_000_000
 _MOST_SAMPLES = 1e10
 
 
-class _Responding(Protocol):
-    def frf(
-        self,
-        response: Any,
-        excitation: int,
-        freq_hz: Any,
-        *,
-        damping_ratio: Any,
-        kind: Literal["accelerance"] = ...,
-    ) -> ComplexArray: ...
-
-
 @patient("recording the virtual test")
 def simulate(
-    model: _Responding,
+    model: Any,
     *,
     responses: list[int],
     excitation: int,
@@ -742,7 +703,10 @@ def simulate(
     rng: int | np.random.Generator | None = None,
     progress: bool | None = None,
 ) -> Recording:
-    """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``."""
+    """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``.
+
+    ``model`` needs ``frf`` alone; ``lowest_hz`` is its first elastic mode, 0 where there is none.
+    """
     rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
     duration = finite_scalar("duration_s", duration_s, low=0.0, low_open=True, unit="s")
     if not 2 <= duration * rate < _MOST_SAMPLES:
@@ -753,25 +717,18 @@ def simulate(
             "Lengthen the record." if duration * rate < 2.0 else "Shorten the record, or lower the rate.",
         )
     samples = round(duration * rate)
-    level = finite_scalar("noise", noise, low=0.0)
-    low, high = (
-        (0.0, rate / 2)
-        if band_hz is None
-        else frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
-    )
-    random = random_generator(rng)
+    level, random = finite_scalar("noise", noise, low=0.0), random_generator(rng)
+    low, high = (0.0, rate / 2)
+    if band_hz is not None:
+        low, high = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
 
     lead = _lead_in(samples, rate, lowest_hz, damping_ratio)
     total = samples + 2 * lead
     freq_hz = np.fft.rfftfreq(total, 1.0 / rate)
     inside = (freq_hz >= low) & (freq_hz <= high) & (freq_hz > 0.0)
     if not inside.any():
-        reject(
-            "band_hz",
-            f"({low:g}, {high:g}) Hz without any spectral line",
-            f"a band wider than the resolution of {rate / total:.3g} Hz",
-            "Record longer.",
-        )
+        wanted = f"a band wider than the resolution of {rate / total:.3g} Hz"
+        reject("band_hz", f"({low:g}, {high:g}) Hz without any spectral line", wanted, "Record longer.")
     spectrum = np.zeros(freq_hz.size, dtype=np.complex128)
     spectrum[inside] = random.standard_normal((int(inside.sum()), 2)) @ np.array([1.0, 1.0j])
     force = np.fft.irfft(spectrum, total)
