@@ -68,14 +68,9 @@ def read(folder: Path) -> dict[str, Any]:
 def job_keys() -> list[str]:
     """Keys of jobs, as ``antires init`` writes them for every task and model."""
     import tempfile
-    from importlib import import_module
 
-    for name in ("antires_rs.app.main", "antires_rs.cli"):
-        try:
-            main = import_module(name).main
-            break
-        except ModuleNotFoundError:
-            continue
+    from antires_rs.app.main import main
+
     keys = set()
     with tempfile.TemporaryDirectory() as folder:
         for task in ("damage", "update", "series"):

@@ -13,9 +13,7 @@ import pytest
 import antires_rs as ar
 
 HERE = Path(ar.__file__).parent
-#: Names of modules of 0.1, which warn.
-MOVED = {"cli", "plotting", "report"}
-MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"} - MOVED)
+MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"})
 #: What no import of ours may cost.
 EXTRAS = {"matplotlib", "h5py", "dask", "pyuff", "pandas", "xarray", "jinja2", "tqdm"}
 

@@ -43,12 +43,13 @@ class _Spring(_Part):
     stiffness_n_per_m: float
 
     def _checked(self, name: str, i: int) -> Self:
-        along, made = self.direction is None and len(self._nodes) > 1, cast(Any, type(self))
-        return made(
+        along, kind = self.direction is None and len(self._nodes) > 1, cast(Any, type(self))
+        checked: Self = kind(
             **{each: _node(name, i, getattr(self, each)) for each in self._nodes},
             direction=None if along else text(name, i, self.direction),
             stiffness_n_per_m=_number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
         )
+        return checked
 
     def _row(self) -> Row:
         return [getattr(self, each) for each in self._nodes], self.direction, [self.stiffness_n_per_m]

@@ -83,13 +83,9 @@ def entries() -> dict[str, str]:
 def _entry(name: str, known: dict[str, str]) -> str:
     key = name.strip().lower().replace(" ", "_").replace("-", "_")
     if key not in known:
-        near = get_close_matches(key, known, n=3, cutoff=0.6)
-        reject(
-            "names",
-            repr(name),
-            f"one of the names that warnings end with{', perhaps ' + ' or '.join(near) if near else ''}",
-            "Ask without a name for all of them.",
-        )
+        near = " or ".join(get_close_matches(key, known, n=3, cutoff=0.6))
+        wanted = f"one of the names that warnings end with{', perhaps ' + near if near else ''}"
+        reject("names", repr(name), wanted, "Ask without a name for all of them.")
     return known[key]
 
 
