@@ -91,7 +91,7 @@ def _entry(name: str, known: dict[str, str]) -> str:
 
 def _seen(text: str) -> str:
     """What is seen, in a line."""
-    return " ".join(text.split("**Seen:**", 1)[1].split("\n\n", 1)[0].split())
+    return " ".join(text.split("**Seen:**", 1)[1].split("\n- **Why", 1)[0].split())
 
 
 # -- Texts of errors that name arguments of a call, for callers who do not write Python
