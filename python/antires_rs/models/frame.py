@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from .frame_parts import (
     GroundSpring,
     NodeSpring,
     PointMass,
-    _Part,
     fixed_dofs,
     iterable,
     parts_of,
@@ -33,9 +32,6 @@ from .structural_model import ModelDescription, StructuralModel
 
 if TYPE_CHECKING:
     from .._core import Frame as CoreFrame
-
-_P = TypeVar("_P", bound=_Part)
-
 
 # -- What the constructor of a frame was given, checked, as the recipe of one
 
@@ -214,7 +210,7 @@ class FrameModel(StructuralModel, Viewed):
         warn_penalties(self, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties.")
         part_of = np.array(self._frame.parts())
         if part_of.max() > 0:
-            alone = [int(node) for node in np.flatnonzero(part_of != part_of[0])]
+            alone = np.flatnonzero(part_of != part_of[0]).tolist()
             warn(
                 "frame_in_parts",
                 f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 "
@@ -253,21 +249,20 @@ class FrameModel(StructuralModel, Viewed):
     @property
     def point_masses(self) -> list[PointMass]:
         """Lumped masses with the values of this state."""
-        return self._parts(PointMass)
+        return self._parts("point_masses")
 
     @property
     def ground_springs(self) -> list[GroundSpring]:
         """Springs to ground with the values of this state."""
-        return self._parts(GroundSpring)
+        return self._parts("ground_springs")
 
     @property
     def node_springs(self) -> list[NodeSpring]:
         """Springs between nodes with the values of this state."""
-        return self._parts(NodeSpring)
+        return self._parts("node_springs")
 
-    def _parts(self, kind: type[_P]) -> list[_P]:
-        name = next(name for name, each in PARTS.items() if each is kind)
-        return [kind._of_row(row) for row in self._frame.elements(name)]
+    def _parts(self, name: str) -> list[Any]:
+        return [PARTS[name]._of_row(row) for row in self._frame.elements(name)]
 
     @property
     def fixed(self) -> list[tuple[int, str]]:
@@ -299,9 +294,7 @@ class FrameModel(StructuralModel, Viewed):
         """``'node 3 v'`` for the dof that ``dof(3, 'v')`` returns."""
         return self._dof_labels()[self._dof("dof", dof)]
 
-    def dof_label(self, dof: int) -> str:
-        """As :meth:`dof_name`: nodes are called by the numbers that ``elements`` and :meth:`dof` know."""
-        return self.dof_name(dof)
+    dof_label = dof_name
 
     def _dof_labels(self) -> list[str]:
         return [f"node {node} {direction}" for node, direction in self._frame.dof_names()]

@@ -279,13 +279,8 @@ class Rectangle:
     ----------
     width_m, height_m : float
         The height lies in the plane of a plane frame, or along the element's reference direction in space.
-    youngs_modulus_pa, density_kg_per_m3 : float
-        Material.
-    poisson : float
-        Poisson's ratio, for torsion and shear.
-    shear_coefficient : float, "cowper" or None
-        Shear area over area, for Timoshenko beams, which have the rotary inertia of the section too; "cowper"
-        takes it from shape and Poisson's ratio. Default: none, that is, Euler-Bernoulli beams.
+    youngs_modulus_pa, density_kg_per_m3, poisson, shear_coefficient
+        As of a :class:`Tube`.
 
     Examples
     --------
@@ -324,9 +319,8 @@ class Section:
     poisson : float
         Poisson's ratio, for torsion and shear.
     shear_coefficient, shear_coefficient_y : float, optional
-        Shear area over area for forces in the plane of ``inertia_m4``, and, in space, for those in the other
-        plane (default: the same); for Timoshenko beams, which have the rotary inertia of the section too.
-        Default: none, that is, Euler-Bernoulli beams.
+        As of a :class:`Tube`, for forces in the plane of ``inertia_m4``, and, in space, for those in the
+        other plane (default: the same).
 
     Examples
     --------

@@ -43,17 +43,7 @@ class Matrices(NamedTuple):
 
 
 class Independent(NamedTuple):
-    """What is left.
-
-    Attributes
-    ----------
-    matrices : Matrices
-        Without rows that hold nothing.
-    dependent : Dependent or None
-        What was taken out.
-    rows : ndarray of int, (n,), or None
-        Row of each dof in the matrices, -1 where it has none.
-    """
+    """Matrices without rows that hold nothing, what was taken out, and the row of each dof (n,) or -1."""
 
     matrices: Matrices
     dependent: Dependent | None

@@ -36,15 +36,7 @@ class _Recipe(Value):
 
 @dataclass(frozen=True, eq=False)
 class ChainRecipe(_Recipe):
-    """A chain of masses and springs.
-
-    Attributes
-    ----------
-    masses_kg : ndarray, (n,)
-    springs_n_per_m : ndarray, (n - 1,)
-    ground_first_n_per_m, ground_last_n_per_m : float
-        0 where that end is free.
-    """
+    """A chain of masses (n,) and springs (n - 1,); those to ground are 0 where that end is free."""
 
     masses_kg: FloatArray
     springs_n_per_m: FloatArray
@@ -60,19 +52,9 @@ class ChainRecipe(_Recipe):
 
 @dataclass(frozen=True, eq=False)
 class MatrixRecipe(_Recipe):
-    """Stiffness and mass, the terms that parameters may scale, and equations between the dofs.
+    """Stiffness and mass, the terms that parameters may scale, and equations between the dofs, a row each.
 
-    Attributes
-    ----------
-    n_dof : int
-    stiffness, mass : Entries
-    stiffness_terms, mass_terms : tuple of Entries
-    names : tuple of str
-        Of the dofs; empty where they have none.
-    constraints : Entries or None
-        A row each.
-    keep : tuple of int
-        Dofs that are not taken out.
+    ``names`` are those of the dofs, empty where they have none; ``keep`` are dofs that are not taken out.
     """
 
     n_dof: int
@@ -96,21 +78,10 @@ class MatrixRecipe(_Recipe):
 
 @dataclass(frozen=True, eq=False)
 class FrameRecipe(_Recipe):
-    """Beams with lumped masses, springs and supports.
+    """Beams (first node, second node, section) with lumped masses, springs and supports.
 
-    Attributes
-    ----------
-    nodes_m : ndarray, (n_nodes, 2) or (n_nodes, 3)
-    beams : tuple of (int, int, int)
-        First node, second node and section of each.
-    section_names : tuple of str or int
-        Names of the sections, or their indices where they have none.
-    sections : tuple of Tube, Rectangle or Section
-    orientation : ndarray, (n_beams, 3), or None
-    parts : dict
-        By the argument that lists them (``frame_parts.PARTS``): what the frame carries beside its beams.
-    fixed : tuple of (int, str)
-        Node and direction of each fixed dof.
+    Sections without a name have their index; ``parts`` are by the argument that lists them
+    (``frame_parts.PARTS``), ``fixed`` dofs by node and direction.
     """
 
     nodes_m: FloatArray

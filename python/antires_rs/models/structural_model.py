@@ -40,11 +40,9 @@ if TYPE_CHECKING:
     from .._core import Model as CoreModel
 
 
-# -- One description of a model: what it was made of, and the parameters that were applied to it since
+# -- One description of a model, by which it is built, copied, pickled and saved
 #
-# Every model is built from its description, copied, pickled and saved by it. Rebuilding gives the same
-# bits: first the recipe's matrices, then each set of parameters in its order, on the state that those
-# before it left.
+# Rebuilding gives the same bits: first the recipe's matrices, then each set of parameters in its order.
 
 
 Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
@@ -72,32 +70,10 @@ class AppliedParameters(Value):
 
 @dataclass(frozen=True, eq=False)
 class ModelDescription(Value):
-    """What a model is: its recipe, and the parameters applied to it, in order.
-
-    Attributes
-    ----------
-    recipe : ChainRecipe, MatrixRecipe or FrameRecipe
-        What the constructor was given; see :mod:`antires_rs.models.recipes`.
-    applied : tuple of AppliedParameters
-        One for each updating that the model went through; none for a model as it was made.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
-    >>> damaged = chain.with_parameters(ar.stiffness_reduction(0), 0.4)
-    >>> damaged.description.recipe == chain.description.recipe
-    True
-    >>> [(one.parameters[0].quantity, one.values.tolist()) for one in damaged.description.applied]
-    [('stiffness_reduction', [0.4])]
-    """
+    """What a model is: what its constructor was given, and what each updating since applied, in order."""
 
     recipe: Recipe
     applied: tuple[AppliedParameters, ...] = ()
-
-    def with_parameters(self, applied: AppliedParameters) -> ModelDescription:
-        """The description of this model with further parameters applied."""
-        return ModelDescription(self.recipe, (*self.applied, applied))
 
     def core_parameters(self, parameters: Iterable[Parameter]) -> list[CoreParameter]:
         """Parameters as the core takes them."""
@@ -142,9 +118,9 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         Examples
         --------
         >>> import antires_rs as ar
-        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
-        >>> chain.description.recipe.springs_n_per_m
-        array([500.])
+        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0]).with_parameters(ar.stiffness_reduction(0), 0.4)
+        >>> chain.description.recipe.springs_n_per_m, chain.description.applied[0].values
+        (array([500.]), array([0.4]))
         >>> again = ar.MassSpringChain.from_description(chain.description)
         >>> again.description == chain.description
         True
@@ -153,36 +129,21 @@ class Described(AroundCore["CoreModel"], ReadOnly):
 
     @classmethod
     def from_description(cls, description: ModelDescription) -> Self:
-        """Build a model of this class from its description, to the same bits.
-
-        Parameters
-        ----------
-        description : ModelDescription
-            As :attr:`description` gives it.
+        """Build a model of this class from its :attr:`description`, to the same bits.
 
         Raises
         ------
         InvalidInputError
             The description of another kind of model.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
-        >>> ar.MassSpringChain.from_description(chain.description)
-        MassSpringChain(2 masses)
         """
         wanted = cls._recipe_type
         if not isinstance(description, ModelDescription):
             reject("description", description, "a ModelDescription", "Take it from a model's .description.")
         if wanted is None or not isinstance(description.recipe, wanted):
+            got = f"the recipe of another kind of model, a {type(description.recipe).__name__}"
             needed = "one" if wanted is None else f"a {wanted.__name__}"
-            reject(
-                "description",
-                f"the recipe of another kind of model, a {type(description.recipe).__name__}",
-                f"{needed} that a {cls.__name__} is made of",
-                "Call from_description of its own class.",
-            )
+            made_of = f"{needed} that a {cls.__name__} is made of"
+            reject("description", got, made_of, "Call from_description of its own class.")
         model = object.__new__(cls)
         model._build(description)
         return model
@@ -210,10 +171,10 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         array([[ 300., -300.],
                [-300.,  300.]])
         """
-        applied = AppliedParameters.checked(parameters, values)
+        applied, before = AppliedParameters.checked(parameters, values), self._description
         model = object.__new__(type(self))
-        core = self._description.applied_to(self._core, applied)
-        model._build(self._description.with_parameters(applied), core)
+        after = ModelDescription(before.recipe, (*before.applied, applied))
+        model._build(after, before.applied_to(self._core, applied))
         return model
 
     def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
@@ -673,11 +634,9 @@ class StructuralModel(Described):
 
 # -- Virtual experiments: what accelerometers would record on a model under a random force
 #
-# The response is synthesised in the frequency domain, line by line from the model's own frequency
-# response, over a record longer than asked for, and a window is cut out of its middle. So the record is
-# an exact sample of the stationary response, free of integration error, and not periodic: an analysis
-# meets the same leakage as on a real test. (A zero-order-hold time integration would report 2.6 %
-# damping where 0.51 % is true.)
+# The response is synthesised in the frequency domain over a record longer than asked for, and a window is cut
+# out of its middle: an exact sample of the stationary response, and not periodic, so that an analysis meets
+# the leakage of a real test. (A zero-order-hold time integration would report 2.6 % damping for 0.51 %.)
 
 
 #: Longest memory of the structure that the lead-in must cover, in time constants 1 / (zeta omega).
