@@ -147,14 +147,6 @@ def test_a_zero_beside_a_pole_is_found():
         assert_promise(k_mat, m_mat, i, k, found)
 
 
-def test_rigid_bodies_free_in_the_plane():
-    k_mat, m_mat = tuned([(6, 0.5)], [3e4], rigid=True)
-    for i, k in ((1, 1), (1, 58), (4, 31)):
-        found = ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=500.0)
-        assert found.size == seen_by_qz(k_mat, m_mat, i, k, 500.0, from_hz=0.5).size
-        assert_promise(k_mat, m_mat, i, k, found)
-
-
 def square_tube():
     """A straight space tube: every bending mode twice, axial and torsional motion apart."""
     k_mat, m_mat = straight(12, columns=3, length=1.5)
@@ -201,15 +193,6 @@ def test_an_objective_of_a_frame_has_the_same_bits_on_any_number_of_threads():
     alone = problem.evaluate_many(betas, workers=1)
     np.testing.assert_array_equal(problem.evaluate_many(betas, workers=3), alone)
     np.testing.assert_array_equal([problem.cost(b) for b in betas[::-1]], alone[::-1])
-
-
-def test_the_same_matrices_give_the_same_bits_whatever_was_asked_before():
-    model = ar.MatrixModel(*random_frame(np.random.default_rng(5), most_dofs=200))
-    assert model.n_dof > 100
-    responses = list(range(0, 30, 3))
-    together = model.antiresonances(responses, 4, f_max_hz=800.0)
-    for i, freq in reversed(list(zip(responses, together, strict=True))):
-        np.testing.assert_array_equal(model.antiresonances(i, 4, f_max_hz=800.0), freq)
 
 
 # -- Soft springs
@@ -291,21 +274,3 @@ def test_the_lowest_modes_are_those_of_all(beams, wave):
         np.testing.assert_allclose(shapes @ k_mat @ shapes.T, np.diag(lam), atol=1e-7 * lam.max())
     with pytest.raises(ar.InvalidInputError, match=r"^f_max_hz: got 0.01 Hz; wanted .*first resonance"):
         model.modes(f_max_hz=0.01)
-
-
-def test_free_frames_keep_their_rigid_modes():
-    nodes = [(0.05 * j, 0.02 * np.sin(j)) for j in range(41)]
-    free = ar.FrameModel(nodes, [(j, j + 1) for j in range(40)], TUBE)
-    modes = free.modes(n_modes=5)
-    assert np.count_nonzero(modes.freq_hz < 1e-2) == 3
-    np.testing.assert_allclose(modes.freq_hz[3:], free.modes().freq_hz[3:5], rtol=AGAINST_SCIPY)
-
-
-def test_the_solution_kept_by_a_model_serves_its_damping_and_frequency_responses():
-    model = pipe(12, 0.02, 2e4)
-    freq = np.linspace(1.0, 300.0, 50)
-    n_modes = len(model.modes())
-    each = model.frf(4, 1, freq, damping_ratio=np.full(n_modes, 0.02))
-    np.testing.assert_array_equal(each, pipe(12, 0.02, 2e4).frf(4, 1, freq, damping_ratio=0.02))
-    with pytest.raises(ar.InvalidInputError, match=f"or {n_modes} of them"):
-        model.frf(4, 1, freq, damping_ratio=np.full(n_modes - 1, 0.02))
