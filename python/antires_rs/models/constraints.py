@@ -245,15 +245,20 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     """
     k = square("stiffness", stiffness)
     m = square("mass", mass, k.shape[0])
-    without_mass = np.asarray(abs(m).sum(axis=1)).ravel() == 0.0
-    alone = np.flatnonzero(
-        without_mass & (k.diagonal() == 0.0) & (np.asarray(abs(k).sum(axis=1)).ravel() > 0.0)
-    )
-    # A multiplier has nothing with other multipliers; of two massless dofs that are joined neither is one.
-    joined = np.asarray(abs(k[alone][:, alone]).sum(axis=1)).ravel() > 0.0
-    rows = alone[~joined]
-    dofs = np.setdiff1d(np.arange(k.shape[0]), rows)
-    return dofs, k[rows][:, dofs]
+    taken = multipliers(k.shape[0], Entries.of_sparse(k), Entries.of_sparse(m))
+    dofs = np.flatnonzero(~taken)
+    return dofs, k[taken][:, dofs]
+
+
+def multipliers(n: int, stiffness: Entries, mass: Entries) -> NDArray[np.bool_]:
+    """Which rows are Lagrange multipliers: no mass, nothing on the diagonal, nor with others alike."""
+    alone = np.bincount(stiffness.rows, minlength=n) > 0
+    alone[stiffness.rows[stiffness.rows == stiffness.columns]] = False
+    alone[mass.rows] = False
+    found = alone.copy()
+    # Of two massless dofs that are joined neither is one.
+    found[stiffness.rows[alone[stiffness.rows] & alone[stiffness.columns]]] = False
+    return found
 
 
 def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:

@@ -18,6 +18,7 @@ from .constraints import (
     TakenOut,
     congruent,
     equations_of,
+    multipliers,
     solved,
     without,
 )  # fmt: skip
@@ -77,13 +78,8 @@ def independent_of(given: Matrices, constraints: Entries | None, kept: set[int])
 
 def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[Matrices, list[Equation]]:
     """The matrices without the rows of Lagrange multipliers, and the equations that these are."""
-    k, m = given.stiffness, given.mass
-    alone = np.bincount(k.rows, minlength=given.n) > 0
-    alone[k.rows[k.rows == k.columns]] = False
-    alone[m.rows] = False
-    # A multiplier has nothing with other multipliers; of two massless dofs that are joined neither is one.
-    multiplier = alone.copy()
-    multiplier[k.rows[alone[k.rows] & alone[k.columns]]] = False
+    k = given.stiffness
+    multiplier = multipliers(given.n, k, given.mass)
     if not multiplier.any():
         return given, []
     for name, terms in (("stiffness_terms", given.stiffness_terms), ("mass_terms", given.mass_terms)):
@@ -98,6 +94,5 @@ def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[M
     for row, column, value in zip(*(each.tolist() for each in of_rows), strict=True):
         equations[row][column] = value
     taken |= {row: TakenOut(MULTIPLIER, {}) for row in equations}
-    return given._replace(stiffness=k.those(~(multiplier[k.rows] | multiplier[k.columns]))), list(
-        equations.values()
-    )
+    left = k.those(~(multiplier[k.rows] | multiplier[k.columns]))
+    return given._replace(stiffness=left), list(equations.values())

@@ -30,6 +30,25 @@ FIRST_S, EVERY_S = 1.0, 0.25
 LOOK_S = 0.1
 
 
+class _Screen:
+    """The line on standard error; blanks go over what a longer one left."""
+
+    width = 0
+
+    def show(self, text: str) -> None:
+        self.width = max(self.width, len(text))
+        self._write(f"\r{text:<{self.width}}")
+
+    def end(self) -> None:
+        if self.width:
+            self._write("\n")
+
+    @staticmethod
+    def _write(text: str) -> None:
+        sys.stderr.write(text)
+        sys.stderr.flush()
+
+
 @contextmanager
 def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Iterator[Watcher | None]:
     """One callable for the core out of the user's callback and, if wanted, a progress line.
@@ -39,27 +58,23 @@ def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Ite
     if not _shown(progress):
         yield None if callback is None else lambda state: _stops(callback(state))
         return
-    start = time.monotonic()
-    due, shown, width = start + FIRST_S, False, 0
+    start, line = time.monotonic(), _Screen()
+    due = start + FIRST_S
     first: int | None = None  # evaluations before this process, where a search goes on
 
     def watcher(state: State) -> bool | None:
-        nonlocal due, shown, first, width
+        nonlocal due, first
         now = time.monotonic()
         first = state["nfev"] if first is None else first
         if now >= due:
-            due, shown = now + EVERY_S, True
-            line = _line(state, budget, now - start, state["nfev"] - first)
-            width = max(width, len(line))  # what was longer before is written over
-            sys.stderr.write(f"\r{line:<{width}}")
-            sys.stderr.flush()
+            due = now + EVERY_S
+            line.show(_line(state, budget, now - start, state["nfev"] - first))
         return _stops(callback(state)) if callback is not None else None
 
     try:
         yield watcher
     finally:
-        if shown:
-            sys.stderr.write("\n")
+        line.end()
 
 
 def _stops(said: object) -> bool | None:
@@ -166,32 +181,25 @@ def interruptible(work: Callable[[], T], what: str, progress: bool | None = None
 
 
 def _keep_alive(what: str, at: list[str], over: threading.Event) -> None:
-    start, width = time.monotonic(), 0
+    start, line = time.monotonic(), _Screen()
     over.wait(FIRST_S)
     while not over.is_set():
-        text = f"{what}{': ' if at[0] else ''}{at[0]}   {time.monotonic() - start:.0f} s "
-        # Blanks over what a longer line left.
-        sys.stderr.write("\r" + text.ljust(width))
-        sys.stderr.flush()
-        width = len(text)
+        line.show(f"{what}{': ' if at[0] else ''}{at[0]}   {time.monotonic() - start:.0f} s ")
         over.wait(EVERY_S)
-    if width:
-        sys.stderr.write("\n")
-        sys.stderr.flush()
+    line.end()
 
 
 def _line(state: State, budget: int, seconds: float, done: int) -> str:
+    """A search, and how long its budget lasts at this pace; most end before it does."""
     waiting = sum(1 for _, name in state["islands"] if name == "waiting")
+    left = "time left not known yet"
+    if done > 0:
+        left = f"at most {span((budget - state['nfev']) * seconds / done)} left"
     return (
         f"{state['nfev']:>9,} of at most {budget:,} evaluations   best J {state['fun']:.6g}   "
         f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   "
-        f"{seconds:.0f} s, {_left(budget - state['nfev'], seconds, done)}"
+        f"{seconds:.0f} s, {left}"
     )
-
-
-def _left(evaluations: int, seconds: float, done: int) -> str:
-    """How long the budget lasts at this pace; most searches end before it does."""
-    return f"at most {span(evaluations * seconds / done)} left" if done > 0 else "time left not known yet"
 
 
 def span(seconds: float) -> str:
