@@ -190,16 +190,17 @@ def _keep_alive(what: str, at: list[str], over: threading.Event) -> None:
 
 
 def _line(state: State, budget: int, seconds: float, done: int) -> str:
-    """A search, and how long its budget lasts at this pace; most end before it does."""
     waiting = sum(1 for _, name in state["islands"] if name == "waiting")
-    left = "time left not known yet"
-    if done > 0:
-        left = f"at most {span((budget - state['nfev']) * seconds / done)} left"
     return (
         f"{state['nfev']:>9,} of at most {budget:,} evaluations   best J {state['fun']:.6g}   "
         f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   "
-        f"{seconds:.0f} s, {left}"
+        f"{seconds:.0f} s, {_left(budget - state['nfev'], seconds, done)}"
     )
+
+
+def _left(evaluations: int, seconds: float, done: int) -> str:
+    """How long the budget lasts at this pace; most searches end before it does."""
+    return f"at most {span(evaluations * seconds / done)} left" if done > 0 else "time left not known yet"
 
 
 def span(seconds: float) -> str:
