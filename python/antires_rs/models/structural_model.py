@@ -1,7 +1,6 @@
 """What every structural model can do: modes, frequency responses, antiresonances, virtual tests.
 
-A thin, typed wrapper over the Rust core, which owns the matrices, the eigenproblems and the antiresonances.
-SI units; degrees of freedom zero-based.
+A thin wrapper over the Rust core, which owns the matrices, the eigenproblems and the antiresonances.
 """
 
 from __future__ import annotations
@@ -473,12 +472,10 @@ class StructuralModel(Described):
             Hz, ascending; with ``bounds`` a pair of arrays (n,), frequencies and bounds of their errors in
             Hz, infinite for one that is not certain: it lies too close to others to be told from them, or
             rounding of the entries moves it by more than 1e-3 in frequency squared. A list for a sequence of
-            responses.
-            Dropped are roots that are
-            infinite or zero at working precision (an ulp of K and M moves them by more than 1e-3 of their own
-            distance from there), negative, or complex (imaginary part above 1e-9 of the modulus, or above
-            ten times that uncertainty, at most 3e-7). Every QZ root is checked to a backward error of 1e-10
-            (3e-7 within 1e-6 of another), or polished on the matrices.
+            responses. Dropped are roots that are infinite or zero at working precision (an ulp of K and M
+            moves them by more than 1e-3 of their own distance from there), negative, or complex (imaginary
+            part above 1e-9 of the modulus, or above ten times that uncertainty, at most 3e-7). Each QZ root has
+            a backward error of at most 1e-10 (3e-7 within 1e-6 of another), or is polished on the matrices.
 
         Raises
         ------
@@ -490,7 +487,7 @@ class StructuralModel(Described):
         Warns
         -----
         AntiresWarning
-            The response is not connected to the excitation: H is identically zero; or rounding leaves a doubt
+            The response is not connected to the excitation: H is identically zero; rounding leaves a doubt
             about the number of roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some
             roots are not certain.
 
