@@ -14,7 +14,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.support import progress
-from antires_rs.support.workers import Failed, Workers, in_order
+from antires_rs.support.workers import Failed, Schedule, Workers, in_order
 from tests.support import worker_tasks as work
 
 SPAWN = multiprocessing.get_context("spawn")
@@ -170,6 +170,20 @@ def test_what_workers_cannot_be_is_said():
     closed.shutdown()
     with pytest.raises(ar.InvalidInputError, match="takes nothing"):
         list(in_order(work.square, [1], closed))
+
+
+def test_a_lost_chunk_is_cut_until_the_task_that_ends_workers_is_alone():
+    arrived, lost = {}, 0
+    schedule = Schedule(range(200), 1.0, 3, arrived)
+    while (chunk := schedule.next(1, 1000)) is not None:
+        if 137 in chunk.tasks:
+            lost += 1
+            schedule.lost(chunk, "killed")
+        else:
+            schedule.done(chunk, chunk.tasks, 0.001 * len(chunk.tasks))
+    assert arrived.pop(137).error.losses == 4
+    assert lost <= 4 + 3
+    assert arrived == {n: n for n in range(200) if n != 137}
 
 
 def test_one_blas_thread_in_every_worker():

@@ -475,7 +475,7 @@ class StructuralModel(Described):
             responses. Dropped are roots that are infinite or zero at working precision (an ulp of K and M
             moves them by more than 1e-3 of their own distance from there), negative, or complex (imaginary
             part above 1e-9 of the modulus, or above ten times that uncertainty, at most 3e-7). Each QZ root
-            has a backward error of at most 1e-10 (3e-7 within 1e-6 of another), or is polished on the matrices.
+            has a backward error of at most 1e-10 (3e-7 within 1e-6 of another), or is polished on K and M.
 
         Raises
         ------
