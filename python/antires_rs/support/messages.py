@@ -98,19 +98,15 @@ def entries() -> dict[str, str]:
 def _entry(name: str, known: dict[str, str]) -> str:
     key = name.strip().lower().replace(" ", "_").replace("-", "_")
     if key not in known:
-        near = get_close_matches(key, known, n=3, cutoff=0.6)
-        reject(
-            "names",
-            repr(name),
-            f"one of the names that warnings end with{', perhaps ' + ' or '.join(near) if near else ''}",
-            "Ask without a name for all of them.",
-        )
+        near = " or ".join(get_close_matches(key, known, n=3, cutoff=0.6))
+        wanted = f"one of the names that warnings end with{', perhaps ' + near if near else ''}"
+        reject("names", repr(name), wanted, "Ask without a name for all of them.")
     return known[key]
 
 
 def _seen(text: str) -> str:
     """What is seen, in a line."""
-    return " ".join(text.split("**Seen:**", 1)[1].split("\n\n", 1)[0].split())
+    return " ".join(text.split("**Seen:**", 1)[1].split("\n- **Why", 1)[0].split())
 
 
 # -- Texts of errors that name arguments of a call, for callers who do not write Python
