@@ -22,6 +22,7 @@ from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from ..updating.problem import UpdatingProblem
 from ..updating.result import UpdateResult
+from ..watch.sources import natural
 from .job import Job, KeyPath, nearest
 from .keys import CHAIN, FRAME, MATRICES, PARAMETERS, RESULT, shown
 
@@ -40,12 +41,9 @@ def model_of(job: Job) -> StructuralModel:
         RESULT: lambda job, table: UpdateResult.load(_model_file(job, table, "file")).model,
     }
     if kind not in makers:
-        job.reject(
-            ("model", "kind"),
-            shown(kind),
-            "one of " + ", ".join(f'"{one}"' for one in makers),
-            nearest(kind, makers) or "'antires init --model KIND' writes a job for each.",
-        )
+        got = shown(kind)
+        remedy = nearest(kind, makers) or "'antires init --model KIND' writes a job for each."
+        job.reject(("model", "kind"), got, "one of " + ", ".join(f'"{one}"' for one in makers), remedy)
     job.only(("model",), table, kind)
     with job.blame(("model",), {"path": ("model", "file")}):
         return makers[kind](job, table)
@@ -109,17 +107,12 @@ def term_files(job: Job) -> dict[str, list[Any]]:
         names = job.sections["model"].get(key, [])
         for i, name in enumerate([names] if isinstance(names, str) else names):
             place, pattern = ("model", key, i), job.file(name)
-            found = sorted(pattern.parent.glob(pattern.name), key=_by_number) if "*" in name else []
+            found = sorted(pattern.parent.glob(pattern.name), key=natural) if "*" in name else []
             if "*" in name and not found:
                 remedy = "Paths are relative to the folder of the job file."
                 job.reject(place, f"{name!r}, which fits no file", "files that exist", remedy)
             files.setdefault(key, []).extend(found or [job.existing(place, name)])
     return files
-
-
-def _by_number(file: Any) -> list[tuple[int, str]]:
-    """``K_2`` comes before ``K_10``."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", file.name)]
 
 
 def dof_finder(job: Job, model: StructuralModel | None) -> Callable[[KeyPath, Any], Any]:
@@ -145,7 +138,6 @@ def dof_finder(job: Job, model: StructuralModel | None) -> Callable[[KeyPath, An
 
 
 # -- The parameters and the search of a job
-
 
 #: Names of bounds that have a unit.
 _BOUNDS = {"angle": "bounds_deg", "position": "bounds_m"}

@@ -33,10 +33,7 @@ _FLAGS |= {name: f"--{name}" for name in EDITS}
 
 
 class Call(Job):
-    """The job that says what the arguments of a command do; its places are the options.
-
-    ``place`` is that of the force where the hammer roved, and None where it stayed.
-    """
+    """The job that says what arguments do; ``place`` is that of the force where the hammer roved."""
 
     def __init__(
         self, args: argparse.Namespace, *, band_needed: bool = True, place: Any = None, roved: bool = False
@@ -87,19 +84,11 @@ class Call(Job):
             return
         low, high = covered_hz(signal)
         if "excitation" not in table:
-            reject(
-                "--excitation",
-                "nothing",
-                "--excitation DOF, where the force acts",
-                f"The file has the channels {_some(signal.dofs)}.",
-            )
+            wanted = "--excitation DOF, where the force acts"
+            reject("--excitation", "nothing", wanted, f"The file has the channels {_some(signal.dofs)}.")
         if "band_hz" not in table and self._band_needed:
-            reject(
-                "--band",
-                "nothing",
-                "--band LOW HIGH, in Hz, where the curves are clean",
-                f"The data reach from {low:.4g} to {high:.4g} Hz; 'antires look' shows them without it.",
-            )
+            remedy = f"The data reach from {low:.4g} to {high:.4g} Hz; 'antires look' shows them without it."
+            reject("--band", "nothing", "--band LOW HIGH, in Hz, where the curves are clean", remedy)
         for text in table.get("add", ()):
             name, freq_hz, _ = edit_named(text) or ("", 0.0, "")
             if not low <= freq_hz <= high:
@@ -140,12 +129,9 @@ def check_files(args: argparse.Namespace) -> None:
     ending = args.files[0].suffix.lower()
     for file in args.files if len(args.files) > 1 else ():
         if file.suffix.lower() in (".toml", ".json") or file.suffix.lower() != ending:
-            reject(
-                "FILE",
-                f"{str(file)!r} among several",
-                "measurements of one format: other impacts or runs of the same test",
-                "Name a job or a file of antiresonances alone.",
-            )
+            got = f"{str(file)!r} among several"
+            wanted = "measurements of one format: other impacts or runs of the same test"
+            reject("FILE", got, wanted, "Name a job or a file of antiresonances alone.")
 
 
 def refuse_beside(args: argparse.Namespace, what: str, remedy: str, *more: str) -> None:

@@ -90,9 +90,9 @@ def hint(text: str) -> None:
     print(f"antires: {text}", file=sys.stderr)
 
 
-def print_json(data: Any) -> None:
-    """Numbers for machines, on standard output."""
-    print(json.dumps(data, indent=1, allow_nan=False))
+def show(as_json: bool, data: Any, text: object) -> None:
+    """What a command found, on standard output: numbers for machines, or the text."""
+    print(json.dumps(data, indent=1, allow_nan=False) if as_json else text)
 
 
 def new_file(option: str, file: Path | None, *endings: str) -> None:

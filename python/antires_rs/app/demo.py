@@ -25,6 +25,7 @@ from ..cases.chain8 import DURATION_S, FS_HZ, Chain8
 from ..damage.assess import DamageResult, assess_damage
 from ..exceptions import MissingDependencyError
 from ..figures.canvas import picture
+from ..figures.report_parts import drawings_of
 from ..identification.identify import identify_antiresonances
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..optimize.island_ga import IslandGA
@@ -34,7 +35,7 @@ from ..support.checks import FloatArray
 from ..support.files import write_atomically
 from ..updating.result import UpdateResult
 from ..updating.update import update
-from .command import print_json, say
+from .command import say, show
 from .run import number, write_json
 
 PERTURBATION = 0.08
@@ -104,7 +105,6 @@ def tell(seed: int = 0, noise: float = 0.01, workers: int | None = None) -> Stor
 
 
 # -- The tables and the numbers of ``antires demo``: what was found beside what is true
-
 
 #: A found value this close to a true one is that one.
 MATCH = 0.02
@@ -250,53 +250,34 @@ def summary(story: Story) -> dict[str, Any]:
 NPERSEG = 8192
 
 
-def write_pictures(story: Story, folder: Path) -> None:
-    """The paper's pictures, as PNG."""
-    case, updated = story.case, story.updated
+def write_files(story: Story, folder: Path) -> None:
+    """``updating.html`` and ``damage.html``, and the paper's pictures as PNG."""
+    from ..figures.report import write_report
+
+    case, updated, truth = story.case, story.updated, story.case.truth(1)["severity"]
     table: Any = updated.table  # of antiresonances
     worst = int(table.dof[np.argmax(np.nan_to_num(np.abs(table.before_percent)))])
     neighbour = worst - 1 if worst else 1
 
     def transmissibilities(axes: Any) -> None:
+        models = (case.model, updated.model)
+        how: dict[str, Any] = {"excitation": case.excitation, "band_hz": case.band_hz}
         for ax, reference, dof in zip(axes, (0, worst), (None, neighbour), strict=True):
-            plotting.plot_transmissibility(
-                _drawn(story.record, reference),
-                case.model,
-                updated.model,
-                dof=dof,
-                excitation=case.excitation,
-                band_hz=case.band_hz,
-                ax=ax,
-            )
+            plotting.plot_transmissibility(_drawn(story.record, reference), *models, dof=dof, ax=ax, **how)
 
-    truth = case.truth(1)["severity"]
-    for name, png in {
+    model = drawings_of(updated, _drawn(story.record, 0))
+    damage = drawings_of(story.damage, None, truth, {0: story.damaged.diagrams[0]})
+    pictures = {
         "stabilization": picture(lambda ax: story.undamaged.diagrams[0].plot(ax=ax), (9.0, 5.2)),
         "transmissibility": picture(transmissibilities, (9.0, 8.0), rows=2),
-        "differences": picture(lambda ax: plotting.plot_differences(updated.table, ax=ax), (9.5, 4.6)),
-        "damage": picture(lambda ax: plotting.plot_damage(story.damage, ax=ax, truth=truth), (7.0, 4.4)),
-        "convergence": picture(lambda ax: plotting.plot_convergence(updated, ax=ax), (9.0, 4.4)),
-    }.items():
+        **{name: model.figures[name].png for name in ("differences", "convergence")},
+        "damage": damage.figures["damage"].png,
+    }
+    for name, png in pictures.items():
         write_atomically(folder / f"{name}.png", png)
-
-
-def write_reports(story: Story, folder: Path) -> None:
-    """``updating.html`` and ``damage.html``."""
-    from ..figures.report import write_report
-
-    write_report(
-        story.updated,
-        folder / "updating.html",
-        title="antires demo: the updated model",
-        response=_drawn(story.record, 0),
-    )
-    write_report(
-        story.damage,
-        folder / "damage.html",
-        title="antires demo: the damaged spring",
-        truth=story.case.truth(1)["severity"],
-        diagrams={0: story.damaged.diagrams[0]},
-    )
+    write_report(updated, folder / "updating.html", title="antires demo: the updated model", drawn=model)
+    title = "antires demo: the damaged spring"
+    write_report(story.damage, folder / "damage.html", title=title, truth=truth, drawn=damage)
 
 
 def _drawn(record: Recording, reference: int) -> Any:
@@ -310,18 +291,14 @@ def demo(args: argparse.Namespace) -> int:
     story = tell(args.seed, args.noise, args.workers)
     numbers = summary(story)
     write_json(out / "summary.json", numbers)
-    if args.json:
-        print_json(numbers)
-    else:
-        print(text(story))
+    show(args.json, numbers, text(story))
     closing = [
         f"Open {out / 'damage.html'} (where the damage is) and {out / 'updating.html'} (the model).",
         f"The pictures are beside them as PNG, all numbers in {out / 'summary.json'}.",
     ]
     try:
         say("drawing pictures and writing reports")
-        write_pictures(story, out)
-        write_reports(story, out)
+        write_files(story, out)
     except MissingDependencyError as exc:
         closing = [f"All numbers are in {out / 'summary.json'}. Not everything was drawn:", str(exc)]
     print("", *closing, sep="\n", file=sys.stderr if args.json else sys.stdout)

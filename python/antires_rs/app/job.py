@@ -20,7 +20,6 @@ from .keys import FORMATS, KINDS, SECTIONS, TASKS, Key, Section, shown, unset_in
 
 # -- Where the keys of a TOML text stand, which tomllib does not tell
 
-
 #: Names of tables and keys, and indices into arrays, from the top.
 KeyPath = tuple[str | int, ...]
 
@@ -164,7 +163,6 @@ def nearest(name: str, known: Any) -> str:
 
 # -- From the text of a job file to its tables; where it is no TOML, the line on which that begins
 
-
 #: Keys and lists of a job are three or four deep.
 _DEEPEST = 40
 
@@ -241,12 +239,8 @@ class Job:
             if name not in SECTIONS:
                 known = ", ".join(f"[{one}]" for one in SECTIONS)
                 remedy = self._owner(name) or nearest(name, SECTIONS)
-                self.reject(
-                    (name,),
-                    f"the unknown name {name!r}",
-                    f"one of the sections {known}",
-                    remedy or "'antires init' writes a job with all of them.",
-                )
+                remedy = remedy or "'antires init' writes a job with all of them."
+                self.reject((name,), f"the unknown name {name!r}", f"one of the sections {known}", remedy)
         tables = {name: self._tables(SECTIONS[name], value) for name, value in raw.items()}
         for name, rows in tables.items():
             for place, row in rows.items():
@@ -305,12 +299,9 @@ class Job:
             return
         of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
         more = f" and {len(unset) - 5} more" if len(unset) > 5 else ""
-        self.reject(
-            place,
-            f"'?'{of}{more}, where the dof is not given yet",
-            'the dof of the model, as in 4, or "2 u" of a frame',
-            f"Put it in place of the '?'. {key.explanation}",
-        )
+        got = f"'?'{of}{more}, where the dof is not given yet"
+        wanted = 'the dof of the model, as in 4, or "2 u" of a frame'
+        self.reject(place, got, wanted, f"Put it in place of the '?'. {key.explanation}")
 
     def _task(self, raw: Mapping[str, Any]) -> str:
         damage, update = "damage" in raw, "parameters" in raw
@@ -407,10 +398,7 @@ class Job:
     def blame(
         self, place: KeyPath, elsewhere: Mapping[str, KeyPath | list[KeyPath]] | None = None
     ) -> Iterator[None]:
-        """Errors about an argument become errors about its key, at ``place`` or ``elsewhere``.
-
-        A list has the places of an argument's items.
-        """
+        """Errors about an argument become errors about its key, at ``place``, or ``elsewhere`` (by item)."""
         try:
             yield
         except InvalidInputError as exc:

@@ -1,7 +1,4 @@
-"""Every section of a job file: what it holds, and the sentences that explain it.
-
-The same sentences are the comments of ``antires init``, the help of commands and the remedies of messages.
-"""
+"""Every section of a job file, and the sentences that explain it in jobs, help and messages."""
 
 from __future__ import annotations
 
@@ -67,7 +64,6 @@ def small(sentence: str) -> str:
 
 # -- Formats of measurements, and what belongs to which
 
-
 #: Endings of files by format.
 FORMATS = {**ENDINGS, "antiresonances": (".json",)}
 #: What has no ending: a folder of files of one response each.
@@ -98,7 +94,6 @@ def format_of(name: str, given: str | None = None) -> str | None:
 
 
 # -- The sections, a key a paragraph: ``name (required kind of formats, --flag VALUE) = default: sentence``
-
 
 _DECLARED = re.compile(r"(\w+) \((required )?(\w+)(?: of ([\w ]+))?(?:, (--[^)]+))?\)(?: = (.+?))?: (.+)")
 
@@ -322,7 +317,6 @@ TASKS = {
 
 # -- Kinds of values in a job file
 
-
 #: Stands in a new job for a dof that only its user knows.
 UNSET = "?"
 
@@ -340,20 +334,9 @@ def _number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _whole(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool)
-
-
-def _text(value: Any) -> bool:
-    return isinstance(value, str) and value != ""
-
-
-def _dof(value: Any) -> bool:
-    return _whole(value) or _text(value)
-
-
-def _dof_or_false(value: Any) -> bool:
-    return value is False or _dof(value)
+def _plain(*types: type) -> Callable[[Any], bool]:
+    """Of these types; true and false are no numbers, and a text is not empty."""
+    return lambda value: isinstance(value, types) and not isinstance(value, bool) and value != ""
 
 
 def _list(item: Callable[[Any], bool], least: int = 1, most: float = math.inf) -> Callable[[Any], bool]:
@@ -368,6 +351,8 @@ def _any_of(*kinds: Callable[[Any], bool]) -> Callable[[Any], bool]:
     return lambda value: any(fits(value) for fits in kinds)
 
 
+_whole, _text, _dof = _plain(int), _plain(str), _plain(int, str)
+_dof_or_false = _any_of(_dof, lambda value: value is False)
 _QUOTED = Kind("text in quotes", _text, "Put it in quotes.")
 KINDS = {
     "text": _QUOTED,
@@ -418,7 +403,6 @@ def shown(value: Any) -> str:
 
 
 # -- The job that ``antires init`` writes: every key with the sentence that explains it
-
 
 _HEAD = {
     "damage": "Look for damage: antires damage",

@@ -228,7 +228,6 @@ def argument(use: str, about: str, **how: Any) -> Row:
 
 # -- The commands
 
-
 #: What carries a command out, its line in the list, its page of help, and its arguments: "?", "*" and "+" say
 #: how many values there may be, "..." that it may be given several times, "!" that it must be; "=" has the
 #: default.
@@ -278,7 +277,7 @@ damage (studies.search): locate and size damage, as a job file says
         <fresh>
         <threads>
         <json>
-series (series.series): antiresonances of many tests, as a job file says
+series (watch.series): antiresonances of many tests, as a job file says
     Identify all tests of a job with [series]; 'antires init --task series' writes one. Run again it goes on
     where it was stopped, and takes in new files.
         <job>

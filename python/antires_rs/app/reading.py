@@ -27,7 +27,6 @@ from .keys import DATA, FOLDER, FORMATS, IDENTIFICATION, format_of, shown
 
 # -- One file: its signal, whatever its format
 
-
 _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_files}
 #: Keys of [data] that are not a reader's.
 _OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "drop", "add"}
@@ -93,7 +92,6 @@ def _is_point(name: str) -> bool:
 
 # -- One [data]: the files of a test, and what is identified from them
 
-
 _OPTIONS: dict[str, KeyPath] = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
 
 
@@ -148,12 +146,8 @@ class Measurement:
             if self._dofs[force] is not False:
                 force = self._dofs[force]  # the name of a channel stands for its dof
             elif self._model is not None:
-                job.reject(
-                    at,
-                    f"{shown(force)}, which dofs leaves out",
-                    "a dof of the model",
-                    "Write the dof at which the force acts; its channel may still be left out.",
-                )
+                remedy = "Write the dof at which the force acts; its channel may still be left out."
+                job.reject(at, f"{shown(force)}, which dofs leaves out", "a dof of the model", remedy)
         self.force = self._of_model(at, self._find(at, force))
 
     def identified(self) -> Measurement:
@@ -277,12 +271,9 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
             files += [(at, path) for path in files_of(job, at, name) if path.resolve() not in known]
         measured.append(Measurement(job, place, table, model, files).identified())
     if job.sections["identification"] and all(each.signal is None for each in measured):
-        job.reject(
-            ("identification",),
-            "options beside files that hold antiresonances already",
-            "a measurement to be identified",
-            "Remove the section, or name the measurement.",
-        )
+        got = "options beside files that hold antiresonances already"
+        wanted = "a measurement to be identified"
+        job.reject(("identification",), got, wanted, "Remove the section, or name the measurement.")
     return measured
 
 
@@ -298,7 +289,6 @@ def files_of(job: Job, at: KeyPath, name: str, *, folders: bool = False) -> list
 
 
 # -- The intact structure of a job: ``baseline`` of [damage], read and identified as [data] is
-
 
 _KEY: KeyPath = ("damage", "baseline")
 #: Keys of [search] that count with a baseline.
@@ -322,27 +312,18 @@ def check_options(job: Job) -> None:
         job.reject(("damage", name), got, wanted, remedy)
     for name in job.sections["search"] if judged else ():
         if name not in _SEARCH:
-            job.reject(
-                ("search", name),
-                f"{name!r} of a search, where [damage] has a baseline",
-                f"{' and '.join(_SEARCH)} alone",
-                "Remove it: hypotheses are judged in seconds, without a search that could be kept.",
-            )
+            got = f"{name!r} of a search, where [damage] has a baseline"
+            remedy = "Remove it: hypotheses are judged in seconds, without a search that could be kept."
+            job.reject(("search", name), got, f"{' and '.join(_SEARCH)} alone", remedy)
 
 
 def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
-    """Read and identify the intact structure; empty where the job has no baseline.
-
-    One file for each [data], in their order; or any number with a single [data].
-    """
+    """Read and identify the intact structure: a file for each [data], or any number with a single one."""
     names = _listed(job.sections["damage"].get("baseline", []), _KEY)
     if names and len(job.data) > 1 and len(names) != len(job.data):
-        job.reject(
-            _KEY,
-            f"{len(names)} of them",
-            f"{len(job.data)}, one for each [[data]] in their order",
-            "A * in the name takes several records of one test.",
-        )
+        got = f"{len(names)} of them"
+        wanted = f"{len(job.data)}, one for each [[data]] in their order"
+        job.reject(_KEY, got, wanted, "A * in the name takes several records of one test.")
     measured: list[Measurement] = []
     for i, (at, name) in enumerate(names):
         measured += _intact(job, at, name, i if len(job.data) > 1 else 0, model)
@@ -360,12 +341,9 @@ def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralMode
         known = {"format": own} | ({"dofs": table["dofs"]} if named else {})
         return [Measurement(job, place, known, model, [(at, file)]).identified() for file in files]
     if held:
-        job.reject(
-            at,
-            f"{shown(name)}, a measurement beside a [data] that holds antiresonances already",
-            "antiresonances of the intact structure, a .json",
-            "Identify it first with the same options: antires identify FILE --out intact.json.",
-        )
+        got = f"{shown(name)}, a measurement beside a [data] that holds antiresonances already"
+        remedy = "Identify it first with the same options: antires identify FILE --out intact.json."
+        job.reject(at, got, "antiresonances of the intact structure, a .json", remedy)
     known = {key: value for key, value in table.items() if key not in ("repeats", *EDITS)}
     known |= {} if own == FOLDER else {"format": own}
     return [Measurement(job, place, known, model, [(at, path) for path in files]).identified()]

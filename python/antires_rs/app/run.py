@@ -7,7 +7,6 @@ import hashlib
 import json
 import math
 import os
-import platform
 import re
 import time
 import warnings
@@ -20,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from .._core import __version__
 from ..damage.assess import DamageResult
 from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..figures.report_parts import (
@@ -33,7 +31,7 @@ from ..figures.report_parts import (
     of_signal,
 )
 from ..identification.stabilization import StabilizationDiagram
-from ..io.archive import Store, read_store, write_store
+from ..io.archive import Store, read_store, versions, write_store
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.response_table import ResponseTable
 from ..signals.averaging import choose_nperseg
@@ -47,7 +45,7 @@ from ..updating.result import UpdateResult
 from ..updating.tables import FrequencyTable
 from ..updating.update import update
 from .arguments import damage_search, model_of, parameters_of, search_of, term_files
-from .command import hint, print_json, say
+from .command import hint, say, show
 from .job import Job
 from .reading import Measurement, baseline_of, check_options, measured_of
 
@@ -83,6 +81,11 @@ class RunFolder:
                 for file in folder.iterdir():
                     if _HALF_WRITTEN.fullmatch(file.name):
                         file.unlink(missing_ok=True)
+
+    @property
+    def contents(self) -> str:
+        """The names of what is there."""
+        return ", ".join(sorted(path.name for path in self.folder.iterdir()))
 
     @property
     def unfinished(self) -> bool:
@@ -146,7 +149,6 @@ def _sha256(file: Path) -> str:
 # ``evidence.npz`` of a run's folder, version 1: the stabilization diagrams of each [data] by dof, and the
 # transmissibilities that the report draws. Nothing is computed from it; without it a report has fewer
 # pictures.
-
 
 FORMAT, VERSION = "antires_rs.evidence", 1
 _ROWS = ("freq_hz", "damping_ratio", "stable")
@@ -289,7 +291,6 @@ def heard() -> Iterator[list[str]]:
 
 # -- A run in numbers, ready for JSON, and in words for the terminal
 
-
 #: Hypotheses below this probability are left out.
 _LEAST = 1e-6
 
@@ -307,10 +308,7 @@ def rows_of(**columns: Any) -> list[dict[str, Any]]:
 def summary_of(
     job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measurement], seconds: float
 ) -> dict[str, Any]:
-    """All numbers of a run, and what repeats it.
-
-    What the data cannot tell takes seconds on a large model, so it is left out, as null, after Ctrl-C.
-    """
+    """All numbers of a run, and what repeats it; after Ctrl-C null for those that take seconds."""
     table = result.table
     at_once = result.status == "interrupted" and not _judged(result)
     checks = [each.found.data_check for each in measured if each.found.data_check is not None]
@@ -455,12 +453,7 @@ def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool
             note = draw(job, result, folder, evidence)
             if not out_of_time(result):
                 folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
-    if args.json:
-        print_json(summary)
-    else:
-        print(text_of(result))
-        written = sorted(path.name for path in folder.folder.iterdir())
-        print(f"\nIn {near(folder.folder)}: {', '.join(written)}")
+    show(args.json, summary, f"{text_of(result)}\n\nIn {near(folder.folder)}: {folder.contents}")
     if note is not None:
         hint(f"warning: {note}")
     if result.status == "interrupted":
@@ -481,8 +474,6 @@ def _searched(
     job: Job, folder: RunFolder, workers: int | None, resume: bool, fresh: bool, texts: list[str]
 ) -> tuple[UpdateResult, dict[str, Any], list[Measurement], Evidence]:
     """The result of the search, what is recorded of the run, and what was measured."""
-    import scipy  # slow to load
-
     check_options(job)
     _check_folder(job, folder, resume, fresh)
     ga, seed, threads = search_of(job, workers)
@@ -533,13 +524,7 @@ def _searched(
             facts | of_set(each, model) for facts, each in zip(measurement_of(intact), before, strict=True)
         ],
         "warnings": texts,
-        "versions": {
-            "antires_rs": __version__,
-            "numpy": np.__version__,
-            "scipy": scipy.__version__,
-            "python": platform.python_version(),
-            "system": platform.platform(),
-        },
+        "versions": versions(),
     }
     write_json(folder.record, record)
     say("judging hypotheses" if before else "searching")

@@ -17,7 +17,7 @@ from ..support.messages import explain as entries
 from ..updating.result import UpdateResult
 from .arguments import model_of
 from .call import check_files, identified, refuse_beside
-from .command import arguments, existing, hint, new_file, print_json, say
+from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
 from .keys import FORMATS, UNSET, format_of, template
 from .reading import measured_of, read_signal
@@ -54,13 +54,9 @@ def identify(args: argparse.Namespace) -> int:
             each.save(out.with_stem(f"{out.stem}_{i}") if i else out)
         if args.pictures is not None:
             _draw_diagrams(each, args.pictures, f"{i}_" if i else "")
-    if args.json:
-        print_json([_numbers(each) for each in found] if len(found) > 1 else _numbers(found[0]))
-        return 0
-    for each in found:
-        print(each)
-        if each.cross_check is not None:
-            print(each.cross_check)
+    numbers = [_numbers(each) for each in found]
+    lines = [str(part) for each in found for part in (each, each.cross_check) if part is not None]
+    show(args.json, numbers if len(found) > 1 else numbers[0], "\n".join(lines))
     return 0
 
 
@@ -103,10 +99,8 @@ def report(args: argparse.Namespace) -> int:
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)
         written = pictures(drawn, args.pictures)
-    if args.json:
-        print_json({"report": str(out), "pictures": [str(file) for file in written]})
-    else:
-        print("\n".join(f"Wrote {path}" for path in (out, *written)))
+    numbers = {"report": str(out), "pictures": [str(file) for file in written]}
+    show(args.json, numbers, "\n".join(f"Wrote {path}" for path in (out, *written)))
     return 0
 
 
@@ -181,7 +175,7 @@ def resume(args: argparse.Namespace) -> int:
     """Go on with a job."""
     job = read_job(_job_of(args.target))
     if job.task == "series":
-        from .series import series
+        from .watch import series
 
         return series(argparse.Namespace(**vars(args), job=job.path))
     folder = RunFolder.of(job)

@@ -317,12 +317,8 @@ def data_of(ax: Any) -> dict[str, Table]:
     try:
         return {name: dict(table) for name, table in _offered[ax].items()}
     except (KeyError, TypeError):
-        reject(
-            "ax",
-            f"{type(ax).__name__} without a picture of antires_rs",
-            "what a plot_ function returned",
-            "Draw into it with a plot_ function first.",
-        )
+        got = f"{type(ax).__name__} without a picture of antires_rs"
+        reject("ax", got, "what a plot_ function returned", "Draw into it with a plot_ function first.")
 
 
 def width_pt(ax: Any) -> float:

@@ -216,7 +216,6 @@ def element_axis(names: list[str], upright: bool) -> Axis:
 
 # -- Damage as several measurements see it, side by side
 
-
 #: Looks of the bars, told apart in grey too.
 LOOKS: tuple[dict[str, Any], ...] = (
     {"face": "blue"},
@@ -293,9 +292,15 @@ def plot_damages(
 
 # -- Hypotheses: bars of their probabilities
 
-
 #: Hypotheses that have a bar in any case, those above this probability, and how many of a page at most.
-_LEAST_ROWS, _WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
+_LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
+
+
+def worth_a_row(hypotheses: Hypotheses, most: int = MOST_ROWS) -> list[Hypothesis]:
+    """Those that have a bar, or a row of a table, of their own."""
+    return [
+        one for i, one in enumerate(hypotheses[:most]) if i < _LEAST_ROWS or one.probability >= WORTH_A_ROW
+    ]
 
 
 def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> Any:
@@ -339,9 +344,7 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
 
 def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     """One bar a hypothesis, the most probable on top, and one for the others."""
-    rows = [
-        one for i, one in enumerate(hypotheses[:most]) if i < _LEAST_ROWS or one.probability >= _WORTH_A_ROW
-    ]
+    rows = worth_a_row(hypotheses, most)
     names = [hypotheses.called(one) for one in rows]
     labels = [_label(name, one) for name, one in zip(names, rows, strict=True)]
     values, looks = [one.probability for one in rows], [_look(one) for one in rows]

@@ -170,7 +170,6 @@ def mark_values(
 
 # -- Damping against frequency: the poles of all orders, clustered where something physical is
 
-
 #: Foot of the logarithmic axis, percent; what lies below, or has none, stands on it.
 LEAST_PERCENT = 0.01
 #: Room above the highest pole.
@@ -244,7 +243,6 @@ def plot_damping_clusters(
 
 # -- What stands behind an identification: coherence, and whether one force is enough
 
-
 #: With more curves than this each one is drawn thin and pale, and their median on top.
 FEW = 5
 
@@ -273,12 +271,9 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
     'Coherence with the force (-)'
     """
     if not isinstance(resp, FrequencyResponse) or resp.coherence is None:
-        reject(
-            "resp",
-            "responses without coherence" if isinstance(resp, FrequencyResponse) else type(resp).__name__,
-            "a FrequencyResponse with coherence",
-            "Estimate it from a record with several averages.",
-        )
+        got = "responses without coherence" if isinstance(resp, FrequencyResponse) else type(resp).__name__
+        wanted = "a FrequencyResponse with coherence"
+        reject("resp", got, wanted, "Estimate it from a record with several averages.")
     low, high = band_shown(resp.freq_hz, band_hz)
     freq = resp.freq_hz
     curves = {dof: row for dof, row in zip(resp.dofs, resp.coherence, strict=True) if dof != resp.reference}
@@ -331,12 +326,9 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     'Singular value (dB re noise power)'
     """
     if getattr(check, "eigenvalues", None) is None:
-        reject(
-            "check",
-            "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__,
-            "the DataCheck of a Recording with several averages",
-            "Single impacts and measured responses have no spectral matrix.",
-        )
+        got = "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__
+        wanted = "the DataCheck of a Recording with several averages"
+        reject("check", got, wanted, "Single impacts and measured responses have no spectral matrix.")
     return draw(singular_values(check), new_axes(ax, (9.0, 4.5)))
 
 

@@ -19,7 +19,6 @@ from .marks import Axis, Line, Panel
 
 # -- The values of a response as marks in its figures: found, added and dropped
 
-
 #: Before the name of a kind: its entry in a legend, which a page shows while there are such values.
 ENTRY = "entry of "
 #: Labels nearer to each other than this share of the band are left out; hover and table have them.

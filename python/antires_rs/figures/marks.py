@@ -229,7 +229,6 @@ class Panel:
 
 # -- Where an axis ends when a few values are so far off that they would flatten all others
 
-
 #: A value this many times the next smaller one stands apart.
 APART = 2.5
 #: At most this share of the values is cut off, one in any case, unless the others are next to nothing.
@@ -262,7 +261,6 @@ def spread(positions: Sequence[float] | FloatArray, least: float, low: float, hi
 
 
 # -- Where the numbers of elements go: beside the element, clear of arrows, markers and each other
-
 
 #: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
 AWAY, ROOM = (7.0, 11.0, 15.0), 7.0

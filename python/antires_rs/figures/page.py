@@ -153,7 +153,6 @@ def in_notebook() -> bool:
 
 # -- Opening it: in the browser of this computer, or inside a notebook
 
-
 #: Height of the page in a notebook, in pixels.
 INLINE_PX = 820
 #: For the page to say why there is nothing to see.

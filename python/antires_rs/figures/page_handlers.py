@@ -28,7 +28,6 @@ Work = Callable[[], dict[str, Any]]
 
 # -- Who is answered: this computer's own browser, on the page that was opened for it
 
-
 #: Where the page is served; no other computer reaches it.
 ADDRESS = "127.0.0.1"
 #: Of the token.

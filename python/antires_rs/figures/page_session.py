@@ -50,7 +50,6 @@ class Sight:
 
 # -- The file of a session: nothing of others is replaced unasked, and what was not saved finds a place
 
-
 #: What the error is about where there is a file that this session has not written, or has changed since.
 TAKEN = "file"
 
@@ -73,12 +72,8 @@ class SessionFile:
         found = _mark(self.path)
         if found is not None and found != self._own and not replace_file:
             how = "is there already" if self._own is None else "something else has changed meanwhile"
-            reject(
-                TAKEN,
-                f"{self.path}, which {how}",
-                "a file that is not there yet, or as this page left it",
-                "Replace it, or download the set.",
-            )
+            wanted = "a file that is not there yet, or as this page left it"
+            reject(TAKEN, f"{self.path}, which {how}", wanted, "Replace it, or download the set.")
         _write(self.path, text)
         self.opened()
         return self.path.name
@@ -95,12 +90,8 @@ class SessionFile:
                 free = next(path for path in names if not path.exists())
                 _write(free, text)
                 return free
-        reject(
-            "path",
-            f"{self.path.parent} and {tempfile.gettempdir()}, in neither of which a file can be written",
-            "a folder for edits that were not saved",
-            "Make room there.",
-        )
+        got = f"{self.path.parent} and {tempfile.gettempdir()}, in neither of which a file can be written"
+        reject("path", got, "a folder for edits that were not saved", "Make room there.")
 
 
 def _write(path: Path, text: str) -> None:
@@ -125,7 +116,6 @@ def _mark(path: Path) -> tuple[int, int, int] | None:
 
 
 # -- What a set on the desk was identified from, and can be again
-
 
 Band = tuple[float, float]
 
@@ -201,7 +191,6 @@ Source = OneMeasurement | RovingHammer
 
 
 # -- What a click means: the value, pole or dip that is nearest to it
-
 
 #: How far from a thing a click may be, in pixels.
 REACH_PX = 9.0
@@ -549,7 +538,6 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
 
 # -- What a server asks of what it shows
 
-
 Arguments = Mapping[str, Any]
 
 
@@ -582,7 +570,6 @@ class View:
 
 
 # -- What the page may ask for: each command by name, its arguments checked, in plain data both ways
-
 
 #: No number of a response, an edit or an order is larger.
 MOST = 1_000_000

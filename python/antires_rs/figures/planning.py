@@ -85,7 +85,6 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
 
 # -- Probability of detection against severity
 
-
 #: Above so many elements only three curves are told apart.
 _MOST = 7
 _LEVEL = 90.0

@@ -1,8 +1,4 @@
-"""Reports: one self-contained HTML file for a result (``pip install "antires-rs[report]"``), or for a watch.
-
-Style and pictures are inside the file and nothing is fetched when it is opened, so it can be mailed, archived
-and printed.
-"""
+"""Reports: one self-contained HTML file, which fetches nothing, for a result or for a watch."""
 
 from __future__ import annotations
 
@@ -13,7 +9,6 @@ from datetime import UTC, datetime
 from html import escape
 from importlib.resources import files
 from pathlib import Path
-from platform import platform, python_version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +17,7 @@ from .._core import __version__
 from ..damage.assess import DamageResult
 from ..damage.words import without_idle
 from ..exceptions import MissingDependencyError, reject
+from ..io.archive import versions
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
@@ -30,6 +26,7 @@ from ..watch.monitor import alarm_lines, fault_lines, rate_lines
 from . import report_parts as parts
 from .canvas import picture
 from .report_parts import Drawings, Facts
+from .responses import dof_name
 from .watch import draw_monitor, panels, size_in, watched_figure
 
 if TYPE_CHECKING:
@@ -64,12 +61,8 @@ def write_report(
     out, and it says how many.
     """
     if not isinstance(result, UpdateResult):
-        reject(
-            "result",
-            type(result).__name__,
-            "an UpdateResult or a DamageResult",
-            "Pass what update or assess_damage returned.",
-        )
+        wanted = "an UpdateResult or a DamageResult"
+        reject("result", type(result).__name__, wanted, "Pass what update or assess_damage returned.")
     try:
         import matplotlib  # noqa: F401 - only asked whether it is there
         from jinja2 import Environment, StrictUndefined
@@ -78,23 +71,15 @@ def write_report(
             'reports need jinja2 and matplotlib; install them with: pip install "antires-rs[report]"'
         ) from exc
     if not Path(path).parent.is_dir():  # known before any picture is drawn
-        reject(
-            "path",
-            str(path),
-            "a file in a folder that exists",
-            f"Make the folder {str(Path(path).parent)!r} first.",
-        )
+        remedy = f"Make the folder {str(Path(path).parent)!r} first."
+        reject("path", str(path), "a file in a folder that exists", remedy)
     damage = result if isinstance(result, DamageResult) else None
     judged = damage if damage is not None and damage.has_baseline else None
     problem = result.problem
     modal = problem.objective == "modal"
     if modal and response is not None:
-        reject(
-            "response",
-            "transmissibilities with measured modes",
-            "None",
-            "A ModalSet does not tell where the force was, which the model's transmissibilities need.",
-        )
+        remedy = "A ModalSet does not tell where the force was, which the model's transmissibilities need."
+        reject("response", "transmissibilities with measured modes", "None", remedy)
     measured = _measured(result, measurement)
     what, values = (
         ("resonance", "resonances and mode shapes") if modal else ("antiresonance", "antiresonances")
@@ -153,7 +138,7 @@ def _lead(result: UpdateResult) -> str:
         what, dofs = "resonance", ", ".join(f"{len(each.dofs)} dofs" for each in sets)
         given = f"{count} measured resonances with shapes at {dofs}"
     else:
-        what, names = "antiresonance", [parts.dof_name(problem.model, each.excitation) for each in sets]
+        what, names = "antiresonance", [dof_name(problem.model, each.excitation) for each in sets]
         kind = names[0].split()[0]  # "dof" or "node", once
         forces = ", ".join(name.removeprefix(f"{kind} ") for name in names)
         given = f"{count} measured antiresonances, force at {kind} {forces}"
@@ -182,20 +167,13 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     one = measurement is None or isinstance(measurement, Recording | FrequencyResponse | Mapping)
     given = ([] if measurement is None else [measurement]) if one else list(measurement)
     if given and len(given) != len(sets):
-        reject(
-            "measurement",
-            f"{len(given)} of them",
-            f"{len(sets)}, one for each measured set",
-            "Pass a list with one for each, None where there is none.",
-        )
+        wanted = f"{len(sets)}, one for each measured set"
+        remedy = "Pass a list with one for each, None where there is none."
+        reject("measurement", f"{len(given)} of them", wanted, remedy)
     for one in given:
         if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):
-            reject(
-                "measurement",
-                type(one).__name__,
-                "a Recording, a FrequencyResponse or facts by name",
-                "Pass what was read from the file, or None.",
-            )
+            wanted = "a Recording, a FrequencyResponse or facts by name"
+            reject("measurement", type(one).__name__, wanted, "Pass what was read from the file, or None.")
     facts: list[Facts] = [parts.of_set(each, result.problem.model) for each in sets]
     for i, one in enumerate(given):
         if one is not None:
@@ -208,25 +186,11 @@ def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
 
 
 def _versions() -> Facts:
-    import scipy
-
-    made = {
-        "antires_rs": __version__,
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "python": python_version(),
-        "system": platform(),
-    }
-    return {
-        "Report made with": [
-            ", ".join(f"{name} {version}" for name, version in made.items()),
-            datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        ]
-    }
+    made = ", ".join(f"{name} {version}" for name, version in versions().items())
+    return {"Report made with": [made, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")]}
 
 
 # -- The page of a watch: what it found, its charts, its alarms; small enough to be written after every test
-
 
 #: So many of the latest alarms are in the table.
 _LATEST = 50

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import re
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -29,10 +30,11 @@ from ..updating.result import UpdateResult
 from ..updating.tables import ModalTable, signed
 from . import responses
 from .canvas import picture
-from .damage import losses, plot_damage, plot_hypotheses, probabilities
+from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
 from .live_canvas import LEGEND, explored, item, script_files
 from .live_identification import stabilization_figure
 from .marks import Axis, Line, Panel
+from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
 
@@ -45,11 +47,6 @@ Facts = dict[str, list[str]]
 
 #: More names than this are shortened.
 MOST_NAMES = 40
-
-
-def dof_name(model: StructuralModel, dof: Any) -> str:
-    """A dof as the model calls it."""
-    return str(model.dof_name(dof)) if isinstance(model, FrameModel) else f"dof {dof}"
 
 
 def named_diagrams(
@@ -277,9 +274,8 @@ def _section(section: Any) -> str:
 # stays small, holds no address, and nothing in it can be taken for markup. Where the library is not
 # installed, scripts are switched off or the page is printed, the pictures stand there instead.
 
-
 #: Where the data of a figure name one of its parts.
-_NAMES = ("id", "root_id")
+_NAMED = re.compile(r'("(?:root_)?id":")([^"]*)')
 
 
 def there() -> bool:
@@ -296,24 +292,10 @@ def packed(figure: Callable[[], Any]) -> str:
 def _with_own_names(figure: dict[str, Any]) -> str:
     """A figure whose parts are named by what it shows: the same report is the same bytes."""
     names: dict[str, str] = {}
-    counted = _renamed(figure, lambda name: names.setdefault(name, f"p{len(names)}"))
-    mark = sha256(_text(counted).encode("utf-8")).hexdigest()[:8]
-    return _text(_renamed(counted, lambda name: f"{mark}{name}"))
-
-
-def _renamed(part: Any, name: Callable[[str], str]) -> Any:
-    if isinstance(part, list | tuple):
-        return [_renamed(each, name) for each in part]
-    if not isinstance(part, dict):
-        return part
-    return {
-        key: name(value) if key in _NAMES and isinstance(value, str) else _renamed(value, name)
-        for key, value in part.items()
-    }
-
-
-def _text(figure: Any) -> str:
-    return json.dumps(figure, separators=(",", ":"))
+    text = json.dumps(figure, separators=(",", ":"))
+    counted = _NAMED.sub(lambda m: m[1] + names.setdefault(m[2], f"p{len(names)}"), text)
+    mark = sha256(counted.encode("utf-8")).hexdigest()[:8]
+    return _NAMED.sub(rf"\g<1>{mark}\2", counted)
 
 
 @cache
@@ -350,7 +332,6 @@ def _packed(text: str) -> str:
 
 
 # -- The figures of a result, each made once, with the sentences that stand under it and in place of it
-
 
 #: Colours kept of a picture: lines and their soft edges need no more, and a third of the bytes is left.
 COLOURS_KEPT = 128
@@ -630,10 +611,6 @@ def largest(percent: float) -> str:
 # -- The tables of a report, cell by cell
 
 
-#: Hypotheses that have a row in any case, those above this probability, and how many at most.
-_LEAST_ROWS, _WORTH_A_ROW, _MOST_ROWS = 3, 0.005, 12
-
-
 def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
     """Value, standard deviation, change and bounds of each parameter."""
     on_bound = set(result.at_bound)
@@ -695,7 +672,7 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
             "on_bound": False,
         }
         for one in others
-        if not one.unknown and one.probability >= _WORTH_A_ROW
+        if not one.unknown and one.probability >= WORTH_A_ROW
     ]
 
 
@@ -723,8 +700,7 @@ def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
                 loss(s, low, high) for s, low, high in zip(one.severities, one.low, one.high, strict=True)
             ),
         }
-        for nth, one in enumerate(hypotheses)
-        if nth < _LEAST_ROWS or (one.probability >= _WORTH_A_ROW and nth < _MOST_ROWS)
+        for one in worth_a_row(hypotheses)
     ]
     others = len(hypotheses) - len(rows)
     rest = float(np.sum(hypotheses.probability[len(rows) :]))

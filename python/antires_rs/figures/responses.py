@@ -131,13 +131,7 @@ def curves_db(
     band_hz: Sequence[float] | None = None,
 ) -> tuple[FloatArray, list[FloatArray]]:
     """Lines in Hz, and levels in dB of the measured FRFs and of each model, (n_dofs, n_freq)."""
-    if not isinstance(measured, FrequencyResponse) or measured.kind != "frf":
-        reject(
-            "measured",
-            getattr(measured, "kind", type(measured).__name__),
-            "a FrequencyResponse of kind 'frf'",
-            "Estimate it by antires_rs.frf.",
-        )
+    _of_kind(measured, "frf")
     low, high = band_shown(measured.freq_hz, band_hz)
     keep = (measured.freq_hz >= low) & (measured.freq_hz <= high) & (measured.freq_hz > 0.0)
     freq, own = measured.freq_hz[keep], _level(measured.values[:, keep])
@@ -152,6 +146,16 @@ def curves_db(
     gap = float(np.median(options[best]))
     level = gap if abs(gap) > 6.0 else 0.0
     return freq, [own, *(shape - best * fall + level for shape in shapes)]
+
+
+def _of_kind(measured: Any, kind: str) -> None:
+    """Refuse anything but responses of a kind."""
+    if not isinstance(measured, FrequencyResponse) or measured.kind != kind:
+        got, wanted = (
+            getattr(measured, "kind", type(measured).__name__),
+            f"a FrequencyResponse of kind {kind!r}",
+        )
+        reject("measured", got, wanted, f"Estimate it by antires_rs.{kind}.")
 
 
 def _level(values: Any) -> FloatArray:
@@ -216,13 +220,7 @@ def transmissibilities(
     names: tuple[str, str] = ("before updating", "after updating"),
 ) -> Panel:
     """One of them, or the sum over all dofs."""
-    if not isinstance(measured, FrequencyResponse) or measured.kind != "transmissibility":
-        reject(
-            "measured",
-            getattr(measured, "kind", type(measured).__name__),
-            "a FrequencyResponse of kind 'transmissibility'",
-            "Estimate it by antires_rs.transmissibility.",
-        )
+    _of_kind(measured, "transmissibility")
     others = [d for d in measured.dofs if d != measured.reference]
     if dof is not None and dof not in others:
         wanted = f"one of {others}, or None for their sum"
@@ -248,11 +246,11 @@ def transmissibilities(
         for level, name, look in zip(levels, called, LOOKS, strict=False)
     ]
     marks[0] = replace(marks[0], says=says, more=columns)
-    what = "Sum of T" if dof is None else f"|T| of {named(before, dof)}"
+    what = "Sum of T" if dof is None else f"|T| of {dof_name(before, dof)}"
     return Panel(
         "response",
         Axis("Frequency (Hz)", (low, high)),
-        Axis(f"{what} over {named(before, reference)} (dB re 1)"),
+        Axis(f"{what} over {dof_name(before, reference)} (dB re 1)"),
         marks,
         grid="both",
         tables={
@@ -262,7 +260,7 @@ def transmissibilities(
     )
 
 
-def named(model: StructuralModel, dof: Any) -> str:
+def dof_name(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it."""
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 

@@ -75,7 +75,6 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
 
 # -- Antiresonances over many tests: how far each has moved, and where one comes, goes or merges
 
-
 KINDS = ("change", "frequency")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Sign of each kind of event, and what the legend calls it.

@@ -45,7 +45,6 @@ def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dic
 
 # -- Chains of masses and springs, coloured by any value
 
-
 #: Share of a free end's stiffness that rounding may leave.
 ROUNDING = 1e-9
 #: Up to this many masses the springs are drawn as coils, so high.
@@ -180,7 +179,6 @@ def spring_paths(model: MassSpringChain) -> dict[int, FloatArray]:
 
 
 # -- Frames, coloured by section or by any value
-
 
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])

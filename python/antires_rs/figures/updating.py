@@ -214,7 +214,6 @@ def _modes(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], str]
 
 # -- How a search went: best cost of each island
 
-
 #: Points that a curve is drawn with at most.
 MOST_POINTS = 1500
 
@@ -240,12 +239,8 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     'Evaluations of all islands (-)'
     """
     if not np.size(result.history.cost):
-        reject(
-            "result",
-            "one that was judged against a baseline, without a search",
-            "the result of a search",
-            "See result.hypotheses.plot() instead.",
-        )
+        got = "one that was judged against a baseline, without a search"
+        reject("result", got, "the result of a search", "See result.hypotheses.plot() instead.")
     panel = convergence(result)
     ax = draw(panel, new_axes(ax, (9.0, 4.4)))
     cost = np.asarray(result.history.cost)
@@ -295,7 +290,6 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
 
 
 # -- What a test leaves open of each parameter, within its bounds
-
 
 #: Names longer than this are cut: the whole ones are among the numbers.
 _LONGEST = 48

@@ -1,9 +1,7 @@
 """Files in and out: recordings and responses, matrices of models, results.
 
-Each format has a file of its own; docs/files.md has a table of what each keeps. Uses the values that it reads
-and writes (``signals``, ``measured``, ``models``, ``optimize``, ``updating``); it computes nothing. Optional
-packages (h5py, pyuff, pandas, xarray, npTDMS, openpyxl, ObsPy) and ``scipy.io`` are imported where they are
-used.
+docs/files.md has a table of what each format keeps. Nothing is computed here; optional packages are imported
+where they are used.
 """
 
 from .frf_files import read_frf_files as read_frf_files

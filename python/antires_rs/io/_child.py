@@ -36,11 +36,12 @@ def asked(names: Iterable[str], role: str, request: dict[str, Any]) -> bool:
     """Whether an array is one of those asked for: by name, by pattern, or by a role that its name tells."""
     if request["only"] is None or role.lower() in request["roles"]:
         return True
-    return any(
-        name == pattern or fnmatchcase(name, pattern.replace("[", "[[]"))
-        for name in names
-        for pattern in request["only"]
-    )
+    return any(matches(name, pattern) for name in names for pattern in request["only"])
+
+
+def matches(name: str, pattern: str) -> bool:
+    """Whether a name is meant; names of struct arrays have brackets, which are no patterns."""
+    return name == pattern or fnmatchcase(name, pattern.replace("[", "[[]"))
 
 
 def room(count: int, request: dict[str, Any]) -> None:

@@ -78,10 +78,7 @@ def read_store(
     wanted: str,
     remedy: str = "It was cut, or is another file: copy it again, or name the right one.",
 ) -> tuple[Path, dict[str, Any]]:
-    """The text with its arrays in place, after all hashes were compared.
-
-    ``wanted`` and ``remedy`` are said of a file that is no archive.
-    """
+    """The text with its arrays in place, all hashes compared; ``remedy`` is for what is no archive."""
     file = existing_file(path)
     arrays = read_archive(file, wanted, remedy)
     if TEXT not in arrays or "text_sha256" not in arrays:
@@ -202,6 +199,14 @@ def decoded(data: Any, name: str) -> Any:
     return made(**parts)
 
 
+def versions() -> dict[str, str]:
+    """What made a file: this package, what it computes with, and the system."""
+    import scipy  # slow to load
+
+    made = {"antires_rs": __version__, "numpy": np.__version__, "scipy": scipy.__version__}
+    return made | {"python": platform.python_version(), "system": platform.platform()}
+
+
 def _in_npz(path: PathLike) -> None:
     if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
@@ -255,12 +260,7 @@ def save_result(result: UpdateResult, path: PathLike) -> Path:
         "class": type(result).__name__,
         "seed": result.seed,
         **{name: encoded(each, store) for name, each in parts.items()},
-        "made_with": {
-            "antires_rs": __version__,
-            "numpy": np.__version__,
-            "python": platform.python_version(),
-            "system": platform.platform(),
-        },
+        "made_with": versions(),
     }
     return write_store(path, data, store)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import shape_of
 from ..support.messages import LeftOut, Passed, Wording, warn
+from ._child import matches
 from .common import rate_of, refuse_real, simplest_rate, unsuitable
 from .reading import Dofs, Reading
 from .units import Unit, named_unit, parse_unit
@@ -42,11 +42,7 @@ class Channel:
 
 
 def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: Reading) -> Recording:
-    """The recording, in SI, its force told from its responses.
-
-    A channel is a force where the file says so, by role or unit. ``given.force`` is "auto" (the only one),
-    None (left out) or the name of a channel.
-    """
+    """The recording, in SI; a force is what the file calls so by role or unit, or ``given.force`` names."""
     units = {id(c): _unit(path, c) for c in channels}
     forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
     if given.force not in ("auto", None) and all(c.name != given.force for c in forces):
@@ -131,11 +127,6 @@ def _named(file: Path, channels: Sequence[Channel], responses: Any) -> list[Chan
     return found
 
 
-def matches(name: str, pattern: str) -> bool:
-    """Whether a name is meant; names of struct arrays have brackets, which are no patterns."""
-    return name == pattern or fnmatchcase(name, pattern.replace("[", "[[]"))
-
-
 def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], given: Reading) -> float:
     rates = {c.name: rate_of_step(c.step_s) for c in channels if c.step_s is not None and c.step_s > 0.0}
     rate = given.rate_hz
@@ -184,14 +175,12 @@ def _together(file: Path, channels: Sequence[Channel]) -> None:
 def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
     """Refuse accelerations beside displacements; ``found`` has name, quantity and unit of each channel."""
     if len({quantity for _, quantity, _ in found}) > 1:
-        unsuitable(
-            path,
-            "with responses of several kinds, " + ", ".join(f"{name} {unit}" for name, _, unit in found),
-            "accelerations, velocities or displacements alone",
-            Wording(
-                "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
-            ),
+        shown = ", ".join(f"{name} {unit}" for name, _, unit in found)
+        remedy = Wording(
+            "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
         )
+        wanted = "accelerations, velocities or displacements alone"
+        unsuitable(path, f"with responses of several kinds, {shown}", wanted, remedy)
 
 
 def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
-from ._child import Answer
-from .channels import matches
+from ._child import Answer, matches
 from .common import unsuitable
 from .npz import read_archive
 from .raw_arrays import ROLES, array_of
@@ -57,10 +56,7 @@ def channels_of_child(
 def in_a_child(
     function: Function, file: Path, wanted: str, limits: Limits, given: Reading | None = None, **more: Any
 ) -> Found:
-    """What ``function`` makes of the file in the child, handed over as an archive of plain arrays.
-
-    ``given`` tells which arrays are asked for; without ``given.responses`` it is any of them, by their size.
-    """
+    """What ``function`` makes of the file in the child; of ``given.responses``, if named, those alone."""
     import tempfile
 
     time_limit_s = finite_scalar("time_limit_s", limits.time_limit_s, low=0.0, low_open=True, unit="s")

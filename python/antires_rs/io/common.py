@@ -154,11 +154,7 @@ def _no_drift(path: Path, times: Any, step: float, rounding: float) -> None:
 
 
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
-    """Sampling rate of evenly spaced instants in s; refuses gaps.
-
-    ``digits`` is the relative rounding of the instants as they were written, which hides the last digits of
-    the rate: among the rates that fit, the one of fewest digits is taken, or the one whose step has fewest.
-    """
+    """Sampling rate of even instants in s, the simplest their rounding allows; gaps are refused."""
     wanted = "instants in s, evenly spaced and ascending"
     if times.size < 2 or not np.isfinite(times).all():
         found = f"whose {times.size} instants are too few or not finite"
@@ -172,13 +168,11 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:
         i = int(late[0])
-        unsuitable(
-            path,
+        found = (
             f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of "
-            f"{step:.6g} s ({late.size} such gaps)",
-            wanted,
-            "Samples are missing, or the sampling was uneven.",
+            f"{step:.6g} s ({late.size} such gaps)"
         )
+        unsuitable(path, found, wanted, "Samples are missing, or the sampling was uneven.")
     _no_drift(path, times, step, rounding)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -18,19 +19,14 @@ from ..updating.posterior import ParameterIntervals
 from .common import missing_package
 
 
-def _pandas() -> Any:
-    return _package("to_dataframe", "pandas")
-
-
-def _xarray() -> Any:
-    return _package("to_xarray", "xarray")
-
-
 def _package(method: str, name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as exc:
         raise missing_package(method, name, "tables", exc) from exc
+
+
+_pandas, _xarray = partial(_package, "to_dataframe", "pandas"), partial(_package, "to_xarray", "xarray")
 
 
 def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:

@@ -1,7 +1,4 @@
-"""HDF5 and MATLAB files, of ours or of other programs; MATLAB's 7.3 is HDF5.
-
-They are read in a child process, as damaged ones can crash the interpreter.
-"""
+"""HDF5 and MATLAB files, read in a child process, as damaged ones can crash the interpreter."""
 
 from __future__ import annotations
 

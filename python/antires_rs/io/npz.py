@@ -79,10 +79,7 @@ def read_archive(
     wanted: str = "a whole NumPy archive (.npz) of plain arrays",
     remedy: str = "It was cut, or is another file.",
 ) -> dict[str, NDArray[Any]]:
-    """Every array of an archive; the checksums of zip are compared.
-
-    ``wanted`` and ``remedy`` are said of a file that is no archive.
-    """
+    """Every array of an archive, the checksums of zip compared; ``remedy`` is that of what is no archive."""
     import zipfile
 
     try:

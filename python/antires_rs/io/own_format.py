@@ -117,11 +117,7 @@ def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading)
 
 
 def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
-    """A signal of ours with the channels that are kept, by their new names, and with its force or without.
-
-    Every other option is refused, unless it says what the file says: an option that is passed over in silence
-    looks as if it had worked.
-    """
+    """A signal of ours as the options say; those that the file contradicts are refused, not passed over."""
     made = signal
     if given.dofs is not None:
         labels = renamed("dofs", signal.dofs, given.dofs)
@@ -164,13 +160,11 @@ def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     for name, value in stated.items():
         if value is None or any(type(value) is type(own) and value == own for own in same.get(name, ())):
             continue
-        reject(
-            name,
-            f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else content})",
-            "it with files of other programs alone",
-            "This file states it itself; leave it out."
-            + (" To leave channels out, name them by dofs." if name == "responses" else ""),
+        got = f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else content})"
+        remedy = "This file states it itself; leave it out." + (
+            " To leave channels out, name them by dofs." if name == "responses" else ""
         )
+        reject(name, got, "it with files of other programs alone", remedy)
     return made
 
 

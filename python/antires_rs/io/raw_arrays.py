@@ -16,7 +16,8 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, matches, rate_of_step, recording_of, response_of, warn_other_rate
+from ._child import matches
+from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
 from .common import Signal, rate_of, unsuitable
 from .reading import Reading
 from .units import Unit, abscissa_factor, is_abscissa, parse_unit
@@ -155,10 +156,7 @@ def _split(key: str) -> tuple[str, str]:
 
 
 def stated_number(value: Any) -> float | None:
-    """A number in Hz or s, also as text with a decimal comma or a unit behind it, ``51.2 kHz``.
-
-    None where it is no number, in a unit that is not known, or may have a comma between thousands.
-    """
+    """A number in Hz or s, also as text, ``51.2 kHz``; None for others, and commas between thousands."""
     factor = 1.0
     if isinstance(value, str):
         match = _QUANTITY.match(value.strip())
@@ -191,11 +189,7 @@ def array_of(name: str) -> str:
 def signal_of_arrays(
     path: Path, arrays: Mapping[str, NDArray[Any]], given: Reading, texts: Mapping[str, Any] | None = None
 ) -> Signal:
-    """A Recording, or a FrequencyResponse where the arrays lie over a frequency.
-
-    Roles that are not named are taken from the arrays' own names; what remains ambiguous is refused, with the
-    list of what the file holds. ``texts`` are attributes and fields beside the arrays.
-    """
+    """A Recording, or a FrequencyResponse where arrays lie over a frequency; ``texts`` stand beside them."""
     return _Bag(path, arrays, given, texts).signal()
 
 

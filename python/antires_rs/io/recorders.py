@@ -21,6 +21,7 @@ from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
 from .common import choose_run, missing_part, rate_of, require, unsuitable
+from .raw_arrays import stated_number
 from .reading import PathLike, Rated, Selected, opened, reader
 from .text_table import decoded
 
@@ -548,7 +549,7 @@ def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Channel
     made = []
     for i, name, values, x in zip(count(), segment.names, segment.values, segment.x, strict=False):
         tags = {key: "".join(values[i : i + 1]) for key, values in segment.tags.items()}
-        step, offset = _number(tags.get("Delta_X", "")), _number(tags.get("X0", "")) or 0.0
+        step, offset = stated_number(tags.get("Delta_X", "")), stated_number(tags.get("X0", "")) or 0.0
         if x is not None and x.size > 1 and np.isfinite(x).all() and fs_hz is None:
             rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
             if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
@@ -566,14 +567,6 @@ def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Channel
             "as a record over time.",
         )
     return made
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text.replace(",", "."))
-    except ValueError:
-        return None
-    return value if np.isfinite(value) else None
 
 
 def _joined(file: Path, made: list[list[Channel]], n_segments: int) -> list[Channel]:

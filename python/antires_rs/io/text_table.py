@@ -72,11 +72,7 @@ def part_of(name: str, unit: str = "") -> Part | None:
 
 
 def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: bool) -> list[Channel]:
-    """The columns with every pair made one; its name is '' where the pair has none.
-
-    ``pairs``, one of ``PAIRS``, says what all columns but the first are. Without it the names have to; a
-    magnitude and a phase are one response only ``over_freq``.
-    """
+    """The columns with every pair, told by ``pairs`` or by names, made one; '' where it has no name."""
     if pairs is not None:
         choice("pairs", pairs, PAIRS)
         if len(columns) % 2 == 0:
@@ -177,10 +173,7 @@ def _bare(rest: str, between: str | None) -> str:
 
 
 def without_instants(file: Path, body: list[str], between: str | None) -> tuple[list[str], str]:
-    """Rows with an instant in front with the time since the first of them in its place, and the unit of that.
-
-    The unit is as fine as the instants were written, so that their rounding is known.
-    """
+    """Rows with the time since the first instant in its place, and its unit, as fine as they were written."""
     rows = [(i, *_first_field(line, between)) for i, line in enumerate(body)]
     found = [(i, match, rest) for i, field, rest in rows if (match := _INSTANT.match(field))]
     if not found:

@@ -155,10 +155,7 @@ def _up_to_marker(data: bytes, number: int, start: int, at: int, problem: str, e
 
 
 def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
-    """Whether numbers begin their fields, so that blanks at the end of a line belong to the last.
-
-    A blank in the place of the sign counts as the beginning.
-    """
+    """Whether numbers, or a blank for their sign, begin their fields: blanks behind belong to them."""
     some = False
     for row in rows if width > 0 else ():
         for found in re.finditer(rb"\S+", row):
@@ -228,11 +225,7 @@ def as_point(argument: str, value: Any) -> Point:
 
 
 def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
-    """Function from a point to the user's dof and the sign that turns the channel into that dof.
-
-    A mapping that has ``12+Z`` and not ``12-Z`` takes a channel in ``-Z`` with its sign changed. ``own`` are
-    the dofs of a file of ours.
-    """
+    """Function from a point to its dof and sign: a mapping with ``12+Z`` alone takes ``-Z`` turned round."""
     if dofs is None:
         return lambda point: (own.get(point, label_of(point)), 1.0)
     if isinstance(dofs, Mapping):
@@ -478,21 +471,9 @@ def _function(made: dict[str, Any], values: NDArray[Any], factors: tuple[float, 
     scale = 1.0 if unit or per else _si(above, factors) / _si(below, factors)
     if not (unit or per):
         unit, per = _SI.get(above, ""), _SI.get(below, "")
-    return Function(
-        what,
-        (int(made["rsp_node"]), int(made["rsp_dir"])),
-        (int(made["ref_node"]), int(made["ref_dir"])),
-        x,
-        values,
-        unit,
-        per,
-        "force" if above in FORCES else "",
-        even,
-        step,
-        scale,
-        into_si,
-        own,
-    )
+    response, reference = ((int(made[f"{end}_node"]), int(made[f"{end}_dir"])) for end in ("rsp", "ref"))
+    role = "force" if above in FORCES else ""
+    return Function(what, response, reference, x, values, unit, per, role, even, step, scale, into_si, own)
 
 
 def _own(made: dict[str, Any], step: float) -> dict[str, Any]:
@@ -609,10 +590,7 @@ def frequencies(f: Function) -> FloatArray:
 
 
 def half_digit(value: float, unit: float = 1.0) -> float:
-    """Half a unit in the sixth digit, the rounding of the format's E13.5, and a little more.
-
-    ``unit`` is that in which the file has the value.
-    """
+    """Half of the sixth digit, as E13.5 rounds a value in ``unit``, and a little more."""
     if value == 0.0:
         return 0.0
     digit: float = 10.0 ** (float(np.floor(np.log10(abs(value / unit)))) - 5.0)
@@ -768,10 +746,7 @@ def _runs_of(functions: list[Function]) -> list[tuple[Function, int]]:
 
 
 def one_run(file: Path, functions: list[Function], run: int | None) -> list[Function]:
-    """The functions of one run; refuses to choose among several.
-
-    Points that have no such run are left out, with a warning that names them.
-    """
+    """The functions of one run, never chosen unasked; points without that run are left out with a warning."""
     if run is not None and (isinstance(run, bool) or not isinstance(run, int) or run < 1):
         reject("run", run, "a whole number from 1", "Number the runs from 1, in their order in the file.")
     runs = _runs_of(functions)
@@ -964,10 +939,7 @@ def _rate(file: Path, f: Function) -> float:
 
 
 def force_of(path: PathLike) -> str | None:
-    """Point of the force, ``'12+Z'``: the one reference of the FRFs, or the channel of a force.
-
-    None where the file does not tell, or states several.
-    """
+    """Point of the force, ``'12+Z'``, by references or channels; None where the file does not tell one."""
     functions = functions_of(existing_file(path), True, "force_of")
     points = {f.reference for f in functions if f.what == "frf"}
     points |= {f.response for f in functions if f.what == "time" and f.role == "force"}
