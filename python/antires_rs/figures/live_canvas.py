@@ -1,8 +1,7 @@
 """Panels as figures to be explored, with bokeh: paper, marks, hover, legends, and the ways into a page.
 
 What stands in :func:`columns` goes to the browser in single precision. A page takes :func:`item` of a figure
-and loads :func:`script_files`; a file that stands alone takes :func:`parts` and the texts of those files.
-bokeh is imported in functions only.
+and loads :func:`script_files`, or holds their texts. bokeh is imported in functions only.
 """
 
 from __future__ import annotations
@@ -338,14 +337,6 @@ def item(figure: Any) -> dict[str, Any]:
     from bokeh.embed import json_item
 
     return dict(json_item(figure))
-
-
-def parts(figures: Mapping[str, Any]) -> tuple[str, dict[str, str]]:
-    """One script for all figures of a page, and by name the element that stands where the figure goes."""
-    from bokeh.embed import components
-
-    script, places = components(dict(figures))
-    return str(script), dict(places)
 
 
 def script_files() -> list[Path]:

@@ -156,9 +156,9 @@ def warn_other_rate(file: Path, says: str, own: float | None, rate: float) -> No
         )
 
 
-def rate_of_step(step_s: float, digits: float = 1e-12) -> float:
-    """The rate of a sampling interval that was rounded to so many digits, relatively."""
-    return simplest_rate((1.0 - digits) / step_s, (1.0 + digits) / step_s)
+def rate_of_step(step_s: float) -> float:
+    """The rate of a sampling interval in double precision."""
+    return simplest_rate((1.0 - 1e-12) / step_s, (1.0 + 1e-12) / step_s)
 
 
 def _together(file: Path, channels: Sequence[Channel]) -> None:
