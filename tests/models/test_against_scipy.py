@@ -80,18 +80,6 @@ def test_chain8_has_the_28_of_its_sub_chains(method):
         np.testing.assert_allclose(freq, closed, rtol=CLOSED_FORM)
 
 
-def test_a_double_zero_of_a_mirrored_pair_is_found_twice():
-    """Mass 2 of 9 driven, mass 4 measured: the two ends beyond them are equal, so N = p(x)^2."""
-    masses, springs = np.array([1.0, 1.3, 0.9, 1.1]), 1e4 * np.array([1.2, 0.8, 1.1, 0.9])
-    chain = ar.MassSpringChain(np.r_[masses, 1.0, masses[::-1]], np.r_[springs, springs[::-1]])
-    k_mat, m_mat = chain.stiffness()[:3, :3], chain.mass()[:3, :3]
-    ends = hertz(scipy.linalg.eigvalsh(k_mat, m_mat))
-    for method in ("modal", "pencil"):
-        np.testing.assert_allclose(
-            chain.antiresonances(5, 3, method=method), np.repeat(ends, 2), rtol=AGAINST_SCIPY
-        )
-
-
 def test_far_apart_dofs_of_a_random_chain_have_the_zeros_of_its_ends_and_no_other():
     """The receptance there lies below the rounding of its modal series."""
     rng = np.random.default_rng(0)
@@ -103,25 +91,6 @@ def test_far_apart_dofs_of_a_random_chain_have_the_zeros_of_its_ends_and_no_othe
     ]
     found = chain.antiresonances(i, k, include_cancelled=True)
     np.testing.assert_allclose(found, np.sort(hertz(np.concatenate(ends))), rtol=AGAINST_SCIPY)
-
-
-@pytest.mark.parametrize("method", ["modal", "pencil"])
-def test_massless_dofs_equal_the_condensed_model(method):
-    """A massless joint halfway along each spring: two springs of 2k in series are k."""
-    masses, k = np.array([1.0, 0.7, 1.4, 0.9]), 1e4
-    joints = ar.MassSpringChain(np.ones(7), np.full(6, 2 * k))
-    mass = np.zeros((7, 7))
-    mass[::2, ::2] = np.diag(masses)
-    model = ar.MatrixModel(joints.stiffness(), scipy.sparse.csc_array(mass))
-    condensed = ar.MassSpringChain(masses, [k] * 3)
-    for got, wanted in zip(
-        model.antiresonances([0, 2, 4, 6], 0, method=method),
-        condensed.antiresonances(range(4), 0),
-        strict=True,
-    ):
-        np.testing.assert_allclose(got, wanted, rtol=CLOSED_FORM)
-    np.testing.assert_allclose(model.modes().freq_hz[1:], condensed.modes().freq_hz[1:], rtol=CLOSED_FORM)
-    assert len(model.modes()) == 4
 
 
 @pytest.mark.parametrize("kind", KINDS)

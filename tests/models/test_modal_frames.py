@@ -60,38 +60,11 @@ def test_random_frames(seed):
     assert full.size == exact.driving_zeros(k, rigid_hz(k_mat, m_mat), limit_hz)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_every_root_keeps_the_promise(seed):
-    rng = np.random.default_rng([6, seed])
-    k_mat, m_mat = random_frame(rng, most_dofs=120)
-    limit_hz = band_hz(k_mat, m_mat, 15)
-    k, i = rng.integers(0, len(k_mat), 2).tolist()
-    assert_promise(k_mat, m_mat, i, k, ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=limit_hz))
-
-
 def straight(n_nodes, columns=2, length=2.0):
     """A straight free tube along x; axial and bending motion do not know of one another."""
     nodes = np.column_stack([np.linspace(0, length, n_nodes), np.zeros((n_nodes, columns - 1))])
     elements = [(j, j + 1) for j in range(n_nodes - 1)]
     return assemble(nodes, elements, [(0.04, 0.002)] * len(elements))
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_symmetric_beam_driven_at_its_middle_hides_its_odd_modes(method):
-    k_mat, m_mat = straight(21)
-    model, middle = ar.MatrixModel(k_mat, m_mat), 3 * 10 + 1
-    bending = np.flatnonzero(np.arange(63) % 3 != 0)
-    lam, phi = scipy.linalg.eigh(*(a[np.ix_(bending, bending)] for a in (k_mat, m_mat)))
-    at_middle = np.abs(phi[list(bending).index(middle)])
-    hz = np.sqrt(np.maximum(lam, 0)) / (2 * np.pi)
-    odd = hz[(at_middle < 1e-6 * at_middle.max()) & (hz > 5) & (hz < 1500.0)]
-    plain, full = (
-        model.antiresonances(middle, middle, f_max_hz=1500.0, method=method, include_cancelled=flag)
-        for flag in (False, True)
-    )
-    assert odd.size >= 2
-    assert not matches(odd, plain, within=1e-6).any()
-    assert matches(odd, full, within=1e-6).all()
 
 
 def tuned(masses, springs, rigid=False):
@@ -179,20 +152,6 @@ def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
             np.testing.assert_allclose(band, other, rtol=AGAINST_SCIPY)
     if "repeated" not in name:
         assert_promise(k_mat, m_mat, i, k, model.antiresonances(i, k, f_max_hz=limit_hz))
-
-
-def test_an_objective_of_a_frame_has_the_same_bits_on_any_number_of_threads():
-    k_mat, m_mat = straight(24)
-    k_mat[[0, 1, 34], [0, 1, 34]] += 2e3
-    nodes = np.column_stack([np.linspace(0, 2.0, 24), np.zeros(24)])
-    terms = [assemble(nodes, [(e, e + 1)], [(0.04, 0.002)])[0] for e in range(4, 10)]
-    model = ar.MatrixModel(k_mat, m_mat, stiffness_terms=terms)
-    measured = {i: model.antiresonances(i, 1, f_max_hz=400.0) for i in (1, 16, 40)}
-    problem = ar.UpdatingProblem(model, ar.stiffness_reduction(range(6)), ar.AntiresonanceSet(1, measured))
-    betas = np.random.default_rng(0).uniform(0.0, 0.8, (40, 6))
-    alone = problem.evaluate_many(betas, workers=1)
-    np.testing.assert_array_equal(problem.evaluate_many(betas, workers=3), alone)
-    np.testing.assert_array_equal([problem.cost(b) for b in betas[::-1]], alone[::-1])
 
 
 # -- Soft springs

@@ -250,14 +250,6 @@ def test_an_update_finds_values_again(truth, parameters, values):
     assert problem.names[0] in result.summary()
 
 
-def test_damage_is_sought_in_all_beams_by_default():
-    damaged = MODEL.with_parameters(ar.stiffness_reduction(3), [0.6])
-    result = ar.assess_damage(MODEL, measured(damaged), rng=0)
-    assert result.elements == [0, 1, 2, 3, 4]
-    assert result.damaged == [3]
-    assert result.severity[3] == pytest.approx(0.6, abs=FOUND_AGAIN)
-
-
 def problem(*parameters, model=MODEL):
     return lambda: ar.UpdatingProblem(model, parameters, MEASURED)
 

@@ -91,21 +91,6 @@ def test_a_spring_keeps_its_number_in_files_and_on_the_command_line(chain, tmp_p
     }
 
 
-def test_names_lead_back_to_what_they_name(chain, frame):
-    model = chain[0]
-    for dof in range(model.n_dof):
-        assert model.dof_label(dof) == f"mass {dof}"
-        np.testing.assert_array_equal(
-            model.antiresonances(model.dof_label(dof), 0), model.antiresonances(dof, 0)
-        )
-    factors = [make(3, bounds=(0.5, 2.0)) for make in (ar.stiffness_factor, ar.mass_factor)]
-    assert ar.UpdatingProblem(model, factors, chain[1]).names == ["stiffness of spring 3", "mass 3"]
-    beam = frame[0]
-    assert [beam.element_label(e) for e in range(5)] == [f"element {e}" for e in range(5)]
-    assert beam.mass_label(5) == "mass 0 (node 5)"  # the term of its beams come first; point_mass([0])
-    assert beam.section_label(0) == "section 0"
-
-
 def test_a_beam_has_one_number_and_its_nodes_theirs(frame):
     model, found = frame
     assert found.damaged == [HIT]

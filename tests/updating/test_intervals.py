@@ -5,7 +5,6 @@ import pytest
 from scipy.stats import kstest
 
 import antires_rs as ar
-from antires_rs.updating.posterior import axes_of, sweep
 from reference.calibration import ranks
 
 #: Quantiles of 2,000 independent draws: 0.05 of a distribution lies within 0.005 of its place (one sigma).
@@ -38,20 +37,6 @@ def noisy_chain8(perturbation, seed, error, stated):
 def free_chain():
     """Mass 0 is unseen, the scale too."""
     return noisy_chain8(0.08, 5, 5e-4, stated=True)
-
-
-def test_the_cut_gaussian_is_that_of_rejection():
-    """Two coordinates, strongly correlated, the mean outside the box."""
-    center, covariance = np.array([1.05, 0.5]), np.array([[0.09, 0.05], [0.05, 0.04]])
-    precision = np.linalg.inv(covariance)
-    rng = np.random.default_rng(1)
-    free = rng.multivariate_normal(center, covariance, 60_000)
-    wanted = free[np.all((free >= 0.0) & (free <= 1.0), axis=1)]
-    u, one = np.full((DRAWS, 2), 0.5), np.zeros(DRAWS, dtype=int)
-    for _ in range(10):
-        u = sweep(u, center, precision[None], np.zeros((1, 2)), one, axes_of(precision), rng)
-    for column in range(2):
-        assert kstest(u[:, column], wanted[:, column]).pvalue > 0.01
 
 
 @pytest.mark.parametrize("method", ["laplace", "ensemble"])
