@@ -191,6 +191,11 @@ def test_responses_that_were_not_measured_are_priced_as_by_a_full_run():
     assert quick.probability[2] == pytest.approx(full.probability[2], abs=0.02)
 
 
+ALWAYS = ar.DamagePrior(nothing=0.0, one=0.86)
+THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01, unknown=0.01)
+ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
+
+
 @pytest.mark.parametrize(
     ("options", "argument"),
     [
@@ -202,6 +207,7 @@ def test_responses_that_were_not_measured_are_priced_as_by_a_full_run():
         ({"prior": 0.5}, "prior"),
         ({"search": ar.SearchOptions(false_alarm_rate=0.9)}, "false_alarm_rate"),
         ({"search": ar.SearchOptions(std_common=-1.0)}, "std_common"),
+        ({"prior": ALWAYS, "search": ar.SearchOptions(false_alarm_rate=0.05)}, "always damage"),
         ({"model": "chain"}, "model"),
         ({"model": ar.MatrixModel(2e4 * np.eye(6), np.eye(6))}, "stiffness_terms"),
     ],
@@ -220,13 +226,11 @@ def test_wrong_arguments_are_refused(prepared, options, argument):
     ],
 )
 def test_wrong_tests_are_refused(prepared, zeros, argument):
+    made, before, _ = prepared
     with pytest.raises(ar.InvalidInputError, match=argument):
-        prepared[0].assess(zeros)
-
-
-ALWAYS = ar.DamagePrior(nothing=0.0, one=0.86)
-THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01, unknown=0.01)
-ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
+        made.assess(zeros)
+    with pytest.raises(ar.InvalidInputError, match="allows none of the hypotheses"):
+        assessor(before, prior=ONLY_THREE).assess(before)
 
 
 @pytest.mark.parametrize("prior", [ALWAYS, THREE], ids=["always damage", "three or none of ours"])
@@ -237,14 +241,6 @@ def test_priors_that_exclude_the_usual(prepared, prior):
     assert len(rows) == len(set(rows))
     assert quick.assessment.probability_of_nothing == 0.0
     assert rows[0] == full_run(before, before, prior=prior).hypotheses[0].elements
-
-
-def test_priors_that_allow_nothing_are_refused(prepared):
-    _, before, _ = prepared
-    with pytest.raises(ar.InvalidInputError, match="always damage"):
-        assessor(before, prior=ALWAYS, search=ar.SearchOptions(false_alarm_rate=0.05))
-    with pytest.raises(ar.InvalidInputError, match="allows none of the hypotheses"):
-        assessor(before, prior=ONLY_THREE).assess(before)
 
 
 # -- What the core makes of the tables is what the likelihood of a full run says there

@@ -52,12 +52,10 @@ def test_one_damage_is_found_and_an_intact_structure_is_not_accused(count):
     for seed in range(310, 313):
         assert few_values(seed, {}, count).damaged == []
         assert few_values(seed, {seed % 6: 0.3}, count).damaged == [seed % 6]
-
-
-def test_one_value_says_where_nothing():
-    result = few_values(320, {2: 0.3}, 1)
-    assert max(result.probability.values()) < 0.9
-    assert any(note.startswith("Only ") for note in result.notes)
+    # One value says where nothing.
+    single = few_values(320, {2: 0.3}, 1)
+    assert max(single.probability.values()) < 0.9
+    assert any(note.startswith("Only ") for note in single.notes)
 
 
 def test_without_a_partner_for_any_value_there_is_no_chi_square(tmp_path):

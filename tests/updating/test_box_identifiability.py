@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import eigh
 
 import antires_rs as ar
-from antires_rs.updating.box_identifiability import sensitivities
+from antires_rs.updating.box_identifiability import combination_in_words, sensitivities
 
 
 def virtual(model, dofs, force=0):
@@ -101,6 +101,17 @@ def test_modes_and_the_same_answer_twice():
     assert one == two
     assert one.words[0] == "a common scale of the parameters; their ratios are"
     assert not any("force" in words for words in one.suggestions)
+
+
+@pytest.mark.parametrize(
+    ("direction", "words"),
+    [
+        ([0.7, 0.6, 0.0, 0.0], "a together with b; their ratio is"),
+        ([0.7, -0.5, -0.4, 0.0], "a against b and c"),
+    ],
+)
+def test_combinations_in_words(direction, words):
+    assert combination_in_words(("a", "b", "c", "d"), np.array(direction)) == words
 
 
 def test_wrong_arguments_are_refused():

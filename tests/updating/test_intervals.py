@@ -95,6 +95,8 @@ def test_what_is_not_seen_gets_the_bounds_back(free_chain):
     truth = case.truth()
     x = np.r_[truth["mass_factor"], truth["stiffness_factor"]]
     assert np.sum((found.low <= x) & (x <= found.high)) >= 13
+    assert result.profile("mass 0", points=5).kind == "flat"
+    assert any(result.profile("stiffness of spring 3", points=9).others_on_bound)
     # Ratios are known to about the errors of the values.
     ratio = found.draws[:, 5] / found.draws[:, 9]
     assert ratio.std() < 0.01
@@ -146,14 +148,6 @@ def test_a_profile_ends_where_the_refitted_sum_of_squares_says():
     assert held.low == pytest.approx(low, abs=0.02 * (high - low))
 
 
-def test_a_profile_of_what_is_unseen_is_flat_and_names_those_on_a_bound(free_chain):
-    _, result = free_chain
-    assert result.profile("mass 0", points=5).kind == "flat"
-    held = result.profile("stiffness of spring 3", points=9)
-    assert any(held.others_on_bound)
-    assert not any("mass 0" in names for names in held.others_on_bound)
-
-
 def test_without_stated_errors_they_are_learned_and_said():
     _, result = noisy_chain8(0.05, 2, 1e-3, stated=False)
     found = result.intervals()
@@ -176,14 +170,6 @@ def test_modes_have_intervals_too():
     found = result.intervals()
     assert np.sum((found.low <= truth) & (truth <= found.high)) >= 5
     assert np.all(found.std < 0.03)
-
-
-def test_intervals_as_a_table():
-    pytest.importorskip("pandas")
-    found = springs().intervals()
-    table = found.to_dataframe()
-    name = "stiffness of spring 1"
-    assert (table.loc[name, "low"], table.loc[name, "high"]) == found[name]
 
 
 def test_damage_that_was_decided_to_be_none_is_fixed():

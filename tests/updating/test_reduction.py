@@ -90,19 +90,14 @@ def test_what_cannot_be_reduced_is_told(concrete, tmp_path):
         ar.update(problem, reduction=True, checkpoint=tmp_path / "kept")
     with pytest.raises(InvalidInputError, match="reduction"):
         ar.update(problem, reduction="always")
+    with pytest.raises(NumericalError, match=r"model of 5 vectors.*size="):
+        ar.update(problem, optimizer=FEW, rng=0, reduction=ar.Reduction(size=5), progress=False)
     twice = [ar.stiffness_factor([0, 1], bounds=(0.9, 1.1), together=True), ar.stiffness_reduction(1)]
     shared = ar.UpdatingProblem(problem.model, twice, problem.measured)
     with pytest.raises(InvalidInputError, match="two parameters scale term 1"):
         ar.update(shared, reduction=True)
     # Small models are not reduced unasked.
     assert ar.update(problem, optimizer=FEW, rng=0, progress=False).reduction is None
-
-
-@pytest.mark.parametrize("size", [3, 5, 9])
-def test_a_basis_with_fewer_vectors_than_modes_and_sensors_is_refused(concrete, size):
-    problem, _ = concrete_problem(concrete, 109)
-    with pytest.raises(NumericalError, match=rf"model of {size} vectors.*size="):
-        ar.update(problem, optimizer=FEW, rng=0, reduction=ar.Reduction(size=size), progress=False)
 
 
 def test_two_sensors_on_a_stiff_tie_are_one_sensor_more():
