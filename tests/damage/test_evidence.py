@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import kstest, multivariate_normal, norm
 
 import antires_rs as ar
-from antires_rs.damage.evidence import FURTHEST, Fit, log_inside, peak_in_box, truncated
+from antires_rs.damage.evidence import FURTHEST, log_inside, truncated
 from antires_rs.damage.inference import log_odds_threshold
 from antires_rs.damage.severity_intervals import stepwise
 
@@ -68,26 +68,6 @@ def test_particles_find_both_peaks_and_their_integral():
     assert abs(log_integral - np.log(4.0)) < 0.15
     assert abs(np.mean(u < 1.2) - 0.75) < 0.06
     assert abs(np.std(u[u < 1.2]) - 0.01) < 0.002
-
-
-def fit_of(mean, spread):
-    beta = -np.expm1(-peak_in_box(mean[None], spread[None])[0])
-    return Fit((*range(mean.size),), 0.0, beta, mean, spread, None)
-
-
-@pytest.mark.parametrize("n", [1, 2, 3])
-def test_an_interval_holds_the_most_probable_severity(n):
-    rng = np.random.default_rng(40 + n)
-    for nth in range(400):
-        mean, spread = correlated(rng, n)
-        if nth % 4 == 0:  # near or beyond the other end of the box
-            mean = mean + FURTHEST
-        fit = fit_of(mean, spread)
-        for k, beta in enumerate(fit.beta):
-            low, high = fit.interval(k, (0.05, 0.95))
-            assert low <= beta + 1e-12
-            assert beta <= high + 1e-12
-            assert 0.0 <= low < high <= 1.0
 
 
 def test_the_threshold_is_the_quantile_of_integrated_evidence():

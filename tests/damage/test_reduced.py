@@ -62,21 +62,3 @@ def test_the_answer_is_that_of_the_full_model(seed, hit):
     if hit is not None:
         assert reduced.severity[hit] == pytest.approx(0.4, abs=0.02)
     assert reduced.probability_of_damage == pytest.approx(full.probability_of_damage, abs=0.02)
-
-
-def test_groups_that_cannot_be_told_apart_are_both_named():
-    """Force and sensor in the middle: each group and its mirror images are one to them."""
-    middle = (N - 1) // 2
-    before, now = (
-        measured(structure(damaged=hit, masses=N - 1), seed, [middle], middle)
-        for hit, seed in ((None, 21), (3, 22))
-    )
-    found = ar.assess_damage(
-        structure(masses=N - 1), now, baseline=before, search=ar.SearchOptions(reduction=True), progress=False
-    )
-    alike = {one.elements: one for one in found.hypotheses[:4]}
-    twins = alike[3,], alike[GROUPS - 1 - 3,]
-    assert all(0.1 < one.probability < 0.5 for one in twins)
-    assert all(one.severities[0] == pytest.approx(0.4, abs=0.02) for one in twins)
-    assert "cannot tell which" in found.headline
-    assert found.reduction.agreed

@@ -137,7 +137,7 @@ def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
     """Without a limit the dense solver takes all modes; with one the band route a few."""
     (k_mat, m_mat), (i, k), limit_hz, near = HARD[name]
     model = ar.MatrixModel(k_mat, m_mat)
-    for flag in (False, True):
+    for flag in (True, False):
         band = model.antiresonances(i, k, f_max_hz=limit_hz, include_cancelled=flag)
         dense = model.antiresonances(i, k, include_cancelled=flag)
         pencil = model.antiresonances(i, k, f_max_hz=limit_hz, method="pencil", include_cancelled=flag)

@@ -8,7 +8,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.planning import simulated_tests
-from antires_rs.planning.detection_curves import crossing, fit_logit, rising
+from antires_rs.planning.detection_curves import fit_logit
 from tests.support.campaign import some_of
 
 #: Not among the structures of the study (benchmarks/detectability_study.py).
@@ -129,13 +129,3 @@ def test_what_is_hardly_ever_found_is_never_found_surely(hits):
     curve = fit_logit(severity, found)
     assert curve.a90 > 0.99
     assert curve.bound == np.inf
-
-
-def test_a_predicted_curve_does_not_fall_and_is_read_between_its_points():
-    share = rising(np.array([0.0, 0.5, 0.3, 0.8, 1.0, 0.9]))
-    np.testing.assert_allclose(share, [0.0, 0.4, 0.4, 0.8, 0.95, 0.95])
-    severity = np.geomspace(0.01, 0.32, 6)
-    assert crossing(severity, share, 0.8) == pytest.approx(0.08)
-    assert crossing(severity, share, 0.6) == pytest.approx(0.04 * 2**0.5)
-    assert crossing(severity, share, 0.99) == np.inf
-    assert crossing(severity, np.ones(6), 0.9) == severity[0]

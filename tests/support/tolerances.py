@@ -58,8 +58,6 @@ FRAME_PACKAGE_HZ = 1e-6
 FRAME_PACKAGE_ENTRIES = 1e-13
 #: Forces of a rigid motion, relative to the largest stiffness: sums of a few rounded entries.
 RIGID_FORCE = 1e-13
-#: A frequency of a slender beam of 20 elements against the closed form: (beta h)**4 / 1440 and its kin.
-BEAM_HZ = 1e-6
 #: Antiresonances of one softly hung frame assembled in two ways, in omega squared: one ulp of K, of 1e10
 #: between the stiffest motion and the softest, is 1e-9 of what is measured.
 SOFT_ZERO = 1e-9
