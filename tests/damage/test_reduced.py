@@ -23,12 +23,12 @@ def of_springs(springs, masses):
     return ar.MatrixModel(sum(terms), np.diag(masses), stiffness_terms=terms)
 
 
-def structure(seed=None, *, damaged=None, masses=N):
-    """The model, or one with all springs and masses off by some percent; N - 1 masses: held at both ends."""
-    off_springs, off_masses = np.zeros(N), np.zeros(masses)
+def structure(seed=None, *, damaged=None):
+    """The model, or one with all springs and masses off by some percent."""
+    off_springs, off_masses = np.zeros(N), np.zeros(N)
     if seed is not None:
         rng = np.random.default_rng(seed)
-        off_springs, off_masses = 0.02 * rng.standard_normal(N), 0.01 * rng.standard_normal(masses)
+        off_springs, off_masses = 0.02 * rng.standard_normal(N), 0.01 * rng.standard_normal(N)
     springs = 1e5 * (1.0 + off_springs)
     if damaged is not None:
         springs[np.array_split(np.arange(N), GROUPS)[damaged]] *= 0.6

@@ -100,15 +100,6 @@ def test_each_kind_gives_the_model_built_with_the_value(parameter, value, change
     same_matrices(again.model_at(again.nominal), updated)
 
 
-def test_a_scalar_gives_one_parameter_and_a_sequence_a_list():
-    assert ar.stiffness_factor(3, bounds=BOUNDS) == ar.Parameter("stiffness_factor", (3,), BOUNDS)
-    several = ar.mass_factor(range(2), bounds=BOUNDS)
-    assert several == [ar.Parameter("mass_factor", (0,), BOUNDS), ar.Parameter("mass_factor", (1,), BOUNDS)]
-    assert ar.stiffness_reduction(np.array([4, 5]))[1].terms == (5,)
-    together = ar.stiffness_reduction([4, 5], together=True)
-    assert (together.terms, together.bounds) == ((4, 5), (0.0, 0.99))
-
-
 def test_parameters_of_a_chain_change_what_they_say():
     """Against a chain that is built directly with the changed values."""
     masses, springs = np.array([1.0, 2.0, 3.0]), np.array([100.0, 200.0])

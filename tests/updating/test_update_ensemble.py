@@ -94,7 +94,6 @@ def test_ctrl_c_keeps_what_is_there():
         ([problem(), "no problem"], {}, "problems[1]"),
         (5, {}, "problems"),
     ],
-    ids=["one problem", "several with a count", "none", "a text", "a number"],
 )
 def test_wrong_arguments_are_refused(given, options, argument):
     with pytest.raises(ar.InvalidInputError) as caught:
