@@ -7,8 +7,10 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import antires_rs as ar
-from antires_rs.cases import exhaust_geometry as geometry, exhaust_truth as crack
+from antires_rs.cases import exhaust_geometry as geometry, exhaust_truth as crack, exhaust_truth as experiment
+from antires_rs.cases.exhaust_truth import EXTRA_CORDS, Unfollowed
 from tests.support.campaign import campaign
+from tests.support.tolerances import EIGH
 
 LEVELS = (1, 2, 3)
 #: Sizes of the issue that ordered the case.
@@ -38,32 +40,10 @@ def test_the_frame_has_the_size_of_the_papers(case):
     assert (case.candidates[0], case.candidates[-1]) == (17, 46)
 
 
-def test_the_pipes_form_a_tree(case):
-    reached = {0}
-    for first, second in case.model.elements:  # one element fewer than nodes, each bringing a new one
-        assert first in reached
-        assert second not in reached
-        reached.add(int(second))
-    assert reached == set(range(48))
-
-
-def test_it_weighs_what_a_small_cars_exhaust_does(case):
-    unit = np.zeros(144)
-    unit[1::3] = 1.0
-    assert 15.0 < unit @ (case.model.mass() @ unit) < 25.0
-
-
 def test_rigid_body_modes_lie_below_5_hz_and_the_others_above_the_bands_edge(case, tested):
     for freq in (case.model.modes().freq_hz, tested.freq_hz):
         assert np.count_nonzero(freq < 5.0) == 3
         assert freq[3] > case.damage_band_hz[0]
-
-
-@pytest.mark.parametrize("ratio", [5.0, 9.0, 10.0, 20.0])
-def test_factors_of_the_crack(ratio):
-    assert crack.bending_factor(0.0, ratio) == 1.0
-    rising = [crack.bending_factor(share, ratio) for share in (0.1, 0.3, 0.5)]
-    assert 1.0 < rising[0] < rising[1] < rising[2]
 
 
 def test_factors_of_the_crack_agree_with_another_fit():
@@ -94,18 +74,18 @@ def test_equivalent_losses_rise_level_by_level(case):
     assert losses[-1] < 0.99  # within the bounds of a stiffness reduction
 
 
-def motion_of_node_31(level, directions):
-    """Along ``directions`` (u, v, theta) under unit loads there, with node 30 held and the cords cut."""
-    model = crack.true_model(level)
+def motion(model, first, second, directions):
+    """Of a node along ``directions`` (u, v, theta) under unit loads there, another held and the cords cut."""
     stiffness = np.array(model.stiffness().todense())
     for spring in model.ground_springs:
         dof = model.dof(spring.node, spring.direction)
         stiffness[dof, dof] -= spring.stiffness_n_per_m
     load = np.zeros(model.n_dof)
     for name, share in directions.items():
-        load[model.dof(31, name)] = share
-    # Nothing before the crack: what lies behind hangs on it alone.
-    free = [d for d in range(model.n_dof) if d not in {model.dof(30, name) for name in ("u", "v", "theta")}]
+        load[model.dof(second, name)] = share
+    # Nothing before the first: what lies behind hangs on it alone.
+    held = {model.dof(first, name) for name in ("u", "v", "theta")}
+    free = [d for d in range(model.n_dof) if d not in held]
     return load[free] @ np.linalg.solve(stiffness[np.ix_(free, free)], load[free])
 
 
@@ -113,10 +93,11 @@ def motion_of_node_31(level, directions):
 def test_the_cracked_pipe_turns_by_the_compliance_more_and_stretches_as_before(level):
     along = np.diff(crack.true_nodes()[[30, 31]], axis=0)[0]
     along /= np.linalg.norm(along)
-    turned = motion_of_node_31(level, {"theta": 1.0}) - motion_of_node_31(0, {"theta": 1.0})
+    cracked, intact = crack.true_model(level), crack.true_model(0)
+    turned = motion(cracked, 30, 31, {"theta": 1.0}) - motion(intact, 30, 31, {"theta": 1.0})
     assert turned == pytest.approx(crack.compliance(level), rel=1e-6)
     pulled = {"u": along[0], "v": along[1]}
-    assert motion_of_node_31(level, pulled) == pytest.approx(motion_of_node_31(0, pulled), rel=1e-6)
+    assert motion(cracked, 30, 31, pulled) == pytest.approx(motion(intact, 30, 31, pulled), rel=1e-6)
 
 
 def test_the_crack_lies_two_centimetres_behind_the_weld_and_off_the_coarse_nodes():
@@ -175,14 +156,6 @@ def test_responses_are_those_of_the_matrices(case, tested):
         np.testing.assert_allclose(np.real(found), direct[case.responses], rtol=1e-4)
 
 
-def test_same_seed_same_record(case):
-    one, two, other = (case.experiment(2, duration_s=4.0, rng=seed) for seed in (5, 5, 6))
-    np.testing.assert_array_equal(one.responses, two.responses)
-    assert not np.allclose(one.responses, other.responses)
-    assert one.dofs == tuple(case.responses)
-    assert one.fs_hz >= 2 * 512.0
-
-
 @pytest.mark.parametrize("element", [17, 30, 46])
 def test_the_search_problem_costs_only_its_penalties_at_the_truth(case, element):
     problem = case.search_problem(element, 0.75)
@@ -229,3 +202,55 @@ def test_levels_beyond_the_three_are_refused(case, level):
     for ask in (case.truth, case.exact, case.experiment):
         with pytest.raises(ar.InvalidInputError, match="level"):
             ask(level)
+
+
+# -- Errors of the model that no parameter follows: each is there, and the rest stays
+
+
+USUAL = experiment.true_model(0)
+
+
+def test_without_options_the_case_is_what_it_was():
+    case = ar.cases.exhaust()
+    assert case.unfollowed == Unfollowed() == case.truth()["unfollowed"]
+    same = ar.cases.exhaust(wall_scatter=0.005)
+    for dof, freq in case.exact(1).items():
+        np.testing.assert_array_equal(same.exact(1)[dof], freq)
+
+
+@pytest.mark.parametrize(
+    "options", [{"wall_scatter": 0.05}, {"joint_m": 0.03}, {"shear_coefficient": "cowper"}, {"cord_kg": 0.2}]
+)
+def test_each_error_moves_the_resonances_by_some_per_cent(options):
+    changed, usual = (
+        ar.cases.exhaust(**given).truth()["resonances_hz"][experiment.RIGID_MODES :]
+        for given in (options, {})
+    )
+    assert 0.3 < 100.0 * np.abs(changed / usual - 1.0).max() < 15.0
+
+
+def test_a_joint_turns_as_so_much_more_pipe_would():
+    """Element 17 ends at the front muffler: its end's rotation under a moment, with its first node held."""
+    tube = USUAL.sections[USUAL.element_sections[4 * 17]]
+    assert geometry.beams()[17][1] == 18
+    bending = tube.youngs_modulus_pa * experiment._inertia(tube.thickness_m)
+    soft = experiment.true_model(0, Unfollowed(joint_m=0.03))
+    turned = motion(soft, *geometry.beams()[17][:2], {"theta": 1.0})
+    usual = motion(USUAL, *geometry.beams()[17][:2], {"theta": 1.0})
+    assert turned - usual == pytest.approx(0.03 / bending, rel=1e-6)
+
+
+def test_cords_hang_where_the_model_has_none():
+    corded = experiment.true_model(0, Unfollowed(cord_kg=0.2))
+    unit = np.zeros(corded.n_dof)
+    unit[1::3] = 1.0
+    more = unit @ (corded.mass() @ unit) - unit @ (USUAL.mass() @ unit)
+    assert more == pytest.approx(3 * 0.2, rel=EIGH)
+    known = {spring.node for spring in USUAL.ground_springs}
+    assert {spring.node for spring in corded.ground_springs} - known == set(EXTRA_CORDS)
+
+
+@pytest.mark.parametrize(("name", "value"), [("wall_scatter", 0.2), ("joint_m", -0.01), ("cord_kg", np.nan)])
+def test_errors_out_of_range_are_refused(name, value):
+    with pytest.raises(ar.InvalidInputError, match=name):
+        ar.cases.exhaust(**{name: value})

@@ -2,14 +2,11 @@
 
 import pickle
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.assessor_plan import LEVELS, TabulatedLikelihood, read
-from antires_rs.damage.evidence import refitted
 from tests.support.wrong_chains import NOMINAL, N, changed, states
 
 
@@ -194,6 +191,11 @@ def test_responses_that_were_not_measured_are_priced_as_by_a_full_run():
     assert quick.probability[2] == pytest.approx(full.probability[2], abs=0.02)
 
 
+ALWAYS = ar.DamagePrior(nothing=0.0, one=0.86)
+THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01, unknown=0.01)
+ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
+
+
 @pytest.mark.parametrize(
     ("options", "argument"),
     [
@@ -205,6 +207,7 @@ def test_responses_that_were_not_measured_are_priced_as_by_a_full_run():
         ({"prior": 0.5}, "prior"),
         ({"search": ar.SearchOptions(false_alarm_rate=0.9)}, "false_alarm_rate"),
         ({"search": ar.SearchOptions(std_common=-1.0)}, "std_common"),
+        ({"prior": ALWAYS, "search": ar.SearchOptions(false_alarm_rate=0.05)}, "always damage"),
         ({"model": "chain"}, "model"),
         ({"model": ar.MatrixModel(2e4 * np.eye(6), np.eye(6))}, "stiffness_terms"),
     ],
@@ -223,13 +226,11 @@ def test_wrong_arguments_are_refused(prepared, options, argument):
     ],
 )
 def test_wrong_tests_are_refused(prepared, zeros, argument):
+    made, before, _ = prepared
     with pytest.raises(ar.InvalidInputError, match=argument):
-        prepared[0].assess(zeros)
-
-
-ALWAYS = ar.DamagePrior(nothing=0.0, one=0.86)
-THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01, unknown=0.01)
-ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
+        made.assess(zeros)
+    with pytest.raises(ar.InvalidInputError, match="allows none of the hypotheses"):
+        assessor(before, prior=ONLY_THREE).assess(before)
 
 
 @pytest.mark.parametrize("prior", [ALWAYS, THREE], ids=["always damage", "three or none of ours"])
@@ -242,70 +243,4 @@ def test_priors_that_exclude_the_usual(prepared, prior):
     assert rows[0] == full_run(before, before, prior=prior).hypotheses[0].elements
 
 
-def test_priors_that_allow_nothing_are_refused(prepared):
-    _, before, _ = prepared
-    with pytest.raises(ar.InvalidInputError, match="always damage"):
-        assessor(before, prior=ALWAYS, search=ar.SearchOptions(false_alarm_rate=0.05))
-    with pytest.raises(ar.InvalidInputError, match="allows none of the hypotheses"):
-        assessor(before, prior=ONLY_THREE).assess(before)
-
-
 # -- What the core makes of the tables is what the likelihood of a full run says there
-
-
-@pytest.fixture(scope="module", params=[range(N), (0, 2, 4, 5)], ids=["all measured", "two lacking"])
-def both(request):
-    """The likelihood by the tables, and that of a full run, for the same test."""
-    before, now = states(401, (0, 0.4, 0, 0.2, 0))
-    now = changed(now, dofs=request.param)
-    plan = assessor(before)._plan
-    full = replace(plan.question, measured=tuple(now)).prepared(1).likelihood
-    return TabulatedLikelihood(plan, read(now, plan.expected, plan.learned.scatter).values), full
-
-
-def row(tables, elements, u):
-    beta = np.zeros((1, tables.n))
-    beta[0, list(elements)] = -np.expm1(-np.asarray(u))
-    return beta
-
-
-@pytest.mark.parametrize("level", [0, 2, 5, 9])
-def test_at_a_level_the_view_is_that_of_the_likelihood(both, level):
-    tables, likelihood = both
-    elements, u = ((1,), LEVELS[[level]]) if level else ((), np.empty(0))
-    view, full = tables.seen(elements, u), likelihood.views(row(tables, elements, u))[0]
-    assert np.array_equal(view.partner >= 0, full.partner >= 0)
-    # Tables are in single precision but for the places.
-    assert view.log_likelihood == pytest.approx(full.log_likelihood, rel=1e-4, abs=1e-2)
-    assert view.chi_square == pytest.approx(full.chi_square, rel=1e-4)
-    np.testing.assert_allclose(view.gain, full.gain, rtol=1e-3, atol=1e-3 * np.abs(full.gain).max())
-    np.testing.assert_allclose(
-        view.curvature, full.curvature, rtol=1e-3, atol=1e-4 * np.abs(full.curvature).max()
-    )
-    assert (view.kappa, view.times) == pytest.approx((full.kappa, full.times))
-
-
-def test_computed_roots_are_near_the_likelihood(both):
-    """Of two severities between levels, and of changes that are no damage."""
-    tables, likelihood = both
-    beta = row(tables, (1, 3), -np.log1p(-np.array([0.4, 0.2])))
-    view, full = tables.views(beta)[0], likelihood.views(beta)[0]
-    assert np.array_equal(view.partner >= 0, full.partner >= 0)
-    # A fifth of what tells two hypotheses apart: errors of the model are interpolated still.
-    assert view.log_likelihood == pytest.approx(full.log_likelihood, abs=0.2)
-    assert tables.something_else == pytest.approx(likelihood.something_else, abs=0.5)
-
-
-@pytest.mark.parametrize("elements", [(1,), (1, 3), (0, 2, 4)])
-def test_the_evidence_is_that_of_the_full_run(both, elements):
-    tables, _ = both
-    u = np.linspace(0.02, 0.5, len(elements))
-    settled = tables.test.settle([(list(elements), u.tolist())], 1, 0.0, True)[0]
-    fit = refitted(tables.seen(elements, u), elements)
-    at, ahead, mean, covariance, log_evidence, log_likelihood = settled
-    assert at == u.tolist()
-    assert log_likelihood == pytest.approx(fit.view.log_likelihood, abs=1e-9)
-    assert log_evidence == pytest.approx(fit.log_evidence, abs=5e-3)
-    np.testing.assert_allclose(-np.expm1(-np.array(ahead)), fit.beta, atol=1e-8)
-    np.testing.assert_allclose(mean, fit.mean, rtol=1e-8)
-    np.testing.assert_allclose(np.reshape(covariance, fit.covariance.shape), fit.covariance, rtol=1e-6)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
 from tests.support.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
 
@@ -16,24 +17,32 @@ def losses_of(damages):
     return losses
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_an_intact_structure_is_intact_however_wrong_the_model(seed):
-    result = assessed(seed, np.zeros(N - 1))
+@pytest.mark.parametrize("kind", [measured, modes])
+@pytest.mark.parametrize("seed", range(3))
+def test_an_intact_structure_is_intact_however_wrong_the_model(kind, seed):
+    result = assessed(seed, np.zeros(N - 1), kind=kind)
     assert result.damaged == []
     assert not result.x.any()
     assert result.probability_of_damage < 0.2
     assert result.headline.startswith("No damage found")
 
 
-@pytest.mark.parametrize(("element", "loss"), [(0, 0.08), (1, 0.3), (2, 0.15), (3, 0.6), (4, 0.9)])
-def test_one_damaged_spring_is_named_and_sized(element, loss):
-    result = assessed(10 + element, losses_of({element: loss}))
+@pytest.mark.parametrize(
+    ("kind", "element", "loss"),
+    [(measured, *damage) for damage in ((0, 0.08), (1, 0.3), (2, 0.15), (3, 0.6), (4, 0.9))]
+    + [(modes, *damage) for damage in ((0, 0.1), (2, 0.3), (4, 0.6))],
+)
+def test_one_damaged_spring_is_named_and_sized(kind, element, loss):
+    result = assessed(10 + element, losses_of({element: loss}), kind=kind)
     assert result.damaged == [element]
     assert result.probability[element] > 0.95
     low, high = result.interval[element]
     assert low < result.severity[element] < high < 1.0
     # Nine of ten intervals hold it; these are five, seen to hold with twice the width at least.
     assert abs(result.severity[element] - loss) < high - low < 0.1
+    if kind is modes:  # what was wrong both times is taken out of the modes of now
+        assert result.table.after_mac.min() > 0.99
+        assert np.nanmax(np.abs(result.table.after_percent)) < 1.0
 
 
 @pytest.mark.parametrize(("seed", "damages"), [(20, {1: 0.3, 4: 0.2}), (21, {0: 0.3, 2: 0.25, 3: 0.4})])

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import kstest, multivariate_normal, norm
 
 import antires_rs as ar
-from antires_rs.damage.evidence import FURTHEST, Fit, log_inside, peak_in_box, truncated
+from antires_rs.damage.evidence import FURTHEST, log_inside, truncated
 from antires_rs.damage.inference import log_odds_threshold
 from antires_rs.damage.severity_intervals import stepwise
 
@@ -35,12 +35,6 @@ def test_the_probability_of_a_box(n):
             compared += 1
             assert abs(log_inside(mean[None], spread[None])[0] - np.log(exact)) < 0.02
     assert compared > 30
-
-
-def test_far_outside_the_tail_counts():
-    """One coordinate 40 standard deviations below its bound, and one that goes with it."""
-    found = log_inside(np.array([[-4.0, 1.0]]), np.diag([0.01, 0.04])[None])
-    assert np.isclose(found, norm.logsf(40.0), rtol=1e-6)
 
 
 def test_weighted_draws_are_those_of_rejection():
@@ -74,43 +68,6 @@ def test_particles_find_both_peaks_and_their_integral():
     assert abs(log_integral - np.log(4.0)) < 0.15
     assert abs(np.mean(u < 1.2) - 0.75) < 0.06
     assert abs(np.std(u[u < 1.2]) - 0.01) < 0.002
-
-
-def fit_of(mean, spread):
-    beta = -np.expm1(-peak_in_box(mean[None], spread[None])[0])
-    return Fit((*range(mean.size),), 0.0, beta, mean, spread, None)
-
-
-@pytest.mark.parametrize("n", [1, 2, 3])
-def test_an_interval_holds_the_most_probable_severity(n):
-    rng = np.random.default_rng(40 + n)
-    for nth in range(400):
-        mean, spread = correlated(rng, n)
-        if nth % 4 == 0:  # near or beyond the other end of the box
-            mean = mean + FURTHEST
-        fit = fit_of(mean, spread)
-        for k, beta in enumerate(fit.beta):
-            low, high = fit.interval(k, (0.05, 0.95))
-            assert low <= beta + 1e-12
-            assert beta <= high + 1e-12
-            assert 0.0 <= low < high <= 1.0
-
-
-def test_a_partner_on_its_bound_stays_there():
-    """u1 is below 0; given u1 = 0, u0 is N(0.5 + 0.9 (0 + 2), 1 - 0.81) in tenths."""
-    mean, spread = np.array([0.05, -0.2]), 0.01 * np.array([[1.0, 0.9], [0.9, 1.0]])
-    fit = fit_of(mean, spread)
-    assert fit.beta[1] == 0.0
-    middle, half = 0.05 + 0.9 * 0.2, norm.ppf(0.95) * 0.1 * np.sqrt(1.0 - 0.81)
-    expected = -np.expm1([-(middle - half), -(middle + half)])
-    assert np.allclose(fit.interval(0, (0.05, 0.95)), expected, rtol=1e-4)
-    assert np.isclose(fit.beta[0], -np.expm1(-middle))
-
-
-def test_far_beyond_the_upper_bound_the_interval_ends_there():
-    fit = fit_of(np.array([FURTHEST + 5.0]), np.array([[0.01]]))
-    low, high = fit.interval(0, (0.05, 0.95))
-    assert 0.98 < low < high <= 0.99 + 1e-12
 
 
 def test_the_threshold_is_the_quantile_of_integrated_evidence():

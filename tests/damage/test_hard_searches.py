@@ -52,12 +52,10 @@ def test_one_damage_is_found_and_an_intact_structure_is_not_accused(count):
     for seed in range(310, 313):
         assert few_values(seed, {}, count).damaged == []
         assert few_values(seed, {seed % 6: 0.3}, count).damaged == [seed % 6]
-
-
-def test_one_value_says_where_nothing():
-    result = few_values(320, {2: 0.3}, 1)
-    assert max(result.probability.values()) < 0.9
-    assert any(note.startswith("Only ") for note in result.notes)
+    # One value says where nothing.
+    single = few_values(320, {2: 0.3}, 1)
+    assert max(single.probability.values()) < 0.9
+    assert any(note.startswith("Only ") for note in single.notes)
 
 
 def test_without_a_partner_for_any_value_there_is_no_chi_square(tmp_path):
@@ -70,6 +68,21 @@ def test_without_a_partner_for_any_value_there_is_no_chi_square(tmp_path):
     assert any(note.startswith("No value of now has a partner") for note in result.notes)
     result.save(tmp_path / "r.npz")
     assert ar.DamageResult.load(tmp_path / "r.npz").assessment == result.assessment
+
+
+def test_a_term_whose_factor_may_not_change_does_not_stop_the_others():
+    """A tenth of it is in the matrix: without most of it nothing holds together."""
+    springs = [np.zeros((6, 6)) for _ in range(5)]
+    for e, term in enumerate(springs):
+        term[e : e + 2, e : e + 2] = 5e4 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    stiffness = sum(springs) + np.diag([3e4, 0.0, 0.0, 0.0, 0.0, 0.0])
+    springs[2] = 10.0 * springs[2]
+    model = ar.MatrixModel(stiffness, np.eye(6), stiffness_terms=springs)
+    rng, hurt = np.random.default_rng(0), model.with_parameters(ar.stiffness_reduction(0), 0.3)
+    before, now = (of_zeros(dict(enumerate(m.antiresonances(range(6), 0))), 3e-4, rng) for m in (model, hurt))
+    result = ar.assess_damage(model, now, baseline=before, elements=[0, 1, 3, 4])
+    assert result.damaged == [0]
+    assert result.severity[0] == pytest.approx(0.3, abs=0.02)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.measured_modes import ModeSource
 from tests.support.wrong_chains import NOMINAL, N, chain, truth
 
 STD_HZ, STD_SHAPES = 3e-4, 3e-3
@@ -29,28 +28,6 @@ def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=
 def assess(stream, factors, losses=None, **options):
     now, before = measured(chain(factors, losses), stream), measured(chain(factors), stream)
     return ar.assess_damage(NOMINAL, now, baseline=before, **options)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_an_intact_structure_is_intact_however_wrong_the_model(seed):
-    result = assess(*truth(seed))
-    assert result.damaged == []
-    assert result.probability_of_damage < 0.2
-    assert result.headline.startswith("No damage found")
-
-
-@pytest.mark.parametrize(("element", "loss"), [(0, 0.1), (2, 0.3), (4, 0.6)])
-def test_one_damaged_spring_is_named_and_sized(element, loss):
-    result = assess(*truth(10 + element), loss * np.eye(N - 1)[element])
-    assert result.damaged == [element]
-    assert result.probability[element] > 0.95
-    low, high = result.interval[element]
-    assert low < result.severity[element] < high < 1.0
-    assert abs(result.severity[element] - loss) < high - low < 0.1
-    assert result.chi_square < 2.0
-    # What was wrong both times is taken out of the modes of now.
-    assert result.table.after_mac.min() > 0.99
-    assert np.nanmax(np.abs(result.table.after_percent)) < 1.0
 
 
 def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_not():
@@ -101,28 +78,12 @@ def test_a_portal_frame_whose_every_stiffness_and_mass_is_off(element, loss):
 
 
 def test_modes_that_pass_each_other_are_followed():
-    # Two oscillators, hardly coupled: softening one takes its mode below that of the other.
-    model = ar.MassSpringChain([1.0, 50.0, 1.0], [1.10e4, 1.0e4], ground_first_n_per_m=0.0)
-    core = ar.UpdatingProblem(
-        model, ar.stiffness_reduction([0, 1]), ar.ModalSet([30.0], [[1.0, 0.2, 0.1]], [0, 1, 2])
-    )._core
-    before, after = ModeSource(core, (np.arange(3),)).roots(np.array([[0.0, 0.0], [0.2, 0.0]]), True, 1)
-    turned, identity = after.since(before)
-    assert identity[:: after.each].tolist() == [before.each, 0]
-    # Coordinates of the change, beside the shape that it was.
-    assert turned.log_f.reshape(2, -1)[:, 1:].shape == (2, 2)
-
-
-def test_coordinates_of_shapes_move_as_their_slopes_say():
-    core = ar.UpdatingProblem(
-        NOMINAL, ar.stiffness_reduction(range(5)), ar.ModalSet([60.0], [[1.0, 0.2, 0.1]], [4, 0, 2])
-    )._core
-    source, step, at = ModeSource(core, (np.array([0, 2]), np.array([0, 1, 2]))), 1e-4, np.full(5, 0.1)
-    start, *moved = source.roots(np.array([at, *(at + step * np.eye(5))]), True, 1)
-    for p, state in enumerate(moved):
-        turned, identity = state.since(start)
-        assert np.array_equal(identity, np.arange(start.size))
-        np.testing.assert_allclose((turned.log_f - start.log_f) / step, start.slopes[:, p], atol=2e-3)
+    """Two oscillators, hardly coupled: softening one takes its mode below that of the other."""
+    model = ar.MassSpringChain([1.0, 50.0, 1.0], [1.10e4, 1.0e4])
+    hurt, rng = model.with_parameters(ar.stiffness_reduction([0]), [0.2]), np.random.default_rng(0)
+    result = ar.assess_damage(model, measured(hurt, rng), baseline=measured(model, rng))
+    assert result.damaged == [0]
+    assert result.severity[0] == pytest.approx(0.2, abs=0.01)
 
 
 def test_modes_that_are_lost_and_modes_without_errors_stated():

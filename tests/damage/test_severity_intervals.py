@@ -3,15 +3,12 @@ ones exact."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.stats import kstest
 
 import antires_rs as ar
-from antires_rs.damage import likelihood as likelihoods
 from antires_rs.damage.evidence import HIGHEST, refitted
 from antires_rs.damage.severity_intervals import sampled
 from tests.support.campaign import some_of
@@ -49,20 +46,6 @@ def test_quick_intervals_are_those_of_the_assessment(one):
         assert np.isclose((high - low) / (one.interval[1][1] - one.interval[1][0]), wanted, rtol=0.03)
     low, high = np.quantile(quick.draws[:, 1], [0.05, 0.95])
     assert np.allclose([low, high], one.interval[1], atol=0.2 * (high - low))
-
-
-def test_what_the_baseline_taught_is_kept(one, monkeypatch):
-    kept = one.intervals(method="ensemble", draws=60, rng=1)
-
-    def again(*_):
-        raise AssertionError("the baseline is learned again")
-
-    monkeypatch.setattr(likelihoods, "learned", again)
-    same = one.intervals(method="ensemble", draws=60, rng=1)
-    np.testing.assert_array_equal(same.draws, kept.draws)
-    # Another question has to ask for itself.
-    with pytest.raises(AssertionError, match="learned again"):
-        replace(one._question, options=ar.SearchOptions(std_common=1e-3)).prepared(1)
 
 
 def test_the_sampler_is_exact_against_quadrature(one):
@@ -148,14 +131,6 @@ def test_a_profile_agrees_with_the_interval_where_the_likelihood_is_a_parabola(t
         assert found.low <= found.values[inside].min() <= found.values[inside].max() <= found.high
         assert found.rise.min() < 0.1
         assert (found.values[0], found.values[-1]) == (0.0, pytest.approx(0.99))
-
-
-def test_a_profile_fits_the_others_again(two):
-    """Held where it is not, the other severity gives way: the rise is below that with the other as it was."""
-    found = two.profile(two.problem.names[1])
-    at = int(np.argmin(np.abs(found.values - found.high)))
-    best, alone = logs_of(two, [{3: two.severity[3], 1: b} for b in (two.severity[1], found.values[at])])
-    assert found.rise[at] < 2.0 * (best - alone) + 0.05
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,6 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.inference import Search
-from antires_rs.damage.likelihood import Band, Foreseen, and_vanished, associated
-from antires_rs.damage.measured_states import Roots, Values, follow, price_alone
 from antires_rs.figures.report_parts import damage_rows, hypothesis_rows
 from tests.damage.test_modes import measured as modes
 from tests.support.wrong_chains import NOMINAL, N, chain, changed, measured, states, truth
@@ -37,35 +35,6 @@ def test_states_with_no_response_in_common_are_refused():
     before, now = states(61)
     with pytest.raises(ar.InvalidInputError, match="mass 3.*wanted values at some of the dofs of measured"):
         assess(changed(now, dofs=(0, 1, 2)), changed(before, dofs=(3, 4)))
-
-
-def roots(response, place):
-    own = Roots(np.array(response), np.array(place), np.empty((len(place), 0)))
-    none = np.zeros(own.size)
-    return Foreseen(own, own.log_f, none, 1e-6 * np.eye(own.size), none, none == 0.0)
-
-
-def price_of(response, log_f, test, expected, asked=None):
-    """What the values that have no root and the roots that have no value cost."""
-    values = Values(
-        np.array(response), np.array(log_f), np.full(len(log_f), 1e-3), np.array(test), asked=asked
-    )
-    return associated(values, expected, Band(0.0, 4.0), np.full(expected.place.size, 1e-3), 1.0)[2]
-
-
-def test_a_root_is_missed_once_in_each_test_of_its_response():
-    missed, lost = -np.log(0.03), price_alone(0.0, 4.0)
-    # Roots of other responses cost nothing.
-    alone = price_of([0, 0], [1.0, 2.0], [0, 0], roots([0, 0, 0], [1.0, 2.0, 3.0]))
-    beside = price_of([0, 0], [1.0, 2.0], [0, 0], roots([0, 0, 0, 1, 1], [1.0, 2.0, 3.0, 1.5, 2.5]))
-    assert beside == alone
-    # Two tests with the force at one dof, one of which lacks response 1.
-    two = roots([0, 1], [1.0, 2.0])
-    assert price_of([0, 0], [3.0, 3.0], [0, 1], two) == pytest.approx(2 * (missed + lost))
-    assert price_of([0, 1, 0], [3.0] * 3, [0, 0, 1], two) == pytest.approx(3 * (missed + lost))
-    # A response without a value was measured: its root was looked for and not found.
-    looked = price_of([0], [1.0], [0], two, asked=np.array([[0, 0], [1, 0]]))
-    assert looked - price_of([0], [1.0], [0], two) == pytest.approx(missed)
 
 
 # -- Tests of the intact structure that contradict each other, scatter, or are one record
@@ -208,43 +177,11 @@ def test_a_mass_that_was_added_is_no_damage_and_lowers_values():
     assert result.hypotheses[0].unknown or not result.assessment.explained
     assert result.probability_of_damage > 0.99
     assert QUESTION not in result.headline
-
-
-def test_a_change_of_unknown_kind_is_not_called_unexplained_by_the_damage():
-    before, now = states(31, np.zeros(N - 1))
-    shifted = [
-        ar.AntiresonanceSet(
-            s.excitation,
-            {d: s[d] * (1.0 + 0.05 * np.sin(7.0 * d + np.arange(s[d].size))) for d in s},
-            std_hz={d: s.std_hz[d] for d in s},
-        )
-        for s in now
-    ]
-    result = assess(shifted, before)
-    assert result.hypotheses[0].unknown
-    assert not result.assessment.explained
     assert any("which no element explains" in note for note in result.notes)
     assert not any("Left unexplained" in note for note in result.notes)
 
 
 # -- Roots that the model loses on the way to a damage
-
-
-def test_what_moves_far_is_followed_while_a_pair_vanishes():
-    """Large damage lowers all of a response, and two have met."""
-    before, after = (
-        Roots(np.zeros(len(places), dtype=np.intp), np.array(places), np.empty((len(places), 0)))
-        for places in ([1.0, 1.6, 2.0, 2.3, 2.35], [0.9, 1.45, 1.78])
-    )
-    assert follow(before, after).tolist() == [0, 1, 2]
-
-
-def test_what_is_gone_takes_its_place_with_little_to_say():
-    both = and_vanished(roots([0, 0, 2], [1.0, 3.0, 1.5]), np.array([0, 1]), np.array([2.0, 0.5]))
-    assert both.roots.response.tolist() == [0, 0, 0, 1, 2]
-    assert both.place.tolist() == [1.0, 2.0, 3.0, 0.5, 1.5]
-    assert both.seen.tolist() == [True, False, True, False, True]
-    assert np.allclose(both.spread, np.diag([1e-6, 0.01, 1e-6, 0.01, 1e-6]))
 
 
 #: The cracked element of the exhaust, and the stiffness losses of a beam that its cracks come to.

@@ -25,12 +25,6 @@ def test_one_triangle_is_told_and_not_to_be_halved(sparse, half, word):
     np.testing.assert_array_equal(ar.MatrixModel(whole, M).stiffness().toarray(), K)
 
 
-def test_what_is_neither_whole_nor_a_triangle_is_refused():
-    odd = np.triu(K) + 0.5 * np.tril(K, -1)
-    with pytest.raises(ar.InvalidInputError, match="stiffness: got .* wanted a symmetric matrix"):
-        ar.MatrixModel(odd, M)
-
-
 def test_hysteretic_damping_is_left_out_with_a_word():
     with pytest.warns(ar.AntiresWarning, match="stiffness: its imaginary part, 0.04 of the real one") as said:
         model = ar.MatrixModel(K * (1.0 + 0.04j), M)

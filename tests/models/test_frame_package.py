@@ -15,7 +15,6 @@ from tests.support.tolerances import FRAME_PACKAGE_ENTRIES, FRAME_PACKAGE_HZ
 pynite = pytest.importorskip("Pynite", reason="PyNiteFEA is not installed")
 
 E, NU, RHO = 2.1e11, 0.3, 7850.0
-DIRECTIONS = ("u", "v", "w", "rx", "ry", "rz")
 #: A, I_y, I_z (m2, m4) by name; the torsion constant is their sum.
 SECTIONS = {"pipe": (1.72e-4, 2.87e-8, 2.87e-8), "beam": (9.0e-4, 1.2e-7, 3.1e-7)}
 PLANE = "0 0  0 0.9  0.7 1.2  1.5 1.2  1.9 0.8  1.9 0  0.4 1.7  2.3 1.4"
@@ -80,23 +79,18 @@ def ours(nodes, elements, fixed, **options):
     )
 
 
-def assert_same(model, stiffness, mass):
-    for ours, theirs in ((model.stiffness(), stiffness), (model.mass(), mass)):
-        assert np.abs(ours - theirs).max() < FRAME_PACKAGE_ENTRIES * np.abs(theirs).max()
+@pytest.mark.parametrize("space", [False, True])
+def test_a_frame_has_the_matrices_and_frequencies_of_pynite(space):
+    if space:
+        nodes, elements, feet, out_of_plane = SPACE_NODES, SPACE_ELEMENTS, [0, 1, 2, 3], set()
+        model = ours(nodes, elements, feet, orientation=upright(nodes, elements))
+    else:
+        nodes, elements, feet = np.c_[PLANE_NODES, np.zeros(len(PLANE_NODES))], PLANE_ELEMENTS, [0, 5]
+        out_of_plane = {(node, d) for node in range(len(nodes)) for d in (2, 3, 4)}
+        model = ours(PLANE_NODES, elements, feet)
+    fixed = out_of_plane | {(node, d) for node in feet for d in range(6)}
+    stiffness, mass = theirs(nodes, elements, fixed)
+    for own, other in ((model.stiffness(), stiffness), (model.mass(), mass)):
+        assert np.abs(own - other).max() < FRAME_PACKAGE_ENTRIES * np.abs(other).max()
     reference = np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)[:10]) / (2 * np.pi)
     np.testing.assert_allclose(model.modes(10).freq_hz, reference, rtol=FRAME_PACKAGE_HZ)
-
-
-def test_a_plane_frame_has_the_matrices_and_frequencies_of_pynite():
-    feet = [0, 5]
-    out_of_plane = {(node, d) for node in range(len(PLANE_NODES)) for d in (2, 3, 4)}
-    fixed = out_of_plane | {(node, d) for node in feet for d in range(6)}
-    space = [(x, y, 0.0) for x, y in PLANE_NODES]
-    assert_same(ours(PLANE_NODES, PLANE_ELEMENTS, feet), *theirs(space, PLANE_ELEMENTS, fixed))
-
-
-def test_a_space_frame_has_the_matrices_and_frequencies_of_pynite():
-    feet = [0, 1, 2, 3]
-    fixed = {(node, d) for node in feet for d in range(6)}
-    model = ours(SPACE_NODES, SPACE_ELEMENTS, feet, orientation=upright(SPACE_NODES, SPACE_ELEMENTS))
-    assert_same(model, *theirs(SPACE_NODES, SPACE_ELEMENTS, fixed))

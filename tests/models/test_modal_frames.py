@@ -60,38 +60,11 @@ def test_random_frames(seed):
     assert full.size == exact.driving_zeros(k, rigid_hz(k_mat, m_mat), limit_hz)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_every_root_keeps_the_promise(seed):
-    rng = np.random.default_rng([6, seed])
-    k_mat, m_mat = random_frame(rng, most_dofs=120)
-    limit_hz = band_hz(k_mat, m_mat, 15)
-    k, i = rng.integers(0, len(k_mat), 2).tolist()
-    assert_promise(k_mat, m_mat, i, k, ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=limit_hz))
-
-
 def straight(n_nodes, columns=2, length=2.0):
     """A straight free tube along x; axial and bending motion do not know of one another."""
     nodes = np.column_stack([np.linspace(0, length, n_nodes), np.zeros((n_nodes, columns - 1))])
     elements = [(j, j + 1) for j in range(n_nodes - 1)]
     return assemble(nodes, elements, [(0.04, 0.002)] * len(elements))
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_symmetric_beam_driven_at_its_middle_hides_its_odd_modes(method):
-    k_mat, m_mat = straight(21)
-    model, middle = ar.MatrixModel(k_mat, m_mat), 3 * 10 + 1
-    bending = np.flatnonzero(np.arange(63) % 3 != 0)
-    lam, phi = scipy.linalg.eigh(*(a[np.ix_(bending, bending)] for a in (k_mat, m_mat)))
-    at_middle = np.abs(phi[list(bending).index(middle)])
-    hz = np.sqrt(np.maximum(lam, 0)) / (2 * np.pi)
-    odd = hz[(at_middle < 1e-6 * at_middle.max()) & (hz > 5) & (hz < 1500.0)]
-    plain, full = (
-        model.antiresonances(middle, middle, f_max_hz=1500.0, method=method, include_cancelled=flag)
-        for flag in (False, True)
-    )
-    assert odd.size >= 2
-    assert not matches(odd, plain, within=1e-6).any()
-    assert matches(odd, full, within=1e-6).all()
 
 
 def tuned(masses, springs, rigid=False):
@@ -111,17 +84,6 @@ def tuned(masses, springs, rigid=False):
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("gap", [5e-7, 1e-7, 1e-8])
-def test_two_zeros_closer_than_a_millionth_are_two(gap, method):
-    """One absorber where the force acts, one where the motion is measured: each makes a zero of its own."""
-    springs = [3e4, 3e4 * (1 + 2 * gap)]
-    model = ar.MatrixModel(*tuned([(6, 0.5), (13, 0.5)], springs))
-    want = np.sqrt(np.array(springs) / 0.5) / (2 * np.pi)
-    found = model.antiresonances(3 * 6 + 1, 3 * 13 + 1, f_max_hz=400.0, method=method)
-    np.testing.assert_allclose(found[np.abs(found / want[0] - 1) < 1e-4], want, rtol=1e-9)
-
-
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("gap", "visible"), [(2e-5, 2), (1e-7, 1), (1e-8, 1)])
 def test_a_pole_between_two_zeros_cancels_one_of_them_when_it_cannot_be_seen(gap, visible, method):
     """Two absorbers on the driven dof. The pole between their zeros has a residue of some gap squared."""
@@ -135,18 +97,6 @@ def test_a_pole_between_two_zeros_cancels_one_of_them_when_it_cannot_be_seen(gap
         assert matches(near, want, within=gap).all()
 
 
-def test_a_zero_beside_a_pole_is_found():
-    """A light absorber far from where it is felt: pole and zero agree to a part in a million."""
-    k_mat, m_mat = tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2])
-    poles = np.sqrt(np.maximum(scipy.linalg.eigvalsh(k_mat, m_mat), 0)) / (2 * np.pi)
-    for i, k in ((3 * 6 + 1, 3 * 6 + 1), (3 * 6 + 1, 3 * 15 + 1), (3 * 15 + 1, 3 * 15 + 1)):
-        found = ar.MatrixModel(k_mat, m_mat).antiresonances(i, k, f_max_hz=300.0)
-        near = found[np.abs(found / 60.0 - 1) < 1e-3]
-        assert near.size == 1
-        assert np.abs(poles / near - 1).min() < 2e-5
-        assert_promise(k_mat, m_mat, i, k, found)
-
-
 def square_tube():
     """A straight space tube: every bending mode twice, axial and torsional motion apart."""
     k_mat, m_mat = straight(12, columns=3, length=1.5)
@@ -154,23 +104,40 @@ def square_tube():
     return k_mat, m_mat
 
 
+#: Matrices, dofs, limit in Hz; and how many roots lie within a thousandth of a frequency.
 HARD = {
-    "two zeros 1e-7 apart": (tuned([(6, 0.5), (13, 0.5)], [3e4, 3e4 * (1 + 2e-7)]), (19, 40), 400.0),
-    "zero beside a pole": (tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2]), (19, 19), 300.0),
-    "driven at its node": (straight(21), (31, 31), 1500.0),
-    "rigid bodies": (tuned([(6, 0.5)], [3e4], rigid=True), (1, 1), 500.0),
+    **{
+        f"two zeros {gap:g} apart": (
+            tuned([(6, 0.5), (13, 0.5)], [3e4, 3e4 * (1 + 2 * gap)]),
+            (19, 40),
+            400.0,
+            (np.sqrt(6e4) / (2 * np.pi), 2),
+        )
+        for gap in (5e-7, 1e-7, 1e-8)
+    },
+    **{
+        f"zero beside a pole, {i} and {k}": (
+            tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2]),
+            (i, k),
+            300.0,
+            (60.0, 1),
+        )
+        for i, k in ((19, 19), (19, 46), (46, 46))
+    },
+    "driven at its node": (straight(21), (31, 31), 1500.0, None),
+    "rigid bodies": (tuned([(6, 0.5)], [3e4], rigid=True), (1, 1), 500.0, None),
     # There a zero lies on a pole that cancels, and K - x M is singular.
-    "repeated: absorbers": (tuned([(6, 0.5), (6, 0.5), (6, 0.5)], [3e4] * 3), (19, 40), 400.0),
-    "repeated: both planes": (square_tube(), (1, 25), 900.0),
+    "repeated: absorbers": (tuned([(6, 0.5), (6, 0.5), (6, 0.5)], [3e4] * 3), (19, 40), 400.0, None),
+    "repeated: both planes": (square_tube(), (1, 25), 900.0, None),
 }
 
 
 @pytest.mark.parametrize("name", HARD)
 def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
     """Without a limit the dense solver takes all modes; with one the band route a few."""
-    (k_mat, m_mat), (i, k), limit_hz = HARD[name]
+    (k_mat, m_mat), (i, k), limit_hz, near = HARD[name]
     model = ar.MatrixModel(k_mat, m_mat)
-    for flag in (False, True):
+    for flag in (True, False):
         band = model.antiresonances(i, k, f_max_hz=limit_hz, include_cancelled=flag)
         dense = model.antiresonances(i, k, include_cancelled=flag)
         pencil = model.antiresonances(i, k, f_max_hz=limit_hz, method="pencil", include_cancelled=flag)
@@ -178,21 +145,9 @@ def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
         for other in (dense[dense <= limit_hz], pencil):
             np.testing.assert_allclose(band, other, rtol=AGAINST_SCIPY)
     if "repeated" not in name:
-        assert_promise(k_mat, m_mat, i, k, model.antiresonances(i, k, f_max_hz=limit_hz))
-
-
-def test_an_objective_of_a_frame_has_the_same_bits_on_any_number_of_threads():
-    k_mat, m_mat = straight(24)
-    k_mat[[0, 1, 34], [0, 1, 34]] += 2e3
-    nodes = np.column_stack([np.linspace(0, 2.0, 24), np.zeros(24)])
-    terms = [assemble(nodes, [(e, e + 1)], [(0.04, 0.002)])[0] for e in range(4, 10)]
-    model = ar.MatrixModel(k_mat, m_mat, stiffness_terms=terms)
-    measured = {i: model.antiresonances(i, 1, f_max_hz=400.0) for i in (1, 16, 40)}
-    problem = ar.UpdatingProblem(model, ar.stiffness_reduction(range(6)), ar.AntiresonanceSet(1, measured))
-    betas = np.random.default_rng(0).uniform(0.0, 0.8, (40, 6))
-    alone = problem.evaluate_many(betas, workers=1)
-    np.testing.assert_array_equal(problem.evaluate_many(betas, workers=3), alone)
-    np.testing.assert_array_equal([problem.cost(b) for b in betas[::-1]], alone[::-1])
+        assert_promise(k_mat, m_mat, i, k, band)
+    if near:
+        assert np.count_nonzero(np.abs(band / near[0] - 1.0) < 1e-3) == near[1]
 
 
 # -- Soft springs

@@ -100,15 +100,6 @@ def test_each_kind_gives_the_model_built_with_the_value(parameter, value, change
     same_matrices(again.model_at(again.nominal), updated)
 
 
-def test_a_scalar_gives_one_parameter_and_a_sequence_a_list():
-    assert ar.stiffness_factor(3, bounds=BOUNDS) == ar.Parameter("stiffness_factor", (3,), BOUNDS)
-    several = ar.mass_factor(range(2), bounds=BOUNDS)
-    assert several == [ar.Parameter("mass_factor", (0,), BOUNDS), ar.Parameter("mass_factor", (1,), BOUNDS)]
-    assert ar.stiffness_reduction(np.array([4, 5]))[1].terms == (5,)
-    together = ar.stiffness_reduction([4, 5], together=True)
-    assert (together.terms, together.bounds) == ((4, 5), (0.0, 0.99))
-
-
 def test_parameters_of_a_chain_change_what_they_say():
     """Against a chain that is built directly with the changed values."""
     masses, springs = np.array([1.0, 2.0, 3.0]), np.array([100.0, 200.0])
@@ -133,22 +124,6 @@ def test_parameters_of_a_chain_change_what_they_say():
     assert problem.names == names
     both = model.with_parameters(parameters[4], [1.2])
     same_matrices(both, ar.MassSpringChain(masses, 1.2 * springs, ground_last_n_per_m=50.0))
-
-
-@pytest.mark.parametrize(
-    ("quantity", "terms", "bounds", "argument"),
-    [
-        ("stifness_factor", (0,), BOUNDS, "quantity"),
-        ("mass_factor", (-1,), BOUNDS, "terms[0]"),
-        ("mass_factor", (), BOUNDS, "terms"),
-        ("mass_factor", (0.5,), BOUNDS, "terms[0]"),
-        ("mass_factor", (0,), (1.2, 0.8), "bounds"),
-        ("mass_factor", (0,), (0.0, 0.8), "bounds[0]"),
-        ("stiffness_reduction", (0,), (0.0, 1.1), "bounds[1]"),
-    ],
-)
-def test_a_parameter_made_by_hand_is_checked_too(quantity, terms, bounds, argument):
-    assert_refused(argument, lambda: ar.Parameter(quantity, terms, bounds))
 
 
 def test_all_kinds_mix_with_terms_and_names_carry_units():
@@ -207,6 +182,33 @@ def test_moves_act_in_their_order():
     ]
 
 
+def test_parameters_act_one_after_the_other_and_the_description_tells_them():
+    model = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
+    first, second = ar.stiffness_factor([0, 2], bounds=(0.5, 2.0)), ar.stiffness_reduction(1)
+    changed = model.with_parameters(first, [1.1, 0.9]).with_parameters(second, 0.4)
+    same_matrices(changed, ar.MassSpringChain([1.0, 2.0, 1.5], [550.0, 240.0], ground_first_n_per_m=90.0))
+    assert len(changed.description.applied) == 2
+    assert changed.description.recipe == model.description.recipe
+    assert changed.description != model.description
+    # A call without the constructor's arguments leaves the first model as it was.
+    same_matrices(changed.from_description(model.description), model, within=0.0)
+    hung = ar.FrameModel(NODES, ELEMENTS, MODEL.sections, node_springs=[(2, 4, 2e3)], fixed=[0])
+    for unknown, value in ((ar.stiffness_factor(5, bounds=BOUNDS), 0.8), (ar.stiffness_reduction(5), 0.5)):
+        hung = hung.with_parameters(unknown, value)
+    assert hung.node_springs[0].stiffness_n_per_m == 2e3 * 0.8 * 0.5
+
+
+def test_an_updating_applies_what_it_found():
+    measured = ar.AntiresonanceSet(0, {0: 1.02 * CHAIN.antiresonances(0, 0)})
+    reductions = ar.stiffness_reduction([0, 1])
+    problem = ar.UpdatingProblem(CHAIN, reductions, measured, penalty=ar.DamagePenalty(snap=1e-3))
+    model = problem.model_at([0.3, 5e-4])
+    (applied,) = model.description.applied
+    assert applied.values.tolist() == [0.3, 0.0]  # snapped, as it is evaluated
+    assert applied.parameters == problem.parameters
+    same_matrices(model, CHAIN.with_parameters(problem.parameters, [0.3, 0.0]), within=0.0)
+
+
 def test_a_loop_moves_as_a_whole_or_by_position():
     longer = LOOP.with_parameters(ar.length([0], pivot=0, bounds=BOUNDS), [1.05])
     np.testing.assert_allclose(longer.nodes_m[1:], NODES[1:] + [0.025, 0.001], atol=1e-15)
@@ -250,20 +252,19 @@ def test_an_update_finds_values_again(truth, parameters, values):
     assert problem.names[0] in result.summary()
 
 
-def test_damage_is_sought_in_all_beams_by_default():
-    damaged = MODEL.with_parameters(ar.stiffness_reduction(3), [0.6])
-    result = ar.assess_damage(MODEL, measured(damaged), rng=0)
-    assert result.elements == [0, 1, 2, 3, 4]
-    assert result.damaged == [3]
-    assert result.severity[3] == pytest.approx(0.6, abs=FOUND_AGAIN)
-
-
 def problem(*parameters, model=MODEL):
     return lambda: ar.UpdatingProblem(model, parameters, MEASURED)
 
 
 THIN, SLIGHT = {"bounds": (0.001, 0.002)}, {"bounds_deg": (-5, 5)}
 WRONG = [
+    ("quantity", lambda: ar.Parameter("stifness_factor", (0,), BOUNDS)),
+    ("terms[0]", lambda: ar.Parameter("mass_factor", (-1,), BOUNDS)),
+    ("terms", lambda: ar.Parameter("mass_factor", (), BOUNDS)),
+    ("terms[0]", lambda: ar.Parameter("mass_factor", (0.5,), BOUNDS)),
+    ("bounds", lambda: ar.Parameter("mass_factor", (0,), (1.2, 0.8))),
+    ("bounds[0]", lambda: ar.Parameter("mass_factor", (0,), (0.0, 0.8))),
+    ("bounds[1]", lambda: ar.Parameter("stiffness_reduction", (0,), (0.0, 1.1))),
     ("elements", lambda: ar.stiffness_reduction([3, 3])),
     ("sections", lambda: ar.thickness(["pipe", "pipe"], bounds=BOUNDS)),
     ("parameters", problem(ar.density("pipe", bounds=(7e3, 8e3)), ar.density(0, bounds=(7e3, 8e3)))),
@@ -304,6 +305,10 @@ WRONG = [
     ("parameters[0]", problem(ar.position(1, "z", bounds_m=SHIFT))),
     ("bounds", problem(ar.position(1, (0.5, 0.02, 0.0), bounds_m=(-0.6, 0.1)))),
     ("parameters[0]", problem(ar.position(1, "x", bounds_m=SHIFT), model=CHAIN)),
+    ("description", lambda: ar.MassSpringChain.from_description(MODEL.description)),
+    ("description", lambda: ar.MassSpringChain.from_description(3)),
+    ("values", lambda: CHAIN.with_parameters(ar.stiffness_reduction([0, 1]), [0.1])),
+    ("parameters", lambda: CHAIN.with_parameters(3, [0.1])),
 ]
 
 
@@ -350,86 +355,32 @@ def test_bounds_and_moduli_in_another_unit_are_warned_of():
         ar.FrameModel([(0, 0), (1, 0)], [(0, 1)], ar.Tube(0.05, 0.002, 210.0, RHO))
 
 
-# -- Derivatives
-
-
-def bending_matrices(lengths, area, inertia, shear, rotary):
-    """K and M of clamped collinear elements in bending, (2 n, 2 n), also for complex lengths.
-
-    A beam with shear by its flexibility and its shape functions, integrated by Gauss's rule: not the formulas
-    of the core.
-    """
-    n = len(lengths)
-    k_all, m_all = (np.zeros((2 * n + 2, 2 * n + 2), dtype=complex) for _ in range(2))
-    points, weights = np.polynomial.legendre.leggauss(6)
-    bend, inertias = E * inertia, np.diag([RHO * area, rotary])
-
-    def flexible(x):
-        """Deflection and rotation at a tip under a force and a moment there."""
-        half = x**2 / (2 * bend)
-        return np.array([[x**3 / (3 * bend) + x / shear, half], [half, x / bend]])
-
-    for i, length in enumerate(lengths):
-        tip, across = np.linalg.inv(flexible(length)), np.array([[1.0, length], [0.0, 1.0]])
-        near = -across.T @ tip
-        stiffness = np.block([[-near @ across, near], [near.T, tip]])
-        mass = np.zeros((4, 4), dtype=complex)
-        for point, weight in zip(points, weights, strict=True):
-            x = 0.5 * length * (1.0 + point)
-            # What the element does at x when its ends move: rigid part, and bent from the near end.
-            load = np.array([[1.0, 0.0], [length - x, 1.0]])
-            rigid = np.hstack([np.array([[1.0, x], [0.0, 1.0]]), np.zeros((2, 2))])
-            shape = rigid + flexible(x) @ load @ tip @ np.hstack([-across, np.eye(2)])
-            mass += 0.5 * length * weight * shape.T @ inertias @ shape
-        at = np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))
-        k_all[at] += stiffness
-        m_all[at] += mass
-    return k_all[2:, 2:], m_all[2:, 2:]
-
-
-LENGTHS = np.array([0.3, 0.2, 0.25])
-
-
 @pytest.mark.parametrize("kappa", [None, 0.85])
 @pytest.mark.parametrize(
     ("parameter", "at", "lengths_of"),
     [
-        (ar.length([1], pivot=1, bounds=BOUNDS), 1.07, lambda p: np.array([0.3, 0.2 * p, 0.25])),
-        (ar.length([0, 1, 2], pivot=0, bounds=BOUNDS), 0.94, lambda p: LENGTHS * p),
-        (ar.position(1, "x", bounds_m=SHIFT), 0.03, lambda p: np.array([0.3 + p, 0.2 - p, 0.25])),
+        (ar.length([1], pivot=1, bounds=BOUNDS), 1.07, lambda p: [0.3, 0.2 * p, 0.25]),
+        (ar.length([0, 1, 2], pivot=0, bounds=BOUNDS), 0.94, lambda p: [0.3 * p, 0.2 * p, 0.25 * p]),
+        (ar.position(1, "x", bounds_m=SHIFT), 0.03, lambda p: [0.3 + p, 0.2 - p, 0.25]),
     ],
 )
-def test_derivatives_against_a_complex_step(parameter, at, lengths_of, kappa):
-    width, height = 0.02, 0.06
-    area, inertia = width * height, width * height**3 / 12
-    shear = 1e300 if kappa is None else kappa * E / 2.6 * area
-    rotary = 0.0 if kappa is None else RHO * inertia
-    nodes = np.c_[np.r_[0.0, np.cumsum(LENGTHS)], np.zeros(4)]
-    section = ar.Rectangle(width, height, E, RHO, shear_coefficient=kappa)
+def test_sensitivities_to_lengths_are_those_of_frames_built_so(parameter, at, lengths_of, kappa):
+    section = ar.Rectangle(0.02, 0.06, E, RHO, shear_coefficient=kappa)
     held = [(0, "v"), (0, "theta"), *((i, "u") for i in range(4))]
-    model = ar.FrameModel(nodes, [(0, 1), (1, 2), (2, 3)], section, fixed=held)
-    formed = model.with_parameters(parameter, [at])
-    for found, wanted in zip(
-        (formed.stiffness(), formed.mass()),
-        bending_matrices(lengths_of(at), area, inertia, shear, rotary),
-        strict=True,
-    ):
-        np.testing.assert_allclose(found.toarray(), wanted.real, rtol=1e-10, atol=1e-10 * abs(wanted).max())
 
-    response, force = 2, 4
-    zeros = formed.antiresonances(response, force)[:2]
-    task = ar.UpdatingProblem(model, parameter, ar.AntiresonanceSet(force, {response: zeros}))
-    # Sensitivities are those of the squares, over the measured ones, times the width of the bounds.
-    seen = identifiability(task, [at]).sensitivity[0] / np.ptp(parameter.bounds)
+    def built(lengths):
+        nodes = np.c_[np.r_[0.0, np.cumsum(lengths)], np.zeros(4)]
+        return ar.FrameModel(nodes, [(0, 1), (1, 2), (2, 3)], section, fixed=held)
 
-    step = 1e-30
-    k, m = bending_matrices(lengths_of(at + 1j * step), area, inertia, shear, rotary)
-    k, m = (np.delete(np.delete(a, response, 0), force, 1) for a in (k, m))
-    slopes = []
-    for zero in (2 * np.pi * zeros) ** 2:
-        pencil = k - zero * m
-        left, _, right = np.linalg.svd(pencil.real)
-        u, v = left[:, -1], right[-1]
-        slopes.append((u @ pencil.imag @ v) / step / (u @ m.real @ v) / zero)
-    # `identifiability` takes central differences over 1e-5 of the width: some 1e-8 of truncation.
-    assert seen == pytest.approx(np.linalg.norm(slopes), rel=1e-7)
+    def squares(value):
+        return built(lengths_of(value)).antiresonances(2, 4)[:2] ** 2
+
+    nominal = built([0.3, 0.2, 0.25])
+    formed = nominal.with_parameters(parameter, [at])
+    same_matrices(formed, built(lengths_of(at)))
+    zeros = formed.antiresonances(2, 4)[:2]
+    task = ar.UpdatingProblem(nominal, parameter, ar.AntiresonanceSet(4, {2: zeros}))
+    step = 1e-5
+    slopes = (squares(at + step) - squares(at - step)) / (2 * step) / zeros**2
+    found = identifiability(task, [at]).sensitivity[0] / np.ptp(parameter.bounds)
+    assert found == pytest.approx(np.linalg.norm(slopes), rel=1e-7)

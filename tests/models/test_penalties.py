@@ -5,13 +5,12 @@ import pytest
 
 import antires_rs as ar
 from tests.models.shared import quietly, warned
-from tests.support.fifty_digits import is_root
+
+flint = pytest.importorskip("flint", reason="python-flint is not installed: no exact determinants")
 
 #: The limits were set on ties of 1e12, 1e15 and 1e20, and are judged on the others too.
 EXPONENTS = range(9, 26)
 SECTION = ar.Rectangle(0.03, 0.05, 2.1e11, 7850.0)
-TUBE = ar.Tube(0.06, 0.01, 2.1e11, 7850.0)
-DIRECTIONS = ("u", "v", "w", "rx", "ry", "rz")
 GROUND = 1e3
 
 
@@ -49,10 +48,25 @@ def tied_chain(tie):
     return ar.MassSpringChain(rng.uniform(0.5, 2.0, 30), springs, ground_first_n_per_m=3e4)
 
 
+def is_root(k, m, hz, ends=(None, None), within=1e-6):
+    """Whether det(K - x M), without the row and column of its ends, changes its sign: by 600 bits."""
+    k, m = (np.asarray(a.toarray() if hasattr(a, "toarray") else a) for a in (k, m))
+    rows, columns = ([i for i in range(len(k)) if i != end] for end in ends)
+    flint.ctx.prec = 600
+
+    def determinant(step):
+        x = (2 * flint.arb.pi() * float(hz) * (1 + flint.arb(step))) ** 2
+        entries = [[flint.arb(float(k[i, j])) - x * float(m[i, j]) for j in columns] for i in rows]
+        return flint.arb_mat(entries).det()
+
+    below, above = determinant(-within), determinant(within)
+    return below * above < 0
+
+
 def assert_roots(model, k, m, *ends):
     lowest = [(pair, hz) for pair in ends for hz in model.antiresonances(*pair)[:2]]
     assert lowest
-    assert all(is_root(k, m, hz, pair, within=1e-6) for pair, hz in lowest)
+    assert all(is_root(k, m, hz, pair) for pair, hz in lowest)
 
 
 @pytest.mark.parametrize("power", EXPONENTS)
@@ -76,7 +90,7 @@ def test_right_or_told_by_name(make, named, ends, told_from, of_matrices, power)
         assert "rounding may take 1e-6" in said[0]
         assert not of_matrices or "constraints=" in said[0]
         return
-    assert all(is_root(k, m, hz, within=1e-6) for hz in model.modes(n_modes=2).freq_hz[:2])
+    assert all(is_root(k, m, hz) for hz in model.modes(n_modes=2).freq_hz[:2])
     assert_roots(model, k, m, (ends[0], ends[0]), ends)
 
 
@@ -87,28 +101,12 @@ def slabs(tie):
     return assembled(12, ties + columns, [(c, 1e7) for c in range(3)]), 1e3 * np.eye(12)
 
 
-def single_link(tie):
-    """Three slabs of five nodes, of which one is on a column."""
-    ties = [(5 * s + c, 5 * s + c + 1, tie) for s in range(3) for c in range(4)]
-    return assembled(15, [*ties, (4, 5, 1e6), (9, 10, 1e6)], [(0, 1e6)]), 50.0 * np.eye(15)
-
-
 def pairs(tie):
     return assembled(4, [(0, 1, tie), (1, 2, 1e4), (2, 3, tie)], [(0, 1e4)]), np.eye(4)
 
 
-def three(tie):
-    return assembled(3, [(0, 1, 1e4), (1, 2, tie)], [(0, 1e4)]), np.eye(3)
-
-
-def most(tie):
-    """Two pairs, and a mass between them."""
-    springs = [(0, 1, tie), (1, 2, 1e4), (2, 3, 2e4), (3, 4, tie)]
-    return assembled(5, springs, [(0, 1e4)]), np.diag([1.0, 2.0, 0.7, 1.0, 0.4])
-
-
 @pytest.mark.parametrize("power", EXPONENTS)
-@pytest.mark.parametrize("make", [slabs, single_link, pairs, three, most])
+@pytest.mark.parametrize("make", [slabs, pairs])
 def test_ties_on_most_dofs_are_right_or_told(make, power):
     k, m = make(10.0**power)
     model, said = warned(lambda: ar.MatrixModel(k, m))
@@ -116,40 +114,6 @@ def test_ties_on_most_dofs_are_right_or_told(make, power):
     assert power < 16 or said
     if not said:
         assert_roots(model, k, m, (len(k) - 1, len(k) - 1), (0, len(k) - 1))
-
-
-def linked_cantilevers():
-    """In space, three beams each, and the equations of a rigid link with a lever arm between their ends."""
-    one = [(0.5 * i, 0.0, 0.0) for i in range(4)]
-    other = [(0.5 * i, 0.3, 0.2 + 0.1 * i) for i in range(4)]
-    beams = [(i, i + 1) for i in range(3)] + [(4 + i, 5 + i) for i in range(3)]
-    frame = quietly(ar.FrameModel, one + other, beams, TUBE, fixed=[0, 4])  # in two parts
-    x, y, z = np.subtract(other[3], one[3])
-    first, second = ([frame.dof(node, direction) for direction in DIRECTIONS] for node in (3, 7))
-    equations = np.zeros((6, frame.n_dof))
-    equations[range(6), second] = 1.0
-    equations[range(6), first] = -1.0
-    equations[:3, first[3:]] = -np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-    return frame.stiffness().toarray(), frame.mass().toarray(), equations, frame.dof(2, "w")
-
-
-@pytest.mark.parametrize("power", EXPONENTS)
-def test_a_rigid_link_with_a_lever_arm(power):
-    """By penalties it is right or told; by constraints= it is right without a word."""
-    k, m, c, tip = linked_cantilevers()
-    exact, said = warned(lambda: ar.MatrixModel(k, m, constraints=c))
-    assert not said
-    assert "6 of them taken out" in repr(exact)
-    stiff = k + 10.0**power * (c.T @ c)
-    model, said = warned(lambda: ar.MatrixModel(0.5 * (stiff + stiff.T), m))
-    assert bool(said) == (power >= 15)
-    if not said:
-        found, wanted = (
-            np.concatenate([one.modes(n_modes=4).freq_hz, one.antiresonances(tip, tip)[:4]])
-            for one in (model, exact)
-        )
-        # The link itself moves frequencies by its share.
-        np.testing.assert_allclose(found, wanted, rtol=max(1e-6, 1e6 / 10.0**power))
 
 
 def turned_bar():
@@ -224,12 +188,6 @@ def test_ties_that_are_held_and_free_bodies_are_not_told_as_free():
         assert not any(
             "nothing holds" in each for each in warned(lambda k=k: ar.MatrixModel(k, np.eye(len(k))))[1]
         )
-
-
-@pytest.mark.parametrize("power", [13, 17, 21, 25])
-def test_a_chain_knows_its_springs(power):
-    with pytest.warns(ar.AntiresWarning, match="mass 0, mass 1, mass 2 move as one"):
-        ar.MassSpringChain([1.0, 2.0, 3.0], [10.0**power, 3.0 * 10.0**power], ground_first_n_per_m=GROUND)
 
 
 @pytest.mark.parametrize("of_mass", [False, True])

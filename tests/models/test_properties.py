@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
-from tests.support.tolerances import DIP, FACTORS, LAW, RIGID
+from tests.support.tolerances import DIP, LAW, RIGID
 
 FEW = settings(
     max_examples=60,
@@ -24,16 +24,6 @@ def chains(draw, grounded=None, largest=8):
     held = draw(st.booleans()) if grounded is None else grounded
     ground = draw(st.floats(5e3, 2e4)) if held else 0.0
     return ar.MassSpringChain(masses, springs, ground_first_n_per_m=ground)
-
-
-@FEW
-@given(chains())
-def test_shapes_are_orthonormal_in_mass_and_diagonal_in_stiffness(model):
-    modes = model.modes()
-    phi, lam = modes.shapes.T, (2 * np.pi * modes.freq_hz) ** 2
-    np.testing.assert_allclose(phi.T @ model.mass() @ phi, np.eye(len(lam)), atol=LAW)
-    np.testing.assert_allclose(phi.T @ model.stiffness() @ phi, np.diag(lam), atol=LAW * lam.max())
-    assert np.all(np.diff(modes.freq_hz) >= 0)
 
 
 @FEW
@@ -89,16 +79,6 @@ def test_scaling_stiffness_and_mass_together_changes_no_frequency(model, scale):
     np.testing.assert_allclose(scaled.modes().freq_hz[1:], model.modes().freq_hz[1:], rtol=LAW)
 
 
-@FEW
-@given(chains(), st.floats(1.01, 4.0))
-def test_stiffening_moves_no_driving_point_zero_down(model, factor):
-    """Rayleigh: an eigenvalue of the clamped structure grows with its stiffness."""
-    stiffer = ar.MatrixModel(factor * model.stiffness(), model.mass())
-    np.testing.assert_allclose(
-        stiffer.antiresonances(0, 0), np.sqrt(factor) * model.antiresonances(0, 0), rtol=LAW
-    )
-
-
 # ---- the objective ----------------------------------------------------------------------------------
 
 CASE = ar.cases.chain8()
@@ -139,18 +119,6 @@ def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
         return dict(zip(keys, problem.paired_hz(x), strict=True))
 
     assert pairs(other) == pairs(UPDATING)
-
-
-@FEW
-@given(st.floats(0.5, 1.5), st.floats(0.0, 0.9), st.integers(0, 6))
-def test_factors_multiply_whatever_their_order(factor, beta, element):
-    reduction = ar.stiffness_reduction(element)
-    scale = ar.stiffness_factor(element, bounds=(0.5, 1.5))
-    one = CASE.model.with_parameters([reduction, scale], [beta, factor]).stiffness()
-    other = CASE.model.with_parameters([scale, reduction], [factor, beta]).stiffness()
-    np.testing.assert_array_equal(one, other)
-    wanted = 56.7e3 * factor * (1 - beta)
-    assert -one[element, element + 1] == pytest.approx(wanted, rel=FACTORS, abs=FACTORS * 56.7e3)
 
 
 @FEW

@@ -113,18 +113,6 @@ def test_a_wall_as_a_parameter_carries_shear_along():
     same_matrices(updated, beam(5, thick), within=0.0)
 
 
-def test_shear_is_kept_in_files(tmp_path):
-    model = beam(4, BAR, [(0, "v"), (0, "theta")])
-    dof = model.dof(4, "v")
-    zeros = ar.AntiresonanceSet(dof, {dof: 1.02 * model.antiresonances(dof, dof)[:2]})
-    problem = ar.UpdatingProblem(model, ar.youngs_modulus(0, bounds=(0.9, 1.1), relative=True), zeros)
-    result = ar.update(problem, optimizer=ar.IslandGA(max_evaluations=400), rng=0)
-    result.save(tmp_path / "updated.npz")
-    again = ar.UpdateResult.load(tmp_path / "updated.npz")
-    assert again.model.sections[0].shear_coefficient == "cowper"
-    np.testing.assert_array_equal(again.model.stiffness().toarray(), result.model.stiffness().toarray())
-
-
 @pytest.mark.parametrize("coefficient", [0.0, -0.5, float("nan"), "mindlin", "cowper"])
 def test_coefficients_that_are_none(coefficient):
     if coefficient == "cowper":  # of a section whose shape is not known

@@ -68,13 +68,6 @@ def line(n):
     return 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
 
 
-def test_exact_roots_of_a_chain_in_closed_form():
-    exact = ExactRoots(line(6), np.eye(6), 0, 0)
-    wanted = 4.0 * np.sin(np.pi * np.arange(1, 6) / 12.0) ** 2
-    np.testing.assert_allclose([float(root.x) for root in exact.roots], wanted, rtol=1e-15)
-    assert all(root.multiplicity == 1 and root.imaginary == 0 for root in exact.roots)
-
-
 def test_a_wrong_root_and_a_missing_one_are_seen():
     case = torture("rods", 1)
     ends = case.response, case.excitation

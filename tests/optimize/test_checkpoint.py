@@ -2,22 +2,15 @@
 
 import hashlib
 import os
-import signal
-import subprocess
-import sys
-import time
 import warnings
 
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint
-from antires_rs.updating.problem import fingerprint
 from tests.support.campaign import examples
 from tests.support.mutations import any_bytes, mutated
-from tests.support.paths import ROOT
 
 NAME = "run.ckpt"
 #: Some two hundred generations with migrations, about a second.
@@ -75,38 +68,6 @@ def test_a_polished_damage_search_goes_on_to_the_same_bytes(tmp_path):
     assert bytes_of(ar.assess_damage(case.model, measured, **given)) == bytes_of(complete)
 
 
-KILLED = """
-import sys, antires_rs as ar
-import antires_rs.optimize.checkpoint, tests.optimize.test_checkpoint as t
-write = antires_rs.optimize.checkpoint.Checkpoint.__init__
-def often(self, path, every_s=0.0):
-    write(self, path, every_s)
-antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
-told = []
-def tell(state):  # once, at the first generation: before it there is nothing to write
-    told or print("begun", flush=True)
-    told.append(state)
-optimizer = ar.IslandGA(**t.SEARCH)
-ar.update(t.problem(), optimizer=optimizer, rng=3, workers=1, checkpoint=sys.argv[1], callback=tell)
-"""
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this system has no SIGKILL")
-def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(tmp_path, whole):
-    """Every generation is written, so that many kills fall into the writing."""
-    rng = np.random.default_rng(0)
-    for delay in rng.uniform(0.02, 0.6, 6):
-        path = tmp_path / NAME
-        with subprocess.Popen(
-            [sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, cwd=ROOT
-        ) as process:
-            process.stdout.readline()
-            time.sleep(delay)
-            process.kill()
-    assert bytes_of(searched(path)) == whole
-    assert sorted(p.name for p in tmp_path.iterdir()) == [NAME, f"{NAME}.previous"]
-
-
 def test_a_damaged_file_gives_way_to_the_one_before(tmp_path, whole):
     path = tmp_path / NAME
     part(path, 5)
@@ -147,23 +108,6 @@ def test_another_search_is_refused_and_the_file_left_alone(tmp_path):
         with pytest.raises(ar.InvalidInputError, match=f"checkpoint: {words}"):
             ar.update(other, checkpoint=wrong)
     assert path.read_bytes() == before
-
-
-def test_what_a_parameter_acts_on_belongs_to_the_fingerprint():
-    pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
-    nodes, elements = [(0.3 * i, 0.05 * (i % 2)) for i in range(8)], [(i, i + 1) for i in range(7)]
-    prints = set()
-    for parameter in (
-        ar.angle([3], 3, bounds_deg=(-5, 5)),
-        ar.angle([3], 4, bounds_deg=(-5, 5)),
-        ar.thickness("a", bounds=(0.9, 1.1), relative=True),
-    ):
-        for names in ("aaabbbb", "aabbbbb"):
-            named = [(*e, n) for e, n in zip(elements, names, strict=True)]
-            model = ar.FrameModel(nodes, named, {"a": pipe, "b": pipe}, fixed=[0])
-            zeros = ar.AntiresonanceSet(4, {4: [30.0], 10: [50.0]})
-            prints.add(fingerprint(ar.UpdatingProblem(model, parameter, zeros), {}, []))
-    assert len(prints) == 4  # for an angle the two assignments are one model
 
 
 def test_a_disk_that_fails_is_warned_of_and_the_search_goes_on(tmp_path, monkeypatch, whole):

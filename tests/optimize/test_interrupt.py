@@ -90,6 +90,7 @@ def after_sigint(code, to_group=False):
 PROGRAMS = {
     "update 1": (UPDATE.format(workers=1), GOOD),
     "update 2": (UPDATE.format(workers=2), GOOD),
+    "progress": (UPDATE.format(workers=1).replace("=announce", "=announce, progress=True"), GOOD),
     "python": (PYTHON.format(fun="lambda x: float(np.sum(x ** 2))", options=""), GOOD),
     "vectorized": (PYTHON.format(fun="lambda X: np.sum(X ** 2, axis=1)", options=", vectorized=True"), GOOD),
     # The signal arrives while Python code runs.
@@ -115,13 +116,6 @@ def test_a_search_returns_its_best_so_far_and_other_long_calls_raise(name):
     assert took < INTERRUPT_S
 
 
-def test_progress_ends_its_line_when_interrupted():
-    code = UPDATE.format(workers=1).replace("callback=announce", "callback=announce, progress=True")
-    said, took = after_sigint("from antires_rs.support import progress\nprogress.FIRST_S = 0.0\n" + code)
-    assert said == GOOD
-    assert took < INTERRUPT_S
-
-
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_time_limit_ends_a_search_with_its_best_so_far(workers):
     case = ar.cases.chain8(perturbation=0.08, rng=0)
@@ -132,16 +126,3 @@ def test_a_time_limit_ends_a_search_with_its_best_so_far(workers):
     assert (result.status, result.success) == ("budget", False)
     assert "time" in result.message
     assert result.problem.cost(result.x) == result.fun
-
-
-def test_an_exception_in_a_callback_ends_a_native_search_too():
-    def fail(state):
-        raise ZeroDivisionError("of the user")
-
-    with pytest.raises(ZeroDivisionError, match="of the user"):
-        ar.update(ar.cases.chain8().damage_problem(), rng=0, callback=fail)
-
-
-def test_a_callback_stops_a_native_search():
-    result = ar.update(ar.cases.chain8().damage_problem(), rng=0, callback=lambda state: state["nit"] == 7)
-    assert (result.status, result.nit, result.success) == ("callback", 7, False)

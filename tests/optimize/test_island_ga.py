@@ -1,6 +1,7 @@
 """The island search on Python objectives: contract, not performance."""
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import pytest
@@ -77,13 +78,6 @@ def test_the_budget_of_evaluations_is_never_exceeded():
         assert "evaluations" in result.message
 
 
-def test_the_budget_of_generations_and_of_time():
-    for option, word in (({"max_generations": 5}, "generations"), ({"max_seconds": 0.0}, "time")):
-        result = ar.IslandGA(**option).minimize(sphere, BOX, rng=0)
-        assert (result.status, result.nit) == ("budget", option.get("max_generations", 0))
-        assert word in result.message
-
-
 def test_vectorized_and_mapped_objectives_give_the_same_bits():
     ga = ar.IslandGA(**SHORT)
     one = ga.minimize(sphere, BOX, rng=5)
@@ -107,63 +101,6 @@ def test_a_whole_generation_is_one_call():
     assert len(sizes) <= result.nit + 1
 
 
-def test_the_same_seed_gives_the_same_search_and_another_seed_another():
-    ga = ar.IslandGA(**SHORT)
-    same(ga.minimize(sphere, BOX, rng=7), ga.minimize(sphere, BOX, rng=7))
-    generators = [np.random.default_rng(7) for _ in range(2)]
-    same(*(ga.minimize(sphere, BOX, rng=g) for g in generators))
-    assert not np.array_equal(ga.minimize(sphere, BOX, rng=8).x, ga.minimize(sphere, BOX, rng=7).x)
-
-
-def test_guesses_join_the_populations():
-    ga = ar.IslandGA(max_generations=0)
-    guess = [0.3, 0.3, 0.3]
-    result = ga.minimize(sphere, BOX, rng=0, x0=guess)
-    assert result.fun == 0.0
-    np.testing.assert_array_equal(result.x, guess)
-    assert ga.minimize(sphere, BOX, rng=0, x0=[[0.9, 0.9, 0.9], guess]).fun == 0.0
-
-
-def test_equal_bounds_fix_a_variable():
-    result = ar.IslandGA(**SHORT).minimize(sphere, [(-1, 1), (0.5, 0.5)], rng=0)
-    assert result.x[1] == 0.5
-    assert np.all(result.populations[:, :, 1] == 0.5)
-
-
-def test_the_callback_sees_the_state_and_can_stop():
-    states = []
-
-    def watch(state):
-        states.append(state)
-        return len(states) == 3
-
-    result = ar.IslandGA().minimize(sphere, BOX, rng=0, callback=watch)
-    assert (result.status, result.success) == ("callback", False)
-    assert len(states) == 3
-    last = states[-1]
-    assert set(last) == {"nit", "nfev", "fun", "x", "islands", "migrations"}
-    assert last["nit"] == result.nit
-    assert last["fun"] == sphere(last["x"]) == result.fun
-    assert [state for _, state in last["islands"]] == ["searching"] * 4
-
-
-class Unlucky(Exception):
-    """An exception of the user's own."""
-
-
-@pytest.mark.parametrize("where", ["fun", "callback", "vectorized"])
-def test_exceptions_of_the_user_come_out_unchanged(where):
-    error = Unlucky("as it was raised")
-
-    def fail(_):
-        raise error
-
-    options = {"callback": fail} if where == "callback" else {"vectorized": where == "vectorized"}
-    with pytest.raises(Unlucky) as caught:
-        ar.IslandGA(**SHORT).minimize(sphere if where == "callback" else fail, BOX, rng=0, **options)
-    assert caught.value is error
-
-
 @pytest.mark.parametrize(
     ("fun", "got"),
     [
@@ -181,6 +118,66 @@ def test_a_wrong_answer_of_the_objective_is_named(fun, got):
         ar.IslandGA().minimize(fun, BOX, rng=0, vectorized=True)
     with pytest.raises(ar.ObjectiveError, match="^fun: got .*wanted 160 real costs"):
         ar.IslandGA().minimize(lambda x: x, BOX, rng=0)  # a vector for one candidate
+
+
+def test_guesses_join_the_populations_and_equal_bounds_fix_a_variable():
+    guess = [0.3, 0.3, 0.3]
+    for x0 in (guess, [[0.9, 0.9, 0.9], guess]):
+        result = ar.IslandGA(max_generations=0).minimize(sphere, BOX, rng=0, x0=x0)
+        assert result.fun == 0.0
+        np.testing.assert_array_equal(result.x, guess)
+    fixed = ar.IslandGA(**SHORT).minimize(sphere, [(-1, 1), (0.5, 0.5)], rng=0)
+    assert fixed.x[1] == 0.5
+    assert np.all(fixed.populations[:, :, 1] == 0.5)
+
+
+@pytest.mark.parametrize(
+    ("option", "word"), [({"max_generations": 5}, "generations"), ({"max_seconds": 0.0}, "time")]
+)
+def test_the_budget_of_generations_and_of_time(option, word):
+    result = ar.IslandGA(**option).minimize(sphere, BOX, rng=0)
+    assert (result.status, result.nit) == ("budget", option.get("max_generations", 0))
+    assert word in result.message
+
+
+def searched(native, **options):
+    """A search of the core's own objective or of one in Python."""
+    if native:
+        return ar.update(ar.cases.chain8().damage_problem(), rng=0, **options).search
+    return ar.IslandGA().minimize(sphere, BOX, rng=0, **options)
+
+
+@pytest.mark.parametrize("native", [False, True])
+def test_the_callback_sees_the_state_and_can_stop(native):
+    states = []
+
+    def watch(state):
+        states.append(state)
+        return len(states) == 3
+
+    result = searched(native, callback=watch)
+    assert (result.status, result.success) == ("callback", False)
+    assert len(states) == 3
+    last = states[-1]
+    assert set(last) == {"nit", "nfev", "fun", "x", "islands", "migrations"}
+    assert (last["nit"], last["fun"]) == (result.nit, result.fun)
+    assert [state for _, state in last["islands"]] == ["searching"] * 4
+
+
+@pytest.mark.parametrize("where", ["fun", "callback", "native callback", "vectorized"])
+def test_exceptions_of_the_user_come_out_unchanged(where):
+    error = ZeroDivisionError("as it was raised")
+
+    def fail(_):
+        raise error
+
+    if "callback" in where:
+        call = partial(searched, "native" in where, callback=fail)
+    else:
+        call = partial(ar.IslandGA(**SHORT).minimize, fail, BOX, rng=0, vectorized=where == "vectorized")
+    with pytest.raises(ZeroDivisionError) as caught:
+        call()
+    assert caught.value is error
 
 
 def test_infinite_and_nan_costs_are_the_worst():
@@ -230,26 +227,6 @@ def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
     ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=False)
     ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0)
     assert capsys.readouterr().err == ""
-
-
-def test_progress_tells_how_long_the_budget_lasts():
-    from antires_rs.support import progress as _progress
-
-    state = {"nfev": 3000, "fun": 0.5, "nit": 7, "islands": [(0.5, "searching"), (0.6, "waiting")]}
-    line = _progress._line(state, 5000, 10.0, 1000)  # 2000 of them before, by the run it goes on from
-    assert "3,000 of at most 5,000 evaluations" in line
-    assert "1/2 islands waiting" in line
-    assert line.endswith("10 s, at most 20 s left")
-    assert _progress._left(2000, 10.0, 0) == "time left not known yet"
-    assert _progress._left(30_000, 10.0, 1000) == "at most 5 min left"
-    assert _progress._left(10**6, 10.0, 1000) == "at most 3 h left"
-
-
-def test_a_polished_function_reaches_its_minimum_to_more_digits():
-    plain = ar.IslandGA(**SHORT).minimize(sphere, BOX, rng=0)
-    polished = ar.IslandGA(**SHORT, polish=True).minimize(sphere, BOX, rng=0)
-    assert polished.fun < min(1e-10, plain.fun)
-    assert polished.nfev <= SHORT["max_evaluations"]
 
 
 def test_a_polished_function_has_exact_zeros():

@@ -3,7 +3,6 @@
 import os
 import time
 
-import numpy as np
 import pytest
 
 import antires_rs as ar
@@ -105,14 +104,3 @@ def test_a_search_goes_on_from_its_checkpoint(tmp_path):
     assert len(calls) - before < 1700
     with pytest.raises(ar.InvalidInputError, match="checkpoint: got search.ckpt, the search of another"):
         ga.minimize(work.sphere, [(0.0, 1.0)] * 3, checkpoint=file)
-
-
-def test_candidates_arrive_as_vectors():
-    shapes = set()
-
-    def fun(x):
-        shapes.add((np.shape(x), x.dtype))
-        return 0.0
-
-    ar.IslandGA(max_generations=0).minimize(fun, BOX, rng=0, workers="threads")
-    assert shapes == {((3,), np.dtype(np.float64))}

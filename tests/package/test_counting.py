@@ -26,20 +26,6 @@ def chain():
     return model, exact(damaged), ar.assess_damage(model, exact(damaged), baseline=exact(model))
 
 
-@pytest.fixture(scope="module")
-def frame():
-    """A clamped beam of five elements, its third softened, with a mass at the tip."""
-    pipe, nodes = ar.Tube(0.04, 0.002, 2.1e11, 7850.0), [(0.3 * i, 0.0) for i in range(6)]
-    pairs = [(i, i + 1) for i in range(5)]
-    model = ar.FrameModel(nodes, pairs, pipe, fixed=[0], point_masses=[ar.PointMass(5, 0.5)])
-    damaged = model.with_parameters(ar.stiffness_reduction([HIT]), [LOSS])
-    force = model.dof(5, "v")
-    dofs = [model.dof(node, "v") for node in range(1, 6)]
-    zeros = [one.antiresonances(dofs, force, f_max_hz=900.0) for one in (model, damaged)]
-    before, now = (ar.AntiresonanceSet(force, dict(zip(dofs, each, strict=True))) for each in zeros)
-    return model, ar.assess_damage(model, now, baseline=before)
-
-
 def named(text, what):
     """Numbers that a text gives to things of this kind."""
     return {int(number) for number in re.findall(rf"\b{what}s? (\d+)", text, re.IGNORECASE)}
@@ -91,36 +77,9 @@ def test_a_spring_keeps_its_number_in_files_and_on_the_command_line(chain, tmp_p
     }
 
 
-def test_names_lead_back_to_what_they_name(chain, frame):
-    model = chain[0]
-    for dof in range(model.n_dof):
-        assert model.dof_label(dof) == f"mass {dof}"
-        np.testing.assert_array_equal(
-            model.antiresonances(model.dof_label(dof), 0), model.antiresonances(dof, 0)
-        )
-    factors = [make(3, bounds=(0.5, 2.0)) for make in (ar.stiffness_factor, ar.mass_factor)]
-    assert ar.UpdatingProblem(model, factors, chain[1]).names == ["stiffness of spring 3", "mass 3"]
-    beam = frame[0]
-    assert [beam.element_label(e) for e in range(5)] == [f"element {e}" for e in range(5)]
-    assert beam.mass_label(5) == "mass 0 (node 5)"  # the term of its beams come first; point_mass([0])
-    assert beam.section_label(0) == "section 0"
-
-
-def test_a_beam_has_one_number_and_its_nodes_theirs(frame):
-    model, found = frame
-    assert found.damaged == [HIT]
-    assert named(found.headline, "element") == {HIT}
-    assert found.hypotheses.called(found.hypotheses[0]) == f"element {HIT}"
-    drawn = model.plot({HIT: 40.0})
-    elements = plotting.data_of(drawn)["elements"]
-    assert elements["element"].tolist() == list(range(5))
-    assert elements["start_node"][HIT] == HIT
-    assert {str(e) for e in range(5)} <= {text.get_text() for text in drawn.texts}
-
-
-def test_errors_count_as_arguments_do(frame):
-    with pytest.raises(ar.InvalidInputError, match="got element 5|stiffness term 5"):
-        frame[0].with_parameters(ar.stiffness_reduction([5]), [0.1])
+def test_errors_count_as_arguments_do(chain):
+    with pytest.raises(ar.InvalidInputError, match="got element 7|stiffness term 7"):
+        chain[0].with_parameters(ar.stiffness_reduction([7]), [0.1])
 
 
 def test_islands_and_setups_count_as_their_arrays(chain):

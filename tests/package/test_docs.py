@@ -1,16 +1,21 @@
 """The documentation keeps its word: its code runs as printed, and every public name has a page."""
 
+import contextlib
+import io
 import os
 import re
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.support.paths import DOCS
+from tests.support.measured_data import DATA, needs_southampton
+from tests.support.paths import DOCS, ROOT
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
 
@@ -99,7 +104,7 @@ def test_what_a_page_links_to_is_there(page):
 
 
 def test_the_pages_are_built_without_a_warning(tmp_path):
-    """The gallery is not executed here: test_gallery.py does that."""
+    """The gallery is not executed here: test_examples.py does that."""
     for module in (
         "sphinx",
         "pydata_sphinx_theme",
@@ -124,3 +129,80 @@ def test_the_pages_are_built_without_a_warning(tmp_path):
     assert build.returncode == 0, build.stderr
     assert (tmp_path / "html" / "index.html").stat().st_size > 1000
     assert (tmp_path / "html" / "api" / "generated" / "antires_rs.update.html").exists()
+
+
+# -- README
+
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+
+
+def test_the_example_runs_as_printed(capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    lines = [line for line in example.splitlines() if line.strip()]
+    assert len(lines) <= 15
+    exec(compile(example, "README.md", "exec"), {})
+    assert "spring 4" in capsys.readouterr().out
+
+
+def test_every_file_that_it_and_the_page_of_figures_name_exists():
+    named = re.findall(r"\]\((?!https?://)([^)]+)\)", README)
+    named += [f"benchmarks/{study}.py" for study in re.findall(r"benchmarks[./](\w+)", STUDIES)]
+    named += re.findall(r"(?:examples|tests)/[\w/]+\.py", STUDIES)
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+def test_every_study_it_names_is_on_the_page_of_figures():
+    """The last column of its tables holds the name of the study."""
+    named = set(re.findall(r"\| `(\w+)[^`|]*` \|$", README, re.MULTILINE))
+    assert named
+    assert named <= set(re.findall(r"benchmarks\.(\w+)", STUDIES))
+
+
+def test_it_stays_short():
+    assert len(README.split()) <= 900
+
+
+def test_every_make_target_it_names_exists():
+    targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    assert set(re.findall(r"^make (\w+)", README, re.MULTILINE)) <= set(targets)
+
+
+# -- The tutorial on a measured frame prints what it says it prints
+
+
+#: Of a printed figure; the last digit shown is nearer than that.
+AS_PRINTED = 5e-3
+NUMBER = re.compile(r"-?\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?")
+
+
+def blocks():
+    """(code, what it prints or None)."""
+    text = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+    return re.findall(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", text, re.DOTALL)
+
+
+def numbers(text):
+    return [float(number.replace(",", "")) for number in NUMBER.findall(text)]
+
+
+@needs_southampton
+def test_it_prints_what_the_page_shows(monkeypatch):
+    monkeypatch.setenv("ANTIRES_DATA", str(DATA))
+    names = {}
+    shown = 0
+    for code, wanted in blocks():
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*antires explain cut_line", ar.AntiresWarning)
+            exec(compile(code, "tutorial.md", "exec"), names)
+        if not wanted:
+            continue
+        shown += 1
+        found = printed.getvalue()
+        assert NUMBER.sub("#", found).split() == NUMBER.sub("#", wanted).split()
+        np.testing.assert_allclose(numbers(found), numbers(wanted), rtol=AS_PRINTED, atol=AS_PRINTED)
+    assert shown == 8
+    assert all(word in (DOCS / "tutorial.md").read_text("utf-8") for word in ("Cristallo", "BSD-3-Clause"))
+    assert names["damage"].damaged == [0]

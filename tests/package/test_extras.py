@@ -118,76 +118,55 @@ def test_pictures_say_what_to_install(bare, study):
             call()
 
 
-def test_reports_say_what_to_install(bare, study, monkeypatch, tmp_path):
-    for package in ("jinja2", "matplotlib"):
-        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[report\]"'):
-            study["damage"].report(tmp_path / "run.html")
-        monkeypatch.delitem(sys.modules, package)
-    assert list(tmp_path.iterdir()) == []
+#: Files of other programs, with what a reader meets first in them.
+HEADS = {
+    "a.tdms": b"TDSm" + bytes(24),  # a segment without anything in it
+    "a.xlsx": b"PK",
+    "a.parquet": b"PAR1",
+    "a.mseed": b"000001D",
+    "a.h5": b"\x89HDF\r\n\x1a\n" + bytes(64),
+    "a.mat": b"MATLAB 7.3 MAT-file" + 493 * b" " + b"\x89HDF\r\n\x1a\n" + bytes(64),
+}
 
 
-@pytest.mark.parametrize(
-    ("read", "package", "extra"),
-    [
-        ("read_tdms", "nptdms", "tdms"),
-        ("read_excel", "openpyxl", "excel"),
-        ("read_parquet", "pyarrow", "series"),
-        ("read_miniseed", "obspy", "miniseed"),
-    ],
-)
-def test_readers_in_a_child_say_what_to_install(bare, tmp_path, read, package, extra):
-    (tmp_path / "a").write_bytes(b"TDSm" + bytes(24))  # a segment without anything in it
-    with pytest.raises(ar.MissingDependencyError, match=rf'{package}.*pip install "antires-rs\[{extra}\]"'):
-        getattr(ar, read)(tmp_path / "a")
+def identified(study, **options):
+    return ar.identify_series([study["record"]], excitation=0, band_hz=(3, 130), **options)
 
 
-@pytest.mark.parametrize(("name", "extra"), [("a.uff", "uff"), ("a.h5", "hdf5"), ("a.mat", "hdf5")])
-def test_readers_say_what_to_install(bare, tmp_path, name, extra):
-    path = tmp_path / name
-    if extra == "uff":
-        ar.write_uff(path, recording())  # writing needs no package
-    else:
-        path.write_bytes(
-            (b"MATLAB 7.3 MAT-file" + 493 * b" " if name == "a.mat" else b"")
-            + b"\x89HDF\r\n\x1a\n"
-            + bytes(64)
-        )
-    said = rf'{PACKAGES[extra][0]}.*pip install "antires-rs\[{extra}\]"'
-    for read in {
-        "a.uff": (ar.read_uff, ar.io.list_uff),
-        "a.h5": (ar.read_hdf5,),
-        "a.mat": (ar.read_mat, ar.io.mat_arrays),
-    }[name]:
-        with pytest.raises(ar.MissingDependencyError, match=said):
-            read(path)
+#: What asks for an extra, by that extra: of the study and a folder with such files.
+ASKING = [
+    ("report", lambda study, folder: study["damage"].report(folder / "run.html")),
+    ("look", lambda study, folder: study["zeros"].look()),
+    ("tdms", lambda study, folder: ar.read_tdms(folder / "a.tdms")),
+    ("excel", lambda study, folder: ar.read_excel(folder / "a.xlsx")),
+    ("series", lambda study, folder: ar.read_parquet(folder / "a.parquet")),
+    ("miniseed", lambda study, folder: ar.read_miniseed(folder / "a.mseed")),
+    ("uff", lambda study, folder: ar.read_uff(folder / "a.uff")),
+    ("uff", lambda study, folder: ar.io.list_uff(folder / "a.uff")),
+    ("hdf5", lambda study, folder: ar.read_hdf5(folder / "a.h5")),
+    ("hdf5", lambda study, folder: ar.read_mat(folder / "a.mat")),
+    ("hdf5", lambda study, folder: ar.io.mat_arrays(folder / "a.mat")),
+    ("hdf5", lambda study, folder: ar.write_hdf5(folder / "b.h5", recording())),
+    *(
+        ("tables", lambda study, folder, thing=thing, method=method: getattr(study[thing], method)())
+        for thing in ("record", "lines", "zeros")
+        for method in ("to_dataframe", "to_xarray")
+    ),
+    ("tables", lambda study, folder: ar.Series.from_sets([study["zeros"]]).to_dataframe()),
+    ("series", lambda study, folder: ar.Series.from_sets([study["zeros"]]).save(folder / "b.parquet")),
+    ("series", lambda study, folder: identified(study, store=folder / "b.parquet")),
+]
 
 
-def test_writers_say_what_to_install(bare, tmp_path):
-    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[hdf5\]"'):
-        ar.write_hdf5(tmp_path / "a.h5", recording())
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("method", ["to_dataframe", "to_xarray"])
-def test_tables_say_what_to_install(bare, study, method):
-    for thing in (study["record"], study["lines"], study["zeros"]):
-        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[tables\]"'):
-            getattr(thing, method)()
-
-
-def test_a_series_in_a_file_says_what_to_install(bare, study, tmp_path):
-    series = ar.Series.from_sets([study["zeros"]])
-    for call in (
-        lambda: series.save(tmp_path / "a.parquet"),
-        lambda: ar.identify_series(
-            [study["record"]], excitation=0, band_hz=(3, 130), store=tmp_path / "a.parquet"
-        ),
-    ):
-        with pytest.raises(ar.MissingDependencyError, match=r'pyarrow.*pip install "antires-rs\[series\]"'):
-            call()
-    assert list(tmp_path.iterdir()) == []
-    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[tables\]"'):
-        series.to_dataframe()
+@pytest.mark.parametrize(("extra", "ask"), ASKING)
+def test_what_needs_an_extra_says_what_to_install(bare, study, tmp_path, extra, ask):
+    ar.write_uff(tmp_path / "a.uff", recording())  # writing needs no package
+    for name, head in HEADS.items():
+        (tmp_path / name).write_bytes(head)
+    with pytest.raises(ar.MissingDependencyError, match=rf'pip install "antires-rs\[{extra}\]"') as caught:
+        ask(study, tmp_path)
+    assert any(package.lower() in str(caught.value).lower() for package in (*PACKAGES[extra], "matplotlib"))
+    assert {path.name for path in tmp_path.iterdir()} == {"a.uff", *HEADS}
 
 
 def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
@@ -215,19 +194,15 @@ def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
 
 def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):
     ar.write_uff(tmp_path / "a.uff", recording())
-    assert cli.main(["identify", str(tmp_path / "a.uff"), "--band", "3", "9", "--excitation", "0"]) == 1
-    assert 'pip install "antires-rs[uff]"' in capsys.readouterr().err
     study["damage"].save(tmp_path / "result.npz")
-    assert cli.main(["report", str(tmp_path)]) == 1
-    assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
-
-
-def test_the_page_says_what_to_install(bare, study, tmp_path, capsys):
     study["zeros"].save(tmp_path / "zeros.json")
-    assert cli.main(["look", str(tmp_path / "zeros.json")]) == 1
-    assert 'pip install "antires-rs[look]"' in capsys.readouterr().err
-    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[look\]"'):
-        study["zeros"].look()
+    for extra, *call in (
+        ("uff", "identify", tmp_path / "a.uff", "--band", 3, 9, "--excitation", 0),
+        ("report", "report", tmp_path),
+        ("look", "look", tmp_path / "zeros.json"),
+    ):
+        assert cli.main([str(word) for word in call]) == 1
+        assert f'pip install "antires-rs[{extra}]"' in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not PROJECT.is_file(), reason="needs the source tree")

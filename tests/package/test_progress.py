@@ -82,17 +82,11 @@ def test_on_a_terminal_it_is_shown_unasked(at_once, monkeypatch):
 def test_antiresonances_of_many_dofs_come_from_the_background_unchanged(at_once, monkeypatch, capsys):
     monkeypatch.setattr(_progress, "_shown", lambda progress: True)
     chain = ar.MassSpringChain(np.ones(240), np.full(239, 1e4))
-    calls = []
-    work = _progress.interruptible
-    monkeypatch.setattr(
-        "antires_rs.models.structural_model.interruptible", lambda *a: calls.append(a[1]) or work(*a)
-    )
     many = chain.antiresonances([0, 120], 0)
-    assert calls == ["antiresonances of 2 responses"]
     assert "antiresonances of 2 responses   0 s" in capsys.readouterr().err
     monkeypatch.setattr("antires_rs.models.structural_model.MANY_DOFS", 10**6)
     np.testing.assert_array_equal(np.concatenate(many), np.concatenate(chain.antiresonances([0, 120], 0)))
-    assert len(calls) == 1
+    assert capsys.readouterr().err == ""
 
 
 def test_an_error_in_the_background_is_the_callers():

@@ -65,15 +65,11 @@ def test_a_masked_array_is_refused_and_one_without_masked_values_read():
 @pytest.mark.parametrize(("said", "stops"), [(0, False), (None, False), (1, True), (np.True_, True)])
 def test_a_callback_may_return_any_truth_value(said, stops):
     search = ar.IslandGA(max_evaluations=400)
-    found = search.minimize(lambda x: float(x @ x), [(-1, 1)] * 2, rng=0, callback=lambda state: said)
+    box = [(-1, 1)] * 2
+    found = search.minimize(lambda x: float(x @ x), box, rng=0, callback=lambda state: said)
     assert (found.status == "callback") is stops
-
-
-def test_a_callback_that_returns_an_array():
     with pytest.raises(InvalidInputError, match="callback"):
-        ar.IslandGA(max_evaluations=400).minimize(
-            lambda x: float(x @ x), [(-1, 1)] * 2, rng=0, callback=lambda state: np.zeros(3)
-        )
+        search.minimize(lambda x: float(x @ x), box, rng=0, callback=lambda state: np.zeros(3))
 
 
 @pytest.mark.parametrize(

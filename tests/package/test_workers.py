@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.support import progress
-from antires_rs.support.workers import Failed, Schedule, Workers, in_order
+from antires_rs.support.workers import Dask, Failed, Workers, in_order
 from tests.support import worker_tasks as work
 
 SPAWN = multiprocessing.get_context("spawn")
@@ -172,20 +171,6 @@ def test_what_workers_cannot_be_is_said():
         list(in_order(work.square, [1], closed))
 
 
-def test_a_lost_chunk_is_cut_until_the_task_that_ends_workers_is_alone():
-    arrived, lost = {}, 0
-    schedule = Schedule(range(200), 1.0, 3, arrived)
-    while (chunk := schedule.next(1, 1000)) is not None:
-        if 137 in chunk.tasks:
-            lost += 1
-            schedule.lost(chunk, "killed")
-        else:
-            schedule.done(chunk, chunk.tasks, 0.001 * len(chunk.tasks))
-    assert arrived.pop(137).error.losses == 4
-    assert lost <= 4 + 3
-    assert arrived == {n: n for n in range(200) if n != 137}
-
-
 def test_one_blas_thread_in_every_worker():
     pytest.importorskip("threadpoolctl")
     matrix = np.random.default_rng(0).normal(size=(300, 300))
@@ -196,14 +181,42 @@ def test_one_blas_thread_in_every_worker():
     assert all(other == one for other in others)
 
 
-def test_progress_counts_and_tells_what_is_left():
-    assert progress.counted("test", 3, 12, 30.0) == "test 3 of 12, about 90 s left"
-    assert progress.counted("test", 12, 12, 30.0) == "test 12 of 12"
-    assert progress.counted("record", 5, None, 30.0) == "record 5"
-
-
 def test_processes_inside_a_worker_of_joblib():
     joblib = pytest.importorskip("joblib")
     found = joblib.Parallel(n_jobs=2)(joblib.delayed(work.squares_by_two)(12) for _ in range(2))
     assert found == [SQUARES[:12]] * 2
     joblib.externals.loky.get_reusable_executor().shutdown()
+
+
+# -- A Dask cluster that loses its scheduler
+
+
+distributed = pytest.importorskip("distributed")
+
+
+@pytest.mark.parametrize(
+    ("scheduler", "said"), [("restarted", "all right"), ("gone", "a Dask client that has lost its scheduler")]
+)
+def test_a_run_goes_on_with_a_scheduler_that_comes_back_and_says_so_where_none_does(scheduler, said):
+    command = [sys.executable, "-m", "tests.support.dask_scheduler", scheduler]
+    found = subprocess.run(command, capture_output=True, text=True, timeout=150, check=True)
+    assert said in found.stdout, found.stdout + found.stderr
+    if scheduler == "gone":
+        assert "call again" in found.stdout
+
+
+def test_a_cluster_without_workers_is_told_and_not_waited_for_for_ever(monkeypatch):
+    monkeypatch.setattr(Dask, "ask_s", 0.05)
+    monkeypatch.setattr(Dask, "warn_s", 0.2)
+    monkeypatch.setattr(Dask, "patience_s", 0.6)
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        with (
+            pytest.warns(ar.AntiresWarning, match="no worker"),
+            pytest.raises(ar.InvalidInputError, match="no worker for 1 s"),
+        ):
+            list(in_order(abs, range(3), client))
+        cluster.scale(1)
+        assert list(in_order(abs, range(-3, 0), client)) == [3, 2, 1]

@@ -8,6 +8,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.planning import simulated_tests
+from antires_rs.planning.detection_curves import fit_logit
 from tests.support.campaign import some_of
 
 #: Not among the structures of the study (benchmarks/detectability_study.py).
@@ -95,3 +96,36 @@ def test_values_known_very_well_leave_no_large_damage_unseen():
     found = ar.detectability(chain, excitation=0, std=1e-5, severities=severities, n_tests=4, rng=3)
     for element in (1, 2, 3):
         assert found.pod[element].min() > 0.9, element
+
+
+# -- Curves of detection: known ones are found again, with their bounds
+
+
+def draw(rng, n, a90=0.05, slope=4.0):
+    severity = np.geomspace(0.01, 0.3, n)
+    share = 1.0 / (1.0 + np.exp(-np.log(9.0) - slope * np.log(severity / a90)))
+    return severity, rng.uniform(size=n) < share
+
+
+def test_a_known_curve_is_found_again():
+    curve = fit_logit(*draw(np.random.default_rng(0), 4000))
+    assert curve.a90 == pytest.approx(0.05, rel=0.06)
+    assert curve.slope == pytest.approx(4.0, rel=0.06)
+    assert curve.a50 == pytest.approx(0.05 * 9.0 ** (-1 / 4.0), rel=0.06)
+    assert curve.at(np.array([curve.a90, curve.a50])) == pytest.approx([0.9, 0.5])
+
+
+def test_the_bound_holds_in_95_of_100_studies():
+    rng = np.random.default_rng(1)
+    held = sum(fit_logit(*draw(rng, 60)).bound >= 0.05 for _ in range(150))
+    assert 0.90 * 150 <= held <= 0.995 * 150
+
+
+@pytest.mark.parametrize("hits", [0, 2])
+def test_what_is_hardly_ever_found_is_never_found_surely(hits):
+    severity = np.geomspace(0.01, 0.9, 40)
+    found = np.zeros(40, dtype=bool)
+    found[5 : 5 + hits] = True
+    curve = fit_logit(severity, found)
+    assert curve.a90 > 0.99
+    assert curve.bound == np.inf

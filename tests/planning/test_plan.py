@@ -4,6 +4,12 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage.measured_states import LEAST_STD, roots_at
+from antires_rs.models.parameters import stiffness_reduction
+from antires_rs.planning.placement import CRITERIA, exhaustive, greedy, information
+from antires_rs.planning.virtual_roots import ExpectedErrors, objective, virtual_roots
+from reference.structures import CHAIN8_MASSES, CHAIN8_SPRINGS
+from reference.symmetric_structures import cases
 
 CHAIN = ar.MassSpringChain([0.9, 1.1, 0.8, 1.3, 1.0, 0.7], [5e4, 6e4, 4.5e4, 7e4, 5.5e4])
 STD = 4e-4
@@ -25,23 +31,6 @@ def test_what_it_promises_is_what_an_assessment_tells_afterwards():
     for element, loss in plan.detectable.items():
         assert loss == pytest.approx(after[element], rel=0.25)
     assert plan.n_values == sum(len(state[dof]) for dof in state)
-
-
-def test_no_random_set_is_better():
-    plan = ar.plan_test(CHAIN, n_sensors=3, excitations=1, criterion="worst")
-    rng = np.random.default_rng(0)
-    for _ in range(12):
-        chosen = rng.choice(6, 3, replace=False).tolist()
-        other = ar.plan_test(CHAIN, n_sensors=3, candidates=chosen, excitations=1, criterion="worst")
-        assert sorted(other.sensors) == sorted(chosen)
-        assert other.value >= plan.value * (1.0 - 1e-9)
-        assert other.value == max(other.detectable.values())
-
-
-def test_the_search_through_all_sets_agrees():
-    ours, best = (ar.plan_test(CHAIN, n_sensors=3, excitations=1, search=s) for s in ("greedy", "exhaustive"))
-    assert sorted(ours.sensors) == sorted(best.sensors)
-    assert ours.value == pytest.approx(best.value)
 
 
 def test_the_best_force_is_first_and_more_sensors_tell_more():
@@ -103,3 +92,118 @@ def test_it_says_which_errors_of_the_values_it_rests_on():
     given = ar.plan_test(CHAIN, n_sensors=3, excitations=0, std=STD)
     assert all(np.all(each == STD) for each in given.value_std.values())
     assert "values known to 0.04 %: std as given" in str(given)
+
+
+# -- Sensors chosen, against all sets; and the information of a set, against the core asked for that set
+
+
+ERRORS = ExpectedErrors(0.01, 200.0, 0.01, 5e-4)
+#: Exchanges of two were brought in on the symmetric nine-mass chain; none of these was looked at before.
+KINDS = {
+    "portal": "3 storeys of 2, corner",
+    "grillage": "5 x 3, 1 x 0.5 m, corners held",
+    "ring": "12 masses, 2 held",
+}
+SPREAD = 0.07
+
+
+def random_chain(seed):
+    rng = np.random.default_rng([seed, 77])
+    masses = np.repeat(CHAIN8_MASSES[1], 11) * rng.uniform(0.5, 1.5, 11)
+    return ar.MassSpringChain(masses, np.repeat(CHAIN8_SPRINGS[0], 10) * rng.uniform(0.5, 1.5, 10))
+
+
+def setting(name):
+    """Model, twelve candidates at most, force, end of the band."""
+    if name in KINDS:
+        case = next(one for one in cases() if one.kind == name and one.name == KINDS[name])
+        return case.build(SPREAD), list(case.sensors)[:12], case.excitation, case.band_hz[1]
+    return random_chain(int(name)), list(range(11)), 3, 200.0
+
+
+def told(name, sees="transmissibility", symmetric=False):
+    model, sensors, force, high = setting(name)
+    if symmetric:
+        model = next(one for one in cases() if one.name == KINDS[name]).build(0.0)
+    parameters = tuple(stiffness_reduction(model.default_elements))
+    start = np.zeros(len(parameters))
+    roots = virtual_roots(model, parameters, start, sensors, force, (1.0, high), sees, ERRORS, 1)
+    return model, sensors, force, high, information(roots, len(sensors), np.ones(start.size), 2)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA)
+@pytest.mark.parametrize("name", ["1", "2", *KINDS])
+def test_greedy_is_within_two_per_cent_of_the_best_of_all_sets(name, criterion):
+    found = told(name)[-1]
+    best, ours = exhaustive(found, 4, criterion), greedy(found, 4, criterion)
+    assert ours.worth <= best.worth + 1e-9
+    # Nats add up; of the worst element e to the minus worth is the size of what it hides.
+    if criterion == "determinant":
+        assert ours.worth >= 0.98 * best.worth
+    else:
+        assert ours.worth >= best.worth - 0.02
+
+
+@pytest.mark.parametrize(
+    ("name", "symmetric"),
+    [("1", False), ("portal", False), ("portal", True), ("ring", False), ("ring", True)],
+)
+def test_the_information_of_a_set_is_that_of_the_roots_the_core_shows_of_it(name, symmetric):
+    model, sensors, force, high, found = told(name, symmetric=symmetric)
+    parameters = tuple(stiffness_reduction(model.default_elements))
+    rng = np.random.default_rng(3)
+    for _ in range(6):
+        chosen = sorted(rng.choice(len(sensors), 3, replace=False).tolist())
+        core = objective(model, parameters, [sensors[c] for c in chosen], force, high, "transmissibility")
+        roots = roots_at(core, np.zeros((1, len(parameters))), slopes=True, threads=1)[0]
+        kept = (np.exp(roots.log_f) > 1.0) & (np.abs(roots.slopes).max(axis=1) < 3.0)
+        rows = roots.slopes[kept] / (np.sqrt(2.0) * 5e-4)
+        np.testing.assert_allclose(
+            found.of(chosen), rows.T @ rows, rtol=1e-6, atol=1e-6 * np.trace(rows.T @ rows)
+        )
+
+
+# -- Errors of values that a test leads to expect, against least squares on simulated spectral lines
+
+
+LIGHT = ar.MassSpringChain([1.0, 0.7, 1.4, 0.9], [5e4, 7e4, 4e4])
+BAND_HZ, DAMPING, LENGTH_S = 70.0, 0.02, 30.0
+
+
+def expected(sensor, force, **options):
+    errors = ExpectedErrors(
+        **{"noise": 0.2, "duration_s": LENGTH_S, "damping_ratio": DAMPING, "std": None} | options
+    )
+    roots = LIGHT.antiresonances(sensor, force, f_max_hz=BAND_HZ)
+    return roots, errors.of(LIGHT, [sensor], force, [roots], BAND_HZ)[0]
+
+
+def moved(freq, curve, old, new):
+    """The curve with one pair of zeros at another frequency."""
+    w = freq * DAMPING * 2j
+    return curve * (new**2 - freq**2 + w * new) / (old**2 - freq**2 + w * old)
+
+
+@pytest.mark.parametrize(("sensor", "force"), [(0, 0), (1, 0), (1, 2)])
+def test_they_are_those_of_least_squares_on_spectral_lines(sensor, force):
+    roots, std = expected(sensor, force)
+    freq = np.arange(1, int(BAND_HZ * LENGTH_S)) / LENGTH_S
+    curve = LIGHT.frf(sensor, force, freq, damping_ratio=DAMPING)
+    step = 1e-6
+    columns = [(moved(freq, curve, f, f * (1 + step)) - curve) / step for f in roots] + [curve, 1j * curve]
+    matrix = np.vstack([np.real(columns).T, np.imag(columns).T])
+    # One line has the noise's power split into two halves, real and imaginary.
+    sigma = 0.2 * np.sqrt(np.mean(np.abs(curve) ** 2) / 2.0)
+    rng = np.random.default_rng(5)
+    noise = sigma * rng.standard_normal((matrix.shape[0], 2000))
+    found = np.linalg.lstsq(matrix, noise, rcond=None)[0][: roots.size].std(axis=1)
+    np.testing.assert_allclose(found, std, rtol=0.08)
+
+
+def test_they_grow_with_noise_and_shrink_with_the_root_of_time():
+    base = expected(0, 0)[1]
+    np.testing.assert_allclose(expected(0, 0, noise=0.4)[1], 2.0 * base, rtol=1e-9)
+    np.testing.assert_allclose(expected(0, 0, duration_s=4.0 * LENGTH_S)[1], 0.5 * base, rtol=1e-9)
+    # No value is known better than two tests repeat, and what is given is taken.
+    np.testing.assert_array_equal(expected(0, 0, noise=0.0)[1], LEAST_STD)
+    np.testing.assert_array_equal(expected(0, 0, std=1e-3)[1], 1e-3)

@@ -2,11 +2,11 @@
 
 A process of its own: it forks one that is killed and one that goes on for every point, so that the package
 is loaded once. ``python -m tests.support.kill_points FOLDER SCENARIO whole|half`` prints the number of points
-and what is wrong as JSON; with "half", files that were being written have lost their second half.
+and what is wrong as JSON; with "half", files that were being written have lost their second half. Scenarios
+are those of ``RUNS``.
 """
 
 import contextlib
-import functools
 import io
 import json
 import os
@@ -14,6 +14,8 @@ import re
 import shutil
 import signal
 import sys
+from collections.abc import Callable
+from functools import partial, partialmethod
 from pathlib import Path
 
 import antires_rs as ar
@@ -21,6 +23,9 @@ from antires_rs.app import main as cli, run as drawing
 from antires_rs.figures import report
 from antires_rs.optimize.checkpoint import Checkpoint
 from antires_rs.support.files import write_atomically
+from antires_rs.watch import sources as one_test
+from antires_rs.watch.store import Store
+from reference.small_records import OPTIONS, record
 from tests.support.job_files import UPDATE, write_measured
 
 #: A few generations, each of which is written; a report and a picture.
@@ -28,23 +33,16 @@ SEARCH = {"max_evaluations": 700, "polish": False}
 JOB = UPDATE.replace("seed = 1", "seed = SEED\nmax_evaluations = 700\npolish = false\nworkers = 1").replace(
     "report = false\npictures = false", ""
 )
-#: What was in the folder before: nothing, the results of another seed, a search of it that was stopped.
-COMMANDS = {
-    "new": ("update", "job.toml"),
-    "again": ("update", "job.toml"),
-    "fresh": ("update", "job.toml", "--fresh"),
-    "script": (),
-}
 
 
 def quick() -> None:
     """Everything is written often, and what only takes time to draw is text."""
-    Checkpoint.__init__ = functools.partialmethod(Checkpoint.__init__, every_s=0.0)
+    Checkpoint.__init__ = partialmethod(Checkpoint.__init__, every_s=0.0)
     report.write_report = lambda result, path, **_: write_atomically(path, repr(result.x).encode())
     drawing.pictures = lambda drawn, folder: write_atomically(folder / "damage.png", b"drawn")
 
 
-def script() -> int:
+def script(folder: Path) -> int:
     problem = ar.cases.chain8(perturbation=0.08, rng=1).updating_problem()
     ar.update(problem, optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1, checkpoint="run.ckpt").save(
         "result.npz"
@@ -52,8 +50,53 @@ def script() -> int:
     return 0
 
 
+def job(*command: str) -> Callable[[Path], int]:
+    return lambda folder: cli.main(command)
+
+
+def series(folder: Path, count: int) -> int:
+    conditions = {"temperature_c": [20.0 + i for i in range(count)]}
+    sources = [folder.parent / f"test_{i}.npz" for i in range(count)]
+    ar.identify_series(sources, **OPTIONS, store=folder / "year.parquet", conditions=conditions)
+    return 0
+
+
+RESUMED = job("resume", "job.toml")
+#: What was in the folder before: nothing, the results of another seed, a search of it that was stopped; of a
+#: series three tests or nothing.
+RUNS = {
+    "new": job("update", "job.toml"),
+    "again": job("update", "job.toml"),
+    "fresh": job("update", "job.toml", "--fresh"),
+    "script": script,
+    "series": partial(series, count=3),
+    "longer series": partial(series, count=4),
+}
+
+
+def quick_series(folder: Path) -> None:
+    """Records, each identified at once; a transaction counts as a change on the disk too."""
+    real = Store._commit
+
+    def commit(db):
+        sys.audit("os.rename", str(Path.cwd() / "transaction"))
+        real(db)
+
+    Store._commit = staticmethod(commit)
+    one_test.identify_antiresonances = lambda signal, **_: ar.AntiresonanceSet(
+        0, {0: [2.0 + abs(signal.responses[0, 0])], 1: []}
+    )
+    for i in range(4):
+        ar.write_npz(folder / f"test_{i}.npz", record(i))
+
+
 def prepare(folder: Path, scenario: str) -> None:
     folder.mkdir()
+    if "series" in scenario:
+        quick_series(folder.parent)
+        if scenario == "longer series":
+            assert forked(folder, RUNS["series"])[0] == 0
+        return
     if scenario == "script":
         return
     write_measured(folder, level=0, perturbation=0.08)
@@ -62,17 +105,17 @@ def prepare(folder: Path, scenario: str) -> None:
         job.write_text(JOB.replace("SEED", "4"))
         waits = folder / "job_results" / "search.ckpt"
         if scenario == "again":
-            assert forked(folder, ("update", "job.toml"))[0] == 0
+            assert forked(folder, RUNS["new"])[0] == 0
         for number in range(1, 100) if scenario == "fresh" else ():
-            assert forked(folder, ("update", "job.toml", "--fresh"), number)[0] == -signal.SIGKILL
+            assert forked(folder, RUNS["fresh"], number)[0] == -signal.SIGKILL
             if waits.exists():
                 break
         assert waits.exists() == (scenario == "fresh")
     job.write_text(JOB.replace("SEED", "3"))
 
 
-def forked(folder: Path, command: tuple[str, ...], kill_at: int | None = None) -> tuple[int, str]:
-    """Exit code (negative for a signal) and standard error of a command, killed before its n-th change."""
+def forked(folder: Path, run: Callable[[Path], int], kill_at: int | None = None) -> tuple[int, str]:
+    """Exit code (negative for a signal) and standard error of a run, killed before its n-th change."""
     said = folder.with_suffix(".said")
     child = os.fork()
     if child == 0:
@@ -86,7 +129,7 @@ def forked(folder: Path, command: tuple[str, ...], kill_at: int | None = None) -
             ):
                 if kill_at is not None:
                     die_before(folder, kill_at)
-                code = cli.main(command) if command else script()
+                code = run(folder)
         finally:
             os._exit(code)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said.read_text()
@@ -122,13 +165,12 @@ def files_of(folder: Path) -> dict[str, bytes]:
 
 def go_on(folder: Path, scenario: str, whole: dict[str, bytes], before: dict[str, bytes]) -> list[str]:
     """Do what a user would, as the messages say; returns what is wrong."""
-    command = COMMANDS[scenario]
-    left = files_of(folder)
-    code, said = forked(folder, ("resume", "job.toml") if command else ())
+    run, left = RUNS[scenario], files_of(folder)
+    code, said = forked(folder, RESUMED if scenario in ("new", "again", "fresh") else run)
     if code == 2 and "antires update job.toml" not in said and scenario != "fresh":
         return [f"refused without saying how to go on: {said}"]
     if code == 2 or (left == before and files_of(folder) == before):  # nothing of this run had begun
-        code, said = forked(folder, command)
+        code, said = forked(folder, run)
     if code or said:
         return [f"exit code {code}: {said}"]
     got = files_of(folder)
@@ -141,13 +183,13 @@ def main(folder: Path, scenario: str, half: bool) -> None:
     prepare(start, scenario)
     before = files_of(start)
     shutil.copytree(start, folder / "whole")
-    code, said = forked(folder / "whole", COMMANDS[scenario])
+    code, said = forked(folder / "whole", RUNS[scenario])
     assert code == 0, said
     whole, wrong = files_of(folder / "whole"), {}
     for number in range(1, 1000):
         own = folder / str(number)
         shutil.copytree(start, own)
-        if forked(own, COMMANDS[scenario], kill_at=number)[0] == 0:
+        if forked(own, RUNS[scenario], kill_at=number)[0] == 0:
             break
         for file in own.rglob("*.tmp") if half else ():
             os.truncate(file, file.stat().st_size // 2)

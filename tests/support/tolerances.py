@@ -37,17 +37,13 @@ DETECTABLE_PERCENT = 1.5
 #: Largest difference after updating on exact data with a budget of 30,000: 0.58 % is the paper's own.
 UPDATED_PERCENT = 0.58
 
-# ---- laws ------------------------------------------------------------------------------------------
+# ---- laws
 #: Laws of small, well-conditioned chains: a hundred thousand ulp, for the sums and roots on the way.
 LAW = 1e-10
 #: Components of the rigid-body shape: its eigenvalue is separated by at least the softest mode.
 RIGID = 1e-9
 #: Receptance at a zero over that one per cent aside, where the slope alone would give 0.
 DIP = 1e-6
-#: Products of a few factors, added to and taken from a sum of two springs.
-FACTORS = 1e-14
-#: Error of an identified antiresonance on a clean record: the bar of the identification.
-IDENTIFIED_PERCENT = 0.5
 #: Error of the severity at 1 % sensor noise: the bar.
 NOISY_SEVERITY = 0.02
 
@@ -62,8 +58,6 @@ FRAME_PACKAGE_HZ = 1e-6
 FRAME_PACKAGE_ENTRIES = 1e-13
 #: Forces of a rigid motion, relative to the largest stiffness: sums of a few rounded entries.
 RIGID_FORCE = 1e-13
-#: A frequency of a slender beam of 20 elements against the closed form: (beta h)**4 / 1440 and its kin.
-BEAM_HZ = 1e-6
 #: Antiresonances of one softly hung frame assembled in two ways, in omega squared: one ulp of K, of 1e10
 #: between the stiffest motion and the softest, is 1e-9 of what is measured.
 SOFT_ZERO = 1e-9

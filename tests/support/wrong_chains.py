@@ -37,11 +37,11 @@ def truth(seed, off=0.06):
     return rng, 1.0 + off * rng.uniform(-1.0, 1.0, 2 * N)
 
 
-def assessed(seed, losses, **options):
+def assessed(seed, losses, kind=measured, **options):
     """A chain of its own errors, with losses (N - 1,), against its intact state."""
     rng, factors = truth(seed)
-    before = measured(chain(factors), rng)
-    return ar.assess_damage(NOMINAL, measured(chain(factors, losses), rng), baseline=before, **options)
+    before = kind(chain(factors), rng)
+    return ar.assess_damage(NOMINAL, kind(chain(factors, losses), rng), baseline=before, **options)
 
 
 def states(seed, losses=(0, 0, 0.3, 0, 0)):

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import eigh
 
 import antires_rs as ar
-from antires_rs.updating.box_identifiability import combination_in_words, combinations, sensitivities
+from antires_rs.updating.box_identifiability import combination_in_words, sensitivities
 
 
 def virtual(model, dofs, force=0):
@@ -106,25 +106,12 @@ def test_modes_and_the_same_answer_twice():
 @pytest.mark.parametrize(
     ("direction", "words"),
     [
-        ([1.0, 0.1, 0.0, 0.0], "a"),
-        ([0.7, -0.7, 0.0, 0.0], "a against b; both together are"),
         ([0.7, 0.6, 0.0, 0.0], "a together with b; their ratio is"),
-        ([0.5, 0.5, 0.5, 0.5], "a common scale of the parameters; their ratios are"),
         ([0.7, -0.5, -0.4, 0.0], "a against b and c"),
     ],
 )
 def test_combinations_in_words(direction, words):
     assert combination_in_words(("a", "b", "c", "d"), np.array(direction)) == words
-
-
-def test_what_is_not_seen_at_all_is_taken_apart():
-    """Two unseen directions, mixed by the eigensolver, come out with one and two members."""
-    apart = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, np.sqrt(0.5), -np.sqrt(0.5), 0.0]])
-    seen = np.eye(4) - apart.T @ apart
-    left, rows = combinations(apart.T @ apart + 1e-4 * seen)
-    np.testing.assert_allclose(left, [1.0, 1.0, 0.01, 0.01])
-    overlap = np.abs(rows[:2] @ apart.T)
-    np.testing.assert_allclose(np.sort(overlap.ravel()), [0.0, 0.0, 1.0, 1.0], atol=1e-6)
 
 
 def test_wrong_arguments_are_refused():

@@ -46,13 +46,6 @@ def off_and_damaged(model, force, dofs, seed, *, damaged, loss, f_max_hz=None):
     return model, ar.AntiresonanceSet(force, dict(zip(dofs, zeros, strict=True)))
 
 
-def grounded_chain(seed):
-    """Six masses on a spring to ground, drawn anew, under a force at the third."""
-    rng = np.random.default_rng([seed, 1])
-    model = ar.MassSpringChain(rng.uniform(1, 3, 6), rng.uniform(4e3, 9e3, 5), ground_first_n_per_m=6e3)
-    return off_and_damaged(model, 2, list(range(6)), seed, damaged=3, loss=0.35)
-
-
 def frame(seed):
     """A plane frame of pipes, clamped at one end, under a force across its middle."""
     nodes = [(0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (1.1, 0.3), (1.1, 0.7), (0.6, 0.9)]
@@ -65,7 +58,7 @@ def frame(seed):
 
 
 @pytest.mark.parametrize("seed", [0, 8, 9, 14])
-@pytest.mark.parametrize("tested", [chain, chain_modes, grounded_chain, frame])
+@pytest.mark.parametrize("tested", [chain, chain_modes, frame])
 def test_the_same_data_three_times_leave_the_answer(tested, seed):
     model, measured = tested(seed)
     once, thrice = (ar.assess_damage(model, [measured] * n, rng=0) for n in (1, 3))

@@ -46,6 +46,9 @@ def test_each_is_what_update_gives_with_its_seed():
         assert one.x.tobytes() == again.x.tobytes()
         assert one.problem is several[k]
     assert len(set(found.seeds)) == len(found) == 2
+    fewer = ar.UpdatingProblem(problem().model, several[0].parameters[:1], problem().measured)
+    with pytest.raises(ar.InvalidInputError, match="problems of 1, 2 parameters"):
+        _ = ar.update_ensemble([several[0], fewer], optimizer=SHORT, rng=0).x
     np.testing.assert_allclose(found.x[:, 0], [1.04, 1.16], atol=0.01)
 
 
@@ -91,17 +94,8 @@ def test_ctrl_c_keeps_what_is_there():
         ([problem(), "no problem"], {}, "problems[1]"),
         (5, {}, "problems"),
     ],
-    ids=["one problem", "several with a count", "none", "a text", "a number"],
 )
 def test_wrong_arguments_are_refused(given, options, argument):
     with pytest.raises(ar.InvalidInputError) as caught:
         ar.update_ensemble(given, optimizer=SHORT, rng=0, **options)
     assert caught.value.argument == argument
-
-
-def test_parameters_of_different_problems_are_not_mixed():
-    one = ar.stiffness_factor([0], bounds=(0.7, 1.3))
-    other = ar.UpdatingProblem(problem().model, one, problem().measured)
-    found = ar.update_ensemble([problem(), other], optimizer=SHORT, rng=0)
-    with pytest.raises(ar.InvalidInputError, match="problems of 1, 2 parameters"):
-        _ = found.x

@@ -11,14 +11,7 @@ import pytest
 
 import antires_rs as ar
 from tests.support.campaign import some_of
-from tests.support.tolerances import (
-    COST,
-    DETECTABLE_PERCENT,
-    EXACT_SEVERITY,
-    IDENTIFIED_PERCENT,
-    NOISY_SEVERITY,
-    UPDATED_PERCENT,
-)
+from tests.support.tolerances import COST, DETECTABLE_PERCENT, EXACT_SEVERITY, NOISY_SEVERITY, UPDATED_PERCENT
 from tests.updating.test_objective import disturbed
 
 CASE = ar.cases.chain8()
@@ -45,9 +38,13 @@ def modal_damage():
 # ---- tables and notes --------------------------------------------------------------------------------
 
 
-def test_the_table_says_what_was_measured_before_and_after(updated):
+def test_the_table_says_what_was_measured_before_and_after(updated, modal_damage):
     case, result = updated
-    table = result.table
+    table, modal = result.table, modal_damage.table
+    assert isinstance(modal, ar.ModalTable)
+    np.testing.assert_array_equal(modal.before_mac, modal_damage.problem.paired_mac(np.zeros(7)))
+    assert modal.before_mac.min() < 0.8 < 0.99 < modal.after_mac.min()
+    assert f"{modal.after_mac[3]:.3f}" in str(modal)
     np.testing.assert_array_equal(table.measured_hz, np.concatenate(list(case.truth()["freq_hz"].values())))
     np.testing.assert_array_equal(table.after_hz, result.problem.paired_hz(result.x))
     np.testing.assert_allclose(table.after_percent, 100 * (table.after_hz / table.measured_hz - 1.0))
@@ -57,25 +54,6 @@ def test_the_table_says_what_was_measured_before_and_after(updated):
     assert result.fun == result.problem.cost(result.x)
     zeros = np.concatenate(result.model.antiresonances(range(8), 0))
     np.testing.assert_allclose(zeros, table.after_hz, rtol=COST)
-
-
-def test_the_table_of_modes_has_a_column_of_mac(modal_damage):
-    table = modal_damage.table
-    assert isinstance(table, ar.ModalTable)
-    np.testing.assert_array_equal(table.after_hz, modal_damage.problem.paired_hz(modal_damage.x))
-    np.testing.assert_array_equal(table.before_mac, modal_damage.problem.paired_mac(np.zeros(7)))
-    assert table.before_mac.min() < 0.8 < 0.99 < table.after_mac.min()
-    assert table.largest_before_percent > 10.0 > 1.0 > table.largest_after_percent
-    assert len(str(table).splitlines()) == 2 + 7 + 1
-    assert f"{table.after_mac[3]:.3f}" in str(table)
-    assert "MAC" in modal_damage.summary()
-
-
-def test_a_model_without_any_partner_gives_a_table_that_says_so():
-    problem = CASE.updating_problem(ar.AntiresonanceSet(0, {7: [20.0]}))
-    result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=160))
-    assert np.isnan(result.table.largest_after_percent)
-    assert "no value has a partner in the model" in str(result.table)
 
 
 def test_what_antiresonances_cannot_tell_is_said(updated):
@@ -169,16 +147,10 @@ def test_pictures_and_report_of_modes(modal_damage, tmp_path):
     pytest.importorskip("jinja2")
     from antires_rs.figures.damage import plot_damages
 
-    ax = ar.UpdateResult.plot(modal_damage, ax=figure.Figure().subplots())
-    assert f"{modal_damage.table.after_mac[0]:.3f}" in " ".join(text.get_text() for text in ax.texts)
     beside = ar.assess_damage(CASE.model, CASE.exact(1), rng=0)
     ax = plot_damages({"zeros": beside, "modes": modal_damage}, ax=figure.Figure().subplots())
     heights = [bar.get_height() for bars in ax.containers for bar in bars]
     np.testing.assert_allclose(heights, 100 * np.concatenate([beside.x, modal_damage.x]))
-    other = ar.assess_damage(CASE.model, CASE.exact(1), elements=[4])
-    for wrong in ({"alone": beside}, {"a": beside, "b": other}):
-        with pytest.raises(ar.InvalidInputError, match="results"):
-            plot_damages(wrong, ax=figure.Figure().subplots())
     modal_damage.report(tmp_path / "modes.html", truth={DAMAGED: SEVERITY})
     html = (tmp_path / "modes.html").read_text()
     assert "7 measured resonances with shapes at 8 dofs" in html
@@ -240,17 +212,6 @@ def test_an_undamaged_structure_comes_out_undamaged():
     np.testing.assert_array_equal(ar.update(CASE.search_problem(0, 0.06), rng=0).x, np.zeros(7))
 
 
-def test_updating_from_a_record_brings_28_antiresonances_into_place():
-    case = ar.cases.chain8(perturbation=0.08, rng=0)
-    record = case.experiment(rng=0)
-    zeros = ar.identify_antiresonances(record, excitation=case.excitation, band_hz=case.band_hz)
-    for dof, true_hz in case.truth()["freq_hz"].items():
-        np.testing.assert_allclose(zeros[dof], true_hz, rtol=IDENTIFIED_PERCENT / 100)
-    result = ar.update(case.updating_problem(zeros), rng=0, optimizer=ar.IslandGA(max_evaluations=40_000))
-    assert result.table.measured_hz.size == 28
-    assert result.table.largest_before_percent > 2.0 > UPDATED_PERCENT >= result.table.largest_after_percent
-
-
 def test_damage_where_no_candidate_is_comes_with_a_doubt():
     """A shear frame that has lost 30 % of its lowest storey, the spring to ground."""
 
@@ -300,13 +261,6 @@ def springs_off():
     return ar.UpdatingProblem(case.model, springs, case.exact(), weights=np.linspace(0.5, 1.0, 28))
 
 
-@pytest.mark.parametrize("workers", [2, 5])
-def test_the_same_bits_for_any_number_of_threads(modal_damage, workers):
-    other = ar.assess_damage(CASE.model, modal_damage.problem.measured, rng=1, workers=workers)
-    assert modal_damage.x.tobytes() == other.x.tobytes()
-    assert modal_damage.search.populations.tobytes() == other.search.populations.tobytes()
-
-
 def test_linearizations_and_exchanges_are_told():
     problem = springs_off()
     result = ar.update(problem, rng=0)
@@ -335,20 +289,10 @@ def test_islands_that_agree_before_an_exchange_came_from_their_own_starts():
     tested = CASE.model.with_parameters(parameters, [0.0, 0.4, 0.0, 0.0, 0.0, 0.6, 0.0])
     zeros = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances(range(8), 0))))
     problem = ar.UpdatingProblem(CASE.model, parameters, zeros, penalty="scaled")
-    best = {}
-
-    def keep(state):
-        best[state["nit"]] = [each[0] for each in state["islands"]]
-
-    result = ar.update(problem, rng=3, workers=1, callback=keep)
+    result = ar.update(problem, rng=3, workers=1)
     assert np.flatnonzero(result.x).tolist() == [1, 5]
     assert (result.status, result.migrations) == ("agreed", 0)
     assert "from a random start of its own" in result.message
-    # What the search begins with is the first island's alone.
-    first, *others = best[9]
-    assert first == pytest.approx(result.fun)
-    assert min(others) > 2.0 * result.fun
-    np.testing.assert_allclose(best[10], result.fun, rtol=1e-9)
     # An agreement after an exchange is called so.
     result = ar.update(problem, rng=0, optimizer=ar.IslandGA(polish=False, max_evaluations=60_000))
     assert result.migrations > 0
