@@ -54,6 +54,7 @@ from .options import (
 from .paper import sweep_of
 from .scores import graded, scored, unexplained, without_common
 from .selection import select
+from .stability import Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
 from .windows import HIGHEST_ORDER, LINES_PER_ORDER, SCALES, local_diagrams
 
@@ -65,10 +66,13 @@ def diagrams_of(
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
+    looks: Sequence[Look] = (),
 ) -> dict[Any, StabilizationDiagram]:
     """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto"."""
     first = lines_for(FORCE if options.use_force else 0)
-    if options.formulation == "windows":
+    if options.formulation == "directions":
+        found = dict(zip(dofs, direction_diagrams(looks, first, len(dofs), band, options), strict=True))
+    elif options.formulation == "windows":
         found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
     elif options.formulation == "numerators":
         cut = windows(first.freq_hz, band)
@@ -77,7 +81,7 @@ def diagrams_of(
         found = dict(zip(dofs, joined, strict=True))
     else:
         found = _one_by_one(dofs, lines_for, band, options)
-    if not options.rule.keep_common:
+    if not options.rule.keep_common and options.formulation != "directions":
         found = without_common(found)
     for row, (dof, one) in enumerate(found.items()):
         known = np.concatenate([one.identified, one.left_out.freq_hz])
@@ -325,7 +329,8 @@ def identify_antiresonances(
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    diagrams = diagrams_of(one.dofs, lines_for, band, options)
+    looks = looks_of(one, averages, band) if options.formulation == "directions" else []
+    diagrams = diagrams_of(one.dofs, lines_for, band, options, looks)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
     compared = None

@@ -36,7 +36,7 @@ DATA_PER_ORDER = 3
 FORMULATIONS = ("joint", "eq10", "eq10_squared")
 #: Real functions of f^2; one number a line.
 OF_MAGNITUDES = FORMULATIONS[1:]
-CHOICES = ("auto", "windows", "numerators", *FORMULATIONS)
+CHOICES = ("auto", "windows", "directions", "numerators", *FORMULATIONS)
 #: Formulations that were left out, and why.
 LEFT_OUT = {
     "sum": "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise",

@@ -31,6 +31,8 @@ MEDIAN_SAMPLES = 8192
 DECAY_RATIO = 100.0
 # An impact lifts the energy at least this much over the eight blocks before it ...
 HIT_RISE = 30.0
+# Where none does, the highest block is the impact if something before it is this much lower.
+LEAST_RISE = 4.0
 # ... and to this share of the record's peak. A new impact needs the last one dead by this much.
 HIT_SHARE = 0.01
 DEAD_SHARE = 1e-3
@@ -98,6 +100,9 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
         if hits and before.max() > DEAD_SHARE * energy[hits[-1] : b].max():
             continue  # the same event: still ringing, or a rebound of the hammer
         hits.append(b)
+    if not hits and energy.argmax() > 0 and energy[: energy.argmax()].min() < peak / LEAST_RISE:
+        # In noise, or so slowly sampled that the response builds up over several blocks.
+        hits.append(int(energy.argmax()))
     if not hits:
         raise UnsuitableDataError(
             "responses",
