@@ -1,7 +1,7 @@
 """Simulation-based calibration of damage assessments: truths from the prior, values with their stated errors.
 
 Chains of the fitted class: factors of every mass and spring log-normal with a scatter drawn from the prior of
-``damage.model_error``; damage drawn from :class:`antires_rs.DamagePrior` given that a candidate is damaged;
+``damage.likelihood``; damage drawn from :class:`antires_rs.DamagePrior` given that a candidate is damaged;
 severities uniform. Values of both states are the exact ones with Gaussian errors of the stated size. The
 rank of a true severity among draws of the posterior given the right elements is uniform if intervals mean
 what they say.

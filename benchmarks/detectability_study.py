@@ -27,7 +27,7 @@ import time
 import numpy as np
 
 import antires_rs as ar
-from antires_rs.damage.options import DamagePrior
+from antires_rs.damage.options import DamagePrior, SearchOptions
 from antires_rs.planning.detectability import _virtual_test
 from antires_rs.planning.detection_curves import fit_logit
 from antires_rs.planning.simulated_tests import Task, judged
@@ -93,8 +93,8 @@ def shares(model, test, tests, seed):
         for multiple, hits in found.items():
             for _ in range(tests):
                 loss = multiple * a90[elements[place]]
-                task = Task(virtual, place, loss, DamagePrior(), None, next(seeds), 1)
-                hits.append(elements[place] in judged(task))
+                task = Task(place, loss, DamagePrior(), SearchOptions().checked(), next(seeds), 1)
+                hits.append(elements[place] in judged(virtual, task))
     return found
 
 

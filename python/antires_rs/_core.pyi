@@ -18,24 +18,10 @@ _Parameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] 
 _Progress = Callable[[dict[str, Any]], bool | None]
 
 __all__ = [
-    "Frame",
-    "Model",
-    "Objective",
-    "PreparedTables",
-    "PreparedTest",
-    "__version__",
-    "align",
-    "associate",
-    "check_bounds",
-    "dominant_pairs",
-    "follow",
-    "forsythe_basis_at",
-    "hermitian_values",
-    "island_options",
-    "minimize",
-    "nominal_values",
-    "refined_roots",
-]
+    "Frame", "Model", "Objective", "PreparedTables", "PreparedTest", "__version__", "align", "associate",
+    "check_bounds", "dominant_pairs", "follow", "forsythe_basis_at", "hermitian_values", "island_options",
+    "minimize", "nominal_values", "refined_roots",
+]  # fmt: skip
 
 __version__: str
 

@@ -156,11 +156,8 @@ class OutOfMemoryError(NumericalError, MemoryError):
     """
 
     def __init__(self, what: str, bytes_wanted: int, detail: str = "") -> None:
-        super().__init__(
-            what,
-            f"{1e-9 * bytes_wanted:.3g} GB of memory are not there. "
-            + (detail or "Ask for less at a time: a lower f_max_hz, fewer dofs."),
-        )
+        less = detail or "Ask for less at a time: a lower f_max_hz, fewer dofs."
+        super().__init__(what, f"{1e-9 * bytes_wanted:.3g} GB of memory are not there. {less}")
         self.args = (what, bytes_wanted, detail)
         self.bytes_wanted = bytes_wanted
 
@@ -266,26 +263,11 @@ class AntiresWarning(UserWarning):
 
 
 def catalogue() -> dict[str, type[Exception]]:
-    """Return every exception class of the family by name.
-
-    Returns
-    -------
-    dict
-        ``{class name: class}``, the root included, warnings excluded.
-
-    Examples
-    --------
-    >>> from antires_rs import exceptions
-    >>> issubclass(exceptions.catalogue()["InvalidInputError"], ValueError)
-    True
-    """
-    found: dict[str, type[Exception]] = {}
-    pending: list[type[Exception]] = [AntiresError]
-    while pending:
-        cls = pending.pop()
-        found[cls.__name__] = cls
-        pending.extend(cls.__subclasses__())
-    return dict(sorted(found.items()))
+    """Every exception class of the family by name: the root included, warnings excluded."""
+    family = [AntiresError]
+    for cls in family:  # which grows meanwhile
+        family += cls.__subclasses__()
+    return {cls.__name__: cls for cls in sorted(family, key=lambda cls: cls.__name__)}
 
 
 def reject(name: str, got: object, wanted: str, remedy: str) -> NoReturn:

@@ -1,19 +1,19 @@
 """Jobs with a baseline: the intact structure from files, what is written, what a run that ends early says."""
 
-import dataclasses
 import json
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import arguments as damage_jobs, main as cli
+from antires_rs.app import main as cli
 from antires_rs.app.arguments import model_of
 from antires_rs.app.job import read_job
 from antires_rs.app.reading import baseline_of
 from antires_rs.exceptions import InvalidInputError
 from tests.support.four_masses import BAND, chain, exact
 from tests.support.job_files import DAMAGE, losses, run
+from tests.support.signalled import interrupt_assessments
 
 #: Four masses of 1 kg on springs that are off by up to 6 %.
 FOUR = """\
@@ -121,7 +121,7 @@ def test_records_are_identified_as_the_data_are(records, capsys):
 def intact(folder, baseline, text=FOUR):
     (folder / "job.toml").write_text(text.replace('"intact.npz"', json.dumps(baseline)), encoding="utf-8")
     job = read_job(folder / "job.toml")
-    return baseline_of(job, model_of(job), lambda line: None)
+    return baseline_of(job, model_of(job))
 
 
 def test_several_files_are_several_tests_and_a_pattern_is_one(records):
@@ -143,14 +143,11 @@ def test_what_does_not_fit_is_named_where_it_stands(records):
         intact(records, ["intact.npz", "miss_*.npz"])
     exact(chain()).save(records / "now.json")
     typed = FOUR.replace('"damaged.npz"\nexcitation = 0\nband_hz = [0.8, 9.0]', '"now.json"')
-    with pytest.raises(
-        InvalidInputError, match=r"line 13, .damage. baseline: got \"intact.npz\", a meas.*Ide"
-    ):
+    said = r"line 13, .damage. baseline: got \"intact.npz\", a meas.*Ide"
+    with pytest.raises(InvalidInputError, match=said):
         intact(records, "intact.npz", typed)
     both = FOUR.replace("[data]", "[[data]]") + FOUR[: FOUR.index("[model]")].replace("[data]", "[[data]]")
-    with pytest.raises(
-        InvalidInputError, match=r"baseline: got 1 of them; wanted 2, one for each \[\[data\]"
-    ):
+    with pytest.raises(InvalidInputError, match=r"baseline: got 1 of them; wanted 2, one for each \[\[dat"):
         intact(records, "intact.npz", both)
     assert len(intact(records, ["intact.npz", "intact_2.npz"], both)) == 2
 
@@ -158,14 +155,7 @@ def test_what_does_not_fit_is_named_where_it_stands(records):
 def test_an_assessment_that_was_interrupted_is_begun_anew(tmp_path, monkeypatch, capsys):
     write_states(tmp_path)
     (tmp_path / "job.toml").write_text(WITH)
-    complete = damage_jobs.assess_damage
-
-    def interrupted(*args, **options):
-        result = complete(*args, **options)
-        search = dataclasses.replace(result.search, status="interrupted", success=False)
-        return type(result)(result.problem, search, result.seed, result.assessment)
-
-    monkeypatch.setattr(damage_jobs, "assess_damage", interrupted)
+    interrupt_assessments(monkeypatch)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
     assert "begin anew with: antires damage" in capsys.readouterr().err
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2

@@ -1,18 +1,21 @@
 """Ctrl-C, SIGKILL and resume of jobs, on the command line as a user has it."""
 
-import dataclasses
 import json
 import os
 import signal
+import subprocess
+import sys
 
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import arguments as damage_jobs, main as cli
-from antires_rs.damage import result as damage_result
+from antires_rs.app import main as cli
+from antires_rs.damage import assess as damage_result
 from antires_rs.updating import result as results
+from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, UPDATE, write_measured
-from tests.support.signalled import ANTIRES, LONG, stopped
+from tests.support.paths import ROOT
+from tests.support.signalled import ANTIRES, LONG, interrupt_assessments, stopped
 from tests.support.tolerances import INTERRUPT_S
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as sent here are POSIX")
@@ -31,17 +34,19 @@ antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
 """
 
 
+FILES = {"antiresonances.json", "result.npz", "run.json", "summary.json"}
+
+
+def names_in(folder):
+    return {path.name for path in folder.iterdir()}
+
+
 def bytes_of(file):
     result = ar.UpdateResult.load(file)
     search, history = result.search, result.search.history
     arrays = (search.x, history.cost, history.nfev, history.migrations, search.populations)
-    return [a.tobytes() for a in arrays] + [
-        search.fun.hex(),
-        search.nfev,
-        search.nit,
-        search.status,
-        result.seed,
-    ]
+    numbers = (search.fun.hex(), search.nfev, search.nit, search.status, result.seed)
+    return [*(a.tobytes() for a in arrays), *numbers]
 
 
 def fill(folder, text):
@@ -66,13 +71,7 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
     assert took < INTERRUPT_S
     assert err == "antires: interrupted, the best so far is kept; go on with: antires resume job.toml\n"
     assert "interrupted" in out.splitlines()[0]
-    assert sorted(p.name for p in results.iterdir() if p.name != "search.ckpt.previous") == [
-        "antiresonances.json",
-        "result.npz",
-        "run.json",
-        "search.ckpt",
-        "summary.json",
-    ]
+    assert names_in(results) - {"search.ckpt.previous"} == FILES | {"search.ckpt"}
     summary = json.loads((results / "summary.json").read_text())
     best = ar.UpdateResult.load(results / "result.npz")
     assert summary["status"] == best.status == "interrupted"
@@ -97,17 +96,11 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
 def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, capsys):
     write_measured(tmp_path)
     (tmp_path / "job.toml").write_text(DAMAGE.replace("seed = 1", "seed = 1\ncheckpoint = false"))
-    complete = damage_jobs.assess_damage
-
-    def interrupted(*args, **options):
-        result = complete(*args, **options)
-        search = dataclasses.replace(result.search, status="interrupted", success=False)
-        return type(result)(result.problem, search, result.seed)
 
     def slow(*args):
         raise AssertionError("computed")
 
-    monkeypatch.setattr(damage_jobs, "assess_damage", interrupted)
+    interrupt_assessments(monkeypatch)
     monkeypatch.setattr(damage_result, "smallest_visible", slow)
     monkeypatch.setattr(results, "identifiability", slow)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
@@ -129,12 +122,7 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
     assert code == 130, err
     assert cli.main(["resume", str(results / "search.ckpt"), "--workers", "2"]) == 0
     assert bytes_of(results / "result.npz") == whole
-    assert sorted(p.name for p in results.iterdir()) == [
-        "antiresonances.json",
-        "result.npz",
-        "run.json",
-        "summary.json",
-    ]
+    assert names_in(results) == FILES
     # Nothing is left to do, and it says so.
     capsys.readouterr()
     assert cli.main(["resume", str(tmp_path / "job.toml"), "--json"]) == 0
@@ -143,27 +131,14 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
     assert "has finished" in err
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this system has no SIGKILL")
 def test_killed_at_any_moment_a_job_goes_on_to_the_same_bits(tmp_path, whole):
     results = fill(tmp_path, LONG)
-    commands = iter([("update", "job.toml")])
-    for after in (0.05, 0.15, 0.1):
-        stopped(
-            tmp_path,
-            signal.SIGKILL,
-            *next(commands, ("resume", "job.toml")),
-            after=after,
-            code=OFTEN + ANTIRES,
-        )
+    for command, after in (("update", 0.05), ("resume", 0.15), ("resume", 0.1)):
+        stopped(tmp_path, signal.SIGKILL, command, "job.toml", after=after, code=OFTEN + ANTIRES)
     (results / ".result.npz.4711.tmp").write_bytes(b"half")
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
     assert bytes_of(results / "result.npz") == whole
-    assert sorted(p.name for p in results.iterdir()) == [
-        "antiresonances.json",
-        "result.npz",
-        "run.json",
-        "summary.json",
-    ]
+    assert names_in(results) == FILES
 
 
 def test_a_time_limit_leaves_a_search_to_go_on_with(tmp_path, whole, capsys):
@@ -202,7 +177,7 @@ def test_ctrl_c_before_the_search_says_so_in_one_line(tmp_path):
 import antires_rs.app.reading as m
 identify = m.identify_antiresonances
 def announced(*args, **options):
-    open("run.json", "w").write("searching")
+    open("job_results/run.json", "w").write("searching")
     return identify(*args, **options)
 m.identify_antiresonances = announced
 from antires_rs.app.main import main""",
@@ -211,13 +186,55 @@ from antires_rs.app.main import main""",
     (tmp_path / "job.toml").write_text(
         LONG.replace('file = "measured.json"', 'file = "record.npz"\nexcitation = 0\nband_hz = [3, 130]')
     )
-    exit_code, out, err, took = stopped(
-        tmp_path,
-        signal.SIGINT,
-        "update",
-        "job.toml",
-        after=0.05,
-        code=code.replace('"run.json"', '"job_results/run.json"'),
-    )
+    exit_code, out, err, took = stopped(tmp_path, signal.SIGINT, "update", "job.toml", after=0.05, code=code)
     assert (exit_code, out, err) == (130, "", "antires: interrupted\n")
     assert took < INTERRUPT_S
+
+
+# -- A kill at any point in the life of a run; benchmarks/kill_study.py kills at random times
+
+
+@pytest.mark.parametrize(
+    ("scenario", "writing"),
+    some_of(
+        [("new", "half"), ("again", "whole"), ("fresh", "whole"), ("script", "half")], kept=[("new", "half")]
+    ),
+)
+def test_killed_before_any_change_on_the_disk(tmp_path, scenario, writing):
+    """Half: what was being written has lost its second half, as after a power cut."""
+    call = [sys.executable, "-m", "tests.support.kill_points", tmp_path, scenario, writing]
+    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["points"] >= (15 if scenario == "script" else 35)
+    assert found["wrong"] == {}
+
+
+def test_killed_before_its_first_checkpoint_a_job_begins_again_with_resume(tmp_path, capsys):
+    """Though results of an earlier job stand there, which are not what it was asked for."""
+    write_measured(tmp_path, level=0, perturbation=0.08)
+    results, job = tmp_path / "job_results", tmp_path / "job.toml"
+    job.write_text(LONG.replace("60_000", "600"))
+    assert cli.main(["update", str(job)]) == 0
+    job.write_text(LONG)
+    assert stopped(tmp_path, signal.SIGKILL, "update", "job.toml", after=0.05)[0] == -signal.SIGKILL
+    assert not (results / "search.ckpt").exists()  # it is written after two seconds
+    capsys.readouterr()
+    assert cli.main(["resume", str(job)]) == 0
+    assert capsys.readouterr().err == ""
+    assert ar.UpdateResult.load(results / "result.npz").nfev == 60_000
+
+
+def test_what_another_process_is_writing_to_the_same_file_is_left_alone(tmp_path):
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
+        lives = tmp_path / f".zeros.json.{other.pid}.tmp"
+        lives.write_text("half")
+        unrelated = tmp_path / ".zeros.json.tmp"
+        unrelated.write_text("someone's")
+        write_measured(tmp_path)
+        zeros = ar.AntiresonanceSet.load(tmp_path / "measured.json")
+        zeros.save(tmp_path / "zeros.json")
+        assert lives.exists()
+        other.communicate(b"\n")
+    zeros.save(tmp_path / "zeros.json")
+    assert names_in(tmp_path) == {".zeros.json.tmp", "measured.json", "zeros.json"}

@@ -83,17 +83,8 @@ def test_the_page_shows_what_identify_finds(files, tmp_path):
 
     for given in (files[:1], files[1]):
         found = identified(tmp_path / "found.json", *given, "--roving", "3+Y")
-        call = [
-            "look",
-            *map(str, given),
-            "--roving",
-            "3+Y",
-            "--band",
-            *BAND,
-            "--out",
-            str(tmp_path / "z.json"),
-        ]
-        view = view_of(parser().parse_args(call))
+        call = ["look", *map(str, given), "--roving", "3+Y", "--band", *BAND]
+        view = view_of(parser().parse_args([*call, "--out", str(tmp_path / "z.json")]))
         assert not view.state(0)["identified"]
         assert view.state(0)["dofs"] == list(found)
         view.do("identify", {})

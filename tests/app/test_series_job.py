@@ -8,8 +8,6 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.app import main as cli
-from antires_rs.app.job import read_job
-from antires_rs.app.keys import SECTIONS, template
 from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, record
 
@@ -93,18 +91,3 @@ def test_wrong_jobs(folder, capsys, change, said):
     job.write_text(JOB.replace(*change))
     assert cli.main(["series", str(job)]) == 2
     assert re.search(said, " ".join(capsys.readouterr().err.split()))
-
-
-def test_other_tasks_say_what_the_job_is_for(folder, capsys):
-    assert cli.main(["damage", str(folder / "job.toml")]) == 2
-    assert "antires series" in capsys.readouterr().err
-
-
-def test_the_template_is_a_valid_job_with_every_key(tmp_path, capsys):
-    assert cli.main(["init", str(tmp_path / "job.toml"), "--task", "series"]) == 0
-    text = (tmp_path / "job.toml").read_text()
-    assert text == template("series")
-    assert read_job(tmp_path / "job.toml").task == "series"
-    for section in ("data", "series", "identification", "output"):
-        for key in SECTIONS[section].keys:
-            assert f"\n{key.name} = " in text or f"\n# {key.name} =" in text, key.name

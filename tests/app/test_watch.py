@@ -12,6 +12,7 @@ from antires_rs.app.watch import Arrivals, Told
 
 pytest.importorskip("pyarrow")
 
+GIVEN = ["--excitation", "0", "--band", "5", "110"]
 MASSES, SPRINGS = [1.0, 1.1, 0.9, 1.0], [5e4, 5.5e4, 4.5e4]
 
 
@@ -36,7 +37,7 @@ def aged(path):
 def test_files_are_judged_as_they_come(tmp_path, capsys):
     folder, out = tmp_path / "records", tmp_path / "out"
     folder.mkdir()
-    command = ["watch", str(folder), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command = ["watch", str(folder), *GIVEN, "--baseline", "9"]
     command += ["--out", str(out), "--once"]
     for number in range(8):
         written(folder, number)
@@ -68,7 +69,7 @@ def test_output_in_the_folder_files_that_go_and_lines_told_once(ten_files, tmp_p
     monkeypatch.setattr(ar.Watched, "report", lambda *_: None)  # a page of another test
     for path in ten_files:
         shutil.copy2(path, tmp_path)
-    command = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command = ["watch", str(tmp_path), *GIVEN, "--baseline", "9"]
     command += ["--out", str(tmp_path / "results" / "watched"), "--once"]
     assert main(command) == 0
     said = "".join(capsys.readouterr())
@@ -96,7 +97,7 @@ def test_a_saved_assessor_tells_what_is_damaged(ten_files, tmp_path, capsys, mon
     plan = ar.Assessor(ar.MassSpringChain(MASSES, SPRINGS), baseline=before).save(
         tmp_path / "out" / "plan.npz"
     )
-    command = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9"]
+    command = ["watch", str(tmp_path), *GIVEN, "--baseline", "9"]
     command += ["--out", str(tmp_path / "out"), "--once", "--assessor"]
     assert main([*command, str(plan)]) == 0
     after = "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1]
@@ -122,17 +123,7 @@ def test_a_table_that_is_being_written_is_read_again(ten_files, tmp_path, capsys
 
     monkeypatch.setattr(Arrivals, "at_once", False)
     monkeypatch.setattr("antires_rs.app.watch.time.sleep", wait)
-    command = [
-        "watch",
-        str(folder),
-        "--excitation",
-        "0",
-        "--band",
-        "5",
-        "110",
-        "--out",
-        str(tmp_path / "out"),
-    ]
+    command = ["watch", str(folder), *GIVEN, "--out", str(tmp_path / "out")]
     assert main([*command, "--conditions", str(table)]) == 130
     assert ["read again at the next look" in said for said in looks] == [True, True, False]
     assert "2 of 50 baseline tests" in looks[2]
@@ -163,18 +154,14 @@ def test_a_file_that_grows_is_left_alone(tmp_path):
     assert not arrivals.growing
 
 
-def test_the_folder_must_be_there(tmp_path, capsys):
-    assert main(["watch", str(tmp_path / "none"), "--excitation", "0", "--band", "5", "110"]) == 2
-    assert "FOLDER" in capsys.readouterr().err
-
-
-def test_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
-    call = ["watch", str(tmp_path), "--excitation", "0", "--band", "5", "110", "--baseline", "9", "--once"]
-    call += ["--out", str(tmp_path / "out"), "--assessor"]
-    assert main([*call, str(tmp_path / "none.npz")]) == 2
-    assert "--assessor: got" in (said := capsys.readouterr().err)
-    assert "does not exist" in said
+def test_a_folder_or_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
     (tmp_path / "other.npz").write_bytes(b"no assessor")
-    assert main([*call, str(tmp_path / "other.npz")]) != 0
-    assert "--assessor: got" in capsys.readouterr().err
+    for folder, assessor, code, said in (
+        ("none", "other.npz", 2, "FOLDER: got"),
+        (".", "none.npz", 2, "--assessor: got"),
+        (".", "other.npz", 1, "--assessor: got"),
+    ):
+        call = ["watch", str(tmp_path / folder), *GIVEN, "--once", "--out", str(tmp_path / "out")]
+        assert main([*call, "--assessor", str(tmp_path / assessor)]) == code
+        assert said in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -35,10 +35,7 @@ def test_the_frame_has_the_size_of_the_papers(case):
     assert sorted(case.held_out + case.fitted) == sorted(case.responses)
     assert len(case.held_out) == 4
     assert len(case.updating_parameters()) == 21
-    assert [case.model.element_label(e) for e in (case.candidates[0], case.candidates[-1])] == [
-        "element 17",
-        "element 46",
-    ]
+    assert (case.candidates[0], case.candidates[-1]) == (17, 46)
 
 
 def test_the_pipes_form_a_tree(case):
@@ -84,12 +81,10 @@ def test_compliance_is_the_energy_of_the_opening_crack():
         stress = crack.bending_factor(theta / np.pi, radius / wall) / (np.pi * radius**2 * wall)
         return 2 * wall * radius * stress**2 * np.pi * radius * theta / modulus
 
-    found = crack.crack_compliance(share, outer_diameter_m=outer, thickness_m=wall, youngs_modulus_pa=modulus)
+    pipe = {"outer_diameter_m": outer, "thickness_m": wall, "youngs_modulus_pa": modulus}
+    found = crack.crack_compliance(share, **pipe)
     assert found == pytest.approx(2 * quad(rate, 0.0, share * np.pi)[0], rel=1e-9)
-    assert (
-        crack.crack_compliance(0.0, outer_diameter_m=outer, thickness_m=wall, youngs_modulus_pa=modulus)
-        == 0.0
-    )
+    assert crack.crack_compliance(0.0, **pipe) == 0.0
 
 
 def test_equivalent_losses_rise_level_by_level(case):
@@ -127,28 +122,14 @@ def test_the_cracked_pipe_turns_by_the_compliance_more_and_stretches_as_before(l
 def test_the_crack_lies_two_centimetres_behind_the_weld_and_off_the_coarse_nodes():
     model, levelled = crack.true_model(0), crack.true_model(1)
     assert len(model.elements) >= 3 * 47
-    weak = [
-        i
-        for i, section in enumerate(levelled.element_sections)
-        if isinstance(levelled.sections[section], ar.Section)
-    ]
-    assert len(weak) == 1
-    ends = levelled.elements[weak[0]]
+    of_beams = [levelled.sections[name] for name in levelled.element_sections]
+    (weak,) = (i for i, section in enumerate(of_beams) if isinstance(section, ar.Section))
+    ends = levelled.elements[weak]
     assert np.all(ends >= 48)  # both ends are nodes that the coarse mesh does not have
     middle = levelled.nodes_m[ends].mean(axis=0)
     behind_weld = np.linalg.norm(middle - levelled.nodes_m[30]) - crack.SOCKET_M
     assert behind_weld == pytest.approx(0.02, abs=1e-9)
     assert np.linalg.norm(middle - levelled.nodes_m[31]) > 0.03
-
-
-def test_the_crack_leaves_the_mass_alone():
-    def weight(level):
-        model = crack.true_model(level)
-        unit = np.zeros(model.n_dof)
-        unit[1::3] = 1.0
-        return unit @ (model.mass() @ unit)
-
-    assert weight(3) == pytest.approx(weight(0), rel=1e-12)
 
 
 def test_the_experiment_is_another_structure_than_the_model(case, tested):
@@ -162,14 +143,8 @@ def test_the_experiment_is_another_structure_than_the_model(case, tested):
 
 def test_no_set_of_updating_parameters_is_the_truth(case):
     truth = case.truth()
-    true = np.array(
-        [
-            *truth["thickness"].values(),
-            *truth["youngs_modulus"].values(),
-            *truth["point_mass"].values(),
-            *truth["angle"].values(),
-        ]
-    )
+    kinds = ("thickness", "youngs_modulus", "point_mass", "angle")
+    true = np.array([value for kind in kinds for value in truth[kind].values()])
     problem = case.updating_problem()
     low, high = problem.bounds.T
     assert np.all((low < true) & (true < high))
@@ -200,23 +175,12 @@ def test_responses_are_those_of_the_matrices(case, tested):
         np.testing.assert_allclose(np.real(found), direct[case.responses], rtol=1e-4)
 
 
-def test_modes_have_dampings_of_their_own_within_the_ordered_range(case):
-    truth = case.truth()
-    elastic = truth["damping_ratio"][truth["resonances_hz"] > 5.0]
-    assert 0.003 <= elastic.min() < elastic.max() <= 0.010
-
-
 def test_same_seed_same_record(case):
     one, two, other = (case.experiment(2, duration_s=4.0, rng=seed) for seed in (5, 5, 6))
     np.testing.assert_array_equal(one.responses, two.responses)
     assert not np.allclose(one.responses, other.responses)
     assert one.dofs == tuple(case.responses)
     assert one.fs_hz >= 2 * 512.0
-
-
-def test_levels_make_different_records_of_the_same_force(case):
-    sound, cracked = (case.experiment(level, duration_s=4.0, noise=0.0, rng=5) for level in (0, 3))
-    assert np.std(cracked.responses - sound.responses) > 0.1 * np.std(sound.responses)
 
 
 @pytest.mark.parametrize("element", [17, 30, 46])
@@ -252,9 +216,10 @@ def test_from_exact_values_the_update_and_the_crack_are_found(case):
     update = ar.update(baseline, rng=100, progress=False)
     assert update.table.largest_after_percent < 2.0
     problem = case.damage_problem(level=1, model=update.model)
-    severity = ar.assess_damage(
+    found = ar.assess_damage(
         update.model, problem.measured, elements=case.candidates, rng=100, progress=False
-    ).severity
+    )
+    severity = found.severity
     assert max(severity, key=severity.get) == case.cracked_element
     assert severity[case.cracked_element] == pytest.approx(case.truth(1)["equivalent_loss"], abs=0.03)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.damage.measured_modes import ModeRoots
+from antires_rs.damage.measured_modes import ModeSource
 from tests.support.wrong_chains import NOMINAL, N, chain, truth
 
 STD_HZ, STD_SHAPES = 3e-4, 3e-3
@@ -26,10 +26,14 @@ def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=
     return ar.ModalSet(freq[order], shapes[order], dofs, **told)
 
 
+def assess(stream, factors, losses=None, **options):
+    now, before = measured(chain(factors, losses), stream), measured(chain(factors), stream)
+    return ar.assess_damage(NOMINAL, now, baseline=before, **options)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_an_intact_structure_is_intact_however_wrong_the_model(seed):
-    rng, factors = truth(seed)
-    result = ar.assess_damage(NOMINAL, measured(chain(factors), rng), baseline=measured(chain(factors), rng))
+    result = assess(*truth(seed))
     assert result.damaged == []
     assert result.probability_of_damage < 0.2
     assert result.headline.startswith("No damage found")
@@ -37,11 +41,7 @@ def test_an_intact_structure_is_intact_however_wrong_the_model(seed):
 
 @pytest.mark.parametrize(("element", "loss"), [(0, 0.1), (2, 0.3), (4, 0.6)])
 def test_one_damaged_spring_is_named_and_sized(element, loss):
-    rng, factors = truth(10 + element)
-    losses = np.zeros(N - 1)
-    losses[element] = loss
-    now, before = measured(chain(factors, losses), rng), measured(chain(factors), rng)
-    result = ar.assess_damage(NOMINAL, now, baseline=before)
+    result = assess(*truth(10 + element), loss * np.eye(N - 1)[element])
     assert result.damaged == [element]
     assert result.probability[element] > 0.95
     low, high = result.interval[element]
@@ -105,12 +105,8 @@ def test_modes_that_pass_each_other_are_followed():
     model = ar.MassSpringChain([1.0, 50.0, 1.0], [1.10e4, 1.0e4], ground_first_n_per_m=0.0)
     core = ar.UpdatingProblem(
         model, ar.stiffness_reduction([0, 1]), ar.ModalSet([30.0], [[1.0, 0.2, 0.1]], [0, 1, 2])
-    )
-    from antires_rs.damage.measured_modes import ModeSource
-
-    source = ModeSource(core._core, (np.arange(3),))
-    before, after = source.roots(np.array([[0.0, 0.0], [0.2, 0.0]]), True, 1)
-    assert isinstance(after, ModeRoots)
+    )._core
+    before, after = ModeSource(core, (np.arange(3),)).roots(np.array([[0.0, 0.0], [0.2, 0.0]]), True, 1)
     turned, identity = after.since(before)
     assert identity[:: after.each].tolist() == [before.each, 0]
     # Coordinates of the change, beside the shape that it was.
@@ -118,16 +114,11 @@ def test_modes_that_pass_each_other_are_followed():
 
 
 def test_coordinates_of_shapes_move_as_their_slopes_say():
-    problem = ar.UpdatingProblem(
+    core = ar.UpdatingProblem(
         NOMINAL, ar.stiffness_reduction(range(5)), ar.ModalSet([60.0], [[1.0, 0.2, 0.1]], [4, 0, 2])
-    )
-    from antires_rs.damage.measured_modes import ModeSource
-
-    source = ModeSource(problem._core, (np.array([0, 2]), np.array([0, 1, 2])))
-    step = 1e-4
-    at = np.full(5, 0.1)
-    rows = np.array([at, *(at + step * np.eye(5))])
-    start, *moved = source.roots(rows, True, 1)
+    )._core
+    source, step, at = ModeSource(core, (np.array([0, 2]), np.array([0, 1, 2]))), 1e-4, np.full(5, 0.1)
+    start, *moved = source.roots(np.array([at, *(at + step * np.eye(5))]), True, 1)
     for p, state in enumerate(moved):
         turned, identity = state.since(start)
         assert np.array_equal(identity, np.arange(start.size))
@@ -155,17 +146,18 @@ def test_several_setups_of_sensors_each_with_its_own_shapes():
     assert abs(result.severity[1] - 0.3) < 0.03
 
 
-def test_a_saved_assessment_of_modes_is_the_same(tmp_path):
-    rng, factors = truth(60)
-    now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), rng), measured(chain(factors), rng)
-    result = ar.assess_damage(
-        NOMINAL, now, baseline=before, search=ar.SearchOptions(false_alarm_rate=0.05), rng=0
-    )
+def test_files_and_reports_of_modes(tmp_path):
+    result = assess(*truth(60), [0, 0.3, 0, 0, 0], search=ar.SearchOptions(false_alarm_rate=0.05), rng=0)
     result.save(tmp_path / "damage.npz")
     again = ar.DamageResult.load(tmp_path / "damage.npz")
     assert again.assessment == result.assessment
     assert again.problem.measured[0].std_shapes.tolist() == result.problem.measured[0].std_shapes.tolist()
     assert str(again.headline) == result.headline
+    assert "spring 1" in result.summary().lower()
+    result.report(tmp_path / "damage.html")
+    text = (tmp_path / "damage.html").read_text()
+    assert "spring 1" in text.lower()
+    assert "MAC" in text
 
 
 def test_kinds_and_sensors_that_do_not_fit_are_refused():
@@ -178,17 +170,6 @@ def test_kinds_and_sensors_that_do_not_fit_are_refused():
         ar.assess_damage(NOMINAL, modes, baseline=measured(chain(factors), rng, dofs=[0, 1]))
     with pytest.raises(ar.InvalidInputError, match="std_shapes"):
         ar.ModalSet([1.0], [[1.0, 2.0]], std_shapes=[-0.1])
-
-
-def test_a_report_tells_of_modes(tmp_path):
-    rng, factors = truth(61)
-    now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), rng), measured(chain(factors), rng)
-    result = ar.assess_damage(NOMINAL, now, baseline=before)
-    result.report(tmp_path / "damage.html")
-    text = (tmp_path / "damage.html").read_text()
-    assert "Spring 1" in text or "spring 1" in text
-    assert "MAC" in text
-    assert "spring 1" in result.summary().lower()
 
 
 def test_without_a_baseline_modes_have_probabilities_too():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage.likelihood import factors_of
 from antires_rs.damage.measured_states import measured_states, roots_at
-from antires_rs.damage.model_error import factors_of
 from antires_rs.damage.reduced_roots import ReducedRoots, Terms
 from antires_rs.models.parameters import stiffness_reduction
 
@@ -27,26 +27,16 @@ def of_springs(springs, masses):
     return ar.MatrixModel(sum(terms), np.diag(masses), stiffness_terms=terms)
 
 
-def between_walls(*, damaged=None):
-    """The same held at both ends, so that its halves are alike but for the damage."""
-    springs = np.full(N, 1e5)
+def structure(seed=None, *, damaged=None, masses=N):
+    """The model, or one with all springs and masses off by some percent; N - 1 masses: held at both ends."""
+    off_springs, off_masses = np.zeros(N), np.zeros(masses)
+    if seed is not None:
+        rng = np.random.default_rng(seed)
+        off_springs, off_masses = 0.02 * rng.standard_normal(N), 0.01 * rng.standard_normal(masses)
+    springs = 1e5 * (1.0 + off_springs)
     if damaged is not None:
         springs[np.array_split(np.arange(N), GROUPS)[damaged]] *= 0.6
-    return of_springs(springs, np.full(N - 1, 1.0))
-
-
-def nominal():
-    return of_springs(np.full(N, 1e5), np.full(N, 1.0))
-
-
-def structure(seed, *, damaged=None):
-    """Another structure than the model: every spring and every mass is off by some percent."""
-    rng = np.random.default_rng(seed)
-    springs = 1e5 * (1.0 + 0.02 * rng.standard_normal(N))
-    masses = 1.0 + 0.01 * rng.standard_normal(N)
-    if damaged is not None:
-        springs[np.array_split(np.arange(N), GROUPS)[damaged]] *= 0.6
-    return of_springs(springs, masses)
+    return of_springs(springs, 1.0 + off_masses)
 
 
 def measured(model, seed, sensors=SENSORS, force=FORCE):
@@ -60,7 +50,7 @@ def measured(model, seed, sensors=SENSORS, force=FORCE):
 @pytest.fixture(scope="module")
 def sources():
     """The core's roots and those of reduced models; how many elements and factors."""
-    model = nominal()
+    model = structure()
     found = measured(structure(3), 3)
     responses, _, _ = measured_states(model, (found,), (found,))
     elements, factors = list(range(GROUPS)), factors_of(model)
@@ -99,8 +89,8 @@ def test_a_settled_point_has_the_roots_of_the_full_model(sources):
     x = at({3: 0.4})
     assert reduced.settle(x) <= 1e-6
     low, high = np.log(terms.measured_hz)
-    exact = roots_at(full, x[None], slopes=False, threads=1)[0]
-    one, other = (each.only(each.between(low, high)) for each in (reduced.roots(x[None], False, 1)[0], exact))
+    both = reduced.roots(x[None], False, 1)[0], roots_at(full, x[None], slopes=False, threads=1)[0]
+    one, other = (each.only(each.between(low, high)) for each in both)
     assert np.abs(one.log_f - other.log_f).max() <= 1e-6
     assert reduced.expected < 1e-4
 
@@ -110,7 +100,7 @@ def test_the_answer_is_that_of_the_full_model(seed, hit):
     before, now = measured(structure(seed), seed), measured(structure(seed, damaged=hit), seed + 100)
     reduced, full = (
         ar.assess_damage(
-            nominal(), now, baseline=before, search=ar.SearchOptions(reduction=how), progress=False
+            structure(), now, baseline=before, search=ar.SearchOptions(reduction=how), progress=False
         )
         for how in (True, False)
     )
@@ -130,10 +120,11 @@ def test_groups_that_cannot_be_told_apart_are_both_named():
     """Force and sensor in the middle: each group and its mirror images are one to them."""
     middle = (N - 1) // 2
     before, now = (
-        measured(between_walls(damaged=hit), seed, [middle], middle) for hit, seed in ((None, 21), (3, 22))
+        measured(structure(damaged=hit, masses=N - 1), seed, [middle], middle)
+        for hit, seed in ((None, 21), (3, 22))
     )
     found = ar.assess_damage(
-        between_walls(), now, baseline=before, search=ar.SearchOptions(reduction=True), progress=False
+        structure(masses=N - 1), now, baseline=before, search=ar.SearchOptions(reduction=True), progress=False
     )
     alike = {one.elements: one for one in found.hypotheses[:4]}
     twins = alike[3,], alike[GROUPS - 1 - 3,]
@@ -143,18 +134,8 @@ def test_groups_that_cannot_be_told_apart_are_both_named():
     assert found.reduction.agreed
 
 
-def test_small_models_are_not_reduced_unless_asked_to():
-    model = nominal()
-    before, now = measured(structure(5), 5), measured(structure(5, damaged=2), 6)
-    with pytest.raises(ar.InvalidInputError, match="reduction"):
-        ar.assess_damage(model, now, baseline=before, search=ar.SearchOptions(reduction="always"))
-    with pytest.raises(ar.InvalidInputError, match="only together with a baseline"):
-        ar.assess_damage(model, now, search=ar.SearchOptions(reduction=True))
-
-
 def test_factors_that_may_not_change_are_found_among_many():
-    springs = np.full(N, 1e5)
-    model = of_springs(springs, np.ones(N))
+    model = structure()
     whole = model.stiffness()
     dense = [part.sparse(N).toarray() for part in model.description.recipe.stiffness_terms]
     dense[5] = 10.0 * dense[5]  # a tenth of it is in the matrix: without most of it nothing holds together

@@ -1,4 +1,5 @@
-"""Severity intervals against a baseline: the quick ones are those of the assessment, the sure ones exact."""
+"""Severity intervals and profiles against a baseline: the quick ones are those of the assessment, the sure
+ones exact."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from scipy.integrate import quad
 from scipy.stats import kstest
 
 import antires_rs as ar
-from antires_rs.damage import question
+from antires_rs.damage import likelihood as likelihoods
 from antires_rs.damage.evidence import HIGHEST, refitted
 from antires_rs.damage.severity_intervals import sampled
 from tests.support.campaign import some_of
@@ -20,6 +21,20 @@ from tests.support.wrong_chains import N, assessed
 @pytest.fixture(scope="module")
 def one():
     return assessed(40, [0, 0.3, 0, 0, 0])
+
+
+@pytest.fixture(scope="module")
+def two():
+    return assessed(40, [0, 0.3, 0, 0.2, 0])
+
+
+def logs_of(result, rows):
+    """Log-likelihood of an assessment at rows of severities by element."""
+    likelihood = result._question.prepared(1).likelihood
+    betas = np.zeros((len(rows), likelihood.n))
+    for beta, row in zip(betas, rows, strict=True):
+        beta[list(row)] = list(row.values())
+    return np.array([view.log_likelihood for view in likelihood.views(betas)])
 
 
 def test_quick_intervals_are_those_of_the_assessment(one):
@@ -42,29 +57,23 @@ def test_what_the_baseline_taught_is_kept(one, monkeypatch):
     def again(*_):
         raise AssertionError("the baseline is learned again")
 
-    monkeypatch.setattr(question, "learned", again)
+    monkeypatch.setattr(likelihoods, "learned", again)
     same = one.intervals(method="ensemble", draws=60, rng=1)
     np.testing.assert_array_equal(same.draws, kept.draws)
-    other = replace(
-        one._question, options=ar.SearchOptions(std_common=1e-3)
-    )  # another question has to ask for itself
+    # Another question has to ask for itself.
     with pytest.raises(AssertionError, match="learned again"):
-        other.prepared(1)
+        replace(one._question, options=ar.SearchOptions(std_common=1e-3)).prepared(1)
 
 
 def test_the_sampler_is_exact_against_quadrature(one):
     """Evidence and distribution of one severity, from the likelihood on a fine grid."""
-    prepared = one._question.prepared(1)
-    likelihood = prepared.likelihood
+    likelihood = one._question.prepared(1).likelihood
     beta = np.zeros((1, likelihood.n))
     beta[0, 1] = one.severity[1]
-    fit = refitted(likelihood.views(beta)[0], (1,))
-    found = sampled(likelihood, fit, 400, np.random.default_rng(0))
+    found = sampled(likelihood, refitted(likelihood.views(beta)[0], (1,)), 400, np.random.default_rng(0))
     low, high = one.interval[1]
     grid = np.linspace(2.5 * low - 1.5 * high, 2.5 * high - 1.5 * low, 161)
-    rows = np.zeros((grid.size, likelihood.n))
-    rows[:, 1] = grid
-    log_p = np.array([view.log_likelihood for view in likelihood.views(rows)])
+    log_p = logs_of(one, [{1: b} for b in grid])
     exact, _ = quad(
         lambda b: np.exp(np.interp(b, grid, log_p) - log_p.max()) / HIGHEST, grid[0], grid[-1], limit=400
     )
@@ -99,20 +108,17 @@ def test_same_bits_for_any_number_of_workers_and_others_for_another_seed(one):
 
 def test_the_mixture_holds_every_near_set():
     """Two springs, one with so little damage that it may be none."""
-    result = assessed(44, [0, 0.3, 0, 0.002, 0])
-    sure = result.intervals("ensemble", draws=400)
+    sure = assessed(44, [0, 0.3, 0, 0.002, 0]).intervals("ensemble", draws=400)
     assert len(sure.sets) > 1
     drawn = {tuple(np.flatnonzero(row).tolist()) for row in sure.mixture}
-    assert drawn <= {one.elements for one in sure.sets} | {()}
-    for one in sure.sets:
-        others = [e for e in range(N - 1) if e not in one.elements]
-        own = sure.mixture[:, list(one.elements)].all(axis=1) & ~sure.mixture[:, others].any(axis=1)
-        assert abs(own.mean() - one.confirmed) < 0.1
+    assert drawn <= {each.elements for each in sure.sets} | {()}
+    for each in sure.sets:
+        own = (sure.mixture > 0.0) == np.isin(np.arange(N - 1), each.elements)
+        assert abs(own.all(axis=1).mean() - each.confirmed) < 0.1
 
 
 def test_nothing_declared_is_nothing():
-    result = assessed(42, np.zeros(N - 1))
-    sure = result.intervals("ensemble", draws=50)
+    sure = assessed(42, np.zeros(N - 1)).intervals("ensemble", draws=50)
     assert set(sure.words) == {"not damaged"}
     assert not sure.draws.any()
     assert not sure.high.any()
@@ -123,21 +129,45 @@ def test_ranks_of_true_severities_are_uniform(tests):
     """The error of the model counts: without it ranks would gather at both ends."""
     ranks = []
     for seed in range(tests):
-        rng = np.random.default_rng(3000 + seed)
-        element, loss = seed % 5, rng.uniform(0.05, 0.9)
-        losses = np.zeros(N - 1)
-        losses[element] = loss
-        result = assessed(3000 + seed, losses)
+        element, loss = seed % 5, np.random.default_rng(3000 + seed).uniform(0.05, 0.9)
+        result = assessed(3000 + seed, loss * np.eye(N - 1)[element])
         sure = result.intervals("ensemble", draws=200, rng=seed)
         assert result.damaged == [element]
         ranks.append(np.mean(sure.draws[:, element] < loss))
     assert kstest(ranks, "uniform").pvalue > 0.01
 
 
-def test_wrong_arguments_are_refused(one):
-    with pytest.raises(ar.InvalidInputError, match="method"):
-        one.intervals("sure")
-    with pytest.raises(ar.InvalidInputError, match="draws"):
-        one.intervals(draws=10)
-    with pytest.raises(ar.InvalidInputError, match="element"):
-        one.intervals()[17]
+def test_a_profile_agrees_with_the_interval_where_the_likelihood_is_a_parabola(two):
+    assert two.damaged == [1, 3]
+    for e in (1, 3):
+        found = two.profile(two.problem.names[e])
+        low, high = two.interval[e]
+        assert found.kind == "two-sided"
+        assert np.allclose([found.low, found.high], [low, high], atol=0.1 * (high - low))
+        inside = found.rise <= found.threshold
+        assert found.low <= found.values[inside].min() <= found.values[inside].max() <= found.high
+        assert found.rise.min() < 0.1
+        assert (found.values[0], found.values[-1]) == (0.0, pytest.approx(0.99))
+
+
+def test_a_profile_fits_the_others_again(two):
+    """Held where it is not, the other severity gives way: the rise is below that with the other as it was."""
+    found = two.profile(two.problem.names[1])
+    at = int(np.argmin(np.abs(found.values - found.high)))
+    best, alone = logs_of(two, [{3: two.severity[3], 1: b} for b in (two.severity[1], found.values[at])])
+    assert found.rise[at] < 2.0 * (best - alone) + 0.05
+
+
+@pytest.mark.parametrize(
+    ("wrong", "asked"),
+    [
+        ("method", lambda one: one.intervals("sure")),
+        ("draws", lambda one: one.intervals(draws=10)),
+        ("element", lambda one: one.intervals()[17]),
+        ("element declared damaged", lambda one: one.profile(one.problem.names[0])),
+        ("a severity of the result", lambda one: one.profile("nothing")),
+    ],
+)
+def test_wrong_arguments_are_refused(one, wrong, asked):
+    with pytest.raises(ar.InvalidInputError, match=wrong):
+        asked(one)

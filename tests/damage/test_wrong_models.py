@@ -11,6 +11,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.updating.model_check import unit_hint
 from reference.wrong_models import JUDGED_ON, MISTAKES, ONLY_FRAMES
+from tests.support.wrong_chains import changed
 
 SAID = "The model does not explain the measurement"
 CHAIN, FRAME = JUDGED_ON
@@ -83,23 +84,14 @@ def test_a_right_model_keeps_its_headline(structure, seed, loss):
 
 
 def test_a_fifth_of_the_values_not_identified_and_a_tenth_false():
-    before, now = CHAIN.states(5, 0.05)
+    def spoiled(each, dof):
+        found = [f for i, f in enumerate(each[dof]) if (i + dof) % 5]
+        return sorted(found + [61.0] * (dof in (2, 7)))
 
-    def spoiled(sets):
-        return [
-            ar.AntiresonanceSet(
-                each.excitation,
-                {
-                    dof: sorted(
-                        [f for i, f in enumerate(each[dof]) if (i + dof) % 5] + [61.0] * (dof in (2, 7))
-                    )
-                    for dof in each
-                },
-            )
-            for each in sets
-        ]
-
-    before, now = spoiled(before), spoiled(now)
+    before, now = (
+        [ar.AntiresonanceSet(each.excitation, {dof: spoiled(each, dof) for dof in each}) for each in sets]
+        for sets in CHAIN.states(5, 0.05)
+    )
     for options in ({"baseline": before}, {"rng": 0}):
         assert SAID not in headline(CHAIN.build(), now, **options)
 
@@ -134,31 +126,20 @@ def test_modes_in_rad_per_s():
     assert "rad/s" in unit_hint(CHAIN.build(), {None: wrong.freq_hz})
 
 
-def test_no_hint_where_nothing_is_constant():
+def test_no_hint_where_nothing_is_constant_or_near_one():
     model, _, now = given(CHAIN, "dofs reversed")
     measured = {(dof, each.excitation): each[dof] for each in now for dof in each if len(each[dof])}
     assert unit_hint(model, measured) == ""
-
-
-def test_no_hint_at_a_ratio_near_one():
     freq = CHAIN.build().modes().freq_hz
     assert "times those of the model" in unit_hint(CHAIN.build(), {None: 1.25 * freq})
-    for ratio in (0.93, 1.0, 1.08):
-        assert unit_hint(CHAIN.build(), {None: ratio * freq}) == ""
+    assert [unit_hint(CHAIN.build(), {None: ratio * freq}) for ratio in (0.93, 1.0, 1.08)] == [""] * 3
 
 
 @pytest.mark.parametrize(("factor", "named"), [(1e-3, "kHz"), (6.283185307, "rad/s"), (2.0, "sampling rate")])
 @pytest.mark.parametrize("structure", JUDGED_ON, ids=lambda each: each.name)
 def test_a_mistake_with_the_values_of_now_alone(structure, factor, named):
     before, now = structure.states(4, 0.03)
-    wrong = [
-        ar.AntiresonanceSet(
-            each.excitation,
-            {dof: factor * each[dof] for dof in each},
-            std_hz={dof: factor * each.std_hz[dof] for dof in each},
-        )
-        for each in now
-    ]
+    wrong = changed(now, factor, std=factor)
     model = structure.build()
     full = headline(model, wrong, baseline=before)
     for said in (full, ar.Assessor(model, baseline=before, workers=1).assess(wrong).headline):
@@ -179,19 +160,12 @@ def test_a_support_that_the_model_does_not_have(seed):
         sections = [ar.Tube(0.06, 0.004, 2.1e11 * f, 7850.0) for f in np.broadcast_to(factor, 8)]
         return ar.FrameModel(np.array(places), lines, sections, fixed=fixed)
 
-    rng = np.random.default_rng(seed)
+    rng, dofs = np.random.default_rng(seed), [1, 3, 6, 7, 9, 10, 13, 16, 18]
     truth = build([0, 8], 1.0 + 0.03 * rng.uniform(-1.0, 1.0, 8))
+    exact = truth.antiresonances(dofs, 7, f_max_hz=500.0)
     before, now = (
         ar.AntiresonanceSet(
-            7,
-            {
-                d: f * (1.0 + 3e-4 * rng.standard_normal(f.size))
-                for d, f in zip(
-                    (1, 3, 6, 7, 9, 10, 13, 16, 18),
-                    truth.antiresonances([1, 3, 6, 7, 9, 10, 13, 16, 18], 7, f_max_hz=500.0),
-                    strict=True,
-                )
-            },
+            7, {d: f * (1.0 + 3e-4 * rng.standard_normal(f.size)) for d, f in zip(dofs, exact, strict=True)}
         )
         for _ in range(2)
     )

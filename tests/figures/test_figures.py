@@ -11,8 +11,10 @@ from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="figures to be explored need bokeh")
 
-from antires_rs.figures.live_canvas import below, columns, hover, item, paper, parts, script_files
-from antires_rs.figures.live_identification import LOOKS, curve_of, evidence_figure, mark_columns
+from antires_rs.figures.identification import LOOKS
+from antires_rs.figures.live_canvas import columns, explored, item, parts, script_files
+from antires_rs.figures.live_identification import curve_of, evidence_figure, mark_columns
+from antires_rs.figures.marks import Axis, Bars, Panel
 
 
 @pytest.fixture(scope="module")
@@ -39,10 +41,10 @@ def test_a_figure_shows_the_poles_and_the_values_of_its_response(identified, rec
         if type(each.glyph).__name__ == "Scatter"
     }  # fmt: skip
     stable = np.concatenate(diagram.stable)
-    np.testing.assert_allclose(drawn["circle"]["freq"], np.concatenate(diagram.freq_hz)[stable], rtol=1e-6)
-    assert drawn["x"]["freq"].size == np.count_nonzero(~stable)
+    np.testing.assert_allclose(drawn["circle"]["x"], np.concatenate(diagram.freq_hz)[stable], rtol=1e-6)
+    assert drawn["x"]["x"].size == np.count_nonzero(~stable)
     np.testing.assert_allclose(
-        source_of(shown["stabilization"], "accepted").data["freq"], identified[1], rtol=1e-6
+        source_of(shown["stabilization"], "accepted").data["x"], identified[1], rtol=1e-6
     )
 
 
@@ -50,9 +52,9 @@ def test_marks_tell_what_was_dropped_and_added(identified):
     value = float(identified[1][0])
     edited = identified.drop(1, value).add(1, 1.1 * value)
     marks = mark_columns(edited, 1, BAND)
-    assert marks["dropped by hand"]["freq"] == [value]
-    assert marks["added by hand"]["freq"] == [1.1 * value]
-    assert marks["accepted"]["freq"] == identified[1][1:].tolist()
+    assert marks["dropped by hand"]["x"] == [value]
+    assert marks["added by hand"]["x"] == [1.1 * value]
+    assert marks["accepted"]["x"] == identified[1][1:].tolist()
     looks = [(str(dash), colour) for colour, dash in LOOKS.values()]
     assert len({dash for dash, _ in looks}) == len(looks)  # told apart in grey
 
@@ -81,10 +83,8 @@ def test_numbers_are_slim_and_axes_have_units(identified):
     table = columns(a=np.arange(3.0), b=["x", "y", "z"])
     assert table.data["a"].dtype == np.float32
     assert table.data["b"] == ["x", "y", "z"]
-    fig = paper("Element (-)", "Loss (%)")
-    bars = fig.vbar(x="a", top="a", source=table, legend_label="loss")
-    hover(fig, [bars], {"Loss": "@a %"})
-    below(fig)
+    bars = Bars(np.arange(3), [1.0, 2.0, 3.0], label="loss", says={"Loss": "@y %"})
+    fig = explored(Panel("losses", Axis("Element (-)"), Axis("Loss (%)"), [bars]))
     text = json.dumps(item(fig))
     assert "Loss (%)" in text
     assert "http" not in text

@@ -1,5 +1,7 @@
 """The page as a person uses it: real clicks in a real browser, and what the set is after each."""
 
+from contextlib import contextmanager
+
 import numpy as np
 import pytest
 
@@ -9,30 +11,18 @@ from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
-from antires_rs.figures.page import ResultView, Table
-from antires_rs.figures.page_server import Page
+from antires_rs.figures.identification import pole_table
+from antires_rs.figures.page import Page, ResultView, Table
 from antires_rs.figures.page_session import Session, SetView
+
+#: How much of a box has to be scrolled to sideways.
+INNER = "(s => s.scrollWidth - s.clientWidth)"
 
 
 @pytest.fixture(scope="module")
 def chromium():
     with browser() as started:
         yield started
-
-
-@pytest.fixture
-def session(identified, record, tmp_path):
-    return Session(
-        identified, record, band_hz=BAND, options={"max_order": 30}, save_to=tmp_path / "zeros.json"
-    )
-
-
-@pytest.fixture
-def served(session):
-    page = Page(SetView(session, "four masses"), ends_with_page=False)
-    page.start()
-    yield page
-    page.stop()
 
 
 @pytest.fixture
@@ -144,8 +134,6 @@ def test_pick_drop_undo_band_save_and_reload(shown, session, identified, tmp_pat
 
 def lone_pole(diagram, taken):
     """Order and frequency of a pole far from all values and other poles."""
-    from antires_rs.figures.identification import pole_table
-
     order, freq, _, _ = pole_table(diagram)
     for at in np.argsort(order):
         near = np.abs(freq - freq[at]) < 0.12
@@ -195,50 +183,41 @@ def test_a_dip_of_the_curve_is_added(shown, session, identified):
     assert len(session.zeros[0]) == len(identified[0]) - 1
 
 
-def test_at_500_pixels_nothing_overlaps(chromium, served):
-    page = chromium.new_page(viewport={"width": 500, "height": 900})
+@contextmanager
+def page_of(chromium, view, width=1400):
+    served = Page(view, ends_with_page=False)
+    served.start()
+    page = chromium.new_page(viewport={"width": width, "height": 900})
     page.goto(served.url)
-    drawn(page)
-    assert page.evaluate("document.documentElement.scrollWidth") <= 500
+    yield page
     page.close()
+    served.stop()
 
 
-def test_with_long_names_nothing_is_wider_than_the_window(chromium, record):
+@pytest.mark.parametrize("width", [1400, 500])
+def test_with_long_names_nothing_is_wider_than_the_window(chromium, record, width):
     names = [f"Fahrzeug vorne links Querlenker Achse {i:02d} Beschleunigung +Z [m/s^2]" for i in range(4)]
     named = ar.Recording(record.responses, record.fs_hz, dofs=names)
     zeros = ar.identify_antiresonances(named, excitation=names[0], band_hz=BAND, max_order=30)
-    served = Page(SetView(Session(zeros, named), "long"), ends_with_page=False)
-    served.start()
-    for width in (1400, 500):
-        page = chromium.new_page(viewport={"width": width, "height": 900})
-        page.goto(served.url)
+    with page_of(chromium, SetView(Session(zeros, named), "long"), width) as page:
         drawn(page)
         page.wait_for_timeout(500)  # for the figures to take their place
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        inner = "(s => s.scrollWidth - s.clientWidth)(document.querySelector('#values').parentElement)"
-        assert page.evaluate(inner) == 0
-        page.close()
-    served.stop()
+        assert page.evaluate(f"{INNER}(document.querySelector('#values').parentElement)") == 0
 
 
 def test_tables_of_a_result_with_long_names_fit(chromium):
     name = "Fahrzeug vorne links Querlenker Achse 7 Beschleunigung +Z [m/s^2]"
     head = ("Response", "Force", "Measured, Hz", "Before, Hz", "Difference, %", "After, Hz", "Difference, %")
-    numbers = ["1354.211", "1495.920", "+10.46", "1354.213", "0.00"]
-    view = ResultView("long", ["Found."], [], [Table("Antiresonances", head, [[name, name, *numbers]] * 3)])
-    served = Page(view, ends_with_page=False)
-    served.start()
-    page = chromium.new_page(viewport={"width": 1400, "height": 900})
-    page.goto(served.url)
-    page.wait_for_selector("#tables td")
-    assert (
-        page.evaluate("(s => s.scrollWidth - s.clientWidth)(document.querySelector('#tables .scroll'))") == 0
-    )
-    page.close()
-    served.stop()
+    row = [name, name, "1354.211", "1495.920", "+10.46", "1354.213", "0.00"]
+    with page_of(
+        chromium, ResultView("long", ["Found."], [], [Table("Antiresonances", head, [row] * 3)])
+    ) as page:
+        page.wait_for_selector("#tables td")
+        assert page.evaluate(f"{INNER}(document.querySelector('#tables .scroll'))") == 0
 
 
-def test_a_reason_is_that_of_one_edit(shown, session):
+def test_a_reason_is_that_of_one_edit_and_what_is_being_typed_stays(shown, session):
     page = shown
     page.fill("#reason", "clear in the phase")
     click_on(page, "coherence", 0.5 * sum(session.zeros[0][:2]))  # hits nothing: the reason stays
@@ -250,14 +229,6 @@ def test_a_reason_is_that_of_one_edit(shown, session):
         said(page, f"added {freq}")
         assert page.input_value("#reason") == ""
     assert [edit.reason for edit in session.zeros.edits] == ["clear in the phase", ""]
-
-
-def test_what_is_being_typed_stays(shown, session):
-    page = shown
-    for freq in ("3.21", "4.32"):
-        page.fill("#value", freq)
-        page.press("#value", "Enter")
-        said(page, f"added {freq}")
     reasons = page.locator("#edits input")
     reasons.nth(0).fill("first")
     reasons.nth(1).click()  # the first is told meanwhile
@@ -297,7 +268,7 @@ def test_another_response_is_shown_while_an_answer_is_on_its_way(shown, session)
     said(page, "identified")
     assert (page.input_value("#response"), page.evaluate("state.dof")) == ("2", 2)
     marks = page.evaluate(
-        "[...figures.roots[0].model.references()].find(one => one.name === 'accepted').data.freq"
+        "[...figures.roots[0].model.references()].find(one => one.name === 'accepted').data.x"
     )
     assert np.asarray(list(marks.values() if isinstance(marks, dict) else marks)) == pytest.approx(
         session.zeros[2].tolist(), rel=1e-5
@@ -322,15 +293,8 @@ def test_a_file_that_is_there_is_replaced_after_a_question(shown, session, ident
     assert ar.AntiresonanceSet.load(session.file.path) == session.zeros
 
 
-def test_a_page_without_the_token_is_refused(chromium, served):
-    page = chromium.new_page()
-    answer = page.goto(served.url.partition("?")[0])
-    assert answer.status == 403
-    page.close()
-
-
 def test_the_server_ends_with_its_page(chromium, session, monkeypatch):
-    monkeypatch.setattr("antires_rs.figures.page_server.GRACE_S", 1.0)
+    monkeypatch.setattr("antires_rs.figures.page.GRACE_S", 1.0)
     page = Page(SetView(session, "four masses"), ends_with_page=True)
     page.start()
     shown = chromium.new_page()

@@ -12,12 +12,8 @@ from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
-from antires_rs.figures.page_session import TAKEN, Click, Session, SessionFile, picked
-
-
-@pytest.fixture
-def session(identified, record):
-    return Session(identified, record, band_hz=BAND, options={"max_order": 30})
+from antires_rs.figures.identification import pole_table
+from antires_rs.figures.page_session import TAKEN, Click, Session, picked
 
 
 def test_undo_and_redo_go_through_all_that_was_done(session, identified):
@@ -32,14 +28,14 @@ def test_undo_and_redo_go_through_all_that_was_done(session, identified):
         session.undo()
         assert session.zeros == zeros
         assert session.zeros.edits == zeros.edits
-    assert not session.can_undo
+    assert not session.past
     assert session.undo() == "nothing to be undone"
     for zeros in seen[1:]:
         session.redo()
         assert session.zeros.edits == zeros.edits
     session.undo()
     session.add(1, 3.3)
-    assert not session.can_redo
+    assert not session.future
 
 
 def test_no_edit_is_lost_by_a_change_of_band(session, identified):
@@ -57,7 +53,11 @@ def test_no_edit_is_lost_by_a_change_of_band(session, identified):
     assert np.abs(session.zeros[0] - low).min() > 0.01 * low
 
 
-def test_what_is_identified_later_is_not_added_twice():
+def test_what_is_identified_later_is_not_added_twice(identified):
+    value = float(identified[1][0])
+    edited = identified.drop(1, value, reason="a").add(1, value + 0.001, std_hz=0.1, reason="b")
+    again, waits = replayed(identified, asked_of(edited))
+    assert (again, again.edits, waits) == (edited, edited.edits, [None, None])
     narrow = ar.AntiresonanceSet(0, {0: [8.7]})
     asked = asked_of(narrow.add(0, 23.9, reason="seen by eye"))
     wide, waits = replayed(ar.AntiresonanceSet(0, {0: [8.7, 23.91]}), asked)
@@ -70,15 +70,6 @@ def test_what_is_identified_later_is_not_added_twice():
     assert waits == [None]
     _, waits = replayed(ar.AntiresonanceSet(0, {1: [8.7]}), asked)
     assert waits == ["this response is not there now"]
-
-
-def test_replaying_on_the_same_set_gives_the_same_set(identified):
-    value = float(identified[1][0])
-    edited = identified.drop(1, value, reason="a").add(1, value + 0.001, std_hz=0.1, reason="b")
-    again, waits = replayed(identified, asked_of(edited))
-    assert again == edited
-    assert again.edits == edited.edits
-    assert waits == [None, None]
 
 
 def test_taking_back_leaves_the_other_edits(session, identified):
@@ -105,7 +96,7 @@ def test_the_first_identification_makes_the_set(record, identified):
     assert session.now.waits == ("not identified yet",)
     session.identify()
     assert session.zeros[0].tolist() == pytest.approx(identified[0][1:].tolist())
-    assert not session.can_undo
+    assert not session.past
 
 
 def test_a_set_alone_can_be_edited(identified, tmp_path):
@@ -137,8 +128,6 @@ def test_a_click_means_what_is_nearest(identified, record, session):
     assert picked(identified, 0, clicked("stabilization", value + 0.05)).action == "drop"
     assert picked(identified.drop(0, value), 0, clicked("curve", value)).action == "restore"
     assert picked(identified, 0, clicked("coherence", 0.5 * (value + identified[0][0]))) is None
-    from antires_rs.figures.identification import pole_table
-
     order, freq, damping, _ = pole_table(identified.diagrams[0])
     far = np.abs(freq[:, None] - identified[0]).min(axis=1) > 0.2
     at = int(np.flatnonzero(far)[0])
@@ -171,15 +160,12 @@ def test_what_fits_saw_and_did_not_accept_can_be_added(record):
     assert (pick.action, pick.freq_hz, pick.std_hz) == ("add", table.freq_hz[0], table.std_hz[0])
 
 
-def test_of_two_values_close_together_the_one_that_was_meant_is_brought_back():
+def test_of_two_values_close_together_the_one_that_was_meant_is_found():
     session = Session(ar.AntiresonanceSet(0, {0: [50.0, 100.0, 100.5]}))
     session.drop(0, 100.0)
     session.drop(0, 100.5)
     assert "100.50" in session.restore(0, 100.5)
     assert session.zeros[0].tolist() == [50.0, 100.5]
-
-
-def test_a_dropped_value_that_is_not_found_again_leaves_its_neighbour():
     both = ar.AntiresonanceSet(0, {0: [100.0, 100.5]})
     alone = ar.AntiresonanceSet(0, {0: [100.5]})
     made, waits = replayed(alone, asked_of(both.drop(0, 100.0)))
@@ -190,7 +176,6 @@ def test_a_dropped_value_that_is_not_found_again_leaves_its_neighbour():
 
 def test_edits_that_wait_are_in_the_file(session, identified, tmp_path):
     value = float(identified[0][-1])
-    session.file = SessionFile(tmp_path / "zeros.json")
     session.drop(0, value, "hum")
     session.identify((1.0, 0.9 * value))
     assert session.now.waits == ("no value there now",)
@@ -213,8 +198,7 @@ def test_edits_that_wait_are_in_the_file(session, identified, tmp_path):
         asked_in(tmp_path / "zeros.json")
 
 
-def test_another_band_after_saving_is_not_saved(session, tmp_path):
-    session.file = SessionFile(tmp_path / "zeros.json")
+def test_another_band_after_saving_is_not_saved(session):
     assert not session.unsaved
     session.save()
     session.identify((1.0, 6.0))

@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
 from reference.io_signals import differences
+from reference.mutant_kinds import KINDS, mutant, outcome
 from reference.truncation import FORMATS
 from tests.support.campaign import examples
 from tests.support.mutations import any_bytes, mutated
@@ -125,3 +126,20 @@ def test_what_was_written_is_read(tmp_path, write, read, ending, record):
         assert refused.startswith("dofs: ")
         return
     assert differences(record, read(path))["responses"] == 0.0
+
+
+#: Formats that need no child process; benchmarks/mutant_files.py reads many more, of every kind.
+CHILDREN = ("hdf5", "mat", "tdms", "wav", "excel", "parquet", "miniseed")
+QUICK = [kind for kind in KINDS if not kind.startswith(CHILDREN)]
+
+
+@pytest.mark.parametrize("kind", QUICK)
+def test_mutants(tmp_path, kind):
+    if kind.startswith("uff"):
+        pytest.importorskip("pyuff")
+    whole = KINDS[kind].make(tmp_path)
+    assert outcome(kind, whole) == ("read", "")
+    good, path = whole.read_bytes(), tmp_path / f"mutant{KINDS[kind].ending}"
+    for number in range(12):
+        path.write_bytes(mutant(good, np.random.default_rng([7, number])))
+        assert outcome(kind, path)[0] in ("read", "ours"), (number, outcome(kind, path))

@@ -57,12 +57,8 @@ def test_roles_are_named(tmp_path, save, read):
     np.testing.assert_array_equal(rec.force, F)
     with pytest.warns(ar.AntiresWarning, match="states 250 Hz; read at 100 Hz"):
         assert read(path, responses=["acc2"], fs_hz=100.0).fs_hz == 100.0
-    with pytest.raises(ar.InvalidInputError, match="^responses: got 'vel'; wanted arrays of .*acc1 "):
-        read(path, responses="vel")
     with pytest.raises(ar.InvalidInputError, match="^time: got 'uhr'; wanted a numeric array of"):
         read(path, time="uhr")
-    with pytest.raises(ar.InvalidInputError, match="^force: got 'hammer'; wanted 'auto', None or an array"):
-        read(path, force="hammer")
 
 
 @every_bag
@@ -83,20 +79,6 @@ def test_responses_over_frequency(tmp_path, save, read):
     assert read(path, dofs=[None, 7]).dofs == (7,)
     ones = save(tmp_path / "b", f=TIME, T=np.array([H, np.ones(N)]))
     assert read(ones, kind="transmissibility", dofs=[0, 1], reference=1).reference == 1
-    with pytest.raises(ar.UnsuitableDataError, match="is real; wanted complex FRFs.*lost the phase"):
-        read(save(tmp_path / "c", f=TIME, H=A))
-
-
-@every_bag
-def test_what_is_not_clear_is_asked(tmp_path, save, read):
-    with pytest.raises(ar.UnsuitableDataError, match="without a sampling rate or a time .*Name time= or"):
-        read(save(tmp_path / "a", acc=A))
-    with pytest.raises(ar.UnsuitableDataError, match="both 't' and 'freq'"):
-        read(save(tmp_path / "b", t=TIME, freq=TIME, acc=A))
-    late = TIME.copy()
-    late[100:] += 0.004
-    with pytest.raises(ar.UnsuitableDataError, match="such gaps"):
-        read(save(tmp_path / "c", t=late, acc=A))
 
 
 @pytest.mark.parametrize("version", ["5", "4"])
@@ -171,37 +153,16 @@ def cells_73(path):
 def test_cells_and_struct_arrays_of_version_73(tmp_path):
     path = cells_73(tmp_path / "a.mat")
     arrays = ar.io.mat_arrays(path)
-    expected = {
-        "runs[0].t": TIME,
-        "runs[1].t": TIME,
-        "runs[0].a": A,
-        "runs[1].a": B,
-        "channels[0]": A,
-        "channels[1]": B,
-        "channels[2].x": A,
-        "channels[2].deep[0]": B,
-        "channels[3][0]": A,
-    }
+    expected = {"runs[0].t": TIME, "runs[1].t": TIME, "runs[0].a": A, "runs[1].a": B, "channels[0]": A}
+    expected |= {"channels[1]": B, "channels[2].x": A, "channels[2].deep[0]": B, "channels[3][0]": A}
     assert set(arrays) == set(expected)
     for name, values in expected.items():
         np.testing.assert_array_equal(arrays[name], [values])
     # The same names as of the same variables in version 5.
-    old = ar.io.mat_arrays(
-        mat(
-            tmp_path / "b.mat",
-            channels=np.array(
-                [
-                    A,
-                    B,
-                    {"x": A, "deep": np.array([B, None], dtype=object)[:1]},
-                    np.array([A, "h"], dtype=object),
-                ],
-                dtype=object,
-            ),
-            runs=np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")]),
-        )
-    )
-    assert set(old) == set(expected)
+    cell = {"x": A, "deep": np.array([B, None], dtype=object)[:1]}
+    channels = np.array([A, B, cell, np.array([A, "h"], dtype=object)], dtype=object)
+    runs = np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")])
+    assert set(ar.io.mat_arrays(mat(tmp_path / "b.mat", channels=channels, runs=runs))) == set(expected)
     rec = ar.read_mat(path, time="runs[1].t", responses=["runs[1].a", "channels[0]"])
     np.testing.assert_array_equal(rec.responses, [B, A])
 
@@ -226,33 +187,6 @@ def test_changed_bytes_are_noticed(tmp_path, write, read):
         read(path)
 
 
-def test_a_newer_version_is_refused():
-    import json
-    from pathlib import Path
-
-    from antires_rs.io.own_format import pack, unpack
-
-    text, arrays = pack(recording())
-    newer = {**json.loads(text), "version": 2}
-    with pytest.raises(ar.UnsuitableDataError, match="of version 2.*Update antires_rs"):
-        unpack(Path("a"), json.dumps(newer), arrays)
-    with pytest.raises(ar.UnsuitableDataError, match="without force of its 2 arrays"):
-        unpack(Path("a"), text, {"responses": arrays["responses"]})
-    with pytest.raises(ar.UnsuitableDataError, match="whose force has shape"):
-        unpack(Path("a"), text, {**arrays, "force": arrays["force"][:-1]})
-
-
-def test_the_reader_of_old_matlab_files_has_limits(tmp_path):
-    path = mat(tmp_path / "a.mat", time=TIME, acc=A)
-    with pytest.raises(ar.UnsuitableDataError, match="was not read within 0.01 s.*Raise time_limit_s"):
-        ar.read_mat(path, time_limit_s=0.01)
-    with pytest.raises(ar.InvalidInputError, match="^memory_limit_gb: got 0"):
-        ar.read_mat(path, memory_limit_gb=0)
-    if sys.platform.startswith("linux"):
-        with pytest.raises(ar.UnsuitableDataError, match="cannot be read"):
-            ar.read_mat(path, memory_limit_gb=0.02)
-
-
 def test_damaged_matlab_files_do_not_end_the_process(tmp_path):
     """Flipped bytes beyond the head, where the element's length still fits: only the child reads them."""
     path = ar.write_mat(tmp_path / "a.mat", recording(n=50))
@@ -274,35 +208,6 @@ def test_nothing_optional_is_imported_in_the_parent(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_without_h5py(tmp_path, monkeypatch):
-    path = ar.write_hdf5(tmp_path / "a.h5", recording())
-    monkeypatch.setitem(sys.modules, "h5py", None)
-    for call in (lambda: ar.read_hdf5(path), lambda: ar.write_hdf5(path, recording())):
-        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[hdf5\]"'):
-            call()
-
-
-@every_bag
-def test_what_contradicts_itself_is_refused(tmp_path, save, read):
-    path = save(tmp_path / "a", t=TIME[: N // 2], acc=A)
-    with pytest.raises(ar.UnsuitableDataError, match="300 samples of 'acc' over 150 instants of 't'"):
-        read(path)
-    assert read(path, fs_hz=250.0).n_samples == N
-    path = save(tmp_path / "b", t=1000 * TIME, Fs=250.0, acc=A)  # in ms
-    with pytest.raises(ar.UnsuitableDataError, match="Fs of 250 Hz and a 't' of 0.25 Hz, if it is in s"):
-        read(path)
-
-
-@every_bag
-def test_what_is_left_out_is_told(tmp_path, save, read):
-    with pytest.warns(ar.AntiresWarning, match=r"shorter than the 300 samples of the longest, root \(299\)"):
-        assert read(save(tmp_path / "a", t=TIME, acc=A, root=B[:-1], settings=np.ones(9))).dofs == ("acc",)
-    path = save(tmp_path / "b", t=TIME, acc=A, all_runs=np.ones((2, 3, N)))
-    with pytest.warns(ar.AntiresWarning, match="of three and more axes, all_runs, which are not read"):
-        assert read(path).dofs == ("acc",)
-    assert read(path, responses="acc").dofs == ("acc",)
 
 
 @every_bag

@@ -1,5 +1,7 @@
 """MATLAB and universal files of ours have checksums: a changed number is noticed, in values and text."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -27,8 +29,22 @@ def test_a_changed_number_is_noticed(tmp_path, old, new, said):
         ar.read_mat(file)
 
 
-def test_a_whole_one_is_read(tmp_path):
-    assert np.array_equal(ar.read_mat(ar.write_mat(tmp_path / "a.mat", RECORD)).responses, RECORD.responses)
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"version": 2}, "of version 2.*Update antires_rs"),
+        ({"arrays": {"force": ["float64", 50]}}, "without force of its 1 arrays"),
+        ({"arrays": {"responses": ["float64", 2, 49]}}, "whose responses has shape"),
+        ({"kind": "frf"}, "text does not have its checksum"),
+        ({"format": "other"}, "which holds 'other'"),
+    ],
+)
+def test_another_text_is_refused(tmp_path, change, said):
+    arrays = dict(np.load(ar.write_npz(tmp_path / "a.npz", RECORD)))
+    text = json.dumps(json.loads(bytes(arrays["antires_rs"])) | change)
+    np.savez(tmp_path / "a.npz", **arrays | {"antires_rs": np.frombuffer(text.encode(), dtype=np.uint8)})
+    with pytest.raises(UnsuitableDataError, match=said):
+        ar.read_npz(tmp_path / "a.npz")
 
 
 @pytest.mark.parametrize("binary", [True, False])

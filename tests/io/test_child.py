@@ -53,13 +53,6 @@ def test_limits_are_kept(tmp_path):
         ar.read_hdf5(path, time_limit_s=0.0)
 
 
-def test_complex_numbers_of_numpy_stay_complex(tmp_path):
-    path = tmp_path / "a.h5"
-    with h5py.File(path, "w") as file:
-        file["H"], file["freq"] = ROWS[:2] + 1j * ROWS[1:], np.arange(500.0)
-    assert np.array_equal(ar.read_hdf5(path).values, ROWS[:2] + 1j * ROWS[1:])
-
-
 @pytest.mark.skipif(os.name != "posix", reason="needs a signal")
 def test_a_reader_that_dies_is_an_error(tmp_path, monkeypatch):
     from antires_rs.io import child_process as child

@@ -4,7 +4,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import antires_rs as ar
@@ -53,9 +52,3 @@ def test_the_command_line_ends_with_a_sentence(tmp_path):
     assert "Traceback" not in done.stderr
     assert done.stderr.strip().splitlines()[-1].startswith("antires: error: ")
     assert [path.name for path in Path(tmp_path).iterdir()] == ["record.npz"]
-
-
-def test_reading_needs_no_disk(tmp_path):
-    np.save(tmp_path / "a.npy", np.random.default_rng(0).standard_normal((2, 2000)))
-    done = limited(tmp_path, "import antires_rs as ar\nprint(ar.read_npz('a.npy', fs_hz=9.0).n_samples)")
-    assert done.stdout.strip() == "2000", done.stderr

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.app import main as cli
 from antires_rs.app.reading import read_signal
 from reference.io_signals import recording, response
 from tests.support.campaign import some_of
@@ -73,6 +72,8 @@ WRONG = [
     ("record", {"reference": 0}, "npz hdf5 mat csv"),
     ("response", {"reference": 0}, "npz hdf5 mat csv"),
     ("record", {"first": "freq"}, "csv"),
+    ("response", {"df_hz": 1.0}, "npz csv"),
+    ("response", {"freq_hz": [1.0, 2.0]}, "npz csv"),
     ("record", {"time": "force"}, "npz hdf5 mat"),
     ("record", {"freq": "freq_hz"}, "npz hdf5 mat"),
     ("response", {"freq": "std"}, "npz hdf5 mat"),
@@ -119,15 +120,3 @@ def test_a_job_names_channels_once(files, kind):
     assert (got.dofs, got.force) == (("tip", "12+Z"), None)
     np.testing.assert_array_equal(got.responses, made.responses[:2])
     assert read_signal(file, kind, {"dofs": [False, 1, 2]}).dofs == (1, 2)
-
-
-def test_on_the_command_line(tmp_path, capsys):
-    file = ar.write_npz(tmp_path / "a.npz", recording(dofs=("a", "b"), n=4096))
-    call = ["identify", str(file), "--band", "3", "100", "--excitation", "a"]
-    assert cli.main([*call, "--unit", "g"]) == 2
-    assert "--unit: got 'g' for " in (said := capsys.readouterr().err)
-    assert "leave it out" in said
-    assert cli.main([*call, "--force", "b"]) == 2
-    assert "--force: got 'b' for " in capsys.readouterr().err
-    assert cli.main([*call, "--fs", "100"]) == 2
-    assert "--fs: got 100.0 for " in capsys.readouterr().err

@@ -2,11 +2,14 @@
 
 import json
 import zipfile
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage.hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis
+from tests.support.four_masses import chain, exact
 
 QUICK = ar.IslandGA(max_evaluations=600)
 CHAIN = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
@@ -18,92 +21,54 @@ def zeros(model, responses, excitation, scale=1.02, **options):
     return ar.AntiresonanceSet(excitation, found, std_hz={i: 0.01 * f for i, f in found.items()})
 
 
-def frame(dim):
-    if dim == 2:
-        sections = {
-            "pipe": ar.Tube(0.03, 0.002, 2.1e11, 7850.0),
-            "bar": ar.Rectangle(0.03, 0.01, 7e10, 2700.0),
-        }
-        return ar.FrameModel(
-            [(0.25 * i, 0.0) for i in range(5)],
-            [(i, i + 1, "pipe" if i < 2 else "bar") for i in range(4)],
-            sections,
-            point_masses=[(4, 0.3, 0.001)],
-            ground_springs=[(2, "v", 1e4)],
-            fixed=[0],
-        )
-    nodes = [(0.0, 0.0, 0.25 * i) for i in range(5)]
-    sections = [ar.Section(1e-4, 8e-10, 2.1e11, 7850.0, inertia_y_m4=6e-10, torsion_m4=1e-9)] * 2 + [
-        ar.Tube(0.03, 0.002, 2.1e11, 7850.0)
-    ] * 2
-    return ar.FrameModel(
-        nodes,
-        [(i, i + 1) for i in range(4)],
-        sections,
-        fixed=[0, (4, "w")],
-        orientation=[1.0, 0.2, 0.0],
-        node_springs=[ar.NodeSpring(1, 3, 2e4)],
-        point_masses=[ar.PointMass(4, 0.2, (1e-3, 2e-3, 3e-3))],
-    )
+PIPE, BAR = ar.Tube(0.03, 0.002, 2.1e11, 7850.0), ar.Rectangle(0.03, 0.01, 7e10, 2700.0)
+PLANE = ar.FrameModel(
+    [(0.25 * i, 0.0) for i in range(5)],
+    [(i, i + 1, "pipe" if i < 2 else "bar") for i in range(4)],
+    {"pipe": PIPE, "bar": BAR},
+    point_masses=[(4, 0.3, 0.001)],
+    ground_springs=[(2, "v", 1e4)],
+    fixed=[0],
+)
+SOLID = ar.Section(1e-4, 8e-10, 2.1e11, 7850.0, inertia_y_m4=6e-10, torsion_m4=1e-9)
+SPACE = ar.FrameModel(
+    [(0.0, 0.0, 0.25 * i) for i in range(5)],
+    [(i, i + 1) for i in range(4)],
+    [SOLID, SOLID, PIPE, PIPE],
+    fixed=[0, (4, "w")],
+    orientation=[1.0, 0.2, 0.0],
+    node_springs=[ar.NodeSpring(1, 3, 2e4)],
+    point_masses=[ar.PointMass(4, 0.2, (1e-3, 2e-3, 3e-3))],
+)
+MATRICES = ar.MatrixModel(CHAIN.stiffness(), CHAIN.mass(), stiffness_terms=[SPRING], mass_terms=[np.eye(3)])
+SHAPES = CHAIN.modes()
+MODES = ar.ModalSet(1.02 * SHAPES.freq_hz, SHAPES.shapes[:, :2], [0, 1], damping_ratio=[0.01, 0.02, 0.03])
+NEAR = {"bounds": (0.8, 1.2)}
+OF_PLANE = [
+    ar.thickness("pipe", bounds=(0.0015, 0.0025)),
+    ar.point_mass(0, bounds=(0.2, 0.4)),
+    ar.angle([2, 3], 2, bounds_deg=(-3, 3)),
+    ar.support_stiffness(0, bounds=(0.5, 2), relative=True),
+]
+OF_SPACE = [ar.youngs_modulus(0, bounds=(1.9e11, 2.3e11)), ar.stiffness_factor([1, 2], **NEAR, together=True)]
+PROBLEMS = {
+    "chain": ar.UpdatingProblem(CHAIN, ar.stiffness_factor([0, 2], **NEAR), zeros(CHAIN, [0, 1], 0)),
+    "matrices": ar.UpdatingProblem(
+        MATRICES,
+        [ar.stiffness_reduction(0), ar.mass_factor(0, bounds=(0.9, 1.1))],
+        [zeros(MATRICES, [0, 1], 0), zeros(MATRICES, [1], 2)],
+        penalty=(0.02, 0.01),
+        misfit="squared",
+        weights="std",
+    ),
+    "modes": ar.UpdatingProblem(CHAIN, ar.stiffness_factor([0, 1, 2], **NEAR), MODES),
+    "plane frame": ar.UpdatingProblem(PLANE, OF_PLANE, zeros(PLANE, [1, 4], 1, f_max_hz=400.0)),
+    "space frame": ar.UpdatingProblem(SPACE, OF_SPACE, zeros(SPACE, [0, 6], 1, f_max_hz=400.0)),
+}
 
 
-def problems():
-    yield (
-        "chain",
-        ar.UpdatingProblem(CHAIN, ar.stiffness_factor([0, 2], bounds=(0.8, 1.2)), zeros(CHAIN, [0, 1], 0)),
-    )
-    model = ar.MatrixModel(CHAIN.stiffness(), CHAIN.mass(), stiffness_terms=[SPRING], mass_terms=[np.eye(3)])
-    yield (
-        "matrices",
-        ar.UpdatingProblem(
-            model,
-            [ar.stiffness_reduction(0), ar.mass_factor(0, bounds=(0.9, 1.1))],
-            [zeros(model, [0, 1], 0), zeros(model, [1], 2)],
-            penalty=(0.02, 0.01),
-            misfit="squared",
-            weights="std",
-        ),
-    )
-    shapes = CHAIN.modes()
-    yield (
-        "modes",
-        ar.UpdatingProblem(
-            CHAIN,
-            ar.stiffness_factor([0, 1, 2], bounds=(0.8, 1.2)),
-            ar.ModalSet(
-                1.02 * shapes.freq_hz, shapes.shapes[:, :2], [0, 1], damping_ratio=[0.01, 0.02, 0.03]
-            ),
-        ),
-    )
-    flat = frame(2)
-    yield (
-        "plane frame",
-        ar.UpdatingProblem(
-            flat,
-            [
-                ar.thickness("pipe", bounds=(0.0015, 0.0025)),
-                ar.point_mass(0, bounds=(0.2, 0.4)),
-                ar.angle([2, 3], 2, bounds_deg=(-3, 3)),
-                ar.support_stiffness(0, bounds=(0.5, 2), relative=True),
-            ],
-            zeros(flat, [1, 4], 1, f_max_hz=400.0),
-        ),
-    )
-    space = frame(3)
-    yield (
-        "space frame",
-        ar.UpdatingProblem(
-            space,
-            [
-                ar.youngs_modulus(0, bounds=(1.9e11, 2.3e11)),
-                ar.stiffness_factor([1, 2], bounds=(0.8, 1.2), together=True),
-            ],
-            zeros(space, [0, 6], 1, f_max_hz=400.0),
-        ),
-    )
-
-
-PROBLEMS = dict(problems())
+def dense(matrix):
+    return np.asarray(matrix.todense() if hasattr(matrix, "todense") else matrix)
 
 
 def same_search(a, b):
@@ -135,12 +100,8 @@ def test_results_come_back(tmp_path, name):
             assert mine.dofs == theirs.dofs
     assert str(back.table) == str(made.table)
     assert back.summary() == made.summary()
-    dense = [
-        np.asarray(m.todense() if hasattr(m, "todense") else m)
-        for m in (made.model.stiffness(), back.model.stiffness(), made.model.mass(), back.model.mass())
-    ]
-    np.testing.assert_array_equal(dense[0], dense[1])
-    np.testing.assert_array_equal(dense[2], dense[3])
+    np.testing.assert_array_equal(dense(made.model.stiffness()), dense(back.model.stiffness()))
+    np.testing.assert_array_equal(dense(made.model.mass()), dense(back.model.mass()))
     # The same problem: the search repeats to the bit.
     again = ar.update(back.problem, rng=back.seed, optimizer=QUICK)
     np.testing.assert_array_equal(again.x, made.x)
@@ -226,3 +187,50 @@ def test_nothing_is_pickled_and_nothing_left_behind(saved):
     assert [p.name for p in saved.parent.iterdir()] == ["run.npz"]
     data = json.loads(bytes(np.load(saved)["antires_rs"]))
     assert data["made_with"]["antires_rs"] == ar.__version__
+
+
+@pytest.fixture(scope="module")
+def assessed():
+    """Springs off the model by a few per cent, the second softened; the third is no candidate."""
+    intact, damaged = chain([510.0, 441.0, 525.0]), chain([510.0, 331.0, 525.0])
+    return ar.assess_damage(
+        chain(),
+        exact(damaged),
+        baseline=exact(intact),
+        elements=[0, 1],
+        search=ar.SearchOptions(false_alarm_rate=0.05),
+        rng=0,
+    )
+
+
+def test_every_field_comes_back(tmp_path, assessed):
+    assessed.save(tmp_path / "damage.npz")
+    back = ar.DamageResult.load(tmp_path / "damage.npz")
+    mine, theirs = assessed.assessment, back.assessment
+    for field in fields(Assessment):
+        assert getattr(mine, field.name) == getattr(theirs, field.name), field.name
+        assert repr(getattr(mine, field.name)) == repr(getattr(theirs, field.name)), field.name
+    assert mine == theirs
+    assert any(len(one.elements) > 1 for one in theirs.hypotheses)
+    for name in ("headline", "severity", "interval", "probability", "detectable", "notes"):
+        assert getattr(back, name) == getattr(assessed, name), name
+    assert back.summary() == assessed.summary()
+    assert back.intervals("ensemble", draws=100) == assessed.intervals("ensemble", draws=100)
+    assessed.save(tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "damage.npz").read_bytes()
+
+
+def test_what_a_field_may_be(tmp_path, assessed):
+    """Infinity, no threshold, no group, notes, something else."""
+    rows = [*assessed.hypotheses, Hypothesis(UNKNOWN, 1e-8, (), (), (), candidate=False)]
+    rare = replace(
+        assessed.assessment,
+        hypotheses=Hypotheses(rows, assessed.hypotheses.names),
+        detectable=(float("inf"), 0.1),
+        threshold=None,
+        group=(),
+        notes=("left out",),
+    )
+    result = ar.DamageResult(assessed.problem, assessed.search, assessed.seed, rare)
+    result.save(tmp_path / "rare.npz")
+    assert ar.DamageResult.load(tmp_path / "rare.npz").assessment == rare

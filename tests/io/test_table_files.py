@@ -37,9 +37,8 @@ def test_excel_of_a_record(tmp_path):
     file = workbook(tmp_path / "b.xlsx", *head, *milliseconds, title="run 1")
     recorded(ar.read_excel(file, sheet="run 1"))
     assert ar.read_excel(file).dofs == ("a", "b")
-    for sheet, said in (("run 2", "the sheets are 'run 1', 'notes'"), ("notes", "no row of numbers")):
-        with pytest.raises(ar.UnsuitableDataError, match=said):
-            ar.read_excel(file, sheet=sheet)
+    with pytest.raises(ar.UnsuitableDataError, match="no row of numbers .the sheets are 'run 1', 'notes'"):
+        ar.read_excel(file, sheet="notes")
 
 
 def test_excel_of_responses(tmp_path):
@@ -58,20 +57,20 @@ def test_excel_of_responses(tmp_path):
 
 @pytest.mark.parametrize("bad", [None, "n/a", "#DIV/0!"])
 def test_a_cell_that_is_no_number_is_named(tmp_path, bad):
-    rows = [[t, a, b] for t, a, b in zip(TIME, A, B, strict=True)]
-    rows[7][1] = bad
     with pytest.raises(ar.UnsuitableDataError, match="column 2"):
-        ar.read_excel(workbook(tmp_path / "a.xlsx", ["time", "a", "b"], *rows))
+        ar.read_excel(workbook(tmp_path / "a.xlsx", ["time", "a", "b"], [0, 1, 1], [1, bad, 1]))
 
 
-def test_instants_in_excel_are_the_time(tmp_path):
-    begun = datetime.datetime(2026, 5, 4, 23, 59, 59)
-    rows = [
-        [begun + datetime.timedelta(milliseconds=10 * i), a, b]
-        for i, (a, b) in enumerate(zip(A, B, strict=True))
-    ]
-    read = ar.read_excel(workbook(tmp_path / "a.xlsx", ["when", "a", "b"], *rows))
-    assert read.fs_hz == 100.0
+@pytest.mark.parametrize("begun", [datetime.time(12, 30, 0), datetime.datetime(2026, 5, 4, 23, 59, 50)])
+def test_a_clock_and_instants_in_excel_are_the_time(tmp_path, begun):
+    rows = [[begun.replace(second=begun.second + i), float(i)] for i in range(5)]
+    assert ar.read_excel(workbook(tmp_path / "a.xlsx", ["when", "tip"], *rows)).fs_hz == 1.0
+
+
+def test_a_sheet_whose_table_begins_in_the_second_column(tmp_path):
+    rows = [[None, 0.1 * i, i] for i in range(5)]
+    made = ar.read_excel(workbook(tmp_path / "a.xlsx", [None, "time", "tip"], *rows))
+    assert (made.fs_hz, made.dofs) == (10.0, ("tip",))
 
 
 def test_parquet_of_pandas(tmp_path):
@@ -87,12 +86,10 @@ def test_parquet_of_pandas(tmp_path):
     for name in (None, "when"):
         pd.DataFrame({"a": A, "b": B}, index=pd.DatetimeIndex(index, name=name)).to_parquet(file)
         recorded(ar.read_parquet(file))
-    table.loc[3, "a"] = None
-    table.to_parquet(file)
-    with pytest.raises(ar.UnsuitableDataError, match=r"'a' has 1 empty cells"):
-        ar.read_parquet(file)
-    pd.DataFrame({"time": TIME, "a": ["x"] * N}).to_parquet(file)
-    with pytest.raises(ar.UnsuitableDataError, match=r"'a' has 'x', which is no number"):
+    pd.DataFrame({"a": A, "b": B}, index=pd.Index(TIME, name="time")).to_parquet(file)
+    recorded(ar.read_parquet(file))
+    pd.DataFrame({"sent": index, "got": index, "a": A}).to_parquet(file)
+    with pytest.raises(ar.UnsuitableDataError, match="'sent', 'got' all hold instants"):
         ar.read_parquet(file)
 
 
@@ -120,9 +117,6 @@ def test_cut_tables_are_refused(tmp_path, kind):
         file.write_bytes(whole[:kept])
         with pytest.raises(ar.UnsuitableDataError, match="cannot be read|in which"):
             read(file)
-
-
-# ---- columns of text --------------------------------------------------------------------------------------
 
 
 def text(path, head, rows, sign=","):
@@ -156,13 +150,9 @@ def test_instants_are_the_time(tmp_path, form, between, sign, point):
         recorded(ar.read_csv(text(tmp_path / "b.csv", [], rows, sign)))
 
 
-def test_an_instant_that_does_not_exist_or_is_missing_is_named(tmp_path):
+def test_instants_with_a_blank_between_day_and_time(tmp_path):
     rows = [(f"2026-05-04 12:00:{i:02d}", i) for i in range(9)]
     assert ar.read_csv(text(tmp_path / "a.csv", ["when,a"], rows)).fs_hz == 1.0
-    for bad, said in (("2026-13-04 12:00:03", "2026-13-04"), ("", "row 4 has '' where others")):
-        broken = [*rows[:3], (bad, 3), *rows[4:]]
-        with pytest.raises(ar.UnsuitableDataError, match=said):
-            ar.read_csv(text(tmp_path / "a.csv", ["when,a"], broken))
 
 
 @pytest.mark.parametrize("form", ["{}{:+}j", "{}{:+}i", "{} + {}i", "({}{:+}j)"])

@@ -43,15 +43,3 @@ def test_every_byte_around_a_boundary(tmp_path, name):
         assert found == ("silence" if silent else "error"), position - ends[1]
     path.write_bytes(data[:-1])
     assert truncation.outcome(form, path, whole) == "whole"
-
-
-@pytest.mark.parametrize("name", truncation.FORMATS)
-def test_the_cuts_of_the_benchmark_are_distinct(tmp_path, name):
-    """300 places inside records of each format, as docs/files.md says."""
-    form = truncation.FORMATS[name]
-    form.write(tmp_path / f"whole{form.ending}")
-    data = (tmp_path / f"whole{form.ending}").read_bytes()
-    inside, on = truncation.places(form, data, 300)
-    assert len(set(inside)) == 300
-    assert len(set(on)) == len(on)
-    assert not set(inside) & set(on if form.ends is None else form.ends(data))

@@ -1,5 +1,7 @@
 """Universal files as measurement programs write them: what pyuff's own files show, with numbers of ours."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -67,3 +69,29 @@ def test_a_last_line_that_is_filled_with_blanks(tmp_path):
     read = ar.read_uff(tmp_path / "a.uff")
     assert read.fs_hz == 20000.0
     np.testing.assert_allclose(read.responses[0], values)
+
+
+def moved_left(data, width):
+    """The numbers of a file at the left of their fields, blanks behind the last cut off."""
+    rows = []
+    for row in data.split(b"\n"):
+        numbers = row.split()
+        whole = len(numbers) > 1 and all(re.fullmatch(rb"[-+]?\d\.\d+e[-+]\d+", n.lower()) for n in numbers)
+        fields = len(row.rstrip()) == width * len(numbers)
+        rows.append(b"".join(n.ljust(width) for n in numbers).rstrip() if whole and fields else row)
+    return b"\n".join(rows)
+
+
+def test_fields_to_the_left(tmp_path):
+    record = ar.Recording(np.random.default_rng(3).standard_normal((1, 22)), 512.0, dofs=["12+Z"])
+    file = ar.write_uff(tmp_path / "a.uff", record, binary=False)
+    plain = ar.read_uff(file).responses
+    whole = file.read_bytes().replace(b"antires_rs crc32", b"another program ")
+    moved = next(m for width in (13, 20) if (m := moved_left(whole, width)) != whole)
+    file.write_bytes(moved)
+    assert np.array_equal(ar.read_uff(file).responses, plain)
+    # A number that is lost is missed all the same.
+    row = next(r for r in reversed(moved.split(b"\n")) if len(r.split()) > 1 and b"e" in r.lower())
+    file.write_bytes(moved.replace(row, row[: row.rindex(b" ")].rstrip()))
+    with pytest.raises(ar.UnsuitableDataError, match="points, not the 22"):
+        ar.read_uff(file)

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 import antires_rs as ar
 from antires_rs.app import main as cli
 from tests.support.snapshots import compare
+from tests.support.uff_files import dataset, written
 
 for _package in ("pyuff", "h5py", "pandas", "pyarrow", "openpyxl", "nptdms"):
     pytest.importorskip(_package)
@@ -22,34 +24,41 @@ H = RNG.standard_normal((2, 32)) + 1j * RNG.standard_normal((2, 32))
 T, F = np.arange(64) / 128.0, np.arange(1.0, 33.0)
 
 
-def npz(read=ar.read_npz, /, more=None, **arrays):
+def npz(more=None, **arrays):
     """A call that writes these arrays and reads them."""
 
     def call(folder):
         np.savez(folder / "a.npz", **arrays)
-        return read(folder / "a.npz", **(more or {}))
+        return ar.read_npz(folder / "a.npz", **(more or {}))
+
+    return call
+
+
+def raw(name, data, read, **options):
+    def call(folder):
+        (folder / name).write_bytes(data)
+        return read(folder / name, **options)
 
     return call
 
 
 def text(*lines, **options):
-    def call(folder):
-        (folder / "a.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return ar.read_csv(folder / "a.csv", **options)
-
-    return call
+    return raw("a.csv", ("\n".join(lines) + "\n").encode(), ar.read_csv, **options)
 
 
-def rows(head, *columns, sign=",", **options):
-    return text(head, *(sign.join(map(str, row)) for row in zip(*columns, strict=True)), **options)
+def rows(head, *columns, **options):
+    return text(head, *(",".join(map(str, row)) for row in zip(*columns, strict=True)), **options)
 
 
-def hdf5(fill, **options):
+def hdf5(rates, **options):
+    """Arrays by name, the rate of each in an attribute."""
+
     def call(folder):
         import h5py
 
         with h5py.File(folder / "a.h5", "w") as file:
-            fill(file)
+            for name, (key, rate) in rates.items():
+                file.create_dataset(name, data=A).attrs[key] = rate
         return ar.read_hdf5(folder / "a.h5", **options)
 
     return call
@@ -57,8 +66,6 @@ def hdf5(fill, **options):
 
 def mat(held, **options):
     def call(folder):
-        from scipy.io import savemat
-
         savemat(folder / "a.mat", held)
         return ar.read_mat(folder / "a.mat", **options)
 
@@ -74,12 +81,26 @@ def uff(signal, change=bytes, write=None, **options):
     return call
 
 
-def raw(name, data, read, **options):
-    def call(folder):
-        (folder / name).write_bytes(data)
-        return read(folder / name, **options)
+def other(*sets, **options):
+    """A universal file of another program."""
+    return lambda folder: ar.read_uff(written(folder / "a.uff", *sets), **options)
 
-    return call
+
+def function(values=H[0], **more):
+    return dataset(values, **{"kind": 4, "reference": (1, 3), "step": 0.5, "per": "N", "binary": 0, **more})
+
+
+def measured(**more):
+    return dataset(A, binary=0, **more)
+
+
+def matrices(name, content, *more):
+    """A file of matrices, and what is given with it."""
+    return raw(name, content.encode(), lambda path: ar.read_matrices(path, *more))
+
+
+def dof_map(content):
+    return raw("dofs.txt", content.encode(), ar.io.read_dof_map)
 
 
 def tdms(properties, *values, **options):
@@ -150,39 +171,15 @@ SEGMENT = [
 REAL = np.abs(H) + 0j
 UNEVEN = np.concatenate([np.arange(2000) / 128.0, 2000 / 128.0 + np.arange(2000) / 127.3])
 GAP = np.delete(np.arange(65) / 128.0, 30)
+MARKET = "%%MatrixMarket matrix array "
+FOREIGN = (
+    "a.dxd a.d7d a.ldsf a.mf4 a.sie a.rsp a.tim a.dat a.edf a.sdt a.tdm a.svd a.pti a.xls a.pkl a.mp3 a.sac "
+    "a.tdms_index a.bin a.blk a.doc"
+)
 SET = {"wf_increment": 1 / 128, "unit_string": "g"}
 
 MISTAKES = {
-    **{
-        f"a {name.partition('.')[2]} file": foreign(name)
-        for name in (
-            *(
-                "a.dxd",
-                "a.d7d",
-                "a.ldsf",
-                "a.mf4",
-                "a.sie",
-                "a.rsp",
-                "a.tim",
-                "a.dat",
-                "a.edf",
-                "a.sdt",
-                "a.tdm",
-            ),
-            *(
-                "a.svd",
-                "a.pti",
-                "a.xls",
-                "a.pkl",
-                "a.mp3",
-                "a.sac",
-                "a.tdms_index",
-                "a.bin",
-                "a.blk",
-                "a.doc",
-            ),
-        )
-    },
+    **{f"file: {name}": foreign(name) for name in FOREIGN.split()},
     "npz: no rate": npz(a=A),
     "npz: two times": npz(run1_time=T, time=T, t=T, a=A),
     "npz: time and frequency": npz(time=T, freq=F, a=A),
@@ -195,6 +192,9 @@ MISTAKES = {
     "npz: a time of another length": npz(time=T[:50], a=A),
     "npz: two axes": npz(more={"df_hz": 0.5, "freq_hz": F}, H=H),
     "npz: an axis of another length": npz(more={"freq_hz": F[:-1]}, H=H),
+    "npz: responses of another length": npz(more={"responses": ["G", "H"]}, freq=F, H=H[0], G=H[0, :9]),
+    "npz: coherence of another shape": npz(freq=F, H=H, coherence=np.ones(9)),
+    "npz: an axis beside its name": npz(more={"df_hz": 0.5, "freq": "freq"}, freq=F, H=H),
     "npz: no such response": npz(more={"responses": "acc*"}, fs=128.0, a=A),
     "npz: no such force": npz(more={"force": "hammer"}, fs=128.0, a=A),
     "npz: an unknown unit": npz(more={"unit": "furlong"}, fs=128.0, a=A),
@@ -208,7 +208,7 @@ MISTAKES = {
     "npz: texts alone": npz(a=np.array(["x", "y"])),
     "npz: too many dofs": npz(more={"dofs": [0, 1, 2]}, fs=128.0, a=A, b=B),
     "npz: a dof twice": npz(more={"dofs": [1, 1]}, fs=128.0, a=A, b=B),
-    "npy: cut in the header": raw("a.npy", b"\x93NUMPY\x01\x00", ar.read_npz),
+    "npz: a .npy cut in the header": raw("a.npy", b"\x93NUMPY\x01\x00", ar.read_npz),
     "csv: real columns over frequency": rows("freq,a", F, np.abs(H[0])),
     "csv: complex without imaginary part": rows("freq,a", F, [f"{x!r}+0j" for x in REAL[0].real.tolist()]),
     "csv: complex columns over time": rows(
@@ -236,17 +236,9 @@ MISTAKES = {
     "csv: two forces": rows("time,a [N],b [N],c [g]", T, A, B, A),
     "csv: NaN": text("time,a", "0,1", "1,nan", "2,3"),
     "csv: a NUL byte": raw("a.csv", b"time,a\n0,1\n\x00,2\n", ar.read_csv),
-    "hdf5: rates that disagree": hdf5(
-        lambda f: [
-            f.create_dataset(n, data=A).attrs.__setitem__("fs", r) for n, r in (("a", 128.0), ("b", 64.0))
-        ]
-    ),
-    "hdf5: a rate that no name tells": hdf5(
-        lambda f: f.create_dataset("a", data=A).attrs.__setitem__("abtastung", 9.0)
-    ),
-    "hdf5: another rate than given": hdf5(
-        lambda f: f.create_dataset("a", data=A).attrs.__setitem__("fs", 128.0), fs_hz=100.0
-    ),
+    "hdf5: rates that disagree": hdf5({"a": ("fs", 128.0), "b": ("fs", 64.0)}),
+    "hdf5: a rate that no name tells": hdf5({"a": ("abtastung", 9.0)}),
+    "hdf5: another rate than given": hdf5({"a": ("fs", 128.0)}, fs_hz=100.0),
     "hdf5: no file of HDF5": raw("a.h5", b"something else", ar.read_npz),
     "mat: nothing to read": mat({"name": "plate"}),
     "mat: an unknown unit in a field": mat({"run": {"acc": A, "fs": 128.0, "unit": "furlong"}}),
@@ -260,6 +252,28 @@ MISTAKES = {
     "uff: a run that is not there": uff(RECORD, run=2),
     "uff: a point without dof": uff(RECORD, dofs={(1, "+X"): 0}),
     "uff: a force that is not there": uff(RECORD, force="9+Z"),
+    "uff: a name that is no point": other(measured(), dofs={"12Q": 4}),
+    "uff: dofs in a list": other(measured(), dofs=[1]),
+    "uff: two forces": other(measured(), *(measured(node=n, unit="kN") for n in (8, 9))),
+    "uff: a force that is no point": other(measured(), force="77Q"),
+    "uff: several references": other(*(function(node=n, reference=(k, 3)) for k in (1, 2) for n in (3, 4))),
+    "uff: a hammer that roved": other(*(function(node=7, reference=(k, 3)) for k in (1, 2))),
+    "uff: cross spectra alone": other(function(kind=3, reference=(5, 3))),
+    "uff: several kinds": other(measured(), function()),
+    "uff: a kind that does not exist": other(measured(), kind="modes"),
+    "uff: a function of an unknown type": other(function(kind=0)),
+    "uff: a time with a gap": other(measured(even=0, x=np.where(T < 0.2, T, T + 0.05))),
+    "uff: m and m/s2 together": other(function(), function(node=2, unit="mm")),
+    "uff: a real FRF": other(function(A)),
+    "uff: other frequencies": other(function(), function(node=2, step=0.25)),
+    "uff: a step of zero": other(measured(step=0.0)),
+    "uff: an unknown unit": other(measured(unit="V")),
+    "uff: an unknown unit that is given": other(measured(), unit="V"),
+    "uff: several runs": other(*[measured()] * 3),
+    "uff: two dofs at one point": uff(RECORD, write={"dofs": {"1+X": (1, 0), "2+X": (1, 0)}}),
+    "uff: a dof without point": uff(RECORD, write={"dofs": {"1+X": (1, 0)}}),
+    "uff: written in g": uff(RECORD, write={"unit": "g"}),
+    "uff: a label that is too long": uff(ar.Recording([A], 128.0, dofs=["x" * 100])),
     "tdms: two rates": tdms([SET, {**SET, "wf_increment": 0.1}], A, B[:9]),
     "tdms: no rate": tdms([{"unit_string": "g"}], A),
     "tdms: no unit": tdms([{"wf_increment": 0.1}], A),
@@ -273,6 +287,7 @@ MISTAKES = {
     "lvm: fewer samples than stated": lvm(*SEGMENT, "\t1", "\t2"),
     "lvm: more samples than stated": lvm(*SEGMENT, "\t1", "\t2", "\t3", "\t4"),
     "lvm: a word among numbers": lvm(*SEGMENT, "\t1", "\tx", "\t3"),
+    "lvm: no such channel": lvm(*SEGMENT, "\t1", "\t2", "\t3", responses="b"),
     "lvm: a gap between segments": lvm(*SEGMENT, "\t1", "\t2", "\t3", "", *SEGMENT, "\t1", "\t2", "\t3"),
     "excel: an empty cell": sheet(["time", "a"], [0.0, 1.0], [1.0, 2.0, 3.0], [2.0, 3.0]),
     "excel: no sheet of that name": sheet(["time", "a"], [0.0, 1.0], sheet="run 2"),
@@ -280,16 +295,29 @@ MISTAKES = {
     "parquet: texts": parquet({"time": T, "a": ["x"] * 64}),
     "parquet: empty cells": parquet({"time": T, "a": [None, *A[1:]]}),
     "parquet: no time": parquet({"a": A, "b": B}),
-    "a folder in place of a file": lambda folder: ar.read_npz(folder),
-    "an empty file": raw("a.npz", b"", ar.read_npz),
-    "a number in place of a name": lambda folder: ar.read_csv(7),
-    "results into the root": lambda folder: ar.write_npz("/", RECORD),
-    "into a folder that is not there": lambda folder: ar.write_npz(folder / "no" / "a.npz", RECORD),
-    "a matrix with a NUL byte": raw(
-        "k.mtx",
-        b"%%MatrixMarket matrix array real general\n1 1\n\x00\n",
-        lambda path: ar.read_matrices(path, np.eye(1)),
+    "file: a folder in place of a file": lambda folder: ar.read_npz(folder),
+    "file: empty": raw("a.npz", b"", ar.read_npz),
+    "file: a number in place of a name": lambda folder: ar.read_csv(7),
+    "file: results into the root": lambda folder: ar.write_npz("/", RECORD),
+    "file: into a folder that is not there": lambda folder: ar.write_npz(folder / "no" / "a.npz", RECORD),
+    "matrices: a NUL byte": matrices("k.mtx", f"{MARKET}real general\n1 1\n\x00\n", np.eye(1)),
+    "matrices: a lost entry": matrices("k.mtx", f"{MARKET}real general\n2 2\n1\n1\n1\n", np.eye(2)),
+    "matrices: sizes in words": matrices("k.mtx", f"{MARKET}real general\n2 two\n1\n", np.eye(2)),
+    "matrices: no line end": matrices("k.mtx", f"{MARKET}real general\n1 1\n1", np.eye(1)),
+    "matrices: a cut archive": matrices("k.mtx.gz", "\x1f\x8b", np.eye(1)),
+    "matrices: an unknown ending": matrices("k.txt", "1 2 3\n", np.eye(1)),
+    "matrices: no mass": lambda folder: ar.read_matrices(np.eye(2)),
+    "matrices: a cut line of Abaqus": matrices("k.mtx", "1,1, 1,1, 5.0\n1,1, 1\n", np.eye(1)),
+    "matrices: complex DMIG": matrices("k.bdf", "DMIG,K2,0,6,3\nDMIG,K2,1,1,,1,1,5.0,1.0\n", np.eye(1)),
+    "matrices: written of a chain": lambda folder: ar.write_matrices(folder / "k.npz", ar.cases.chain8()),
+    "matrices: another text in place of OUTPUT4": matrices("k.op4", "nothing here\n", np.eye(1)),
+    "dof map: of a matrix without names": raw(
+        "k.mtx", f"{MARKET}real general\n1 1\n1\n".encode(), ar.io.read_dof_map
     ),
+    "dof map: no line": dof_map("nothing\n"),
+    "dof map: a point twice": dof_map("1 X\n1 X\n"),
+    "dof map: a row below the first": dof_map("0 1 X\n"),
+    "dof map: an unknown direction": dof_map("1 X\n2 Q\n"),
 }
 
 
@@ -323,7 +351,11 @@ def test_each_mistake_is_told(messages, case):
 
 
 def test_the_messages_are_those_that_were_looked_at(messages):
+    """One line each, below the format that they are about."""
+    kept = {}
+    for case, (kind, told) in messages.items():
+        form, _, mistake = case.partition(": ")
+        kept.setdefault(form, []).append(f"{mistake}: {kind}  {told}")
     compare(
-        Path(__file__).with_name("wrong_files.txt"),
-        {case: f"{kind}  {told}" for case, (kind, told) in messages.items()},
+        Path(__file__).with_name("wrong_files.txt"), {form: "\n".join(lines) for form, lines in kept.items()}
     )

@@ -73,9 +73,9 @@ def test_the_setup_that_disagrees_is_named():
 
 
 def test_setups_with_nothing_in_common_are_said_to_be_untested():
-    rng = np.random.default_rng(3)
+    setups = [setup(0, dofs, np.random.default_rng(3)) for dofs in ((1, 2), (3, 4))]
     with pytest.warns(AntiresWarning, match="2 setups have no response in common"):
-        ar.merge_setups([setup(0, (1, 2), rng), setup(0, (3, 4), rng)])
+        ar.merge_setups(setups)
 
 
 def test_a_value_that_one_of_three_shows_is_left_out():
@@ -86,22 +86,20 @@ def test_a_value_that_one_of_three_shows_is_left_out():
     assert merged.std_hz[0][0] == pytest.approx(0.1 / 3)
 
 
+ONE, OTHER = (setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1))
+
+
 @pytest.mark.parametrize(
-    ("sets", "options", "name", "says"),
+    ("sets", "options", "said"),
     [
-        ([setup(0, (0, 1), np.random.default_rng(0))], {}, "sets", "list of 2"),
-        ([setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1)], {}, r"sets\[1\]", "excitation=DOF"),
-        (
-            [setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1)],
-            {"excitation": 5},
-            r"sets\[0\]",
-            "Name a place",
-        ),
-        ([setup(0, (0, 1), np.random.default_rng(0))] * 2, {"check": "maybe"}, "check", "one of"),
+        ([ONE], {}, "^sets: got .*list of 2"),
+        ([ONE, OTHER], {}, r"^sets\[1\]: got .*excitation=DOF"),
+        ([ONE, OTHER], {"excitation": 5}, r"^sets\[0\]: got .*Name a place"),
+        ([ONE, ONE], {"check": "maybe"}, "^check: got .*one of"),
     ],
 )
-def test_bad_arguments_of_merge_are_named(sets, options, name, says):
-    with pytest.raises(InvalidInputError, match=f"^{name}: got .*{says}"):
+def test_bad_arguments_of_merge_are_named(sets, options, said):
+    with pytest.raises(InvalidInputError, match=said):
         ar.merge_setups(sets, **options)
 
 

@@ -43,21 +43,16 @@ def test_the_scatter_between_repeats_is_estimated():
     rng = np.random.default_rng(5)
     exact = np.concatenate(ar.cases.chain8().model.antiresonances(range(8), 0))
     # Errors of 0.02 % that are stated, and 0.1 % from test to test that are not.
-    tests = [
-        ar.AntiresonanceSet(
-            0,
-            {0: exact[:7] * (1.0 + 2e-4 * rng.standard_normal(7) + 1e-3 * rng.standard_normal(7))},
-            std_hz={0: 2e-4 * exact[:7]},
-        )
-        for _ in range(20)
-    ]
+    errors = [2e-4 * rng.standard_normal(7) + 1e-3 * rng.standard_normal(7) for _ in range(20)]
+    std = {0: 2e-4 * exact[:7]}
+    tests = [ar.AntiresonanceSet(0, {0: exact[:7] * (1.0 + error)}, std_hz=std) for error in errors]
     between = ar.track(tests).std_between
     assert 7e-4 < between < 1.4e-3
     # With it a test of repeats keeps its rate of false alarms, which it does not without.
     pairs = list(zip(tests[::2], tests[1::2], strict=True))
     assert sum(ar.compare(a, b).different for a, b in pairs) >= 8
     assert sum(ar.compare(a, b, std_between=between).different for a, b in pairs) <= 1
-    steady = [ar.AntiresonanceSet(0, {0: exact[:7]}, std_hz={0: 2e-4 * exact[:7]}) for _ in range(3)]
+    steady = [ar.AntiresonanceSet(0, {0: exact[:7]}, std_hz=std)] * 3
     assert ar.track(steady).std_between == 0.0
 
 

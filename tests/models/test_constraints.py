@@ -1,73 +1,70 @@
 """Constraints are taken out of the matrices: the same structure, against the bordered system and by hand."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse
 
 import antires_rs as ar
+from tests.models.shared import bordered_receptance, random_structure, same_matrices
+
+K, M, _ = random_structure(1, 6)
 
 
-def random_structure(seed, n):
-    """A random chain with springs to ground and between far dofs."""
-    rng = np.random.default_rng(seed)
-    k = np.diag(rng.uniform(1e4, 1e5, n))
-    for i, j in [(i, i + 1) for i in range(n - 1)] + [
-        tuple(rng.choice(n, 2, replace=False)) for _ in range(n)
-    ]:
-        s = rng.uniform(1e4, 1e6)
-        k[[i, j], [i, j]] += s
-        k[i, j] -= s
-        k[j, i] -= s
-    return k, np.diag(rng.uniform(0.5, 5.0, n)), rng
+def constrained(seed=2, n=12):
+    """A structure and three equations of three dofs each."""
+    k, m, rng = random_structure(seed, n)
+    c = np.zeros((3, n))
+    for row in c:
+        row[rng.choice(n, 3, replace=False)] = rng.uniform(-2.0, 2.0, 3)
+    return k, m, c
 
 
-def bordered_receptance(k, m, c, i, j, hz):
-    """H_ij of K u + C' l = f, C u = 0."""
-    w2 = (2.0 * np.pi * hz) ** 2
-    system = np.block([[k - w2 * m, c.T], [c, np.zeros((len(c), len(c)))]])
-    load = np.zeros(len(system))
-    load[j] = 1.0
-    return np.linalg.solve(system, load)[i]
+def model_of(made, **options):
+    return ar.MatrixModel(made.stiffness, made.mass, **options)
+
+
+def assert_zeros(k, m, c, ends, zeros):
+    """The response of the bordered system changes its sign at each."""
+    assert zeros.size
+    for hz in zeros:
+        below, above = (bordered_receptance(k, m, c, *ends, hz * (1.0 + step)) for step in (-1e-6, 1e-6))
+        assert below * above < 0.0
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_response_is_that_of_the_bordered_system(seed):
-    k, m, rng = random_structure(seed, 14)
-    c = np.zeros((5, 14))
-    for row in c[:4]:
-        row[rng.choice(14, 3, replace=False)] = rng.uniform(-2.0, 2.0, 3)
-    c[4] = c[0] - 2.0 * c[1]  # follows from others
-    keep = [int(dof) for dof in rng.choice(14, 3, replace=False)]
-    made = ar.eliminate_constraints(k, m, c, keep=keep)
-    assert made.stiffness.shape == (10, 10)
+    k, m, c = constrained(seed, 14)
+    follows = np.vstack([c, c[0] - 2.0 * c[1]])
+    keep = np.random.default_rng(seed).choice(14, 3, replace=False).tolist()
+    made = ar.eliminate_constraints(k, m, follows, keep=keep)
+    assert made.stiffness.shape == (11, 11)
     assert set(keep) <= set(made.dofs)
-    assert np.abs(c @ made.transformation.toarray()).max() < 1e-12
-    model = ar.MatrixModel(made.stiffness, made.mass)
-    row = {dof: nth for nth, dof in enumerate(made.dofs)}
-    (i, j), c = keep[:2], c[:4]
-    zeros = model.antiresonances(row[i], row[j])
-    for hz in zeros:
-        here = [bordered_receptance(k, m, c, i, j, hz * (1.0 + step)) for step in (-1e-6, 1e-6)]
-        assert here[0] * here[1] < 0.0
-    poles = model.modes().freq_hz
-    modes = scipy.linalg.eigh(
-        *(made.transformation.T @ a @ made.transformation for a in (k, m)), eigvals_only=True
-    )
-    np.testing.assert_allclose(poles, np.sqrt(modes) / (2.0 * np.pi), rtol=1e-9)
+    t = made.transformation.toarray()
+    assert np.abs(c @ t).max() < 1e-12
+    model, row = model_of(made), made.dofs.tolist().index
+    assert_zeros(k, m, c, keep[:2], model.antiresonances(row(keep[0]), row(keep[1])))
+    modes = scipy.linalg.eigh(t.T @ k @ t, t.T @ m @ t, eigvals_only=True)
+    np.testing.assert_allclose(model.modes().freq_hz, np.sqrt(modes) / (2.0 * np.pi), rtol=1e-9)
 
 
 def test_sparse_rows_dicts_and_arrays_say_the_same():
-    k, m, _ = random_structure(1, 6)
     c = np.array([[1.0, 0.0, -1.0, 0.4, 0.0, 0.0]])
-    made = [
-        ar.eliminate_constraints(k, m, given, stiffness_terms=[k], mass_terms=[m])
-        for given in (c, scipy.sparse.csr_array(c), [{0: 1.0, 2: -1.0, 3: 0.4}])
-    ]
-    for each in made[1:]:
-        np.testing.assert_array_equal(each.stiffness.toarray(), made[0].stiffness.toarray())
-    np.testing.assert_allclose(made[0].stiffness_terms[0].toarray(), made[0].stiffness.toarray())
-    np.testing.assert_allclose(made[0].mass_terms[0].toarray(), made[0].mass.toarray())
+    rows = scipy.sparse.csr_array(c), scipy.sparse.coo_array(c), scipy.sparse.csc_matrix(c)
+    made = ar.eliminate_constraints(K, M, c, stiffness_terms=[K], mass_terms=[M])
+    for given in (*rows, [{0: 1.0, 2: -1.0, 3: 0.4}]):
+        again = ar.eliminate_constraints(K, M, given).stiffness
+        np.testing.assert_array_equal(again.toarray(), made.stiffness.toarray())
+        same_matrices(
+            ar.MatrixModel(K, M, constraints=given), ar.MatrixModel(K, M, constraints=c), within=0.0
+        )
+    np.testing.assert_allclose(made.stiffness_terms[0].toarray(), made.stiffness.toarray())
+    np.testing.assert_allclose(made.mass_terms[0].toarray(), made.mass.toarray())
+    empty = ar.MatrixModel(K, M, constraints=scipy.sparse.csr_array((0, 6)))
+    assert "taken out" not in repr(empty)
 
 
 def test_a_rigid_slab_leaves_its_master():
@@ -88,101 +85,217 @@ def test_a_rigid_slab_leaves_its_master():
 
 
 def test_lagrange_rows_become_equations():
-    k, m, _ = random_structure(3, 8)
-    c = np.zeros((2, 8))
-    c[0, [1, 4]] = 1.0, -1.0
-    c[1, [2, 5, 6]] = 1.0, -0.5, -0.5
-    bordered = np.block([[k, c.T], [c, np.zeros((2, 2))]])
-    mass = scipy.linalg.block_diag(m, np.zeros((2, 2)))
-    order = np.random.default_rng(5).permutation(10)
+    k, m, c = constrained()
+    bordered, mass = np.block([[k, c.T], [c, np.zeros((3, 3))]]), scipy.linalg.block_diag(m, np.zeros((3, 3)))
+    order = np.random.default_rng(5).permutation(15)
     bordered, mass = bordered[np.ix_(order, order)], mass[np.ix_(order, order)]
     dofs, equations = ar.lagrange_rows(scipy.sparse.csc_array(bordered), mass)
-    assert sorted(order[dofs]) == list(range(8))
+    assert sorted(order[dofs]) == list(range(12))
     made = ar.eliminate_constraints(bordered[np.ix_(dofs, dofs)], mass[np.ix_(dofs, dofs)], equations)
-    direct = ar.eliminate_constraints(k, m, c)
-    freq = [ar.MatrixModel(each.stiffness, each.mass).modes().freq_hz for each in (made, direct)]
-    np.testing.assert_allclose(*freq, rtol=1e-9)
+    direct = model_of(ar.eliminate_constraints(k, m, c)).modes().freq_hz
+    np.testing.assert_allclose(model_of(made).modes().freq_hz, direct, rtol=1e-9)
+    # Two massless dofs that are joined: neither is a multiplier.
+    joined = np.array([[0.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 3.0]])
+    assert list(ar.lagrange_rows(joined, np.diag([0.0, 0.0, 1.0]))[0]) == [0, 1, 2]
 
 
-def test_a_massless_dof_without_stiffness_of_its_own_is_no_multiplier():
-    k = np.array([[0.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 3.0]])
-    assert list(ar.lagrange_rows(k, np.diag([0.0, 0.0, 1.0]))[0]) == [0, 1, 2]
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            (K, M, [{1: 1.0, 3: 1.0}, {0: 1.0, 2: -1.0}], [0, 2]),
+            r"constraints\[1\]: got an equation between dofs to keep: 0, 2",
+        ),
+        ((K, M, [{6: 1.0}]), r"constraints\[0\].*6"),
+        ((K, M, [{1: np.nan}]), r"constraints\[0\]: got nan; wanted a finite number"),
+        ((K, np.eye(3), [{1: 1.0}]), "mass: got a matrix of shape"),
+    ],
+)
+def test_what_cannot_be_eliminated_is_told(arguments, words):
+    *given, keep = (*arguments, ()) if len(arguments) == 3 else arguments
+    with pytest.raises(ar.InvalidInputError, match=words):
+        ar.eliminate_constraints(*given, keep=keep)
 
 
-def test_what_cannot_be_kept_is_told():
-    k, m, _ = random_structure(1, 6)
-    with pytest.raises(
-        ar.InvalidInputError, match=r"constraints\[1\]: got an equation between dofs to keep: 0, 2"
-    ):
-        ar.eliminate_constraints(k, m, [{1: 1.0, 3: 1.0}, {0: 1.0, 2: -1.0}], keep=[0, 2])
-    with pytest.raises(ar.InvalidInputError, match=r"constraints\[0\].*6"):
-        ar.eliminate_constraints(k, m, [{6: 1.0}])
-    with pytest.raises(ar.InvalidInputError, match=r"constraints\[0\]: got nan; wanted a finite number"):
-        ar.eliminate_constraints(k, m, [{1: np.nan}])
-    with pytest.raises(ar.InvalidInputError, match="mass: got a matrix of shape"):
-        ar.eliminate_constraints(k, np.eye(3), [{1: 1.0}])
+WRONG_EQUATIONS = [
+    ("abc", "constraints: got 'abc'"),
+    (3, "constraints: got 3"),
+    ({1: 1.0, 2: -1.0}, r"one dict.*Put it in a list"),
+    ([{1: "a"}], r"constraints\[0\]"),
+    (["abc"], r"constraints\[0\]"),
+    (np.full((1, 6), 1j), r"constraints\[0\]: got complex"),
+    (np.ones(6), r"constraints\[0\]: got a row of shape"),
+    ([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'"),
+    (scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)"),
+    (scipy.sparse.csr_array(np.ones((1, 9))), r"sparse array of shape \(1, 9\)"),
+    (scipy.sparse.csr_array(np.ones((1, 5))), r"sparse array of shape \(1, 5\)"),
+    (scipy.sparse.csr_array(np.full((1, 6), np.nan)), "constraints: got 6 NaN"),
+    (scipy.sparse.csr_array(np.full((1, 6), np.inf)), "constraints: got 6 NaN or infinite"),
+    (scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex"),
+]
 
 
-WRONG_EQUATIONS = {
-    "a text": ("abc", "constraints: got 'abc'"),
-    "a number": (3, "constraints: got 3"),
-    "one dict": ({1: 1.0, 2: -1.0}, r"one dict.*Put it in a list"),
-    "a coefficient that is a text": ([{1: "a"}], r"constraints\[0\]"),
-    "a row of texts": (["abc"], r"constraints\[0\]"),
-    "a complex row": (np.full((1, 6), 1j), r"constraints\[0\]: got complex"),
-    "a row": (np.ones(6), r"constraints\[0\]: got a row of shape"),
-    "a name without names": ([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'"),
-    "a sparse row": (scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)"),
-    "more columns": (scipy.sparse.csr_array(np.ones((1, 9))), r"sparse array of shape \(1, 9\)"),
-    "fewer columns": (scipy.sparse.csr_array(np.ones((1, 5))), r"sparse array of shape \(1, 5\)"),
-    "NaN": (scipy.sparse.csr_array(np.full((1, 6), np.nan)), "constraints: got 6 NaN"),
-    "infinite": (scipy.sparse.csr_array(np.full((1, 6), np.inf)), "constraints: got 6 NaN or infinite"),
-    "complex": (scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex"),
-}
-
-
-@pytest.mark.parametrize("case", WRONG_EQUATIONS)
-def test_wrong_equations_are_refused(case):
-    k, m, _ = random_structure(1, 6)
-    given, match = WRONG_EQUATIONS[case]
+@pytest.mark.parametrize(("given", "match"), WRONG_EQUATIONS)
+def test_wrong_equations_are_refused(given, match):
     with pytest.raises(ar.InvalidInputError, match=match):
-        ar.eliminate_constraints(k, m, given)
+        ar.eliminate_constraints(K, M, given)
     with pytest.raises(ar.InvalidInputError, match=match):
-        ar.MatrixModel(k, m, constraints=given)
+        ar.MatrixModel(K, M, constraints=given)
 
 
 @pytest.mark.parametrize("keep", [3, "1:Z", np.array(3)])
 def test_dofs_to_keep_are_a_sequence(keep):
-    k, m, _ = random_structure(1, 6)
     with pytest.raises(ar.InvalidInputError, match="keep: got"):
-        ar.MatrixModel(k, m, keep=keep)
+        ar.MatrixModel(K, M, keep=keep)
     with pytest.raises(ar.InvalidInputError, match="keep: got"):
-        ar.eliminate_constraints(k, m, [], keep=keep)
+        ar.eliminate_constraints(K, M, [], keep=keep)
 
 
-def test_a_name_asks_for_names():
-    k, m, _ = random_structure(1, 6)
-    for wrong in ({"constraints": [{"1:Z": 1.0}]}, {"keep": ["1:Z"]}):
-        with pytest.raises(ar.InvalidInputError, match="no names.*dofs="):
-            ar.MatrixModel(k, m, **wrong)
+@pytest.mark.parametrize("wrong", [{"constraints": [{"1:Z": 1.0}]}, {"keep": ["1:Z"]}])
+def test_a_name_asks_for_names(wrong):
+    with pytest.raises(ar.InvalidInputError, match="no names.*dofs="):
+        ar.MatrixModel(K, M, **wrong)
 
 
 @pytest.mark.parametrize("wrong", [3, "a", None, np.ones((2, 6)), np.ones(6)])
 def test_matrices_that_are_none(wrong):
-    k, m, _ = random_structure(1, 6)
     for call in (ar.lagrange_rows, lambda k, m: ar.eliminate_constraints(k, m, [{1: 1.0}])):
         with pytest.raises(ar.InvalidInputError, match="stiffness: got"):
-            call(wrong, m)
+            call(wrong, M)
         with pytest.raises(ar.InvalidInputError, match="mass: got"):
-            call(k, wrong)
+            call(K, wrong)
 
 
-def test_sparse_equations_are_those_of_the_dense():
-    k, m, rng = random_structure(2, 6)
-    c = np.zeros((2, 6))
-    c[0, [1, 3]], c[1, [2, 4, 5]] = [1.0, -1.0], rng.uniform(0.5, 1.0, 3)
-    dense = ar.MatrixModel(k, m, constraints=c).antiresonances(0, 0)
-    for kind in (scipy.sparse.csr_array, scipy.sparse.coo_array, scipy.sparse.csc_matrix):
-        np.testing.assert_array_equal(ar.MatrixModel(k, m, constraints=kind(c)).antiresonances(0, 0), dense)
-    empty = ar.MatrixModel(k, m, constraints=scipy.sparse.csr_array((0, 6)))
-    assert "taken out" not in repr(empty)
+# -- Inside a model: numbers and names stay, roots are those of the whole system
+
+
+def test_all_dofs_at_once():
+    k, m, c = constrained()
+    model = ar.MatrixModel(k, m, constraints=c)
+    dofs = range(12)
+    together = model.antiresonances(dofs, 4)
+    for dof in dofs:
+        np.testing.assert_array_equal(together[dof], model.antiresonances(dof, 4))
+    rows = model.frf(dofs, 4, [3.0], damping_ratio=0.01)
+    for dof in dofs:
+        np.testing.assert_allclose(rows[dof], model.frf(dof, 4, [3.0], damping_ratio=0.01), rtol=1e-9)
+
+
+@pytest.mark.parametrize("ends", [(0, 1), (3, 3), (5, 9), (11, 2), (7, 8)])
+def test_any_dof_can_be_asked_whether_it_was_taken_out_or_not(ends):
+    k, m, c = constrained()
+    model = ar.MatrixModel(k, m, constraints=c)
+    assert model.n_dof == 12
+    assert "3 of them taken out" in repr(model)
+    zeros = model.antiresonances(*ends)
+    assert_zeros(k, m, c, ends, zeros)
+    kept = ar.eliminate_constraints(k, m, c, keep=sorted({*ends}))
+    rows = [list(kept.dofs).index(dof) for dof in ends]
+    np.testing.assert_allclose(zeros, model_of(kept).antiresonances(*rows), rtol=1e-9)
+
+
+def test_modes_obey_the_equations_and_frequency_responses_too():
+    k, m, c = constrained()
+    model = ar.MatrixModel(k, m, constraints=c)
+    modes = model.modes()
+    assert modes.freq_hz.size == 9
+    assert modes.shapes.shape == (9, 12)
+    assert np.abs(modes.shapes @ c.T).max() < 1e-9 * np.abs(modes.shapes).max()
+    np.testing.assert_allclose(modes.shapes @ m @ modes.shapes.T, np.eye(9), atol=1e-9)
+    freq = np.array([3.0, 11.0])
+    for i, j in [(0, 1), (11, 11), (4, 10)]:
+        ours = model.frf(i, j, freq, damping_ratio=0.0, kind="receptance")
+        exact = [bordered_receptance(k, m, c, i, j, hz) for hz in freq]
+        np.testing.assert_allclose(ours, exact, rtol=1e-8)
+
+
+def test_lagrange_rows_of_an_export_are_taken_out_and_no_sensors():
+    k, m, c = constrained()
+    bordered = np.block([[k, c.T], [c, np.zeros((3, 3))]])
+    mass = scipy.linalg.block_diag(m, np.zeros((3, 3)))
+    names = [f"{dof}:Z" for dof in range(12)] + ["multiplier 1", "multiplier 2", "multiplier 3"]
+    model = ar.MatrixModel(scipy.sparse.csc_array(bordered), mass, dofs=names)
+    assert model.n_dof == 15
+    assert "6 of them taken out" in repr(model)
+    direct = ar.MatrixModel(k, m, constraints=c)
+    np.testing.assert_allclose(model.modes().freq_hz, direct.modes().freq_hz, rtol=1e-9)
+    np.testing.assert_allclose(model.antiresonances("3:Z", "5:Z"), direct.antiresonances(3, 5), rtol=1e-9)
+    with pytest.raises(ar.InvalidInputError, match="response: got multiplier 2, a Lagrange multiplier"):
+        model.antiresonances(13, 0)
+    with pytest.raises(ar.InvalidInputError, match=r"stiffness_terms\[0\]: got an entry in row 12, which is"):
+        ar.MatrixModel(bordered, mass, stiffness_terms=[bordered])
+
+
+def test_terms_and_parameters_go_through_the_equations():
+    k, m, c = constrained()
+    term, half = np.zeros_like(k), np.diag(m.diagonal() * (np.arange(12) < 4))
+    term[np.ix_([2, 3], [2, 3])] = 5e4 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    model = ar.MatrixModel(k, m, stiffness_terms=[term], mass_terms=[half], constraints=c)
+    unknowns = [ar.stiffness_factor(0, bounds=(0.5, 2.0)), ar.mass_factor(0, bounds=(0.5, 2.0))]
+    changed = model.with_parameters(unknowns, [1.5, 0.8])
+    again = ar.MatrixModel(k + 0.5 * term, m - 0.2 * half, constraints=c)
+    for ends in [(0, 1), (2, 11)]:
+        np.testing.assert_allclose(changed.antiresonances(*ends), again.antiresonances(*ends), rtol=1e-9)
+    dofs, seen, modes = [0, 1, 2, 3, 4, 6, 8, 11], [1, 4, 9, 11], again.modes()
+    zeros = dict(zip(dofs, again.antiresonances(dofs, 4), strict=True))
+    for truth in (
+        ar.AntiresonanceSet(4, zeros, sees="frf"),
+        ar.ModalSet(modes.freq_hz[:4], modes.shapes[:4, seen], dofs=seen),
+    ):
+        problem = ar.UpdatingProblem(model, unknowns, truth)
+        assert problem.cost([1.5, 0.8]) < 1e-7 < problem.cost([1.0, 1.0])
+
+
+def test_a_model_with_all_of_it_is_copied_pickled_and_saved(tmp_path):
+    k, m, c = constrained()
+    names = {f"{dof + 1}:Z": dof for dof in range(12)}
+    model = ar.MatrixModel(k, m, constraints=c, keep=["3:Z"], dofs=names)
+    ar.write_matrices(tmp_path / "model.npz", model)
+    for other in (
+        copy.deepcopy(model),
+        pickle.loads(pickle.dumps(model)),
+        ar.read_matrices(tmp_path / "model.npz"),
+        ar.MatrixModel.from_description(model.description),
+    ):
+        assert other.description == model.description
+        np.testing.assert_array_equal(
+            other.antiresonances("4:Z", "12:Z"), model.antiresonances("4:Z", "12:Z")
+        )
+
+
+def test_a_dof_to_keep_is_a_row():
+    k, m, c = constrained()
+    taken = [dof for dof in range(12) if ar.MatrixModel(k, m, constraints=c).stiffness()[[dof]].nnz == 0]
+    assert len(taken) == 3
+    model = ar.MatrixModel(k, m, constraints=c, keep=taken)
+    assert all(model.stiffness()[[dof]].nnz for dof in taken)
+
+
+def test_two_dofs_that_an_equation_joins_answer_as_one():
+    model = ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -1.0}])
+    both = model.antiresonances([2, 5], 0)
+    np.testing.assert_array_equal(*both)
+    with pytest.raises(ar.InvalidInputError, match=r"dofs: got dof 2, dof 5 together"):
+        ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -0.5}]).antiresonances(2, 5)
+
+
+def test_equations_that_repeat_others_but_for_the_last_digits_are_told():
+    k, m, _ = random_structure(3, 8)
+    row = {2: 1.0, 4: -0.5, 6: 0.25}
+    almost = {dof: value * (1.0 + 1e-7 * dof) for dof, value in row.items()}
+    with pytest.raises(ar.InvalidInputError, match=r"constraints\[1\].* at .*4, 6"):
+        ar.MatrixModel(k, m, constraints=[row, almost])
+    with pytest.raises(ar.InvalidInputError, match=r"constraints\[2\]"):
+        ar.eliminate_constraints(k, m, [row, {1: 1.0, 3: -1.0}, almost])
+    exact = ar.MatrixModel(k, m, constraints=[row, {dof: 3.0 * value for dof, value in row.items()}])
+    assert exact.modes().freq_hz.size == 7
+
+
+@pytest.mark.parametrize("what", ["response", "excitation"])
+def test_a_dof_that_an_equation_holds_is_no_place_for_a_sensor_or_a_force(what):
+    k, m, _ = random_structure(4, 8)
+    model = ar.MatrixModel(k, m, constraints=[{3: 1.0, 5: 1.0}, {3: 1.0, 5: -1.0}, {6: 2.0}])
+    for dof in (3, 5, 6):
+        ends = {"response": 0, "excitation": 1, what: dof}
+        with pytest.raises(ar.InvalidInputError, match=rf"{what}: got dof {dof}, which .* hold at zero"):
+            model.antiresonances(**ends)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from tests.models.shared import same_matrices
 
 
 def chain():
@@ -41,19 +42,13 @@ STEPS = {
 }
 
 
-def same_matrices(one, other):
-    for mine, theirs in ((one.stiffness(), other.stiffness()), (one.mass(), other.mass())):
-        mine, theirs = (m.toarray() if hasattr(m, "toarray") else m for m in (mine, theirs))
-        np.testing.assert_array_equal(mine, theirs)
-
-
 @pytest.mark.parametrize("make", STEPS)
 def test_a_model_is_built_from_its_description_alone(make):
     model = make()
     for parameters, values in STEPS[make]:
         model = model.with_parameters(parameters, values)
         again = type(model).from_description(model.description)
-        same_matrices(again, model)
+        same_matrices(again, model, within=0.0)
         assert again.description == model.description
         if isinstance(model, ar.FrameModel):
             assert again.node_springs == model.node_springs
@@ -62,7 +57,7 @@ def test_a_model_is_built_from_its_description_alone(make):
     assert model.description.recipe == make().description.recipe
     assert model.description != make().description
     # A call without the constructor's arguments leaves the first model as it was.
-    same_matrices(make(), make().from_description(make().description))
+    same_matrices(make(), make().from_description(make().description), within=0.0)
 
 
 def test_parameters_act_one_after_the_other():
@@ -85,7 +80,7 @@ def test_an_updating_applies_what_it_found():
     (applied,) = model.description.applied
     assert applied.values.tolist() == [0.3, 0.0]  # snapped, as it is evaluated
     assert applied.parameters == problem.parameters
-    same_matrices(model, chain().with_parameters(problem.parameters, [0.3, 0.0]))
+    same_matrices(model, chain().with_parameters(problem.parameters, [0.3, 0.0]), within=0.0)
 
 
 @pytest.mark.parametrize("make", STEPS)
@@ -103,14 +98,6 @@ def test_nothing_of_it_can_be_changed(make):
         if isinstance(value, np.ndarray):
             with pytest.raises(ValueError, match="read-only"):
                 value[...] = 0.0
-
-
-def test_the_caller_keeps_his_arrays():
-    masses = np.array([1.0, 2.0])
-    model = ar.MassSpringChain(masses, [500.0])
-    masses[0] = 7.0
-    assert model.description.recipe.masses_kg[0] == 1.0
-    assert masses.flags.writeable
 
 
 def test_wrong_calls():

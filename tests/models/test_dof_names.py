@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.support.directions import point_of
-from tests.models.test_constraints import random_structure
+from tests.models.shared import random_structure
 
 NAMES = ["1204:Z", "1204:RX", "1205:Z", "1205:RX", "7:X", "hub"]
 
@@ -33,11 +33,10 @@ def test_a_name_is_as_good_as_a_number():
     np.testing.assert_array_equal(
         model.frf(numbers, 4, freq, damping_ratio=0.01), model.frf(names, "7:UX", freq, damping_ratio=0.01)
     )
-    made = {"excitation": "7:X", "fs_hz": 200.0, "duration_s": 2.0, "damping_ratio": 0.01, "rng": 0}
-    record = model.simulate(responses=names, **made)
-    np.testing.assert_array_equal(
-        record.responses, model.simulate(responses=numbers, **{**made, "excitation": 4}).responses
-    )
+    made = {"fs_hz": 200.0, "duration_s": 2.0, "damping_ratio": 0.01, "rng": 0}
+    by_name = model.simulate(excitation="7:X", responses=names, **made).responses
+    by_number = model.simulate(excitation=4, responses=numbers, **made).responses
+    np.testing.assert_array_equal(by_name, by_number)
     assert [model.dof_label(dof) for dof in numbers] == ["1204:Z", "1205:Z", "hub"]
 
 
@@ -64,22 +63,22 @@ def test_updating_takes_sets_with_names():
     assert "1205:Z" in str(results[1].table)
     found = [ar.identifiability(each, points=8) for each in (by_number, by_name)]
     assert found[0].words == found[1].words
-    modes = truth.modes()
-    shapes = modes.shapes[:3, [0, 2, 5]]
-    pair = [
-        ar.ModalSet(modes.freq_hz[:3], shapes, dofs=dofs) for dofs in ([0, 2, 5], ["1204:Z", "1205+Z", "hub"])
+    freq_hz, shapes = truth.modes().freq_hz[:3], truth.modes().shapes[:3, [0, 2, 5]]
+    costs = [
+        ar.UpdatingProblem(model, unknowns, ar.ModalSet(freq_hz, shapes, dofs=dofs)).cost([1.0, 1.0])
+        for dofs in ([0, 2, 5], ["1204:Z", "1205+Z", "hub"])
     ]
-    costs = [ar.UpdatingProblem(model, unknowns, each).cost([1.0, 1.0]) for each in pair]
     assert costs[0] == costs[1] > 0.0
 
 
 def test_damage_and_plans_take_names():
     model = named()
     damaged = model.with_parameters(ar.stiffness_reduction(1), 0.5)
-    found = []
-    for intact, now in zip(sets(model, model), sets(model, damaged), strict=True):
-        found.append(ar.assess_damage(model, now, baseline=intact, rng=0))
-    assert found[0].probability == found[1].probability
+    one, other = (
+        ar.assess_damage(model, now, baseline=intact, rng=0).probability
+        for intact, now in zip(sets(model, model), sets(model, damaged), strict=True)
+    )
+    assert one == other
     plans = [
         ar.plan_test(model, n_sensors=2, candidates=each, excitations=force, std=1e-3)
         for each, force in (([0, 2, 5], 4), (["1204:Z", "1205:Z", "hub"], "7:X"))
@@ -91,11 +90,8 @@ def test_damage_and_plans_take_names():
 
 def test_an_unknown_name_is_told_with_those_near_it():
     model = named()
-    with pytest.raises(
-        ar.InvalidInputError, match=r"response: got '1204:Y'; .*like '1204:Z', '1204:RX'"
-    ) as told:
+    with pytest.raises(ar.InvalidInputError, match=r"^response: got '1204:Y'; .*like '1204:Z', '1204:RX'"):
         model.antiresonances("1204:Y", 0)
-    assert told.value.argument == "response"
     with pytest.raises(ar.InvalidInputError, match=r"excitation: got 'hubb'.*like 'hub'"):
         model.antiresonances(0, "hubb")
     with pytest.raises(ar.InvalidInputError, match=r"measured dof: got '12\+Z'"):
@@ -107,12 +103,8 @@ def test_an_unknown_name_is_told_with_those_near_it():
 
 
 def test_frames_and_chains_have_names_too():
-    frame = ar.FrameModel(
-        [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)],
-        [(0, 1), (1, 2)],
-        ar.Tube(0.02, 0.005, 2.1e11, 7850.0),
-        fixed=[0],
-    )
+    tube = ar.Tube(0.02, 0.005, 2.1e11, 7850.0)
+    frame = ar.FrameModel([(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)], [(0, 1), (1, 2)], tube, fixed=[0])
     tip = frame.dof(2, "v")
     for name in ("node 2 v", "2:v", "2:Y"):
         np.testing.assert_array_equal(
@@ -130,6 +122,7 @@ def test_frames_and_chains_have_names_too():
         ("1204:Z", "6 names, or a mapping"),
         ([1, 2, 3, 4, 5, 6], r"dofs\[0\]: got 1; wanted a text"),
         ({"a": 6}, r"dofs\['a'\]: got 6"),
+        (["1:Z", "1 UZ", "2", "3", "4", "5"], "'1:Z' and '1 UZ', two spellings"),
     ],
 )
 def test_names_that_do_not_fit(dofs, words):
@@ -146,8 +139,3 @@ def test_a_map_of_a_file_names_rows(tmp_path):
         model = ar.MatrixModel(k, m, dofs=dofs)
         assert [model.dof_label(dof) for dof in range(3)] == ["12:Y", "12:Z", "14:RX"]
     assert ar.read_matrices(k, m, dofs=file).dof("12 UZ") == 1
-
-
-def test_two_spellings_of_one_name_are_refused():
-    with pytest.raises(ar.InvalidInputError, match=r"'1:Z' and '1 UZ', two spellings"):
-        ar.MatrixModel(np.eye(2), np.eye(2), dofs=["1:Z", "1 UZ"])

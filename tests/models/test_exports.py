@@ -6,69 +6,66 @@ import scipy.linalg
 import scipy.sparse
 
 import antires_rs as ar
-from tests.models.test_constraints import random_structure
+from tests.models.shared import random_structure
 
-SECTION = ar.Rectangle(0.03, 0.05, 2.1e11, 7850.0)
+K, M, _ = random_structure(4, 9)
+NAMES = [f"{4 + dof}:Z" for dof in range(9)]
 
 
 @pytest.mark.parametrize("sparse", [False, True])
 @pytest.mark.parametrize(("half", "word"), [(np.triu, "upper"), (np.tril, "lower")])
 def test_one_triangle_is_told_and_not_to_be_halved(sparse, half, word):
-    k, m, _ = random_structure(4, 9)
-    given = scipy.sparse.csc_array(half(k)) if sparse else half(k)
+    given = scipy.sparse.csc_array(half(K)) if sparse else half(K)
     remedy = rf"the {word} triangle only; wanted .*Pass A \+ A.T - diag\(A\)"
     with pytest.raises(ar.InvalidInputError, match="stiffness: got " + remedy):
-        ar.MatrixModel(given, m)
+        ar.MatrixModel(given, M)
     with pytest.raises(ar.InvalidInputError, match=r"stiffness_terms\[0\]: got " + remedy):
-        ar.MatrixModel(k, m, stiffness_terms=[given])
+        ar.MatrixModel(K, M, stiffness_terms=[given])
     whole = given + given.T - scipy.sparse.diags_array(given.diagonal())
-    np.testing.assert_array_equal(ar.MatrixModel(whole, m).stiffness().toarray(), k)
+    np.testing.assert_array_equal(ar.MatrixModel(whole, M).stiffness().toarray(), K)
 
 
 def test_what_is_neither_whole_nor_a_triangle_is_refused():
-    k, m, _ = random_structure(4, 9)
-    odd = np.triu(k) + 0.5 * np.tril(k, -1)
+    odd = np.triu(K) + 0.5 * np.tril(K, -1)
     with pytest.raises(ar.InvalidInputError, match="stiffness: got .* wanted a symmetric matrix"):
-        ar.MatrixModel(odd, m)
+        ar.MatrixModel(odd, M)
 
 
 def test_hysteretic_damping_is_left_out_with_a_word():
-    k, m, _ = random_structure(4, 9)
     with pytest.warns(ar.AntiresWarning, match="stiffness: its imaginary part, 0.04 of the real one") as said:
-        model = ar.MatrixModel(k * (1.0 + 0.04j), m)
+        model = ar.MatrixModel(K * (1.0 + 0.04j), M)
     assert said[0].filename == __file__
-    np.testing.assert_array_equal(model.antiresonances(2, 5), ar.MatrixModel(k, m).antiresonances(2, 5))
-    complex_but_real = ar.MatrixModel(scipy.sparse.csr_array(k.astype(complex)), m)
-    np.testing.assert_array_equal(complex_but_real.stiffness().toarray(), k)
+    np.testing.assert_array_equal(model.antiresonances(2, 5), ar.MatrixModel(K, M).antiresonances(2, 5))
+    complex_but_real = ar.MatrixModel(scipy.sparse.csr_array(K.astype(complex)), M)
+    np.testing.assert_array_equal(complex_but_real.stiffness().toarray(), K)
 
 
 def test_masses_below_zero_by_rounding_count_as_none():
-    k, m, _ = random_structure(4, 9)
+    m = M.copy()
     m[3, 3] = 0.0
-    without = ar.MatrixModel(k, m)
+    without = ar.MatrixModel(K, m)
     m[3, 3] = -1e-18
     with pytest.warns(
         ar.AntiresWarning, match="mass: negative by rounding at 7:Z, -1e-18: counted as none"
     ) as said:
-        model = ar.MatrixModel(k, m, dofs=[f"{4 + dof}:Z" for dof in range(9)])
+        model = ar.MatrixModel(K, m, dofs=NAMES)
     assert said[0].filename == __file__
     np.testing.assert_array_equal(model.antiresonances([0, 3], 5)[1], without.antiresonances([0, 3], 5)[1])
     m[3, 3] = -1e-3
     with pytest.raises(
         ar.InvalidInputError, match=r"mass\[3\]: got -0.001 kg at 7:Z; wanted no negative mass"
     ):
-        ar.MatrixModel(k, m, dofs=[f"{4 + dof}:Z" for dof in range(9)])
+        ar.MatrixModel(K, m, dofs=NAMES)
     m[3, 3], m[3, 2], m[2, 3] = -1e-18, 0.1, 0.1  # joined to others: no rounding
     with pytest.raises(ar.InvalidInputError, match=r"mass\[3\].*at dof 3"):
-        ar.MatrixModel(k, m)
+        ar.MatrixModel(K, m)
 
 
 def column(n, load):
     """A cantilever column under a load, 1 at buckling: stiffness, mass, its frame."""
     h = 2.0 / n
-    frame = ar.FrameModel(
-        [(h * i, 0.0) for i in range(n + 1)], [(i, i + 1) for i in range(n)], SECTION, fixed=[0]
-    )
+    nodes, beams = [(h * i, 0.0) for i in range(n + 1)], [(i, i + 1) for i in range(n)]
+    frame = ar.FrameModel(nodes, beams, ar.Rectangle(0.03, 0.05, 2.1e11, 7850.0), fixed=[0])
     k = frame.stiffness().toarray()
     g = np.zeros_like(k)
     element = np.array(
@@ -81,10 +78,8 @@ def column(n, load):
     ) / (30.0 * h)
     for i in range(n):
         dofs = [frame.dof(node, d) if node else None for node in (i, i + 1) for d in ("v", "theta")]
-        for a, row in enumerate(dofs):
-            for b, at in enumerate(dofs):
-                if row is not None and at is not None:
-                    g[row, at] += element[a, b]
+        free = [i for i, dof in enumerate(dofs) if dof is not None]
+        g[np.ix_([dofs[i] for i in free], [dofs[i] for i in free])] += element[np.ix_(free, free)]
     buckling = 1.0 / scipy.linalg.eigh(g, k, eigvals_only=True)[-1]
     assert abs(buckling / (np.pi**2 * 2.1e11 * 0.03 * 0.05**3 / 12 / 16.0) - 1.0) < 1e-3  # Euler
     return k - load * buckling * g, frame.mass().toarray(), frame

@@ -50,9 +50,7 @@ def test_a_second_thread_advances(grid, call):
     thread = threading.Thread(target=count, daemon=True)
     thread.start()
     try:
-        sys.setswitchinterval(
-            1000.0
-        )  # so that only a call that lets go of the interpreter lets the thread run
+        sys.setswitchinterval(1000.0)  # only a call that lets go of the interpreter lets the thread run
         for _ in range(20):
             began = seen[0]
             calls[call]()

@@ -1,11 +1,10 @@
 """Supports and ties by stiff springs: right to 1e-6, or a warning that names the dofs; never silent."""
 
-import warnings
-
 import numpy as np
 import pytest
 
 import antires_rs as ar
+from tests.models.shared import quietly, warned
 from tests.support.fifty_digits import is_root
 
 #: The limits were set on ties of 1e12, 1e15 and 1e20, and are judged on the others too.
@@ -13,21 +12,28 @@ EXPONENTS = range(9, 26)
 SECTION = ar.Rectangle(0.03, 0.05, 2.1e11, 7850.0)
 TUBE = ar.Tube(0.06, 0.01, 2.1e11, 7850.0)
 DIRECTIONS = ("u", "v", "w", "rx", "ry", "rz")
+GROUND = 1e3
 
 
-def told(make):
-    """A model, and what it warned."""
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        made = make()
-    return made, [str(each.message) for each in said]
+def assembled(n, springs, ground):
+    """Stiffness of springs (dof, dof, N/m) and of those to ground (dof, N/m)."""
+    k = np.zeros((n, n))
+    for a, b, value in springs:
+        k[[a, b], [a, b]] += value
+        k[[a, b], [b, a]] -= value
+    for dof, value in ground:
+        k[dof, dof] += value
+    return k
+
+
+def row(n, spring):
+    return [(i, i + 1, spring) for i in range(n - 1)]
 
 
 def cantilever(spring, n=12):
     nodes = [(0.25 * i, 0.0) for i in range(n + 1)]
-    beams = [(i, i + 1) for i in range(n)]
     springs = [(0, d, spring) for d in ("u", "v", "theta")]
-    return ar.FrameModel(nodes, beams, SECTION, ground_springs=springs)
+    return ar.FrameModel(nodes, [(i, i + 1) for i in range(n)], SECTION, ground_springs=springs)
 
 
 def chain(tie):
@@ -43,6 +49,12 @@ def tied_chain(tie):
     return ar.MassSpringChain(rng.uniform(0.5, 2.0, 30), springs, ground_first_n_per_m=3e4)
 
 
+def assert_roots(model, k, m, *ends):
+    lowest = [(pair, hz) for pair in ends for hz in model.antiresonances(*pair)[:2]]
+    assert lowest
+    assert all(is_root(k, m, hz, pair, within=1e-6) for pair, hz in lowest)
+
+
 @pytest.mark.parametrize("power", EXPONENTS)
 @pytest.mark.parametrize("of_matrices", [False, True])
 @pytest.mark.parametrize(
@@ -54,35 +66,18 @@ def tied_chain(tie):
     ],
 )
 def test_right_or_told_by_name(make, named, ends, told_from, of_matrices, power):
-    model, said = told(lambda: make(10.0**power))
+    model, said = warned(lambda: make(10.0**power))
     k, m = model.stiffness(), model.mass()
     if of_matrices:
-        model, said = told(lambda: ar.MatrixModel(k, m))
+        model, said = warned(lambda: ar.MatrixModel(k, m))
     assert len(said) == (power >= told_from)
     if said:
         assert named[of_matrices] in said[0]
         assert "rounding may take 1e-6" in said[0]
         assert not of_matrices or "constraints=" in said[0]
         return
-    for hz in model.modes(n_modes=2).freq_hz[:2]:
-        assert is_root(k, m, hz, within=1e-6)
-    for pair in ((ends[0], ends[0]), ends):
-        roots = model.antiresonances(*pair)[:2]
-        assert roots.size
-        for hz in roots:
-            assert is_root(k, m, hz, pair, within=1e-6)
-
-
-def assembled(n, springs, ground):
-    k = np.zeros((n, n))
-    for a, b, value in springs:
-        k[a, a] += value
-        k[b, b] += value
-        k[a, b] -= value
-        k[b, a] -= value
-    for dof, value in ground:
-        k[dof, dof] += value
-    return k
+    assert all(is_root(k, m, hz, within=1e-6) for hz in model.modes(n_modes=2).freq_hz[:2])
+    assert_roots(model, k, m, (ends[0], ends[0]), ends)
 
 
 def slabs(tie):
@@ -116,14 +111,11 @@ def most(tie):
 @pytest.mark.parametrize("make", [slabs, single_link, pairs, three, most])
 def test_ties_on_most_dofs_are_right_or_told(make, power):
     k, m = make(10.0**power)
-    model, said = told(lambda: ar.MatrixModel(k, m))
+    model, said = warned(lambda: ar.MatrixModel(k, m))
     assert power >= 11 or not said
     assert power < 16 or said
     if not said:
-        n = len(k)
-        for pair in ((n - 1, n - 1), (0, n - 1)):
-            for hz in model.antiresonances(*pair)[:2]:
-                assert is_root(k, m, hz, pair, within=1e-6)
+        assert_roots(model, k, m, (len(k) - 1, len(k) - 1), (0, len(k) - 1))
 
 
 def linked_cantilevers():
@@ -131,16 +123,13 @@ def linked_cantilevers():
     one = [(0.5 * i, 0.0, 0.0) for i in range(4)]
     other = [(0.5 * i, 0.3, 0.2 + 0.1 * i) for i in range(4)]
     beams = [(i, i + 1) for i in range(3)] + [(4 + i, 5 + i) for i in range(3)]
-    frame, _ = told(lambda: ar.FrameModel(one + other, beams, TUBE, fixed=[0, 4]))  # in two parts
+    frame = quietly(ar.FrameModel, one + other, beams, TUBE, fixed=[0, 4])  # in two parts
     x, y, z = np.subtract(other[3], one[3])
-    turned = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    first, second = ([frame.dof(node, direction) for direction in DIRECTIONS] for node in (3, 7))
     equations = np.zeros((6, frame.n_dof))
-    for row, direction in enumerate(DIRECTIONS):
-        equations[row, frame.dof(7, direction)] = 1.0
-        equations[row, frame.dof(3, direction)] = -1.0
-    for row in range(3):
-        for turn in range(3):
-            equations[row, frame.dof(3, DIRECTIONS[3 + turn])] = -turned[row, turn]
+    equations[range(6), second] = 1.0
+    equations[range(6), first] = -1.0
+    equations[:3, first[3:]] = -np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
     return frame.stiffness().toarray(), frame.mass().toarray(), equations, frame.dof(2, "w")
 
 
@@ -148,11 +137,11 @@ def linked_cantilevers():
 def test_a_rigid_link_with_a_lever_arm(power):
     """By penalties it is right or told; by constraints= it is right without a word."""
     k, m, c, tip = linked_cantilevers()
-    exact, said = told(lambda: ar.MatrixModel(k, m, constraints=c))
+    exact, said = warned(lambda: ar.MatrixModel(k, m, constraints=c))
     assert not said
     assert "6 of them taken out" in repr(exact)
     stiff = k + 10.0**power * (c.T @ c)
-    model, said = told(lambda: ar.MatrixModel(0.5 * (stiff + stiff.T), m))
+    model, said = warned(lambda: ar.MatrixModel(0.5 * (stiff + stiff.T), m))
     assert bool(said) == (power >= 15)
     if not said:
         found, wanted = (
@@ -163,19 +152,94 @@ def test_a_rigid_link_with_a_lever_arm(power):
         np.testing.assert_allclose(found, wanted, rtol=max(1e-6, 1e6 / 10.0**power))
 
 
-def test_free_bars_turned_by_rounding_are_no_ties():
-    """Along and across it couplings are those of an angle of 1e-16; nothing is stiff."""
-    n = 20
-    along = assembled(n, [(i, i + 1, 1e9) for i in range(n - 1)], [])
-    across = assembled(n, [(i, i + 1, 1e6) for i in range(n - 1)], [])
-    _, said = told(
-        lambda: ar.MatrixModel(np.block([[along, 1e-16 * along], [1e-16 * along, across]]), np.eye(2 * n))
-    )
-    assert not said
+def turned_bar():
+    """Along and across a free bar couplings are those of an angle of 1e-16."""
+    along, across = (assembled(20, row(20, stiffness), []) for stiffness in (1e9, 1e6))
+    ar.MatrixModel(np.block([[along, 1e-16 * along], [1e-16 * along, across]]), np.eye(40))
 
 
-def test_members_of_very_unlike_stiffness_are_no_penalties():
+def unlike_members():
     sections = [ar.Rectangle(0.5, 0.8, 2.1e11, 7850.0), ar.Rectangle(0.004, 0.004, 3e9, 1200.0)]
-    fixed = [(0, "u"), (0, "v"), (0, "theta")]
-    _, said = told(lambda: ar.FrameModel([(0, 0), (1, 0), (9, 0)], [(0, 1), (1, 2)], sections, fixed=fixed))
-    assert not said
+    ar.FrameModel([(0, 0), (1, 0), (9, 0)], [(0, 1), (1, 2)], sections, fixed=[0])
+
+
+def free_bodies_and_usual_supports():
+    rng = np.random.default_rng(5)
+    for scale in (1.0, 1e12):
+        springs = scale * rng.uniform(1.0, 9.0, 11)
+        ar.MassSpringChain(np.ones(12), springs, ground_last_n_per_m=1e-6 * scale)
+        free = ar.MassSpringChain(np.ones(12), springs).stiffness()
+        ar.MatrixModel(free, np.eye(12))
+        turned = np.linalg.qr(rng.normal(size=(12, 12)))[0]
+        ar.MatrixModel(turned.T @ free @ turned, np.eye(12))
+
+
+@pytest.mark.parametrize("make", [turned_bar, unlike_members, free_bodies_and_usual_supports])
+def test_of_what_is_no_penalty_nothing_is_said(make):
+    assert warned(make)[1] == []
+
+
+# -- All dofs tied together, on soft springs to ground
+
+
+def tied(n, tie):
+    """Masses in a row tied to each other, each on a spring; and the frequency as of one body."""
+    k = assembled(n, row(n, tie), [(i, GROUND * (1.0 + 0.1 * i)) for i in range(n)])
+    masses = np.arange(1.0, n + 1.0)
+    return k, np.diag(masses), np.sqrt(GROUND * (1.0 + 0.05 * (n - 1)) * n / masses.sum()) / (2.0 * np.pi)
+
+
+@pytest.mark.parametrize("n", [2, 5, 9, 30])
+@pytest.mark.parametrize("power", range(11, 26))
+def test_masses_tied_together_on_soft_springs(n, power):
+    k, m, as_one_hz = tied(n, 10.0**power)
+    model, words = warned(lambda: ar.MatrixModel(k, m))
+    freq_hz = model.modes(f_max_hz=100.0).freq_hz
+    wrong = freq_hz.size == 0 or abs(freq_hz[0] / as_one_hz - 1.0) > 1e-6
+    assert words or not wrong
+    assert all("dof 0, dof 1" in each for each in words)
+    assert all("move as one" in each or "nothing holds" in each for each in words)
+    assert power < 13 or words
+
+
+def test_supports_that_ties_have_rounded_away_are_told_with_their_size():
+    k, m, _ = tied(5, 1e20)
+    assert not k.sum(axis=1).any()  # the supports are gone
+    _, (words,) = warned(lambda: ar.MatrixModel(k, m))
+    assert "nothing holds dof 0, dof 1, dof 2, dof 3, dof 4" in words
+    assert "softer than 2e+04 are rounded away" in words
+    # Turned axes, as of members that are inclined.
+    turn = np.kron(np.eye(5), np.linalg.qr(np.random.default_rng(3).normal(size=(2, 2)))[0])
+    inclined = turn.T @ np.kron(k, np.diag([1.0, 0.5])) @ turn
+    _, words = warned(lambda: ar.MatrixModel(inclined, np.kron(m, np.eye(2))))
+    assert any("nothing holds" in each or "move as one" in each for each in words)
+
+
+def test_ties_that_are_held_and_free_bodies_are_not_told_as_free():
+    held = assembled(4, row(4, 1e20), [(0, 1e20)])
+    # Supports through springs that stand apart from the ties in the sums.
+    apart = assembled(6, [*row(4, 1e20), (4, 5, 1e3)], [(0, 1e20), (4, 1e3)])
+    free = assembled(5, row(5, 1e6), [])
+    for k in (held, apart, free, 1e9 * free):
+        assert not any(
+            "nothing holds" in each for each in warned(lambda k=k: ar.MatrixModel(k, np.eye(len(k))))[1]
+        )
+
+
+@pytest.mark.parametrize("power", [13, 17, 21, 25])
+def test_a_chain_knows_its_springs(power):
+    with pytest.warns(ar.AntiresWarning, match="mass 0, mass 1, mass 2 move as one"):
+        ar.MassSpringChain([1.0, 2.0, 3.0], [10.0**power, 3.0 * 10.0**power], ground_first_n_per_m=GROUND)
+
+
+@pytest.mark.parametrize("of_mass", [False, True])
+def test_modes_of_a_diagonal_pair_over_many_decades_are_right_or_told(of_mass):
+    graded, ones = np.diag(10.0 ** np.arange(-12.0, 13.0)), np.eye(25)
+    pair = (ones, graded) if of_mass else (graded, ones)
+    exact = np.sort(np.sqrt(np.diag(pair[0]) / np.diag(pair[1]))) / (2.0 * np.pi)
+    modes, words = warned(quietly(ar.MatrixModel, *pair).modes)
+    np.testing.assert_allclose(modes.freq_hz, exact[: modes.freq_hz.size], rtol=1e-6)
+    assert modes.freq_hz.size == 25 or ("are left out" in words[0] and "dof" in words[0])
+    modes, words = warned(ar.MatrixModel(graded[9:16, 9:16], np.eye(7)).modes)
+    assert modes.freq_hz.size == 7
+    assert not words

@@ -28,14 +28,6 @@ def chains(draw, grounded=None, largest=8):
 
 @FEW
 @given(chains())
-def test_stiffness_is_symmetric_and_positive_semi_definite(model):
-    stiffness = model.stiffness()
-    np.testing.assert_array_equal(stiffness, stiffness.T)
-    assert np.linalg.eigvalsh(stiffness).min() >= -LAW * stiffness.max()
-
-
-@FEW
-@given(chains())
 def test_shapes_are_orthonormal_in_mass_and_diagonal_in_stiffness(model):
     modes = model.modes()
     phi, lam = modes.shapes.T, (2 * np.pi * modes.freq_hz) ** 2
@@ -51,12 +43,6 @@ def test_a_free_chain_has_one_rigid_body_mode_at_zero(model):
     assert modes.freq_hz[0] == 0.0
     assert modes.freq_hz[1] > 0.0
     np.testing.assert_allclose(modes.shapes[0] / modes.shapes[0, 0], 1.0, rtol=RIGID)
-
-
-@FEW
-@given(chains(grounded=True))
-def test_a_held_chain_has_no_rigid_body_mode(model):
-    assert model.modes().freq_hz[0] > 0.0
 
 
 @FEW
@@ -123,37 +109,18 @@ factors = st.lists(st.one_of(st.just(0.9), st.just(1.1), st.floats(0.9, 1.1)), m
 
 
 @FEW
-@given(severities)
-def test_the_damage_objective_is_finite_and_not_negative_everywhere(x):
-    cost = DAMAGE.cost(x)
-    assert np.isfinite(cost)
-    assert cost >= 0.0
-
-
-@FEW
-@given(factors)
-def test_the_updating_objective_is_finite_and_not_negative_everywhere(x):
-    cost = UPDATING.cost(x)
-    assert np.isfinite(cost)
-    assert cost >= 0.0
+@given(severities, factors)
+def test_objectives_are_finite_and_not_negative_everywhere(x, y):
+    assert 0.0 <= DAMAGE.cost(x) < np.inf
+    assert 0.0 <= UPDATING.cost(y) < np.inf
 
 
 def test_the_objective_is_finite_where_an_element_is_lost_altogether():
     """beta = 1 leaves two parts, of which the response may be on the far one."""
-    problem = ar.UpdatingProblem(
-        CASE.model, ar.stiffness_reduction(range(7), bounds=(0.0, 1.0)), CASE.exact(), penalty=(0.1, 0.1)
-    )
+    losses = ar.stiffness_reduction(range(7), bounds=(0.0, 1.0))
+    problem = ar.UpdatingProblem(CASE.model, losses, CASE.exact(), penalty=(0.1, 0.1))
     for corner in np.vstack([np.eye(7), np.ones((1, 7)), np.zeros((1, 7))]):
         assert np.isfinite(problem.cost(corner))
-
-
-@FEW
-@given(severities)
-def test_snapping_twice_is_snapping_once(x):
-    once = DAMAGE._core.repaired(np.array(x))
-    np.testing.assert_array_equal(DAMAGE._core.repaired(once), once)
-    assert np.all((once == 0.0) | (once >= 1e-3))
-    assert DAMAGE.cost(once) == DAMAGE.cost(x)
 
 
 @FEW
@@ -179,20 +146,18 @@ def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
 def test_factors_multiply_whatever_their_order(factor, beta, element):
     reduction = ar.stiffness_reduction(element)
     scale = ar.stiffness_factor(element, bounds=(0.5, 1.5))
-    both = [
-        ar.UpdatingProblem(CASE.model, p, CASE.exact()).model_at(x).stiffness()
-        for p, x in (([reduction, scale], [beta, factor]), ([scale, reduction], [factor, beta]))
-    ]
-    np.testing.assert_array_equal(both[0], both[1])
+    one = CASE.model.with_parameters([reduction, scale], [beta, factor]).stiffness()
+    other = CASE.model.with_parameters([scale, reduction], [factor, beta]).stiffness()
+    np.testing.assert_array_equal(one, other)
     wanted = 56.7e3 * factor * (1 - beta)
-    assert -both[0][element, element + 1] == pytest.approx(wanted, rel=FACTORS, abs=FACTORS * 56.7e3)
+    assert -one[element, element + 1] == pytest.approx(wanted, rel=FACTORS, abs=FACTORS * 56.7e3)
 
 
 @FEW
 @given(severities)
 def test_the_truth_costs_nothing_but_its_penalty(beta):
     """Targets from the model at x: at x only the penalties are left."""
-    x = DAMAGE._core.repaired(np.array(beta))
+    x = np.where(np.array(beta) < 1e-3, 0.0, beta)  # as they are snapped
     zeros = DAMAGE.model_at(x).antiresonances(range(8), 0)
     problem = CASE.damage_problem(ar.AntiresonanceSet(0, dict(enumerate(zeros))))
     penalty = 0.1 * x.sum() + 0.1 * np.count_nonzero(x)

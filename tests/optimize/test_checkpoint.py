@@ -1,19 +1,25 @@
-"""Checkpoints: whole or not there, and a search taken up again ends in the same bytes."""
+"""Checkpoints: whole or not there, a search taken up again ends in the same bytes, and nothing is trusted."""
 
+import hashlib
 import os
 import signal
 import subprocess
 import sys
 import time
+import warnings
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint
 from antires_rs.updating.problem import fingerprint
+from tests.support.campaign import examples
+from tests.support.mutations import any_bytes, mutated
 from tests.support.paths import ROOT
 
+NAME = "run.ckpt"
 #: Some two hundred generations with migrations, about a second.
 SEARCH = {"max_evaluations": 30_000, "patience": 5, "improvement_tolerance": 0.02, "polish": False}
 
@@ -28,36 +34,32 @@ def bytes_of(result):
     return [a.tobytes() for a in arrays] + [search.fun.hex(), search.nfev, search.nit, search.status]
 
 
-def part(path, generations, **options):
+def searched(path=None, **options):
+    given = {"optimizer": ar.IslandGA(**SEARCH), "rng": 3, "workers": 1, "checkpoint": path, **options}
+    return ar.update(problem(), **given)
+
+
+def part(path, generations):
     """A search stopped after some generations."""
-    return ar.update(
-        problem(),
-        optimizer=ar.IslandGA(**SEARCH),
-        rng=3,
-        checkpoint=path,
-        workers=1,
-        callback=lambda state: state["nit"] >= generations,
-        **options,
-    )
+    return searched(path, callback=lambda state: state["nit"] >= generations)
 
 
 @pytest.fixture(scope="module")
 def whole():
-    return bytes_of(ar.update(problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1))
+    return bytes_of(searched())
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_stopped_search_goes_on_to_the_same_bytes(tmp_path, whole, workers):
-    path = tmp_path / "run.ckpt"
+    path = tmp_path / NAME
     for generations in (7, 40, 41):
         assert part(path, generations).status == "callback"
-    resumed = ar.update(problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, checkpoint=path, workers=workers)
-    assert bytes_of(resumed) == whole
+    assert bytes_of(searched(path, workers=workers)) == whole
     # A finished search says again what it found, and needs no seed.
-    again = ar.update(problem(), optimizer=ar.IslandGA(**SEARCH), checkpoint=path)
+    again = searched(path, rng=None)
     assert bytes_of(again) == whole
     assert again.seed == 3
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["run.ckpt", "run.ckpt.previous"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [NAME, f"{NAME}.previous"]
 
 
 def test_a_polished_damage_search_goes_on_to_the_same_bytes(tmp_path):
@@ -65,20 +67,12 @@ def test_a_polished_damage_search_goes_on_to_the_same_bytes(tmp_path):
     measured = ar.AntiresonanceSet(case.excitation, case.truth(1)["freq_hz"])
     # Islands that never agree to the last digit go on until the budget.
     ga = ar.IslandGA(max_evaluations=4000, gene_tolerance=0.0, agreement="genes", patience=6)
-    complete = ar.assess_damage(case.model, measured, optimizer=ga, rng=1)
-    path = tmp_path / "run.ckpt"
-    for generations in (3, 11):
-        ar.assess_damage(
-            case.model,
-            measured,
-            optimizer=ga,
-            rng=1,
-            checkpoint=path,
-            callback=lambda state, last=generations: state["nit"] >= last,
-        )
-    assert bytes_of(ar.assess_damage(case.model, measured, optimizer=ga, rng=1, checkpoint=path)) == bytes_of(
-        complete
-    )
+    given = {"optimizer": ga, "rng": 1}
+    complete = ar.assess_damage(case.model, measured, **given)
+    given["checkpoint"] = tmp_path / NAME
+    for last in (3, 11):
+        ar.assess_damage(case.model, measured, **given, callback=lambda state, at=last: state["nit"] >= at)
+    assert bytes_of(ar.assess_damage(case.model, measured, **given)) == bytes_of(complete)
 
 
 KILLED = """
@@ -102,23 +96,22 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(tmp_path, whole):
     """Every generation is written, so that many kills fall into the writing."""
     rng = np.random.default_rng(0)
     for delay in rng.uniform(0.02, 0.6, 6):
-        path = tmp_path / "run.ckpt"
+        path = tmp_path / NAME
         with subprocess.Popen(
             [sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, cwd=ROOT
         ) as process:
             process.stdout.readline()
             time.sleep(delay)
             process.kill()
-    resumed = ar.update(problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1, checkpoint=path)
-    assert bytes_of(resumed) == whole
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["run.ckpt", "run.ckpt.previous"]
+    assert bytes_of(searched(path)) == whole
+    assert sorted(p.name for p in tmp_path.iterdir()) == [NAME, f"{NAME}.previous"]
 
 
 def test_a_damaged_file_gives_way_to_the_one_before(tmp_path, whole):
-    path = tmp_path / "run.ckpt"
+    path = tmp_path / NAME
     part(path, 5)
     part(path, 9)
-    assert (tmp_path / "run.ckpt.previous").exists()
+    assert (tmp_path / f"{NAME}.previous").exists()
     good = path.read_bytes()
     for bad in (good[:100], good[:-1], good[:200] + bytes([good[200] ^ 1]) + good[201:], b"", b"text"):
         path.write_bytes(bad)
@@ -129,30 +122,30 @@ def test_a_damaged_file_gives_way_to_the_one_before(tmp_path, whole):
     assert Checkpoint(path).resume is not None
     path.write_bytes(b"text")
     with pytest.warns(ar.AntiresWarning, match="damaged"):
-        resumed = ar.update(problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1, checkpoint=path)
-    assert bytes_of(resumed) == whole
+        assert bytes_of(searched(path)) == whole
     path.write_bytes(b"text")
-    (tmp_path / "run.ckpt.previous").write_bytes(good[:50])
+    (tmp_path / f"{NAME}.previous").write_bytes(good[:50])
     with pytest.raises(ar.UnsuitableDataError, match="wanted one that is whole"):
         Checkpoint(path)
 
 
 def test_another_search_is_refused_and_the_file_left_alone(tmp_path):
-    path = tmp_path / "run.ckpt"
+    path = tmp_path / NAME
     part(path, 5)
     before = path.read_bytes()
     other = ar.cases.chain8(perturbation=0.08, rng=2).updating_problem()
     for change in ({"rng": 4}, {"optimizer": ar.IslandGA(**SEARCH, islands=3)}, {"x0": problem().nominal}):
         with pytest.raises(ar.InvalidInputError, match=r"^checkpoint: got run\.ckpt, the search of"):
-            ar.update(problem(), checkpoint=path, **{"optimizer": ar.IslandGA(**SEARCH), "rng": 3, **change})
+            searched(path, **change)
     with pytest.raises(ar.InvalidInputError, match="another problem"):
         ar.update(other, optimizer=ar.IslandGA(**SEARCH), rng=3, checkpoint=path)
-    with pytest.raises(ar.InvalidInputError, match="checkpoint: got"):
-        ar.update(other, checkpoint=tmp_path / "no" / "folder.ckpt")
-    with pytest.raises(ar.InvalidInputError, match="a file, not a folder"):
-        ar.update(other, checkpoint=tmp_path)
-    with pytest.raises(ar.InvalidInputError, match="checkpoint: got 3"):
-        ar.update(other, checkpoint=3)
+    for wrong, words in (
+        (tmp_path / "no" / "x", "got"),
+        (tmp_path, "got .*a file, not a folder"),
+        (3, "got 3"),
+    ):
+        with pytest.raises(ar.InvalidInputError, match=f"checkpoint: {words}"):
+            ar.update(other, checkpoint=wrong)
     assert path.read_bytes() == before
 
 
@@ -166,12 +159,8 @@ def test_what_a_parameter_acts_on_belongs_to_the_fingerprint():
         ar.thickness("a", bounds=(0.9, 1.1), relative=True),
     ):
         for names in ("aaabbbb", "aabbbbb"):
-            model = ar.FrameModel(
-                nodes,
-                [(*e, n) for e, n in zip(elements, names, strict=True)],
-                {"a": pipe, "b": pipe},
-                fixed=[0],
-            )
+            named = [(*e, n) for e, n in zip(elements, names, strict=True)]
+            model = ar.FrameModel(nodes, named, {"a": pipe, "b": pipe}, fixed=[0])
             zeros = ar.AntiresonanceSet(4, {4: [30.0], 10: [50.0]})
             prints.add(fingerprint(ar.UpdatingProblem(model, parameter, zeros), {}, []))
     assert len(prints) == 4  # for an angle the two assignments are one model
@@ -183,9 +172,87 @@ def test_a_disk_that_fails_is_warned_of_and_the_search_goes_on(tmp_path, monkeyp
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.warns(ar.AntiresWarning, match="cannot be written") as caught:
-        result = ar.update(
-            problem(), optimizer=ar.IslandGA(**SEARCH), rng=3, workers=1, checkpoint=tmp_path / "run.ckpt"
-        )
+        result = searched(tmp_path / NAME)
     assert bytes_of(result) == whole
     assert len(caught) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+# ---- whatever is in a file: the search as it was, or an error of ours; never another search -------------
+
+#: Another search, short.
+FEW = ar.IslandGA(islands=2, population=8, max_evaluations=400, polish=False)
+ONE_FILE = settings(
+    deadline=20_000, max_examples=examples(150), suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+
+
+def search(path, **options):
+    """Two springs of three masses."""
+    true = ar.MassSpringChain([1.0, 1.0, 2.0], [430.0, 420.0])
+    zeros = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1], 0))))
+    nominal = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 400.0])
+    springs = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), zeros)
+    return ar.update(springs, optimizer=FEW, rng=5, workers=1, checkpoint=path, **options)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    """A file of a search that was stopped, what it holds, and the end of that search."""
+    path = tmp_path_factory.mktemp("good") / NAME
+    search(path, callback=lambda state: state["nit"] >= 5)
+    return path.read_bytes(), Checkpoint(path), search(None)
+
+
+def read(path, content):
+    path.write_bytes(content)
+    path.with_name(NAME + ".previous").unlink(missing_ok=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            return Checkpoint(path)
+        except ar.UnsuitableDataError:
+            return None
+
+
+@ONE_FILE
+@given(content=any_bytes)
+def test_any_bytes(tmp_path, content):
+    assert read(tmp_path / NAME, content) is None
+
+
+@ONE_FILE
+@given(data=st.data())
+def test_a_good_file_gone_wrong(tmp_path, good, data):
+    """The state of the search has a checksum; a changed seed or problem is refused when the search begins."""
+    content, whole, end = good
+    changed = data.draw(mutated(content))
+    path = tmp_path / NAME
+    kept = read(path, changed)
+    if kept is None:
+        return
+    assert kept.resume == whole.resume
+    if (kept.seed, kept._problem) == (whole.seed, whole._problem):
+        assert search(path).search.x.tobytes() == end.search.x.tobytes()
+    else:
+        with pytest.raises(ar.InvalidInputError, match="the file of this very search"):
+            search(path)
+
+
+@ONE_FILE
+@given(data=st.data())
+def test_a_state_gone_wrong_under_a_right_checksum(tmp_path, good, data):
+    """As of a program that writes such files itself: the core takes nothing on trust, and always ends."""
+    content, whole, _ = good
+    payload = data.draw(mutated(whole.resume))
+    head = content[: len(content) - len(whole.resume) - 40]
+    digest = hashlib.sha256(payload).digest() + len(payload).to_bytes(8, "little")
+    path = tmp_path / NAME
+    path.write_bytes(head + digest + payload)
+    path.with_name(NAME + ".previous").unlink(missing_ok=True)
+    try:
+        result = search(path)
+    except ar.AntiresError:
+        return
+    low, high = result.problem.bounds.T
+    assert ((low <= result.x) & (result.x <= high)).all()

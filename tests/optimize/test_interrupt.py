@@ -39,36 +39,25 @@ PYTHON = """
 result = endless.minimize({fun}, [(-1, 1)] * 5, rng=0, callback=announce{options})
 print(result.status, result.success, result.fun < 1.0, float(np.sum(result.x ** 2)) == result.fun)
 """
-MANY = """
+RAISES = """
 threading.Timer(0.3, lambda: print("under way", flush=True)).start()
 try:
-    problem.evaluate_many(np.ones((1_000_000, 15)), workers={workers})
+    {code}
     print("finished")
 except KeyboardInterrupt:
     print("interrupted")
 """
+MANY = "problem.evaluate_many(np.ones((1_000_000, 15)), workers={workers})"
 LONG = """
 n = 1500
 chain = ar.MassSpringChain(np.ones(n), np.full(n - 1, 1e4))
-threading.Timer(0.3, lambda: print("under way", flush=True)).start()
-try:
-    chain.antiresonances(range(0, n, 10), 0, method="pencil")
-    print("finished")
-except KeyboardInterrupt:
-    print("interrupted")
-"""
+""" + RAISES.format(code='chain.antiresonances(range(0, n, 10), 0, method="pencil")')
 # Imported beforehand: scipy.stats runs text by exec, and an interrupt in there, though caught, makes Python
 # exit by the signal.
 IDENTIFY = """
 import scipy.signal
 record = case.experiment(0, rng=0, duration_s=2400.0)
-threading.Timer(0.3, lambda: print("under way", flush=True)).start()
-try:
-    while True:
-        ar.identify_antiresonances(record, excitation=0, band_hz=case.band_hz)
-except KeyboardInterrupt:
-    print("interrupted")
-"""
+""" + RAISES.format(code="while True: ar.identify_antiresonances(record, excitation=0, band_hz=case.band_hz)")
 GOOD = "interrupted False True True"
 
 
@@ -98,39 +87,31 @@ def after_sigint(code, to_group=False):
     return out.strip(), took
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_an_update_returns_its_best_so_far(workers):
-    said, took = after_sigint(UPDATE.format(workers=workers))
-    assert said == GOOD
-    assert took < INTERRUPT_S
+PROGRAMS = {
+    "update 1": (UPDATE.format(workers=1), GOOD),
+    "update 2": (UPDATE.format(workers=2), GOOD),
+    "python": (PYTHON.format(fun="lambda x: float(np.sum(x ** 2))", options=""), GOOD),
+    "vectorized": (PYTHON.format(fun="lambda X: np.sum(X ** 2, axis=1)", options=", vectorized=True"), GOOD),
+    # The signal arrives while Python code runs.
+    "slow": (
+        PYTHON.format(
+            fun="lambda X: [float(np.sum(x ** 2)) for x in X for _ in range(300)][::300]",
+            options=", vectorized=True",
+        ),
+        GOOD,
+    ),
+    "many 1": (RAISES.format(code=MANY.format(workers=1)), "interrupted"),
+    "many 2": (RAISES.format(code=MANY.format(workers=2)), "interrupted"),
+    "antiresonances": (LONG, "interrupted"),
+    "identification": (IDENTIFY, "interrupted"),
+}
 
 
-@pytest.mark.parametrize(
-    ("fun", "options"),
-    [
-        ("lambda x: float(np.sum(x ** 2))", ""),
-        ("lambda X: np.sum(X ** 2, axis=1)", ", vectorized=True"),
-        # A slow one: the signal arrives while Python code runs.
-        ("lambda X: [float(np.sum(x ** 2)) for x in X for _ in range(300)][::300]", ", vectorized=True"),
-    ],
-)
-def test_a_python_objective_returns_its_best_so_far(fun, options):
-    said, took = after_sigint(PYTHON.format(fun=fun, options=options))
-    assert said == GOOD
-    assert took < INTERRUPT_S
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_evaluating_many_candidates_raises_keyboard_interrupt(workers):
-    said, took = after_sigint(MANY.format(workers=workers))
-    assert said == "interrupted"
-    assert took < INTERRUPT_S
-
-
-@pytest.mark.parametrize("code", [LONG, IDENTIFY], ids=["antiresonances", "identification"])
-def test_long_calls_raise_keyboard_interrupt(code):
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_search_returns_its_best_so_far_and_other_long_calls_raise(name):
+    code, wanted = PROGRAMS[name]
     said, took = after_sigint(code)
-    assert said == "interrupted"
+    assert said == wanted
     assert took < INTERRUPT_S
 
 

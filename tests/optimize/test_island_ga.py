@@ -1,6 +1,5 @@
 """The island search on Python objectives: contract, not performance."""
 
-import multiprocessing
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -28,13 +27,16 @@ def same(a, b):
     np.testing.assert_array_equal(a.populations, b.populations)
 
 
-def test_finds_the_minimum_and_says_why_it_ended():
-    result = ar.IslandGA().minimize(sphere, BOX, rng=0)
+@pytest.mark.parametrize("islands", [1, 2, 4, 6])
+def test_finds_the_minimum_and_says_why_it_ended(islands):
+    result = ar.IslandGA(islands=islands).minimize(sphere, BOX, rng=0)
     assert result.success
-    assert result.status in ("agreed", "cost agreed")
-    np.testing.assert_allclose(result.x, 0.3, atol=SPHERE)
+    assert result.status in (("stagnated",) if islands == 1 else ("agreed", "cost agreed"))
+    assert result.populations.shape[0] == islands
     assert result.fun == sphere(result.x)
-    assert "agree" in result.message
+    if islands == 4:
+        np.testing.assert_allclose(result.x, 0.3, atol=SPHERE)
+        assert "agree" in result.message
 
 
 def test_what_agreed_claims_holds_for_the_populations():
@@ -60,14 +62,6 @@ def test_shapes_and_order_of_the_outcome():
     assert np.all((result.populations >= -1) & (result.populations <= 1))
 
 
-@pytest.mark.parametrize("islands", [1, 2, 6])
-def test_any_number_of_islands(islands):
-    result = ar.IslandGA(islands=islands).minimize(sphere, BOX, rng=0)
-    assert result.populations.shape[0] == islands
-    assert result.success
-    assert (result.status == "stagnated") == (islands == 1)
-
-
 def test_the_budget_of_evaluations_is_never_exceeded():
     calls = []
 
@@ -84,12 +78,10 @@ def test_the_budget_of_evaluations_is_never_exceeded():
 
 
 def test_the_budget_of_generations_and_of_time():
-    result = ar.IslandGA(max_generations=5).minimize(sphere, BOX, rng=0)
-    assert (result.nit, result.status) == (5, "budget")
-    assert "generations" in result.message
-    result = ar.IslandGA(max_seconds=0.0).minimize(sphere, BOX, rng=0)
-    assert result.status == "budget"
-    assert "time" in result.message
+    for option, word in (({"max_generations": 5}, "generations"), ({"max_seconds": 0.0}, "time")):
+        result = ar.IslandGA(**option).minimize(sphere, BOX, rng=0)
+        assert (result.status, result.nit) == ("budget", option.get("max_generations", 0))
+        assert word in result.message
 
 
 def test_vectorized_and_mapped_objectives_give_the_same_bits():
@@ -100,12 +92,6 @@ def test_vectorized_and_mapped_objectives_give_the_same_bits():
         same(one, ga.minimize(sphere, BOX, rng=5, workers=map))
     with ThreadPoolExecutor(2) as pool:
         same(one, ga.minimize(sphere, BOX, rng=5, workers=pool.map))
-
-
-def test_a_pool_of_processes_gives_the_same_bits_and_is_gone_afterwards():
-    ga = ar.IslandGA(max_evaluations=400)
-    same(ga.minimize(sphere, BOX, rng=5), ga.minimize(sphere, BOX, rng=5, workers=2))
-    assert multiprocessing.active_children() == []
 
 
 def test_a_whole_generation_is_one_call():
@@ -135,8 +121,7 @@ def test_guesses_join_the_populations():
     result = ga.minimize(sphere, BOX, rng=0, x0=guess)
     assert result.fun == 0.0
     np.testing.assert_array_equal(result.x, guess)
-    several = ga.minimize(sphere, BOX, rng=0, x0=[[0.9, 0.9, 0.9], guess])
-    assert several.fun == 0.0
+    assert ga.minimize(sphere, BOX, rng=0, x0=[[0.9, 0.9, 0.9], guess]).fun == 0.0
 
 
 def test_equal_bounds_fix_a_variable():
@@ -188,16 +173,14 @@ def test_exceptions_of_the_user_come_out_unchanged(where):
         (lambda X: ["a"] * len(X), "not numeric"),
         (lambda X: None, r"shape \(\)|not numeric"),
         (lambda X: spheres(X) + 0j, "complex"),
+        (lambda X: np.full(len(X), np.nan), "no finite cost for any of 160 candidates"),
     ],
 )
 def test_a_wrong_answer_of_the_objective_is_named(fun, got):
     with pytest.raises(ar.ObjectiveError, match=f"^fun: got .*{got}.*; wanted 160 real costs"):
         ar.IslandGA().minimize(fun, BOX, rng=0, vectorized=True)
-
-
-def test_a_vector_for_one_candidate_is_named():
     with pytest.raises(ar.ObjectiveError, match="^fun: got .*wanted 160 real costs"):
-        ar.IslandGA().minimize(lambda x: x, BOX, rng=0)
+        ar.IslandGA().minimize(lambda x: x, BOX, rng=0)  # a vector for one candidate
 
 
 def test_infinite_and_nan_costs_are_the_worst():
@@ -213,8 +196,12 @@ def test_options_in_force_are_shown_with_their_defaults():
     options = ar.IslandGA(population=20, crossovers=("blend",)).options
     assert (options["population"], options["islands"], options["max_evaluations"]) == (20, 4, 200_000)
     assert options["crossovers"] == ["blend"]
+    assert (options["polish"], options["polish_interval"], options["polish_evaluations"]) == (None, 10, 1000)
     assert ar.IslandGA().options["crossovers"] == ["arithmetic", "heuristic", "blend", "uniform"]
     assert repr(ar.IslandGA()) == "IslandGA(islands=4, population=40)"
+    for wrong in ({"polish": "yes"}, {"polish_interval": 0}, {"crossovers": [3]}, {"agreement": 1}):
+        with pytest.raises(ar.InvalidInputError, match=next(iter(wrong))):
+            ar.IslandGA(**wrong)
 
 
 def test_agreement_in_genes_alone_does_not_end_in_a_flat_valley():
@@ -258,21 +245,6 @@ def test_progress_tells_how_long_the_budget_lasts():
     assert _progress._left(10**6, 10.0, 1000) == "at most 3 h left"
 
 
-def test_an_objective_without_any_finite_cost_is_refused():
-    with pytest.raises(ar.ObjectiveError, match="no finite cost"):
-        ar.IslandGA().minimize(lambda x: float("nan"), [(0, 1)] * 2, rng=0)
-
-
-def test_a_polish_is_asked_for_with_a_truth_value():
-    options = ar.IslandGA().options
-    assert (options["polish"], options["polish_interval"], options["polish_evaluations"]) == (None, 10, 1000)
-    assert ar.IslandGA(polish=False).options["polish"] is False
-    with pytest.raises(ar.InvalidInputError, match="polish"):
-        ar.IslandGA(polish="yes")
-    with pytest.raises(ar.InvalidInputError, match="polish_interval"):
-        ar.IslandGA(polish_interval=0)
-
-
 def test_a_polished_function_reaches_its_minimum_to_more_digits():
     plain = ar.IslandGA(**SHORT).minimize(sphere, BOX, rng=0)
     polished = ar.IslandGA(**SHORT, polish=True).minimize(sphere, BOX, rng=0)
@@ -298,11 +270,6 @@ def test_the_algorithm_as_printed_is_one_call():
     assert {name: ga.options[name] for name in printed} == printed
     others = {name: value for name, value in ga.options.items() if name not in (*printed, "max_evaluations")}
     assert all(value == ar.IslandGA().options[name] for name, value in others.items())
-    # A result of it says that nothing but equal genes ended it.
-    result = ga.minimize(sphere, BOX, rng=0)
-    assert result.status in ("agreed", "budget")
-    if result.status == "agreed":
-        bests = [p[np.argmin(c)] for p, c in zip(result.populations, result.population_costs, strict=True)]
-        assert np.ptp(bests, axis=0).max() == 0.0
+    assert ga.minimize(sphere, BOX, rng=0).status in ("agreed", "budget")
     assert ar.IslandGA.paper(patience=7, polish=None).options["polish"] is None
     assert ar.IslandGA(polish=False).options["agreement"] == "genes-or-cost"

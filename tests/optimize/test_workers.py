@@ -77,9 +77,12 @@ def test_a_time_limit_acts_in_the_first_generation(workers):
 
 
 @posix
-@pytest.mark.parametrize(("workers", "after"), [(None, 0.5), (2, 3.0)], ids=str)
-def test_ctrl_c_acts_in_the_first_generation(workers, after):
-    said, took = after_sigint(FIRST_GENERATION.format(workers=workers, after=after))
+@pytest.mark.parametrize(
+    ("workers", "after", "to_group"), [(None, 0.5, False), (2, 3.0, False), (2, 3.0, True)], ids=str
+)
+def test_ctrl_c_acts_in_the_first_generation(workers, after, to_group):
+    """That of a terminal reaches workers too, which leave it to the caller."""
+    said, took = after_sigint(FIRST_GENERATION.format(workers=workers, after=after), to_group)
     assert said == "interrupted 0 True True"
     assert took < INTERRUPT_S
 
@@ -113,9 +116,3 @@ def test_candidates_arrive_as_vectors():
 
     ar.IslandGA(max_generations=0).minimize(fun, BOX, rng=0, workers="threads")
     assert shapes == {((3,), np.dtype(np.float64))}
-
-
-@posix
-def test_ctrl_c_of_a_terminal_reaches_workers_which_leave_it_to_the_caller():
-    said, _ = after_sigint(FIRST_GENERATION.format(workers=2, after=3.0), to_group=True)
-    assert said == "interrupted 0 True True"

@@ -5,9 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
-import numpy as np
 import pytest
 
 import antires_rs as ar
@@ -18,11 +16,8 @@ from tests.support.paths import ROOT
 IN_SOURCE_TREE = (ROOT / "Cargo.toml").is_file()
 
 
-def test_all_is_sorted_and_without_repetition():
+def test_names_are_sorted_and_every_exception_is_among_them():
     assert list(ar.__all__) == sorted(set(ar.__all__))
-
-
-def test_every_exception_is_at_the_top():
     assert set(exceptions.catalogue()) | {"AntiresWarning"} <= set(ar.__all__)
 
 
@@ -69,11 +64,6 @@ def test_the_version_is_the_packages():
         assert ar.__version__ == workspace["workspace"]["package"]["version"]
 
 
-def test_the_package_is_typed():
-    for name in ("py.typed", "_core.pyi", "__init__.pyi"):
-        assert (Path(ar.__file__).parent / name).is_file()
-
-
 @campaign  # and in `make lint`
 def test_the_stub_is_that_of_the_built_module(tmp_path):
     pytest.importorskip("mypy")
@@ -84,9 +74,3 @@ def test_the_stub_is_that_of_the_built_module(tmp_path):
         cwd=tmp_path,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_results_of_the_core_are_arrays_of_numpys_own():
-    freq, shapes = ar.cases.chain8().model._core.modes()
-    assert (freq.dtype, shapes.dtype) == (np.float64, np.float64)
-    assert freq.flags.writeable

@@ -29,23 +29,14 @@ def chain():
 @pytest.fixture(scope="module")
 def frame():
     """A clamped beam of five elements, its third softened, with a mass at the tip."""
-    pipe = ar.Tube(0.04, 0.002, 2.1e11, 7850.0)
-    model = ar.FrameModel(
-        [(0.3 * i, 0.0) for i in range(6)],
-        [(i, i + 1) for i in range(5)],
-        pipe,
-        fixed=[0],
-        point_masses=[ar.PointMass(5, 0.5)],
-    )
+    pipe, nodes = ar.Tube(0.04, 0.002, 2.1e11, 7850.0), [(0.3 * i, 0.0) for i in range(6)]
+    pairs = [(i, i + 1) for i in range(5)]
+    model = ar.FrameModel(nodes, pairs, pipe, fixed=[0], point_masses=[ar.PointMass(5, 0.5)])
     damaged = model.with_parameters(ar.stiffness_reduction([HIT]), [LOSS])
     force = model.dof(5, "v")
     dofs = [model.dof(node, "v") for node in range(1, 6)]
-    before, now = (
-        ar.AntiresonanceSet(
-            force, dict(zip(dofs, one.antiresonances(dofs, force, f_max_hz=900.0), strict=True))
-        )
-        for one in (model, damaged)
-    )
+    zeros = [one.antiresonances(dofs, force, f_max_hz=900.0) for one in (model, damaged)]
+    before, now = (ar.AntiresonanceSet(force, dict(zip(dofs, each, strict=True))) for each in zeros)
     return model, ar.assess_damage(model, now, baseline=before)
 
 
@@ -107,12 +98,8 @@ def test_names_lead_back_to_what_they_name(chain, frame):
         np.testing.assert_array_equal(
             model.antiresonances(model.dof_label(dof), 0), model.antiresonances(dof, 0)
         )
-    named_parameters = [
-        (ar.stiffness_factor([3], bounds=(0.5, 2.0)), "stiffness of spring 3"),
-        (ar.mass_factor([3], bounds=(0.5, 2.0)), "mass 3"),
-    ]
-    for parameters, name in named_parameters:
-        assert ar.UpdatingProblem(model, parameters, chain[1]).names == [name]
+    factors = [make(3, bounds=(0.5, 2.0)) for make in (ar.stiffness_factor, ar.mass_factor)]
+    assert ar.UpdatingProblem(model, factors, chain[1]).names == ["stiffness of spring 3", "mass 3"]
     beam = frame[0]
     assert [beam.element_label(e) for e in range(5)] == [f"element {e}" for e in range(5)]
     assert beam.mass_label(5) == "mass 0 (node 5)"  # the term of its beams come first; point_mass([0])
@@ -137,11 +124,8 @@ def test_errors_count_as_arguments_do(frame):
 
 
 def test_islands_and_setups_count_as_their_arrays(chain):
-    result = ar.update(
-        ar.UpdatingProblem(chain[0], ar.stiffness_factor([0, 1], bounds=(0.5, 1.5)), chain[1]),
-        optimizer=ar.IslandGA(max_evaluations=600),
-        rng=0,
-    )
+    problem = ar.UpdatingProblem(chain[0], ar.stiffness_factor([0, 1], bounds=(0.5, 1.5)), chain[1])
+    result = ar.update(problem, optimizer=ar.IslandGA(max_evaluations=600), rng=0)
     drawn = plotting.plot_convergence(result)
     table = plotting.data_of(drawn)["islands"]
     for island in range(result.history.cost.shape[1]):

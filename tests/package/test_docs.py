@@ -16,19 +16,9 @@ pytestmark = pytest.mark.usefixtures("quick_pictures")
 
 #: Pages whose code runs from top to bottom; files.md and the recipes speak of files and packages of others.
 PAGES = (
-    "start",
-    "identify",
-    "repeats",
-    "series",
-    "monitoring",
-    "model",
-    "parameters",
-    "damage",
-    "stabilization",
-    "limits",
-    "long_runs",
-    "migration",
-)
+    "start", "identify", "repeats", "series", "monitoring", "model", "parameters", "damage", "stabilization",
+    "limits", "long_runs", "migration",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -90,18 +80,13 @@ def names_of(listing):
     return [name.strip() for table in tables for name in table.splitlines()]
 
 
-def test_every_public_name_is_in_the_reference_once():
-    listed = names_of((DOCS / "api/index.rst").read_text(encoding="utf-8"))
-    assert set(ar.__all__) - {"__version__"} <= set(listed)
-    assert len(listed) == len(set(listed))
-
-
-def test_every_picture_has_its_page():
+def test_every_public_name_and_picture_is_in_the_reference_once():
     pytest.importorskip("matplotlib")
-    from antires_rs import figures as plotting
+    from antires_rs import figures
 
     listed = names_of((DOCS / "api/index.rst").read_text(encoding="utf-8"))
-    assert {f"figures.{name}" for name in plotting.__all__} <= set(listed)
+    assert set(ar.__all__) - {"__version__"} | {f"figures.{name}" for name in figures.__all__} <= set(listed)
+    assert len(listed) == len(set(listed))
 
 
 @pytest.mark.parametrize("page", sorted(p.name for p in DOCS.glob("*.md")))
@@ -124,12 +109,9 @@ def test_the_pages_are_built_without_a_warning(tmp_path):
         "matplotlib",
     ):
         pytest.importorskip(module)
+    made = shutil.ignore_patterns("_build", "generated", "backreferences")
     for folder in ("docs", "examples"):
-        shutil.copytree(
-            DOCS.parent / folder,
-            tmp_path / folder,
-            ignore=shutil.ignore_patterns("_build", "generated", "backreferences"),
-        )
+        shutil.copytree(DOCS.parent / folder, tmp_path / folder, ignore=made)
     shutil.rmtree(tmp_path / "docs" / "gallery", ignore_errors=True)
     build = subprocess.run(
         [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-D", "plot_gallery=0", "docs", "html"],

@@ -50,81 +50,72 @@ def study():
     case = ar.cases.chain8()
     record = case.experiment(level=1, noise=0.01, rng=1)
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
+    frame = ar.FrameModel([(0.0, 0.0), (1.0, 0.0)], [(0, 1)], ar.Tube(0.04, 0.002, 2.1e11, 7800.0))
     search = ar.IslandGA(islands=2, population=10, max_evaluations=200)
+    three = ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0])
+    damage = ar.assess_damage(case.model, zeros, optimizer=search, rng=0)
     return {
-        "case": case,
+        "chain": case.model,
+        "frame": frame,
         "record": record,
         "zeros": zeros,
-        "damage": ar.assess_damage(case.model, zeros, optimizer=search, rng=0),
-        "judged": ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)),
+        "diagram": zeros.diagrams[0],
+        "damage": damage,
+        "update": ar.update(case.updating_problem(), optimizer=search, rng=0),
+        "table": damage.table,
+        "hypotheses": ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)).hypotheses,
         "plan": ar.plan_test(case.model, n_sensors=2, excitations=0),
-        "curves": ar.detectability(
-            ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0]), excitation=0, std=5e-4, n_tests=1, rng=0
-        ),
+        "curves": ar.detectability(three, excitation=0, std=5e-4, n_tests=1, rng=0),
         "watched": ar.monitor([case.exact(0)] * 60, baseline=50),
         "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
         "lines": ar.transmissibility(record, 0, nperseg=4096),
+        "responses": ar.frf(record, nperseg=512),
+        "comparison": ar.compare(zeros, zeros),
+        "tracks": ar.track([zeros, zeros]),
+        "identifiability": ar.identifiability(case.updating_problem(), points=4, forces=[], sensors=[]),
     }
 
 
-def frame():
-    return ar.FrameModel([(0.0, 0.0), (1.0, 0.0)], [(0, 1)], ar.Tube(0.04, 0.002, 2.1e11, 7800.0))
-
-
-def before_a_test(study):
-    return ar.identifiability(study["case"].updating_problem(), points=4, forces=[], sensors=[])
-
-
-#: A call of each function of ``plotting``.
+#: What of the study each function of ``figures`` draws.
 PICTURES = {
-    "plot_chain": lambda s: plotting.plot_chain(s["case"].model),
-    "plot_coherence": lambda s: plotting.plot_coherence(s["lines"]),
-    "plot_convergence": lambda s: plotting.plot_convergence(s["damage"]),
-    "plot_damage": lambda s: plotting.plot_damage(s["damage"]),
-    "plot_damages": lambda s: plotting.plot_damages({"one": s["damage"], "two": s["damage"]}),
-    "plot_hypotheses": lambda s: plotting.plot_hypotheses(s["judged"].hypotheses),
-    "Hypotheses.plot": lambda s: s["judged"].hypotheses.plot(),
-    "plot_damping_clusters": lambda s: plotting.plot_damping_clusters(s["zeros"].diagrams[0]),
-    "plot_detectability": lambda s: plotting.plot_detectability(s["curves"]),
-    "plot_plan": lambda s: plotting.plot_plan(s["plan"]),
-    "plot_differences": lambda s: plotting.plot_differences(s["damage"].table),
-    "plot_frame": lambda s: plotting.plot_frame(frame()),
-    "plot_identifiability": lambda s: plotting.plot_identifiability(before_a_test(s)),
-    "plot_singular_values": lambda s: plotting.plot_singular_values(s["check"]),
-    "plot_stabilization": lambda s: plotting.plot_stabilization(s["zeros"].diagrams[0]),
-    "plot_responses": lambda s: plotting.plot_responses(
-        ar.frf(s["record"], nperseg=512), s["case"].model, excitation=0
-    ),
-    "plot_transmissibility": lambda s: plotting.plot_transmissibility(
-        s["lines"], s["case"].model, dof=1, excitation=0
-    ),
-    "plot_comparison": lambda s: plotting.plot_comparison(ar.compare(s["zeros"], s["zeros"])),
-    "plot_tracks": lambda s: plotting.plot_tracks(ar.track([s["zeros"], s["zeros"]])),
-    "DetectionCurves.plot": lambda s: s["curves"].plot(),
-    "SensorPlan.plot": lambda s: s["plan"].plot(),
-    "Comparison.plot": lambda s: ar.compare(s["zeros"], s["zeros"]).plot(),
-    "Tracks.plot": lambda s: ar.track([s["zeros"], s["zeros"]]).plot(),
-    "UpdateResult.plot": lambda s: ar.UpdateResult.plot(s["damage"]),
-    "DamageResult.plot": lambda s: s["damage"].plot(),
-    "BoxIdentifiability.plot": lambda s: before_a_test(s).plot(),
-    "DataCheck.plot": lambda s: s["check"].plot(),
-    "AntiresonanceSet.plot": lambda s: s["zeros"].plot(0),
-    "StabilizationDiagram.plot": lambda s: s["zeros"].diagrams[0].plot(),
-    "FrameModel.plot": lambda s: frame().plot(),
-    "plot_monitor": lambda s: plotting.plot_monitor(s["watched"]),
-    "Watched.plot": lambda s: s["watched"].plot(),
+    "plot_chain": "chain",
+    "plot_coherence": "lines",
+    "plot_comparison": "comparison",
+    "plot_convergence": "damage",
+    "plot_damage": "damage",
+    "plot_damages": "damage",
+    "plot_damping_clusters": "diagram",
+    "plot_detectability": "curves",
+    "plot_differences": "table",
+    "plot_frame": "frame",
+    "plot_hypotheses": "hypotheses",
+    "plot_identifiability": "identifiability",
+    "plot_monitor": "watched",
+    "plot_plan": "plan",
+    "plot_responses": "responses",
+    "plot_singular_values": "check",
+    "plot_stabilization": "diagram",
+    "plot_tracks": "tracks",
+    "plot_transmissibility": "lines",
 }
 
 
-def test_no_picture_is_forgotten():
-    methods = {f"{name}.plot" for name in ar.__all__ if hasattr(getattr(ar, name), "plot")}
-    assert {name for name in plotting.__all__ if name.startswith("plot_")} | methods == set(PICTURES)
-
-
-@pytest.mark.parametrize("name", sorted(PICTURES))
-def test_pictures_say_what_to_install(bare, study, name):
-    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[plot\]"'):
-        PICTURES[name](study)
+def test_pictures_say_what_to_install(bare, study):
+    drawn = {name: lambda name=name: getattr(plotting, name)(study[PICTURES[name]]) for name in PICTURES}
+    drawn["plot_damages"] = lambda: plotting.plot_damages(dict.fromkeys("ab", study["damage"]))
+    drawn["plot_transmissibility"] = lambda: plotting.plot_transmissibility(
+        study["lines"], study["chain"], dof=1, excitation=0
+    )
+    drawn["plot_responses"] = lambda: plotting.plot_responses(
+        study["responses"], study["chain"], excitation=0
+    )
+    assert set(drawn) == {name for name in plotting.__all__ if name.startswith("plot_")}
+    methods = {type(thing).__name__: thing.plot for thing in study.values() if hasattr(thing, "plot")}
+    assert set(methods) >= {name for name in ar.__all__ if hasattr(getattr(ar, name), "plot")}
+    methods["AntiresonanceSet"] = lambda: study["zeros"].plot(0)
+    for call in (*drawn.values(), *methods.values()):
+        with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[plot\]"'):
+            call()
 
 
 def test_reports_say_what_to_install(bare, study, monkeypatch, tmp_path):
@@ -208,7 +199,7 @@ def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
         write(tmp_path / name, recording())
         np.testing.assert_allclose(read(tmp_path / name).responses, recording().responses, rtol=1e-12)
     assert ar.from_sep005(ar.to_sep005(recording())).n_samples == recording().n_samples
-    model = ar.MatrixModel(study["case"].model.stiffness(), study["case"].model.mass())
+    model = ar.MatrixModel(study["chain"].stiffness(), study["chain"].mass())
     ar.write_matrices(tmp_path / "model.npz", model)
     np.testing.assert_array_equal(
         ar.read_matrices(tmp_path / "model.npz").modes().freq_hz, model.modes().freq_hz
@@ -246,23 +237,11 @@ def test_the_extras_bring_what_the_messages_promise():
         assert set(packages) <= {re.split(r"[<>=[]", wanted)[0] for wanted in extras[extra]}
     assert set(extras) == {*PACKAGES, "all"}
     assert set(re.findall(r"\w+", extras["all"][0].partition("[")[2])) == set(PACKAGES) - LARGE
-    named = {
-        extra
-        for source in (PROJECT.parent / "python").rglob("*.py")
-        for extra in re.findall(r"antires-rs\[(\w+)\]", source.read_text(encoding="utf-8"))
-    }
-    called = {
-        extra
-        for source in (PROJECT.parent / "python").rglob("*.py")
-        for extra in re.findall(
-            r'missing_package\([^)]*"(\w+)", (?:exc|ImportError)\b', source.read_text(encoding="utf-8")
-        )
-    }
-    children = {  # which read in a child process
-        extra
-        for source in (PROJECT.parent / "python").rglob("*.py")
-        for extra in re.findall(
-            r'require\((?:"[^"]+"|reader), "[^"]+", "(\w+)"', source.read_text(encoding="utf-8")
-        )
-    }
-    assert named | called | children == set(PACKAGES)
+    sources = [file.read_text(encoding="utf-8") for file in (PROJECT.parent / "python").rglob("*.py")]
+    promises = (
+        r"antires-rs\[(\w+)\]",
+        r'missing_package\([^)]*"(\w+)", (?:exc|ImportError)\b',
+        r'require\((?:"[^"]+"|reader), "[^"]+", "(\w+)"',  # which read in a child process
+    )
+    named = {extra for source in sources for promise in promises for extra in re.findall(promise, source)}
+    assert named == set(PACKAGES)

@@ -34,11 +34,6 @@ def pyplot():
     pyplot.close("all")
 
 
-def test_there_are_enough():
-    assert len(SCRIPTS) >= 12
-    assert set(MEASURED) <= {path.stem for path in SCRIPTS}
-
-
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_it_is_short_and_opens_with_a_title(path):
     lines = path.read_text(encoding="utf-8").splitlines()

@@ -11,12 +11,9 @@ from pathlib import Path
 import pytest
 
 import antires_rs as ar
-from tests.support.campaign import campaign
 
 HERE = Path(ar.__file__).parent
-#: Names of modules of 0.1, which warn.
-MOVED = {"cli", "plotting", "report"}
-MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"} - MOVED)
+MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"})
 #: What no import of ours may cost.
 EXTRAS = {"matplotlib", "h5py", "dask", "pyuff", "pandas", "xarray", "jinja2", "tqdm"}
 
@@ -63,17 +60,6 @@ def test_no_module_can_take_the_place_of_a_public_name():
 def test_everything_is_listed_before_it_is_imported():
     listed = in_a_new_process("import antires_rs as ar; print(*dir(ar))").split()
     assert set(ar.__all__) | {"cases", "exceptions", "figures", "io"} <= set(listed)
-
-
-def test_modules_are_attributes():
-    code = f"import antires_rs as ar\nfor name in {MODULES!r}: print(getattr(ar, name).__name__)"
-    assert in_a_new_process(code).splitlines() == [f"antires_rs.{name}" for name in MODULES]
-
-
-def test_the_star_brings_all_names():
-    names = {}
-    exec("from antires_rs import *", names)
-    assert set(ar.__all__) == set(names) - {"__builtins__"}
 
 
 def test_an_unknown_name_is_answered_as_python_does():
@@ -125,27 +111,6 @@ def test_the_command_line_answers_without_numpy(argument):
     said, _, loaded = in_a_new_process(code).rpartition("\n")
     assert "antires" in said
     assert {name.split(".")[0] for name in loaded.split()} & (EXTRAS | {"numpy", "scipy"}) == set()
-
-
-@campaign  # there is no circle that could make it otherwise: `make lint`
-def test_every_module_can_be_the_first():
-    """Nothing leans on another import having come before; the extension is loaded once."""
-    names = sorted(
-        module.name
-        for module in pkgutil.walk_packages([str(HERE)], "antires_rs.")
-        if not module.name.endswith("__main__")
-    )
-    code = f"""
-import sys
-from importlib import import_module
-import numpy, antires_rs._core
-for name in {names!r}:
-    for loaded in [m for m in sys.modules if m.startswith("antires_rs") and not m.endswith("._core")]:
-        del sys.modules[loaded]
-    import_module(name)
-    print(name)
-"""
-    assert in_a_new_process(code).splitlines() == names
 
 
 def test_threads_may_ask_at_once():

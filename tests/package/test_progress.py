@@ -1,6 +1,5 @@
 """Work that takes seconds says so on standard error, if anyone is there to read it."""
 
-import inspect
 import io
 import re
 import sys
@@ -102,22 +101,6 @@ def test_an_error_in_the_background_is_the_callers():
 
     with pytest.raises(ar.NumericalError, match="no such zero"):
         _progress.interruptible(fail, "failing")
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        ar.identify_antiresonances,
-        ar.identify_modes,
-        ar.check_data,
-        ar.MassSpringChain.simulate,
-        ar.cases.Chain8.experiment,
-        ar.cases.Exhaust.experiment,
-    ],
-)
-def test_the_option_is_in_every_signature(call):
-    assert inspect.signature(call).parameters["progress"].default is None
-    assert call.__doc__
 
 
 def test_warnings_point_at_the_callers_line(monkeypatch):

@@ -62,7 +62,7 @@ def test_every_entry_belongs_to_something_and_says_what_to_do():
     said = {name for _, name in warned()} | FINDINGS | words_of_doubts() | OF_RESULTS
     assert set(entries()) - said == set()
     for name, text in entries().items():
-        heads = re.findall(r"^\*\*(.+?):\*\* \S", text, re.MULTILINE)
+        heads = re.findall(r"^- \*\*(.+?):\*\* \S", text, re.MULTILINE)
         assert heads == ["Seen", "Why", "What to do"], name
 
 

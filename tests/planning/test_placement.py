@@ -1,14 +1,12 @@
 """Sensors chosen, against all sets; and the information of a set, against the core asked for that set."""
 
-from itertools import combinations
-
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.damage.measured_states import roots_at
 from antires_rs.models.parameters import stiffness_reduction
-from antires_rs.planning.placement import CRITERIA, Information, exhaustive, greedy, information
+from antires_rs.planning.placement import CRITERIA, exhaustive, greedy, information
 from antires_rs.planning.virtual_roots import ExpectedErrors, objective, virtual_roots
 from reference.structures import CHAIN8_MASSES, CHAIN8_SPRINGS
 from reference.symmetric_structures import cases
@@ -60,17 +58,11 @@ def test_greedy_is_within_two_per_cent_of_the_best_of_all_sets(name, criterion):
         assert ours.worth >= best.worth - 0.02
 
 
-def test_all_sets_are_looked_at():
-    found = told("1")[-1]
-    worths = [found.worth(each, "determinant") for each in combinations(range(11), 3)]
-    assert exhaustive(found, 3, "determinant").worth == max(worths)
-
-
-@pytest.mark.parametrize("symmetric", [False, True])
-@pytest.mark.parametrize("name", ["1", "portal", "ring"])
+@pytest.mark.parametrize(
+    ("name", "symmetric"),
+    [("1", False), ("portal", False), ("portal", True), ("ring", False), ("ring", True)],
+)
 def test_the_information_of_a_set_is_that_of_the_roots_the_core_shows_of_it(name, symmetric):
-    if symmetric and name == "1":
-        pytest.skip("a random chain is not symmetric")
     model, sensors, force, high, found = told(name, symmetric=symmetric)
     parameters = tuple(stiffness_reduction(model.default_elements))
     rng = np.random.default_rng(3)
@@ -83,57 +75,3 @@ def test_the_information_of_a_set_is_that_of_the_roots_the_core_shows_of_it(name
         np.testing.assert_allclose(
             found.of(chosen), rows.T @ rows, rtol=1e-6, atol=1e-6 * np.trace(rows.T @ rows)
         )
-
-
-def test_each_sensor_of_a_symmetric_pair_hides_nothing_with_another_beside_it():
-    """Roots that two sensors share count once a third one does not have them."""
-    _, sensors, _, _, found = told("ring", symmetric=True)
-    assert found.owner.size
-    everywhere = np.trace(found.of(range(len(sensors))))
-    summed = sum(np.trace(found.own[c]) for c in range(len(sensors))) + (found.rows**2).sum()
-    assert everywhere <= summed * (1.0 + 1e-12)
-    one = np.trace(found.of([0]))
-    assert np.trace(found.of([0, 1])) <= one + np.trace(found.of([1])) + 1e-9
-
-
-@pytest.mark.parametrize("name", ["1", "portal", "ring"])
-def test_many_sets_at_once_are_worth_what_each_is_alone(name):
-    found = told(name)[-1]
-    count = found.own.shape[0]
-    for n in (1, 3, count - 1):
-        sets = np.array(list(combinations(range(count), n))[:60])
-        plain = np.array(
-            [0.5 * np.linalg.slogdet(np.eye(found.of(s).shape[0]) + found.of(s))[1] for s in sets]
-        )
-        np.testing.assert_allclose(found.worths(sets, "determinant"), plain, rtol=1e-9)
-        least = np.array([0.5 * np.log1p(np.diag(found.of(s))).min() for s in sets])
-        assert np.all(found.worths(sets, "worst") >= least - 1e-9)
-        # The bound by which pairs are left out of the search.
-        assert np.all(found.worths(sets, "determinant", all_shown=True) >= plain - 1e-9)
-
-
-def test_forty_candidates_cost_few_sets():
-    """Every exchange of two would be 8,415 sets a round; a bound leaves out those that cannot win."""
-    rng = np.random.default_rng(79)
-    model = ar.MassSpringChain(rng.uniform(0.5, 1.5, 40), 5e4 * rng.uniform(0.5, 1.5, 39))
-    parameters = tuple(stiffness_reduction(model.default_elements))
-    args = (np.zeros(39), list(range(40)), 0, (0.0, 60.0), "transmissibility", ERRORS, 1)
-    found = information(virtual_roots(model, parameters, *args), 40, np.ones(39), 2)
-    judged, worths = [], Information.worths
-
-    class Counted(Information):
-        def worths(self, sets, criterion, **how):
-            judged.append(len(sets))
-            return worths(self, sets, criterion, **how)
-
-    ours = greedy(Counted(found.own, found.owner, found.rows, found.share), 6, "determinant")
-    assert sum(judged) < 8000
-    outside = [c for c in range(40) if c not in ours.chosen]
-    exchanged = np.array(
-        [
-            [c for c in ours.chosen if c not in goes] + list(joins)
-            for goes in combinations(ours.chosen, 2)
-            for joins in combinations(outside, 2)
-        ]
-    )
-    assert found.worths(exchanged, "determinant").max() <= ours.worth * (1.0 + 1e-9)

@@ -1,9 +1,11 @@
 """Runs of ``antires`` that get a signal during their search."""
 
+import dataclasses
 import subprocess
 import sys
 import time
 
+from antires_rs.app import arguments
 from tests.support.job_files import UPDATE
 
 #: Some two hundred generations with migrations, a second or two.
@@ -45,3 +47,16 @@ def stopped(folder, how, *call, after=0.3, until="searching", code=ANTIRES):
             return process.returncode, out, err, time.monotonic() - start
         finally:
             process.kill()
+
+
+def interrupt_assessments(patch):
+    """From here on assessments of jobs end as if Ctrl-C had come."""
+    complete = arguments.assess_damage
+
+    def interrupted(*args, **options):
+        result = complete(*args, **options)
+        search = dataclasses.replace(result.search, status="interrupted", success=False)
+        judged = (result.assessment,) if "baseline" in options else ()
+        return type(result)(result.problem, search, result.seed, *judged)
+
+    patch.setattr(arguments, "assess_damage", interrupted)

@@ -42,3 +42,21 @@ def assessed(seed, losses, **options):
     rng, factors = truth(seed)
     before = measured(chain(factors), rng)
     return ar.assess_damage(NOMINAL, measured(chain(factors, losses), rng), baseline=before, **options)
+
+
+def states(seed, losses=(0, 0, 0.3, 0, 0)):
+    """Intact state and a test of a chain with errors of its own."""
+    rng, factors = truth(seed)
+    return measured(chain(factors), rng), measured(chain(factors, losses), rng)
+
+
+def changed(sets, by=1.0, dofs=None, std=1.0):
+    """The sets with all values times ``by``, at some of the dofs, and standard deviations times ``std``."""
+    return [
+        ar.AntiresonanceSet(
+            each.excitation,
+            {d: by * each[d] for d in (each if dofs is None else dofs)},
+            std_hz={d: std * each.std_hz[d] for d in (each if dofs is None else dofs)},
+        )
+        for each in sets
+    ]

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import eigh
 
 import antires_rs as ar
-from antires_rs.updating.identifiability import combination_in_words, combinations, sensitivities
+from antires_rs.updating.box_identifiability import combination_in_words, combinations, sensitivities
 
 
 def virtual(model, dofs, force=0):
@@ -76,12 +76,9 @@ def test_two_parameters_with_one_effect_are_told_together():
 def test_the_expected_width_is_that_of_the_intervals():
     """What is promised before the test against the spread of the posterior after it."""
     model = ar.MassSpringChain([1.0, 1.5, 0.8, 1.2], [4e4, 3e4, 5e4], ground_first_n_per_m=3e4)
-    parameters = ar.stiffness_factor([0, 1], bounds=(0.7, 1.3))
-    rng = np.random.default_rng(11)
-    sets = [virtual(model, range(4), force) for force in (0, 3)]
-    promised = ar.identifiability(
-        ar.UpdatingProblem(model, parameters, sets), noise=2e-3, forces=[], sensors=[]
-    )
+    parameters, rng = ar.stiffness_factor([0, 1], bounds=(0.7, 1.3)), np.random.default_rng(11)
+    before = ar.UpdatingProblem(model, parameters, [virtual(model, range(4), force) for force in (0, 3)])
+    promised = ar.identifiability(before, noise=2e-3, forces=[], sensors=[])
     spread = []
     for seed in range(12):
         true = model.with_parameters(parameters, rng.uniform(0.75, 1.25, 2))

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from reference.symmetric_structures import cases
+from antires_rs.updating.targets import complex_zeros
+from reference.symmetric_structures import cases, true_zeros
 from tests.support.campaign import some_of
 
 CHAIN = ar.MassSpringChain(np.ones(7), np.full(6, 5e4))
@@ -90,8 +91,6 @@ def test_halves_of_complex_zeros_are_left_out_and_named():
     case = next(c for c in cases() if c.name == "10 masses, 2 held")
     model = case.build(0.003)
     # At sensor 2 of this ring two antiresonances have met.
-    from antires_rs.updating.targets import complex_zeros
-
     dof, freq, part = next(
         (d, f[0], p[0])
         for d in case.sensors
@@ -113,6 +112,23 @@ def test_halves_of_complex_zeros_are_left_out_and_named():
     # Without damping ratios nothing is told.
     plain = ar.AntiresonanceSet(case.excitation, zeros, sees="transmissibility")
     assert ar.UpdatingProblem(model, parameters, plain).left_out == ()
+
+
+@pytest.mark.parametrize("name", ["10 masses, 2 held", "1 storeys of 4, corner"])
+def test_complex_zeros_are_those_of_the_deleted_pencil(name):
+    case = next(c for c in cases() if c.name == name)
+    model, limit_hz = case.build(0.003), case.band_hz[1]
+    compared = 0
+    for dof in case.sensors:
+        theirs = true_zeros(model, dof, case.excitation)
+        part = theirs.imag / np.abs(theirs)
+        theirs = theirs[(part > 0.005) & (part <= 0.15) & (np.abs(theirs) <= limit_hz)]
+        freq, ours = complex_zeros(model, dof, case.excitation, limit_hz)
+        assert freq == pytest.approx(np.sort(np.abs(theirs)), rel=2e-3)
+        order = np.argsort(np.abs(theirs))
+        assert ours == pytest.approx((theirs.imag / np.abs(theirs))[order], abs=2e-3)
+        compared += freq.size
+    assert compared
 
 
 QUICK = ["5 equal masses, force at 0", "1 storeys of 2, corner"]

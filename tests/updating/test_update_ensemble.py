@@ -30,6 +30,10 @@ def test_the_bits_do_not_depend_on_the_workers(workers):
     several = [problem(k) for k in (520.0, 550.0, 580.0)]
     alone = ar.update_ensemble(iter(several), optimizer=SHORT, rng=3)
     assert bits(ar.update_ensemble(several, optimizer=SHORT, rng=3, workers=workers)) == bits(alone)
+    one = [ar.update_ensemble(problem(), count=3, optimizer=SHORT, rng=0, workers=w) for w in (None, workers)]
+    assert bits(one[0]) == bits(one[1])
+    assert one[0].x.shape == (3, 2)
+    assert "3 updatings, 3 with a result" in str(one[0])
     assert alone.failed == {}
     assert not alone.interrupted
 
@@ -45,15 +49,8 @@ def test_each_is_what_update_gives_with_its_seed():
     np.testing.assert_allclose(found.x[:, 0], [1.04, 1.16], atol=0.01)
 
 
-def test_one_problem_from_several_seeds():
-    found = ar.update_ensemble(problem(), count=3, optimizer=SHORT, rng=0, workers="threads")
-    assert found.x.shape == (3, 2)
-    assert "3 updatings, 3 with a result" in str(found)
-    assert bits(found) == bits(ar.update_ensemble(problem(), count=3, optimizer=SHORT, rng=0))
-
-
 def test_what_fails_is_told_and_the_others_stand(monkeypatch):
-    from antires_rs.updating import ensemble as room
+    from antires_rs.updating import update as room
 
     real = room.update
 
@@ -103,9 +100,8 @@ def test_wrong_arguments_are_refused(given, options, argument):
 
 
 def test_parameters_of_different_problems_are_not_mixed():
-    other = ar.UpdatingProblem(
-        problem().model, ar.stiffness_factor([0], bounds=(0.7, 1.3)), problem().measured
-    )
+    one = ar.stiffness_factor([0], bounds=(0.7, 1.3))
+    other = ar.UpdatingProblem(problem().model, one, problem().measured)
     found = ar.update_ensemble([problem(), other], optimizer=SHORT, rng=0)
     with pytest.raises(ar.InvalidInputError, match="problems of 1, 2 parameters"):
         _ = found.x

@@ -1,6 +1,8 @@
-"""Records to a series: sources of every kind, what fails, Ctrl-C, and that memory does not grow."""
+"""Records to a series: sources of every kind, what fails, what users get wrong, Ctrl-C, and memory."""
 
+import functools
 import os
+import re
 import signal
 import tracemalloc
 
@@ -8,76 +10,88 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.watch import sources as one_test
+from antires_rs.watch import identify_series as module, sources as one_test
 from reference.small_records import OPTIONS, dead, record
 from tests.support.campaign import some_of
+from tests.support.same_sets import assert_same_set
 
 
 @pytest.fixture
-def counted(monkeypatch):
-    """Names of what is identified; only the first of each kind truly is."""
-    real, seen, cache = one_test.identify_antiresonances, [], {}
+def quick(monkeypatch):
+    """Each test has one antiresonance, by its record."""
 
-    def identify(signal, **options):
-        seen.append(signal)
-        key = tuple((signal[0] if isinstance(signal, list) else signal).dofs)
-        if key not in cache:
-            cache[key] = real(signal, **options)
-        return cache[key]
+    def identify(source, **_):
+        first = source[0] if isinstance(source, list) else source
+        return ar.AntiresonanceSet(0, {0: [2.0 + abs(first.responses[0, 0])], 1: []})
 
     monkeypatch.setattr(one_test, "identify_antiresonances", identify)
-    return seen
+
+
+def given(i):
+    return ar.Recording(np.full((2, 50), float(i)) + np.arange(50), 32.0)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for day in ("monday", "tuesday"):
+        (tmp_path / day).mkdir()
+        for i in (10, 2, 1):
+            ar.write_npz(tmp_path / day / f"test_{i}.npz", record(i))
+        (tmp_path / day / "notes.md").write_text("nothing of this is a measurement")
+    return tmp_path
 
 
 def test_each_set_is_that_of_one_call_without_diagrams():
     records = [record(0), record(1)]
-    series = ar.identify_series(records, **OPTIONS)
-    for one, found in zip(records, series, strict=True):
-        alone = ar.identify_antiresonances(one, **OPTIONS)
-        assert found == alone
-        assert found.sees == alone.sees
-        assert found.channels == alone.channels
-        assert found.scores.keys() == alone.scores.keys()
-        assert found.data_check.findings == alone.data_check.findings
+    for one, found in zip(records, ar.identify_series(records, **OPTIONS), strict=True):
+        assert_same_set(found, ar.identify_antiresonances(one, **OPTIONS))
         assert not found.diagrams
-        for dof, columns in alone.scores.items():
-            for name, values in columns.items():
-                np.testing.assert_array_equal(found.scores[dof][name], values)
-                assert found.scores[dof][name].dtype.kind == values.dtype.kind
 
 
-def folder(tmp_path):
-    for i in (10, 2, 1):
-        ar.write_npz(tmp_path / f"test_{i}.npz", record(i))
-    (tmp_path / "notes.md").write_text("nothing of this is a measurement")
-    return tmp_path
+SOURCES = {
+    "folder": lambda _, files: str(files[0].parent),
+    "pattern": lambda _, files: files[0].parent / "test_*.npz",
+    "list": lambda _, files: [str(files[0]), *files[1:]],
+    "generator": lambda _, files: iter(files),
+    "mapping": lambda names, files: dict(zip(names, map(ar.read_npz, files), strict=True)),
+    "functions": lambda names, files: [
+        (name, functools.partial(ar.read_npz, file)) for name, file in zip(names, files, strict=True)
+    ],
+    "repeats": lambda names, files: [(name, [file, file]) for name, file in zip(names, files, strict=True)],
+}
 
 
-@pytest.mark.parametrize("how", ["folder", "pattern", "list", "generator", "mapping", "functions", "tuples"])
-def test_sources_of_every_kind(tmp_path, counted, how):
-    where = folder(tmp_path)
-    files = [where / f"test_{i}.npz" for i in (1, 2, 10)]
-    names = [file.name for file in files]
-    given = {
-        "folder": str(where),
-        "pattern": where / "test_*.npz",
-        "list": [str(files[0]), *files[1:]],
-        "generator": iter(files),
-        "mapping": dict(zip(names, (record(i) for i in (1, 2, 10)), strict=True)),
-        "functions": [
-            (name, lambda file=file: ar.read_npz(file)) for name, file in zip(names, files, strict=True)
-        ],
-        "tuples": [(name, [file, file]) for name, file in zip(names, files, strict=True)],
-    }[how]
-    series = ar.identify_series(given, **OPTIONS)
+@pytest.mark.parametrize("how", SOURCES)
+def test_sources_of_every_kind(folder, quick, how):
+    names = [f"test_{i}.npz" for i in (1, 2, 10)]
+    series = ar.identify_series(SOURCES[how](names, [folder / "monday" / name for name in names]), **OPTIONS)
     assert series.names == tuple(names)
-    assert not series.failed
-    firsts = (
-        [(one[0] if isinstance(one, list) else one).responses[0, 0] for one in counted]
-        if how != "tuples"
-        else []
+    expected = [2.0 + abs(record(i).responses[0, 0]) for i in (1, 2, 10)]
+    assert [one[0].tolist() for one in series] == [[value] for value in expected]
+
+
+def test_patterns_anywhere(folder, quick, monkeypatch):
+    monkeypatch.chdir(folder)
+    for pattern, names in {
+        "monday/test_?.npz": ("test_1.npz", "test_2.npz"),
+        "*/test_2.npz": ("monday/test_2.npz", "tuesday/test_2.npz"),
+        "monday/test_[2-9].npz": ("test_2.npz",),
+        "monday/test_1.npz": ("test_1.npz",),
+    }.items():
+        assert ar.identify_series(pattern, **OPTIONS).names == names
+
+
+def test_conditions_come_with_a_source_or_beside(quick):
+    own = {"temperature_c": 7.0, "time": "2026-01-31"}
+    series = ar.identify_series(
+        [given(0), (given(1), own), ("x", given(2), {"wind": 3.0})],
+        **OPTIONS,
+        conditions={"temperature_c": [1, 2, 3]},
     )
-    assert firsts == [record(i).responses[0, 0] for i in (1, 2, 10)][: len(firsts)]
+    assert series.names == ("0", "1", "x")
+    assert series.conditions["temperature_c"].tolist() == [1.0, 7.0, 3.0]
+    np.testing.assert_array_equal(series.conditions["wind"], [np.nan, np.nan, 3.0])
+    assert np.isnat(series.times).tolist() == [True, False, True]
 
 
 def test_what_fails_is_kept_with_its_reason(tmp_path):
@@ -94,22 +108,17 @@ def test_what_fails_is_kept_with_its_reason(tmp_path):
         ("last", record(1)),
     ]
     series = ar.identify_series(sources, **OPTIONS)
-    assert sorted(series.failed) == [1, 2, 3, 4, 5, 6]
-    for i, said in {
-        2: "FileNotFoundError",
-        3: "ending",
-        5: "a single channel",
-        6: "ZeroDivisionError",
-    }.items():
-        assert said in series.failed[i]
-    assert [one is None for one in series] == [i in series.failed for i in range(8)]
+    assert [i for i, one in enumerate(series) if one is None] == list(series.failed) == [1, 2, 3, 4, 5, 6]
+    said = {2: "FileNotFoundError", 3: "ending", 5: "a single channel", 6: "ZeroDivisionError"}
+    assert all(text in series.failed[i] for i, text in said.items())
     assert "failed      6" in str(series)
 
 
-def test_a_dead_sensor_is_left_out_and_told():
+def test_a_dead_sensor_is_left_out_and_told(recwarn):
     series = ar.identify_series([record(), dead(0, [1]), dead(0, [0, 1])], **OPTIONS)
     assert tuple(series[1]) == (0, 2)
     assert series[1].data_check.named("dead_channel")[0].where == (1,)
+    assert not recwarn.list
     assert series.dofs == (0, 1, 2)
     assert 2 in series.failed  # one is left, which makes no transmissibility
     followed = series.tracks()
@@ -117,20 +126,15 @@ def test_a_dead_sensor_is_left_out_and_told():
     assert followed.events == ()
 
 
-def test_findings_do_not_warn(recwarn):
-    ar.identify_series([dead(0, [1])], **OPTIONS)
-    assert not recwarn.list
-
-
 @pytest.mark.parametrize("stored", [False, True])
-def test_ctrl_c_hands_back_what_there_is(tmp_path, counted, stored):
+def test_ctrl_c_hands_back_what_there_is(tmp_path, quick, stored):
     store = tmp_path / "a.parquet" if stored else None
 
     def sources():
         for i in range(6):
             if i == 4:
                 signal.raise_signal(signal.SIGINT)
-            yield record(i)
+            yield given(i)
 
     series = ar.identify_series(sources(), **OPTIONS, store=store)
     assert series.interrupted
@@ -138,10 +142,8 @@ def test_ctrl_c_hands_back_what_there_is(tmp_path, counted, stored):
     assert "interrupted" in str(series)
     if stored:
         assert ar.Series.load(store) == series
-        done = ar.identify_series((record(i) for i in range(6)), **OPTIONS, store=store)
-        assert len(done) == 6
-        assert not done.interrupted
-        assert len(counted) == 6
+        done = ar.identify_series((given(i) for i in range(6)), **OPTIONS, store=store)
+        assert (len(done), done.interrupted) == (6, False)
         assert os.listdir(tmp_path) == ["a.parquet"]
 
 
@@ -153,35 +155,105 @@ def test_memory_does_not_grow_with_the_records(tmp_path, monkeypatch):
     def peak(count, store):
         made = record()
         tracemalloc.start()
-        series = ar.identify_series(
-            ((f"{i}", ar.Recording(made.responses + i, 32.0)) for i in range(count)), **OPTIONS, store=store
-        )
-        held, most = tracemalloc.get_traced_memory()
+        sources = ((f"{i}", ar.Recording(made.responses + i, 32.0)) for i in range(count))
+        series = ar.identify_series(sources, **OPTIONS, store=store)
+        _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert len(series) == count
-        return held, most
+        return most
 
     peak(2, None)
-    for store in (None, tmp_path / "a.parquet"):
-        few, many = peak(10, store if store is None else tmp_path / "few.parquet"), peak(60, store)
-        assert (many[1] - few[1]) / 50 < 5e3
+    for stores in ((None, None), (tmp_path / "few.parquet", tmp_path / "many.parquet")):
+        few, many = map(peak, (10, 60), stores)
+        assert (many - few) / 50 < 5e3
 
 
 @pytest.mark.parametrize("workers", some_of([1, 2, "threads"], kept=["threads"]))
-def test_any_workers_give_the_same_bits(tmp_path, workers):
-    where = folder(tmp_path)
-    sources = [where / "test_1.npz", where / "absent.npz", dead(1, [1]), record(2)]
+def test_any_workers_give_the_same_bits(folder, workers):
+    sources = [folder / "monday" / "test_1.npz", folder / "absent.npz", dead(1, [1]), record(2)]
     alone = ar.identify_series(sources, **OPTIONS)
     assert alone.failed.keys() == {1}
     assert ar.identify_series(sources, **OPTIONS, workers=workers) == alone
 
 
-def test_a_function_reads_files_of_any_kind(tmp_path):
-    (tmp_path / "a.own").write_text("7")
+def test_a_function_that_is_no_map():
+    wrong = pytest.raises(ar.InvalidInputError, match="workers: got .*len")
+    with wrong, pytest.warns(FutureWarning, match="has no submit"):
+        ar.identify_series([given(0)], **OPTIONS, workers=len)
+
+
+@pytest.mark.parametrize(
+    ("reading", "said"),
+    [
+        ({"foo": 1}, "reading: got 'foo', which read_npz does not take"),
+        ({"delimiter": ";"}, "'delimiter', which read_npz does not take"),  # of another reader
+        ({"format": "flac"}, r"reading\['format'\]: got 'flac'"),
+        (3, "reading: got 3; wanted options"),
+    ],
+)
+def test_wrong_options_of_the_readers_are_no_failed_tests(folder, reading, said):
+    for sources in (folder / "monday", [folder / "monday" / "test_1.npz"]):
+        with pytest.raises(ar.InvalidInputError, match=said):
+            ar.identify_series(sources, **OPTIONS, reading=reading)
+
+
+def test_readers_and_their_options(folder, quick):
+    for reading in ({"dofs": [5, 6, 7]}, {"format": "npz"}, {"force": None, "fs_hz": None}):
+        assert not ar.identify_series(folder / "monday", **OPTIONS, reading=reading).failed
+    (folder / "a.own").write_text("7")
     series = ar.identify_series(
-        [tmp_path / "a.own"], **OPTIONS, reading=lambda path: record(int(path.read_text()))
+        [folder / "a.own"], **OPTIONS, reading=lambda path: given(int(path.read_text()))
     )
-    assert series[0] == ar.identify_series([record(7)], **OPTIONS)[0]
+    assert series[0][0].tolist() == [9.0]
+
+
+def own(path, unit="g"):
+    return given(0)
+
+
+class Own:
+    def __call__(self, path):
+        return given(0)
+
+
+@pytest.mark.parametrize(
+    ("reader", "text"), [(functools.partial(own, unit="g"), "own.*unit='g'"), (Own(), "Own"), (own, "own")]
+)
+def test_a_function_is_recorded_by_its_name(tmp_path, quick, reader, text):
+    """Not by an address, which is another one in the process that goes on."""
+    store = tmp_path / "a.sqlite"
+    ar.identify_series([given(0)], **OPTIONS, store=store, reading=reader)
+    with pytest.raises(ar.InvalidInputError, match="made with reading = ") as error:
+        ar.identify_series([given(0)], **OPTIONS, store=store)
+    assert re.search(text, error.value.got)
+    assert " at 0x" not in error.value.got
+
+
+@pytest.mark.parametrize("ends", ["generator", "table"])
+def test_an_exception_keeps_the_tests_so_far(quick, ends):
+    def sources():
+        yield from map(given, range(4))
+        if ends == "generator":
+            raise RuntimeError("the logger is gone")
+
+    table = {"a": [1.0, 2.0, 3.0, 4.0] + [5.0] * (ends == "table")}
+    with pytest.raises(RuntimeError if ends == "generator" else ar.InvalidInputError) as error:
+        ar.identify_series(sources(), **OPTIONS, conditions=table)
+    kept = error.value.series
+    assert kept.interrupted
+    assert len(kept) == (3 if ends == "generator" else 4)  # the next one is read while one is computed
+    assert kept[0][0].tolist() == [2.0]
+
+
+def test_the_rest_time_is_at_the_pace_of_what_is_new():
+    assert module._progress(60, 100, 2, 30.0, 10) == "test 60 of 100, 2 failed, about 2 min left"
+    assert module._progress(100, 100, 0, 30.0, 10) == "test 100 of 100"
+
+
+def test_a_column_that_is_left_out_is_told_to_the_caller(quick):
+    with pytest.warns(ar.AntiresWarning, match="'remark' is left out") as told:
+        ar.identify_series([given(0)], **OPTIONS, conditions={"remark": ["rain"]})
+    assert told[0].filename == __file__
 
 
 WRONG = {
@@ -189,8 +261,13 @@ WRONG = {
     "empty": ({"sources": []}, ar.InvalidInputError, "sources"),
     "empty generator": ({"sources": iter(())}, ar.InvalidInputError, "no source at all"),
     "empty folder": ({"sources": "."}, ar.InvalidInputError, "folder without measurements"),
+    "no folder": ({"sources": "mondya"}, ar.InvalidInputError, "sources: got .*does not exist"),
+    "no file": ({"sources": "monday/test_3.npz"}, ar.InvalidInputError, "sources: got .*does not exist"),
+    "no such files": ({"sources": "monday/*.npz"}, ar.InvalidInputError, "sources: got .*names no file"),
     "a number": ({"sources": 3}, ar.InvalidInputError, "sources"),
     "numbers": ({"sources": [3]}, ar.InvalidInputError, r"sources\[0\]"),
+    "numbers in a list": ({"sources": [[given(0), 3]]}, ar.InvalidInputError, r"sources\[0\]\[1\]"),
+    "a long tuple": ({"sources": [("a", given(0), given(1))]}, ar.InvalidInputError, "a tuple of 3"),
     "twice": ({"sources": [("a", record()), ("a", record())]}, ar.InvalidInputError, "'a' more than once"),
     "preset": ({"preset": "strictest"}, ar.InvalidInputError, "preset"),
     "estimator": ({"estimator": "h3"}, ar.InvalidInputError, "estimator"),
@@ -202,8 +279,9 @@ WRONG = {
 
 
 @pytest.mark.parametrize("wrong", WRONG)
-def test_wrong_calls(tmp_path, monkeypatch, wrong):
+def test_wrong_calls_are_no_failed_tests(tmp_path, monkeypatch, wrong):
+    pytest.importorskip("pyarrow")
     monkeypatch.chdir(tmp_path)
-    given, error, said = WRONG[wrong]
+    changed, error, said = WRONG[wrong]
     with pytest.raises(error, match=said):
-        ar.identify_series(**({"sources": [record()]} | OPTIONS | given))
+        ar.identify_series(**({"sources": [record()], "store": "year.parquet"} | OPTIONS | changed))

@@ -8,6 +8,7 @@ import pytest
 import antires_rs as ar
 
 WARM = [20.0, 22.0, np.nan, 26.0]
+TIMES = ["2026-01-01T00", "2026-01-01T01", "NaT", "2026-01-01T03"]
 
 
 def sets():
@@ -16,32 +17,54 @@ def sets():
     return [None if f is None else ar.AntiresonanceSet("tip", {0: f, 1: [14.4]}) for f in values]
 
 
-def series(**more):
-    return ar.Series.from_sets(sets(), {"temperature_c": WARM}, list("abcd"), failed={2: "cut"}, **more)
+def series(table=None, **more):
+    table = {"temperature_c": WARM} if table is None else table
+    return ar.Series.from_sets(sets(), table, **({"names": list("abcd"), "failed": {2: "cut"}} | more))
 
 
 def test_it_is_a_sequence_of_sets():
     made = series()
-    assert len(made) == 4
-    assert made[1] == sets()[1]
-    assert made[-1] == made.sets[3] == sets()[3]
-    assert made[2] is None
     assert list(made) == sets()
-    assert (made.excitation, made.dofs) == ("tip", (0, 1))
-    with pytest.raises(IndexError):
-        made[4]
+    assert made[-1] == made.sets[3] == sets()[3]
+    assert (len(made), made.excitation, made.dofs) == (4, "tip", (0, 1))
+    assert made.conditions["temperature_c"].flags.writeable is False
 
 
 @pytest.mark.parametrize("at", [slice(1, 4), [1, 2, 3], np.array([False, True, True, True])])
 def test_some_of_it_is_a_series(at):
-    some = series()[at]
-    assert some.names == ("b", "c", "d")
-    assert some.failed == {1: "cut"}
-    assert some[1] is None
-    assert some[2] == sets()[3]
+    some = series(times=TIMES)[at]
+    assert (some.names, some.failed) == (("b", "c", "d"), {1: "cut"})
+    assert list(some) == sets()[1:]
     np.testing.assert_array_equal(some.conditions["temperature_c"], WARM[1:])
-    assert some[1:].failed == {0: "cut"}
-    assert some[1:][1] == sets()[3]
+    assert some.times[0] == np.datetime64(TIMES[1])
+    assert (some[1:].failed, some[1:][1]) == ({0: "cut"}, sets()[3])
+
+
+@pytest.mark.parametrize("at", [[], slice(4, 4), np.zeros(4, bool)])
+def test_none_of_the_tests(at):
+    none = series()[at]
+    assert len(none) == 0
+    assert "temperature_c" not in str(none)
+
+
+@pytest.mark.parametrize(
+    ("at", "error", "said"),
+    [
+        ("a", ar.InvalidInputError, "series.*got a"),
+        (1.5, ar.InvalidInputError, "an index, a slice"),
+        ([1.5], ar.InvalidInputError, "an index, a slice"),
+        ([[1, 2]], ar.InvalidInputError, "an index, a slice"),
+        ([True, False], ar.InvalidInputError, "a mask of 2; wanted one of 4"),
+        ([1, 1], ar.InvalidInputError, "more than once"),
+        ([1, -3], ar.InvalidInputError, "more than once"),
+        (4, IndexError, "of a series of 4"),
+        (-5, IndexError, "of a series of 4"),
+        ([0, 4], IndexError, "of a series of 4"),
+    ],
+)
+def test_wrong_indices(at, error, said):
+    with pytest.raises(error, match=said):
+        series()[at]
 
 
 def test_tracks_leave_out_what_failed_with_its_condition():
@@ -49,18 +72,28 @@ def test_tracks_leave_out_what_failed_with_its_condition():
     assert followed.conditions == (20.0, 22.0, 26.0)
     np.testing.assert_array_equal(followed.freq_hz[:, followed.of(0)[1]], [23.9, 23.88, np.nan])
     assert ar.track(series(), "names").conditions == ("a", "b", "d")
+    assert ar.track(series(), [5, 6, 7, 8]).conditions == (5, 6, 8)
     assert ar.track(series()).conditions == (0, 1, 3)
-
-
-def test_two_tests_are_compared():
+    assert ar.track(series(times=TIMES), "times").conditions[1] == "2026-01-01T01:00:00.000"
     assert series().compare(0, 3).unmatched_a[0].tolist() == [23.9]
-    with pytest.raises(ar.InvalidInputError, match="which failed: cut"):
-        series().compare(0, 2)
+
+
+@pytest.mark.parametrize(
+    ("question", "said"),
+    [
+        (lambda made: made.tracks("temperature"), "conditions: got temperature"),
+        (lambda made: made.tracks([1, 2]), "conditions: got 2 of them"),
+        (lambda made: made.compare(0, 2), "which failed: cut"),
+        (lambda made: made.compare(0, 4), "j: got 4"),
+    ],
+)
+def test_wrong_questions(question, said):
+    with pytest.raises(ar.InvalidInputError, match=said):
+        question(series())
 
 
 def test_two_series_are_compared_by_their_averages():
-    rng = np.random.default_rng(0)
-    std = 0.01
+    rng, std = np.random.default_rng(0), 0.01
 
     def tests(first, n):
         drawn = first + std * rng.standard_normal((n, 2))
@@ -77,27 +110,30 @@ def test_two_series_are_compared_by_their_averages():
 
 def test_rows_for_pandas():
     pytest.importorskip("pandas")
-    rows = series(times=["2026-01-01T00", "2026-01-01T01", "2026-01-01T02", "2026-01-01T03"]).to_dataframe()
+    rows = series(times=TIMES).to_dataframe()
     assert rows.columns[:5].tolist() == ["test", "name", "time", "temperature_c", "dof"]
     assert rows["test"].tolist() == [0, 0, 0, 1, 1, 1, 3, 3]
     assert rows["freq_hz"].tolist()[-2:] == [8.66, 14.4]
 
 
 def test_printed():
-    made = series(times=["2026-01-01T00", "2026-01-01T01", "NaT", "2026-01-01T03"])
-    assert str(made).splitlines() == [
+    assert str(series(times=TIMES)).splitlines() == [
         "series of 4 tests, force at tip, 2 responses",
         "  identified     3, with 2 to 3 antiresonances",
         "  failed         1: cut",
         "  times          2026-01-01T00:00 to 2026-01-01T03:00, 1 not known",
         "  temperature_c  20 to 26, 1 not known",
     ]
+    reasons = {0: "x" * 100, 1: "b", 2: "b", 3: "c", 4: "d"}
+    said = str(ar.Series.from_sets([None] * 5 + sets(), failed=reasons, conditions={"t": [np.nan] * 9}))
+    assert f"  failed      6: b (2 times); {'x' * 87}...; c; and 2 others, see .failed" in said.splitlines()
+    assert "  t           not known" in said.splitlines()
 
 
 def test_equal_means_bit_for_bit():
-    assert series() == series()
-    assert series() == pickle.loads(pickle.dumps(series()))
+    assert series() == series() == pickle.loads(pickle.dumps(series()))
     assert series() != series()[:3]
+    assert series() != series(times=TIMES)
     other = sets()
     other[0] = ar.AntiresonanceSet("tip", {0: [8.7, np.nextafter(23.9, 24)], 1: [14.4]})
     assert series() != ar.Series.from_sets(other, {"temperature_c": WARM}, list("abcd"), failed={2: "cut"})
@@ -110,13 +146,22 @@ def test_equal_means_bit_for_bit():
         ({"sets": {}}, "sets"),
         ({"sets": [*sets(), ar.AntiresonanceSet(1, {0: 8.7})]}, r"sets\[4\]"),
         ({"sets": [1.0]}, r"sets\[0\]"),
+        ({"names": "abcd"}, "names: got abcd"),
         ({"names": list("abc")}, "names"),
         ({"names": list("abca")}, "'a' more than once"),
         ({"conditions": {"t": [1.0]}}, r"conditions\['t'\].*1 values"),
         ({"conditions": {"t": list("abcd")}}, r"conditions\['t'\]"),
+        ({"conditions": {"t": [1.0, np.inf, 2.0, 3.0]}}, r"conditions\['t'\]\[1\]: got inf"),
+        ({"conditions": {3: WARM}}, "a text as the name"),
+        ({"conditions": {"dof": WARM}}, "no column of a series"),
         ({"conditions": [1.0]}, "conditions"),
         ({"times": ["yesterday"] * 4}, "times"),
         ({"times": ["2026-01-01"]}, "times"),
+        ({"failed": {9: "x"}}, "failed: got"),
+        ({"failed": {0: "x"}}, "failed: got"),
+        ({"failed": {"a": "x"}}, "failed: got"),
+        ({"failed": {True: "x"}}, "failed: got"),
+        ({"failed": [1]}, "failed: got"),
     ],
 )
 def test_wrong_input(wrong, named):
@@ -128,21 +173,11 @@ def test_conditions_may_be_a_table_that_names_and_dates_the_tests():
     pd = pytest.importorskip("pandas")
     days = pd.date_range("2026-01-01", periods=4)
     table = pd.DataFrame({"temperature_c": WARM, "time": days})
-    made = ar.Series.from_sets(sets(), table, list("abcd"), failed={2: "cut"})
-    assert made == series(times=days.to_numpy())
+    named = table.assign(name=list("abcd"))
     # Rows that are named belong to the tests of these names, in any order.
-    named = table.assign(name=list("abcd"))[::-1]
-    assert ar.Series.from_sets(sets(), named, list("abcd"), failed={2: "cut"}) == made
-    assert ar.Series.from_sets(sets(), table.assign(name=list("abcd")), failed={2: "cut"}) == made
-    assert ar.Series.from_sets(sets(), table.to_dict("records"), list("abcd"), failed={2: "cut"}) == made
-    with pytest.raises(ar.InvalidInputError, match="3 rows"):
-        ar.Series.from_sets(sets(), table[:3])
-    with pytest.raises(ar.InvalidInputError, match="names of the sources"):
-        ar.Series.from_sets(sets(), named, list("efgh"))
-
-
-def test_wrong_questions():
-    with pytest.raises(ar.InvalidInputError, match="temperature_c"):
-        series().tracks("temperature")
-    with pytest.raises(ar.InvalidInputError, match="conditions"):
-        series().tracks([1, 2])
+    for given in (table, named[::-1], table.to_dict("records")):
+        assert series(given) == series(times=days.to_numpy())
+    assert series(named, names=None) == series(times=days.to_numpy())
+    for given, names, said in ((table[:3], None, "3 rows"), (named, list("efgh"), "names of the sources")):
+        with pytest.raises(ar.InvalidInputError, match=said):
+            series(given, names=names)

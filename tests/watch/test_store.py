@@ -4,6 +4,8 @@ import json
 import os
 import shutil
 import sqlite3
+import subprocess
+import sys
 from zlib import crc32
 
 import numpy as np
@@ -11,30 +13,41 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.watch import sources as one_test
-from antires_rs.watch.store import open_store, part_path
+from antires_rs.watch.store import Store, part_path
 from reference.small_records import OPTIONS, dead, record
 from tests.support.identified_once import identified_once
+from tests.support.paths import ROOT
+from tests.support.same_sets import assert_same_set
 
 pyarrow = pytest.importorskip("pyarrow")
 
 CONFIG = json.loads(json.dumps({"reading": {}} | OPTIONS))
-TIMES = [f"2026-01-01T0{i}:00" for i in range(5)]
+FOUND = ar.AntiresonanceSet(0, {0: [2.0, 5.0], 1: []})
+#: The third test lacks a sensor, the fourth fails.
+SOURCES = [("a", record(0)), ("b", record(1)), ("c", dead(2)), ("d", dead(3, [0, 1])), ("e", record(4))]
+TEMPERATURES = [20.0, 21.0, np.nan, 22.0, 23.5]
 
 
-def sources(count=5):
-    """Five tests; the third lacks a sensor, the fourth fails."""
-    made = [("a", record(0)), ("b", record(1)), ("c", dead(2)), ("d", dead(3, [0, 1])), ("e", record(4))]
-    return made[:count]
+def identified(store=None, sources=SOURCES, **more):
+    count = len(sources)
+    conditions = {
+        "time": [f"2026-01-01T0{i}:00" for i in range(count)],
+        "temperature_c": TEMPERATURES[:count],
+    }
+    return ar.identify_series(sources, **(OPTIONS | {"conditions": conditions, "store": store} | more))
 
 
-def conditions(count=5):
-    return {"time": TIMES[:count], "temperature_c": [20.0, 21.0, np.nan, 22.0, 23.5][:count]}
+def ended(sources, by, then=lambda: None):
+    """Sources that end with an error."""
+    yield from sources
+    then()
+    raise by
 
 
-def identified(store=None, count=5, **more):
-    return ar.identify_series(
-        sources(count), **(OPTIONS | {"conditions": conditions(count), "store": store} | more)
-    )
+def stopped(store, then=lambda: None):
+    """A run that an error ends after four tests."""
+    with pytest.raises(RuntimeError):
+        ar.identify_series(ended(SOURCES[:4], RuntimeError, then), **OPTIONS, store=store)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -63,52 +76,49 @@ def store(tmp_path):
 
 
 @pytest.fixture
-def count(monkeypatch):
-    """How many tests are identified."""
-    real, calls = one_test.identify_antiresonances, []
+def calls(monkeypatch):
+    """What is identified."""
+    real, made = one_test.identify_antiresonances, []
 
     def identify(signal, **options):
-        calls.append(signal)
+        made.append(signal)
         return real(signal, **options)
 
     monkeypatch.setattr(one_test, "identify_antiresonances", identify)
-    return calls
+    return made
 
 
 def assert_same(one, other):
-    """Beyond ``==``: scores, what was left out, findings."""
     assert one == other
     assert one.dofs == other.dofs
     for a, b in zip(one, other, strict=True):
-        if a is None:
-            continue
-        assert (a.sees, a.channels, a.excitation) == (b.sees, b.channels, b.excitation)
-        assert a.data_check.findings == b.data_check.findings
-        assert dict(a.data_check.not_tested) == dict(b.data_check.not_tested)
-        for tables, others in ((a.tables, b.tables), (a.left_out, b.left_out)):
-            assert tables.keys() == others.keys()
-            for dof, table in tables.items():
-                assert table.same_as(others[dof])
-                assert table.by_hand.tolist() == others[dof].by_hand.tolist()
-                assert table.scores.keys() == others[dof].scores.keys()
-                for name, values in table.scores.items():
-                    np.testing.assert_array_equal(values, others[dof].scores[name])
-                    assert values.dtype.kind == others[dof].scores[name].dtype.kind
-        for dof, peaks in a.unexplained_hz.items():
-            np.testing.assert_array_equal(peaks, b.unexplained_hz[dof])
+        if a is not None:
+            assert_same_set(a, b)
 
 
-def test_in_a_file_it_is_what_it_is_in_memory(store, in_memory):
+@pytest.mark.parametrize("ending", ["parquet", "sqlite"])
+def test_in_a_file_it_is_what_it_is_in_memory(tmp_path, in_memory, calls, ending):
+    store, saved = tmp_path / f"year.{ending}", tmp_path / f"saved.{ending}"
+    stopped(store)
+    assert ar.Series.load(store).interrupted
     assert_same(identified(store), in_memory)
     assert_same(ar.Series.load(store), in_memory)
-    assert os.listdir(store.parent) == ["year.parquet"]
-
-
-def test_a_saved_series_is_the_same(store, in_memory):
-    in_memory.save(store)
-    assert_same(ar.Series.load(store), in_memory)
+    assert os.listdir(tmp_path) == [store.name]
+    if ending == "sqlite":
+        with sqlite3.connect(store) as database:
+            assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+    calls.clear()
+    assert_same(identified(store), in_memory)
+    changed = {"temperature_c": [1.0, 2.0, 3.0, 4.0, 5.0]}
+    assert identified(store, conditions=changed).times is None
+    assert calls == []  # no record is needed again
+    assert ar.Series.load(store).conditions["temperature_c"].tolist() == changed["temperature_c"]
+    with pytest.raises(ar.InvalidInputError, match="no source 'c', 'd', 'e'"):
+        identified(store, SOURCES[:2])
+    in_memory.save(saved)
+    assert_same(ar.Series.load(saved), in_memory)
     with pytest.raises(ar.InvalidInputError, match="Series.save"):
-        identified(store)
+        identified(saved)
 
 
 def test_sets_of_any_origin_are_kept(store):
@@ -118,57 +128,48 @@ def test_sets_of_any_origin_are_kept(store):
     series.save(store)
     again = ar.Series.load(store)
     assert again == series
-    assert again[2].edits == edited.edits
-    assert again[2].original() == by_hand
+    assert (again[2].edits, again[2].original()) == (edited.edits, by_hand)
     assert again.failed == series.failed
 
 
-def test_any_program_reads_it(store, in_memory):
+def test_a_file_that_was_written_anew_is_not_read_for_the_old_one(store):
+    ar.Series.from_sets([FOUND]).save(store)
+    before = ar.Series.load(store)
+    ar.Series.from_sets([FOUND, FOUND]).save(store)
+    with pytest.raises(ar.InvalidInputError, match="written anew"):
+        before[0]
+
+
+def test_any_program_reads_the_tables(store, in_memory):
     pd = pytest.importorskip("pandas")
-    identified(store)
-    rows = pd.read_parquet(store)
-    tests = rows[rows["row"] == "test"]
-    assert tests["name"].tolist() == list("abcde")
-    assert tests["failed"].notna().tolist() == [False, False, False, True, False]
-    found = rows[rows["row"] == "antiresonance"]
-    assert found["freq_hz"].tolist() == in_memory.to_dataframe()["freq_hz"].tolist()
-    assert set(found.columns) >= {"dof", "damping_ratio", "std_hz", "temperature_c", "time", "score_how"}
+    for ending, read in (("parquet", pd.read_parquet), ("csv", pd.read_csv)):
+        in_memory.save(store.with_suffix(f".{ending}"))
+        rows = read(store.with_suffix(f".{ending}"))
+        tests = rows[rows["row"] == "test"]
+        assert tests["name"].tolist() == list("abcde")
+        assert tests["failed"].notna().tolist() == [False, False, False, True, False]
+        found = rows[rows["row"] == "antiresonance"]
+        assert found["freq_hz"].tolist() == in_memory.to_dataframe()["freq_hz"].tolist()
+        assert set(found) >= {"dof", "damping_ratio", "std_hz", "temperature_c", "time", "score_how"}
+    with pytest.raises(ar.InvalidInputError, match="cannot be read"):
+        ar.Series.load(store.with_suffix(".csv"))
 
 
-def test_again_does_nothing(store, whole, count):
+@pytest.mark.parametrize("first", [0, 2, 5])
+def test_only_new_sources_are_identified_and_the_bytes_are_the_same(store, whole, calls, first):
+    if first:
+        identified(store, SOURCES[:first])
+    calls.clear()
     identified(store)
-    count.clear()
-    identified(store)
-    assert count == []
+    assert len(calls) == (0 if first == 5 else 5 - first)
     assert store.read_bytes() == whole
-
-
-def test_new_sources_are_taken_in(store, whole, count):
-    identified(store, 2)
-    count.clear()
-    identified(store)
-    assert len(count) == 3  # of which one fails
-    assert store.read_bytes() == whole
-
-
-def stopped(count=4):
-    yield from sources(count)
-    raise RuntimeError
 
 
 def test_torn_anywhere_it_goes_on_to_the_same_file(store, whole, tmp_path):
     """What a kill or a power cut leaves: a database, and a log behind it that may end anywhere."""
     seen = tmp_path / "seen"
-
-    def watched():
-        yield from sources(4)
-        seen.mkdir()
-        for file in tmp_path.glob("year.parquet.part*"):
-            shutil.copy(file, seen)
-        raise RuntimeError
-
-    with pytest.raises(RuntimeError):
-        ar.identify_series(watched(), **OPTIONS, store=store)
+    seen.mkdir()
+    stopped(store, then=lambda: [shutil.copy(file, seen) for file in tmp_path.glob("year.parquet.part*")])
     log = (seen / "year.parquet.part-wal").read_bytes()
     assert len(log) > 10_000
     for end in (0, 5, len(log) // 3, len(log) // 2, len(log) - 1, len(log)):
@@ -182,143 +183,135 @@ def test_torn_anywhere_it_goes_on_to_the_same_file(store, whole, tmp_path):
         assert not list(tmp_path.glob("*.part*"))
 
 
-def test_a_database_is_a_store_of_its_own(tmp_path, in_memory, whole, count):
-    store = tmp_path / "year.sqlite"
-    with pytest.raises(RuntimeError):
-        ar.identify_series(stopped(), **OPTIONS, store=store)
-    assert ar.Series.load(store).interrupted
-    identified(store)
-    count.clear()
-    assert_same(identified(store), in_memory)
-    assert count == []
-    series = ar.Series.load(store)
-    assert_same(series, in_memory)
-    assert os.listdir(tmp_path) == ["year.sqlite"]
-    with sqlite3.connect(store) as database:
-        assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
-        assert [name for (name,) in database.execute("SELECT name FROM tests ORDER BY place")] == list(
-            "abcde"
-        )
-    identified(store, conditions={"temperature_c": [1.0, 2.0, 3.0, 4.0, 5.0]})
-    assert count == []
-    assert ar.Series.load(store).conditions["temperature_c"].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
-    saved = tmp_path / "saved.sqlite"
-    series.save(saved)
-    assert_same(ar.Series.load(saved), in_memory)
-    with pytest.raises(ar.InvalidInputError, match="Series.save"):
-        identified(saved)
-    with pytest.raises(ar.InvalidInputError, match="no source 'c', 'd', 'e'"):
-        identified(store, 2)
-
-
-def test_tables_have_the_same_bytes_in_whatever_order_tests_were_made(tmp_path, in_memory):
+def test_tables_have_the_same_bytes_in_whatever_order_tests_were_made(tmp_path):
     """One store by two workers, one in two parts and with a source that came late to its place."""
-    late = [one for one in sources() if one[0] != "b"]
-    files = []
+    ar.identify_series([one for one in SOURCES if one[0] != "b"], **OPTIONS, store=tmp_path / "parts.sqlite")
     for how, workers in (("whole", "threads"), ("parts", None)):
-        store = tmp_path / f"{how}.sqlite"
-        if how == "parts":
-            ar.identify_series(late, **OPTIONS, store=store)
-        series = identified(store, workers=workers)
+        series = identified(tmp_path / f"{how}.sqlite", workers=workers)
         for ending in ("parquet", "csv"):
             series.save(tmp_path / f"{how}.{ending}")
-        files.append([(tmp_path / f"{how}.{ending}").read_bytes() for ending in ("parquet", "csv")])
-    assert files[0] == files[1]
-    pd = pytest.importorskip("pandas")
-    rows = pd.read_csv(tmp_path / "whole.csv")
-    found = rows[rows["row"] == "antiresonance"]
-    assert found["freq_hz"].tolist() == in_memory.to_dataframe()["freq_hz"].tolist()
-    with pytest.raises(ar.InvalidInputError, match="cannot be read"):
-        ar.Series.load(tmp_path / "whole.csv")
+    for ending in ("parquet", "csv"):
+        whole, parts = (tmp_path / f"{how}.{ending}" for how in ("whole", "parts"))
+        assert whole.read_bytes() == parts.read_bytes()
 
 
-def test_a_journal_of_an_older_version_is_taken_up(store, whole, count):
+def test_a_journal_of_an_older_version_is_taken_up(store, whole, calls):
     """Lines of a checksum and JSON, of which the last is torn."""
-    with pytest.raises(RuntimeError):
-        ar.identify_series(stopped(), **OPTIONS, store=store)
-    kept = open_store(store, CONFIG)
     lines = [{"format": "antires_rs.Series.journal", "version": 1, "config": CONFIG}]
+    stopped(store)
+    kept = Store(store, CONFIG)
     for row in kept._known.values():
         outcome = row.plain() if row.failed is None else row.failed
-        beside = {"temperature_c": None}
-        lines.append(
-            {"name": row.name, "fingerprint": row.fingerprint, "conditions": beside, "time": None}
-            | {"outcome": outcome}
-        )
+        beside = {"conditions": {"temperature_c": None}, "time": None}
+        lines.append({"name": row.name, "fingerprint": row.fingerprint, "outcome": outcome} | beside)
     kept.close()
     texts = [json.dumps(line).encode() for line in lines]
-    journal = b"".join(b"%08x %s\n" % (crc32(text), text) for text in texts)[:-7]
-    part_path(store).write_bytes(journal)
+    part_path(store).write_bytes(b"".join(b"%08x %s\n" % (crc32(text), text) for text in texts)[:-7])
     so_far = ar.Series.load(store)
     assert (so_far.names, so_far.interrupted) == (("a", "b"), True)
-    count.clear()
+    calls.clear()
     identified(store)
-    assert len(count) == 3
+    assert len(calls) == 3
     assert store.read_bytes() == whole
 
 
 def test_a_changed_source_is_done_again_with_a_word(store):
     identified(store)
-    changed = sources()
-    changed[1] = ("b", record(7))
+    changed = [SOURCES[0], ("b", record(7)), *SOURCES[2:]]
     with pytest.warns(ar.AntiresWarning, match="1 sources have changed.*'b'"):
-        series = ar.identify_series(changed, **OPTIONS, store=store, conditions=conditions())
-    alone = store.with_name("alone.parquet")
+        series = identified(store, changed)
     assert series[1] == ar.identify_antiresonances(record(7), **OPTIONS, check="off")
-    ar.identify_series(changed, **OPTIONS, store=alone, conditions=conditions())
+    alone = store.with_name("alone.parquet")
+    identified(alone, changed)
     assert store.read_bytes() == alone.read_bytes()
 
 
-def test_other_conditions_need_no_record_again(store, count):
-    identified(store)
-    count.clear()
-    series = identified(store, conditions={"temperature_c": [1.0, 2.0, 3.0, 4.0, 5.0]})
-    assert count == []
-    assert series.conditions["temperature_c"].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
-    assert series.times is None
+@pytest.mark.parametrize("through", [True, False])
+def test_other_options_are_refused_and_the_first_is_named(store, through):
+    identified(store, SOURCES[:3]) if through else stopped(store)
+    assert part_path(store).exists() is not through
+    for changed in ({"band_hz": (0.8, 7.0), "excitation": 1, "max_order": 20}, {"max_order": 20}):
+        with pytest.raises(ar.InvalidInputError, match=f"made with {next(iter(changed))} = .* in place of"):
+            identified(store, **changed)
 
 
 @pytest.mark.parametrize("through", [True, False])
-def test_other_options_are_refused(store, through):
-    if through:
-        identified(store)
+def test_options_by_which_every_test_failed_may_be_corrected(store, monkeypatch, through):
+    def identify(signal, band_hz, **_):
+        if band_hz[1] > 16.0:
+            raise ValueError("band beyond the record")
+        return FOUND
+
+    monkeypatch.setattr(one_test, "identify_antiresonances", identify)
+
+    def made(band_hz, count=3):
+        sources = iter(SOURCES[:count]) if through else ended(SOURCES[:count], KeyboardInterrupt)
+        return ar.identify_series(sources, **(OPTIONS | {"band_hz": band_hz}), store=store)
+
+    assert list(made((3.0, 130.0)))[:2] == [None, None]
+    assert made((0.8, 8.0), count=2)[0] == FOUND  # sources that gave nothing need not come again
+    assert made((0.8, 8.0), count=2)[0] == FOUND
+    with pytest.raises(ar.InvalidInputError, match="made with band_hz"):
+        made((0.8, 7.0))
+
+
+@pytest.mark.parametrize("then", ["finished", "begun anew", "grown"])
+def test_a_stopped_series_never_has_the_sets_of_other_records(store, then):
+    before = ar.identify_series(ended(SOURCES[:3], KeyboardInterrupt), **OPTIONS, store=store)
+    first = before[0]
+    if then == "finished":
+        ar.identify_series(SOURCES[:3], **OPTIONS, store=store)
     else:
-        with pytest.raises(RuntimeError):
-            ar.identify_series(stopped(3), **OPTIONS, store=store)
-        assert part_path(store).exists()
-    with pytest.raises(ar.InvalidInputError, match="band_hz = .*8.0.* in place of .*7.0"):
-        identified(store, band_hz=(0.8, 7.0))
-    with pytest.raises(ar.InvalidInputError, match="max_order"):
-        identified(store, max_order=20)
-
-
-def test_sources_that_are_gone_are_refused(store, whole):
-    identified(store)
-    with pytest.raises(ar.InvalidInputError, match="no source 'c', 'd', 'e'"):
-        identified(store, 2)
-    assert store.read_bytes() == whole
-    identified(store)
-    assert store.read_bytes() == whole
+        if then == "begun anew":
+            part_path(store).unlink()
+        others = SOURCES[:3] if then == "grown" else [("a", record(7)), *SOURCES[1:3]]
+        ar.identify_series(ended(others, KeyboardInterrupt), **OPTIONS, store=store)
+    if then == "grown":
+        assert before[0] == first
+        return
+    with pytest.raises(
+        ar.InvalidInputError, match=r"has ended or was begun anew.*Series\.load\(.*year\.parq"
+    ):
+        before[0]
+    assert ar.Series.load(store)[0] is not None
 
 
 def test_a_store_in_use_is_refused(store):
-    elsewhere = open_store(store, CONFIG)
+    elsewhere = Store(store, CONFIG)
     with pytest.raises(ar.InvalidInputError, match="another process writes"):
         identified(store)
     elsewhere.close()
 
 
 @pytest.mark.parametrize(
-    ("content", "said"), [(b"PAR1 torn", "cannot be read"), (None, "another kind")], ids=["torn", "foreign"]
+    ("name", "content", "said"),
+    [
+        ("a.parquet", b"PAR1 torn", "cannot be read"),
+        ("a.sqlite", b"SQLite format 3\0 torn", "cannot be read"),
+        ("a.parquet", None, "another kind"),
+    ],
 )
-def test_files_of_another_kind(store, content, said):
-    if content is None:
-        import pyarrow.parquet
+def test_files_of_another_kind(tmp_path, name, content, said):
+    import pyarrow.parquet
 
-        pyarrow.parquet.write_table(pyarrow.table({"a": [1]}), store)
+    if content is None:
+        pyarrow.parquet.write_table(pyarrow.table({"a": [1]}), tmp_path / name)
     else:
-        store.write_bytes(content)
-    with pytest.raises(ar.InvalidInputError, match=said):
-        ar.Series.load(store)
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(ar.InvalidInputError, match=f"^path: got .*{said}"):
+        ar.Series.load(tmp_path / name)
+    with pytest.raises(ar.InvalidInputError, match=f"^store: got .*{said}"):
+        identified(tmp_path / name)
     with pytest.raises(FileNotFoundError):
-        ar.Series.load(store.with_name("absent.parquet"))
+        ar.Series.load(tmp_path / "absent.parquet")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")
+def test_killed_before_any_change_on_the_disk(tmp_path):
+    """It goes on to the same file, and leaves nothing; benchmarks/series_kills.py kills at random times."""
+    command = [sys.executable, "-m", "tests.support.series_kills", tmp_path]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["points"] >= 14
+    assert found["wrong"] == []

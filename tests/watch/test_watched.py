@@ -13,6 +13,7 @@ def watched():
     """60 intact tests, ten more, twelve with 2 % damage of spring 1; all springs of the model are off."""
     rng = np.random.default_rng(51)
     sets = many(exact(chain()), 70, rng) + many(exact(chain(0.02)), 12, rng) + [None]
+    sets[3] = None
     series = ar.Series.from_sets(
         sets,
         conditions={"temperature_c": rng.uniform(0, 20, 83)},
@@ -26,39 +27,37 @@ def test_the_damage_is_assessed_once_a_run(watched):
     assert [run for run in watched.runs if run[0] >= 60] == [(70, 81)]
     assert list(watched.assessments) == [70]
     found = watched.assessments[70]
-    assert found.damaged == (2,) or list(found.damaged) == [2]
+    assert list(found.damaged) == [2]
     assert found.severity[2] == pytest.approx(0.02, abs=0.004)
 
 
 def test_the_summary_states_the_rate_and_its_check(watched):
-    said = str(watched)
-    assert "83 tests watched, 60 of them the baseline" in said
-    assert "false alarms: 1 % of intact tests stated" in said
-    assert "alarm when left out" in said
-    assert "alarm: tests 70 to 81, 12 alarms" in said
-    assert "spring 2" in said
-    assert "failed, not judged: 1 tests" in said
+    for said in (
+        "83 tests watched, 59 of them the baseline",
+        "false alarms: 1 % of intact tests stated",
+        "alarm when left out",
+        "alarm: tests 70 to 81, 12 alarms",
+        "spring 2",
+        "failed, not judged: 2 tests",
+    ):
+        assert said in str(watched)
 
 
 def test_one_row_a_test(watched):
     pytest.importorskip("pandas")
     frame = watched.to_dataframe()
-    assert len(frame) == 83
+    assert not watched.alarm[list(watched.failed)].any()
     assert frame["alarm"].tolist() == watched.alarm.tolist()
-    assert frame["baseline"].sum() == 60
-    assert frame.loc[82, "failed"] == "no set was given"
+    assert frame["baseline"].sum() == 59
+    assert frame.loc[[3, 82], "failed"].tolist() == ["no set was given"] * 2
     assert {"T2", "T2_limit", "EWMA", "events", "temperature_c", "time"} <= set(frame)
 
 
 def test_the_picture_has_its_numbers(watched):
     pyplot = pytest.importorskip("matplotlib.pyplot")
     top = watched.plot()
-    axes = top.figure.axes
-    assert [ax.get_ylabel() for ax in axes] == [
-        "Single tests / limit",
-        "Mean of tests / limit",
-        "temperature_c",
-    ]
+    labels = ["Single tests / limit", "Mean of tests / limit", "temperature_c"]
+    assert [ax.get_ylabel() for ax in top.figure.axes] == labels
     table = plotting.data_of(top)["T2"]
     assert np.array_equal(table["statistic"], watched.charts["T2"].statistic, equal_nan=True)
     pyplot.close(top.figure)
@@ -68,25 +67,21 @@ def test_the_page_grows(watched, tmp_path):
     pytest.importorskip("matplotlib")
     page = tmp_path / "watch.html"
     watched.report(page)
-    first = page.read_text()
-    assert "12 of 22 tests outside the baseline alarm" in first
-    assert "spring 2" in first
-    assert "test 81, the latest: ALARM" in first
-    assert 'src="http' not in first
+    text = page.read_text()
+    for said in ("12 of 22 tests outside the baseline alarm", "spring 2", "test 81, the latest: ALARM"):
+        assert said in text
+    assert 'src="http' not in text
     watched.report(page)
     assert [path.name for path in tmp_path.iterdir()] == ["watch.html"]
+    with pytest.raises(ar.InvalidInputError, match="path: got 3"):
+        watched.report(3)
 
 
 @pytest.mark.parametrize("wrong", ["a", 99, -84, True, 1.5])
 def test_a_test_that_is_not_there_is_refused(watched, wrong):
     assert watched.why(-2) == watched.why(81)
-    with pytest.raises(ar.exceptions.InvalidInputError, match="test: got"):
+    with pytest.raises(ar.InvalidInputError, match="test: got"):
         watched.why(wrong)
-
-
-def test_a_page_needs_a_path(watched):
-    with pytest.raises(ar.exceptions.InvalidInputError, match="path: got 3"):
-        watched.report(3)
 
 
 def test_an_assessor_tells_the_damage_of_a_run():
@@ -104,23 +99,24 @@ def test_an_assessor_tells_the_damage_of_a_run():
     assert "spring 2" in str(watched)
 
 
+LONGER = ar.MassSpringChain([*MASSES, 1.0, 1.0], [*SPRINGS, 5e4, 5e4])
+
+
 @pytest.mark.parametrize(
-    ("options", "argument"),
-    [({"assessor": "plan.npz"}, "assessor"), ({"elements": [1]}, "elements"), ({"model": chain()}, "model")],
+    ("force", "dofs", "options", "said"),
+    [
+        (0, range(6), {"assessor": "plan.npz"}, "assessor"),
+        (0, range(6), {"elements": [1]}, "elements: got together with an assessor"),
+        (0, range(6), {"model": chain()}, "model: got together with an assessor"),
+        (5, [0, 1, 2], {}, "^assessor: .*force of these tests"),
+        (0, [6], {}, "^assessor: .*dofs of these tests"),
+    ],
 )
-def test_an_assessor_goes_alone(options, argument):
-    sets = many(exact(chain()), 12, np.random.default_rng(78))
-    given = {"assessor": ar.Assessor(chain(), baseline=sets[0], workers=1), **options}
-    with pytest.raises(ar.InvalidInputError, match=argument):
-        ar.monitor(sets, baseline=10, **given)
-
-
-@pytest.mark.parametrize(("force", "dofs", "said"), [(5, [0, 1, 2], "force"), (0, [6], "dofs")])
-def test_an_assessor_of_other_tests_is_refused_before_the_first_alarm(force, dofs, said):
+def test_an_assessor_of_other_tests_is_refused_before_the_first_alarm(force, dofs, options, said):
     """A watch would end at its first alarm, perhaps after months."""
     sets = many(exact(chain()), 12, np.random.default_rng(79))
-    model = ar.MassSpringChain([*MASSES, 1.0, 1.0], [*SPRINGS, 5e4, 5e4])
-    exact_hz = model.antiresonances(dofs, force)
+    exact_hz = LONGER.antiresonances(list(dofs), force)
     before = ar.AntiresonanceSet(force, dict(zip(dofs, exact_hz, strict=True)))
-    with pytest.raises(ar.InvalidInputError, match=f"^assessor: .*{said} of these tests"):
-        ar.monitor(sets, baseline=10, assessor=ar.Assessor(model, baseline=before, workers=1))
+    assessor = ar.Assessor(LONGER, baseline=before, workers=1)
+    with pytest.raises(ar.InvalidInputError, match=said):
+        ar.monitor(sets, baseline=10, **({"assessor": assessor} | options))

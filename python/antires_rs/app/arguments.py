@@ -1,4 +1,4 @@
-"""The model of a job, and the dofs of its channels."""
+"""What a job hands over to the calls of the package: model, dofs, parameters, search."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from functools import partial
 from typing import Any
 
 from .. import io
-from ..damage.assess import assess_damage
+from ..damage.assess import DamageResult, assess_damage
 from ..damage.measured_states import measured_states
 from ..damage.options import TWO_STATES, DamagePrior, SearchOptions
-from ..damage.result import DamageResult
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models import parameters
 from ..models.chain import MassSpringChain
@@ -23,126 +22,98 @@ from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from ..updating.problem import UpdatingProblem
 from ..updating.result import UpdateResult
-from .job import Job, Path_lines as Keys, nearest
-from .keys import CHAIN, ELEMENTS, FRAME, LUMPED, MATRICES, RESULT, SECTIONED, SUPPORT, shown
+from .job import Job, KeyPath, nearest
+from .keys import CHAIN, FRAME, MATRICES, PARAMETERS, RESULT, shown
 
 _SHAPES = {"tube": Tube, "rectangle": Rectangle, "general": Section}
-_CHAIN = ("masses_kg", "springs_n_per_m", "ground_first_n_per_m", "ground_last_n_per_m")
-_FRAME = (
-    "nodes_m",
-    "elements",
-    "sections",
-    "point_masses",
-    "ground_springs",
-    "node_springs",
-    "fixed",
-    "orientation",
-)
 _NODE_AND_DIRECTION = re.compile(r"\s*(?:node\s+)?(\d+)[\s.:]+([A-Za-z]+)\s*")
 
 
 def model_of(job: Job) -> StructuralModel:
     """Build the model."""
-    table = job.section("model")
-    kind = table["kind"]
-    makers = {CHAIN: _chain, FRAME: _frame, MATRICES: _matrices, RESULT: _result}
+    table = dict(job.sections["model"])
+    kind = table.pop("kind")
+    makers: dict[str, Callable[..., StructuralModel]] = {
+        CHAIN: lambda job, table: MassSpringChain(**table),
+        FRAME: _frame,
+        MATRICES: _matrices,
+        RESULT: lambda job, table: UpdateResult.load(_model_file(job, table, "file")).model,
+    }
     if kind not in makers:
         job.reject(
             ("model", "kind"),
             shown(kind),
-            "one of " + ", ".join(f'"{k}"' for k in makers),
+            "one of " + ", ".join(f'"{one}"' for one in makers),
             nearest(kind, makers) or "'antires init --model KIND' writes a job for each.",
         )
     job.only(("model",), table, kind)
     with job.blame(("model",), {"path": ("model", "file")}):
-        return makers[kind](job)
+        return makers[kind](job, table)
 
 
-def _require(job: Job, *keys: str) -> None:
-    for key in keys:
-        if key not in job.section("model"):
-            job.missing(("model",), key)
+def _model_file(job: Job, table: dict[str, Any], key: str) -> Any:
+    """A file of the model, which cannot do without it."""
+    if key not in table:
+        job.missing(("model",), key)
+    return job.existing(("model", key), table[key])
 
 
-def _chain(job: Job) -> StructuralModel:
-    _require(job, "masses_kg", "springs_n_per_m")
-    return MassSpringChain(**job.given("model", _CHAIN))
-
-
-def _frame(job: Job) -> StructuralModel:
-    _require(job, "nodes_m", "elements", "sections")
-    given = job.given("model", _FRAME)
-    for i, row in enumerate(given["elements"]):
+def _frame(job: Job, table: dict[str, Any]) -> StructuralModel:
+    for i, row in enumerate(table["elements"]):
         if not isinstance(row, list):
+            remedy = "Each beam is a list of its own, inside the list of all."
             job.reject(
-                ("model", "elements", i),
-                shown(row),
-                '[node, node] or [node, node, "section"]',
-                "Each beam is a list of its own, inside the list of all.",
+                ("model", "elements", i), shown(row), '[node, node] or [node, node, "section"]', remedy
             )
-    sections = {name: _section(job, name, parts) for name, parts in given.pop("sections").items()}
+    sections = {name: _section(job, name, parts) for name, parts in table.pop("sections").items()}
+    nodes, elements = table.pop("nodes_m"), table.pop("elements")
     # One section needs no name in each element.
-    named = any(len(row) == 3 for row in given["elements"])
-    chosen = sections if named or len(sections) > 1 else next(iter(sections.values()))
-    return FrameModel(given.pop("nodes_m"), given.pop("elements"), chosen, **given)
+    named = len(sections) > 1 or any(len(row) == 3 for row in elements)
+    return FrameModel(nodes, elements, sections if named else next(iter(sections.values())), **table)
 
 
 def _section(job: Job, name: str, parts: Any) -> Tube | Rectangle | Section:
-    place: Keys = ("model", "sections", name)
+    place: KeyPath = ("model", "sections", name)
     remedy = (
         'As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, '
         "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850 }."
     )
-    if not isinstance(parts, dict) or parts.get("shape") not in _SHAPES:
-        got = shown(parts.get("shape")) if isinstance(parts, dict) else shown(parts)
-        job.reject(place, got, "a table with shape = " + ", ".join(f'"{s}"' for s in _SHAPES), remedy)
-    made = _SHAPES[parts["shape"]]
-    known = {f.name: f for f in fields(made)}
-    for key in parts:
-        if key != "shape" and key not in known:
-            job.reject(
-                (*place, key),
-                f"the unknown key {key!r}",
-                "one of " + ", ".join(known),
-                nearest(key, known) or remedy,
-            )
+    shape = parts.get("shape") if isinstance(parts, dict) else parts
+    if not isinstance(parts, dict) or shape not in _SHAPES:
+        wanted = "a table with shape = " + ", ".join(f'"{one}"' for one in _SHAPES)
+        job.reject(place, shown(shape), wanted, remedy)
+    sizes = {key: value for key, value in parts.items() if key != "shape"}
+    known = {field.name: field for field in fields(_SHAPES[shape])}
+    for key in sizes:
+        if key not in known:
+            wanted = "one of " + ", ".join(known)
+            job.reject((*place, key), f"the unknown key {key!r}", wanted, nearest(key, known) or remedy)
     for key, field in known.items():
         if key not in parts and field.default is MISSING:
             job.reject(place, f"no {key!r}", f"{key} = a number", remedy)
-    section: Tube | Rectangle | Section = made(**{k: v for k, v in parts.items() if k != "shape"})
+    section: Tube | Rectangle | Section = _SHAPES[shape](**sizes)
     return section
 
 
-def _matrices(job: Job) -> StructuralModel:
-    table = job.section("model")
+def _matrices(job: Job, table: dict[str, Any]) -> StructuralModel:
     if "file" in table:
-        return io.read_matrices(job.existing(("model", "file"), table["file"]))
-    _require(job, "stiffness", "mass")
-    matrices = [job.existing(("model", key), table[key]) for key in ("stiffness", "mass")]
-    terms = {
-        key: term_files(job, key, names)
-        for key, names in job.given("model", ("stiffness_terms", "mass_terms")).items()
-    }
-    return io.read_matrices(*matrices, **terms)
+        return io.read_matrices(_model_file(job, table, "file"))
+    matrices = [_model_file(job, table, key) for key in ("stiffness", "mass")]
+    return io.read_matrices(*matrices, **term_files(job))
 
 
-def term_files(job: Job, key: str, names: str | list[str]) -> list[Any]:
-    """The files named; those of a pattern by the numbers in their names."""
-    files = []
-    for i, name in enumerate([names] if isinstance(names, str) else names):
-        if "*" not in name:
-            files.append(job.existing(("model", key, i), name))
-            continue
-        pattern = job.file(name)
-        found = sorted(pattern.parent.glob(pattern.name), key=_by_number)
-        if not found:
-            job.reject(
-                ("model", key, i),
-                f"{name!r}, which fits no file",
-                "files that exist",
-                "Paths are relative to the folder of the job file.",
-            )
-        files += found
+def term_files(job: Job) -> dict[str, list[Any]]:
+    """The files of the terms of the model by key; those of a pattern by the numbers in their names."""
+    files: dict[str, list[Any]] = {}
+    for key in ("stiffness_terms", "mass_terms"):
+        names = job.sections["model"].get(key, [])
+        for i, name in enumerate([names] if isinstance(names, str) else names):
+            place, pattern = ("model", key, i), job.file(name)
+            found = sorted(pattern.parent.glob(pattern.name), key=_by_number) if "*" in name else []
+            if "*" in name and not found:
+                remedy = "Paths are relative to the folder of the job file."
+                job.reject(place, f"{name!r}, which fits no file", "files that exist", remedy)
+            files.setdefault(key, []).extend(found or [job.existing(place, name)])
     return files
 
 
@@ -151,22 +122,17 @@ def _by_number(file: Any) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", file.name)]
 
 
-def _result(job: Job) -> StructuralModel:
-    _require(job, "file")
-    return UpdateResult.load(job.existing(("model", "file"), job.section("model")["file"])).model
-
-
-def dof_finder(job: Job, model: StructuralModel) -> Callable[[Keys, Any], Any]:
+def dof_finder(job: Job, model: StructuralModel | None) -> Callable[[KeyPath, Any], Any]:
     """Function of a place and a name: the dof of the model, or the name itself where it is none."""
-    table = job.section("model")
     rows: dict[str, int] = {}
+    table = {} if model is None else job.sections["model"]
     if "dof_map" in table:
         file = job.existing(("model", "dof_map"), table["dof_map"])
         with job.blame(("model",), {"path": ("model", "dof_map")}):
             points = io.read_dof_map(file, first_row=table.get("first_row", 1))
         rows = {f"{node}{direction}": row for (node, direction), row in points.items()}
 
-    def find(place: Keys, name: Any) -> Any:
+    def find(place: KeyPath, name: Any) -> Any:
         if not isinstance(name, str):
             return name
         parts = _NODE_AND_DIRECTION.fullmatch(name)
@@ -181,72 +147,44 @@ def dof_finder(job: Job, model: StructuralModel) -> Callable[[Keys, Any], Any]:
 # -- The parameters and the search of a job
 
 
-#: By kind: the function, and the key that says on what it acts.
-_KINDS: dict[str, tuple[Any, str]] = {
-    **{kind: (getattr(parameters, kind), "elements") for kind in ELEMENTS[:2]},
-    "mass_factor": (parameters.mass_factor, "terms"),
-    **{kind: (getattr(parameters, kind), "sections") for kind in SECTIONED},
-    **{kind: (getattr(parameters, kind), "masses") for kind in LUMPED},
-    **{kind: (getattr(parameters, kind), "springs") for kind in SUPPORT},
-    "angle": (parameters.angle, "elements"),
-    "length": (parameters.length, "elements"),
-    "position": (parameters.position, "nodes"),
-}
-#: Names of bounds that have a unit, and what some kinds cannot do without.
+#: Names of bounds that have a unit.
 _BOUNDS = {"angle": "bounds_deg", "position": "bounds_m"}
-_NEEDED = {"angle": "pivot", "length": "pivot", "position": "direction"}
+#: Kinds of parameter, and the key that says on what each acts, in the order in which a sentence names them.
+_ON = {kind: key.name for key in PARAMETERS.keys if key.kind == "terms" for kind in key.of}
+_ON = {kind: _ON[kind] for kind in sorted(_ON, key=PARAMETERS.keys[0].help.index)}
 #: Keys of [search] that are not options of the optimizer.
 _OURS = {"seed", "workers", "max_seconds", "checkpoint"}
 
 
-def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], list[Keys]]:
+def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], list[KeyPath]]:
     """All parameters, in the order of the job, and where each of them stands."""
     found: list[Parameter] = []
-    places: list[Keys] = []
+    places: list[KeyPath] = []
     for i, table in enumerate(job.parameters):
         place = ("parameters", i)
         kind = table["kind"]
-        if kind not in _KINDS:
-            job.reject(
-                (*place, "kind"),
-                shown(kind),
-                "one of " + ", ".join(_KINDS),
-                nearest(kind, _KINDS) or "Those of sections, masses and supports need a frame.",
-            )
-        make, on = _KINDS[kind]
+        if kind not in _ON:
+            remedy = nearest(kind, _ON) or "Those of sections, masses and supports need a frame."
+            job.reject((*place, "kind"), shown(kind), "one of " + ", ".join(_ON), remedy)
+        on = _ON[kind]
         job.only(place, table, kind)
-        if on not in table:
-            job.missing(place, on)
-        options: dict[str, Any] = {
-            key: table[key] for key in ("together", "relative", "axis") if key in table
-        }
+        options = {key: value for key, value in table.items() if key not in ("kind", "bounds", on)}
         options[_BOUNDS.get(kind, "bounds")] = table["bounds"]
-        if (needed := _NEEDED.get(kind)) is not None:
-            if needed not in table:
-                job.missing(place, needed)
-            options[needed] = table[needed]
         chosen = _everything(model, on) if table[on] == "all" else table[on]
         if chosen == []:
-            job.reject(
-                (*place, on), f'"all" of a model without {on}', f"a model with {on}", "Remove this entry."
-            )
+            got, wanted = f'"all" of a model without {on}', f"a model with {on}"
+            job.reject((*place, on), got, wanted, "Remove this entry.")
         with job.blame(place):
-            made = make(chosen, **options)
+            made = getattr(parameters, kind)(chosen, **options)
         several = [made] if isinstance(made, Parameter) else made
         found += several
         places += [(*place, on)] * len(several)
     return found, places
 
 
-def elements_of(job: Job) -> Any:
-    """Candidates for damage; None for all."""
-    chosen = job.section("damage").get("elements", "all")
-    return None if chosen == "all" else chosen
-
-
 def search_of(job: Job, workers: int | None = None) -> tuple[IslandGA, int, int]:
     """Optimizer, seed and number of threads."""
-    table = job.section("search")
+    table = job.sections["search"]
     options = {name: value for name, value in table.items() if name not in _OURS}
     with job.blame(("search",), {"rng": ("search", "seed")}):
         return (
@@ -257,19 +195,21 @@ def search_of(job: Job, workers: int | None = None) -> tuple[IslandGA, int, int]
 
 
 def _everything(model: StructuralModel, on: str) -> list[Any]:
+    """All on which parameters of a kind may act."""
     if on == "elements":
         return list(model.default_elements)
     if on == "terms":
         return list(range(model._core.n_mass_terms))
     if not isinstance(model, FrameModel):
         return []
-    if on == "nodes":
-        return list(range(len(model.nodes_m)))
-    return list(
-        model.sections
-        if on == "sections"
-        else range(len(model.point_masses if on == "masses" else model.ground_springs))
-    )
+    if on == "sections":
+        return list(model.sections)
+    counted: dict[str, Any] = {
+        "nodes": model.nodes_m,
+        "masses": model.point_masses,
+        "springs": model.ground_springs,
+    }
+    return list(range(len(counted[on])))
 
 
 # -- From [damage] of a job to a call of ``assess_damage``, its options found valid
@@ -279,19 +219,22 @@ def damage_search(
     job: Job, model: StructuralModel, measured: Any, baseline: list[AntiresonanceSet]
 ) -> Callable[..., DamageResult]:
     """The assessment of a job, to be called with what every search takes."""
-    table = job.section("damage")
+    table = job.sections["damage"]
     options = SearchOptions(**{key: table[key] for key in SearchOptions.declared() if key in table})
-    elements = elements_of(job)
+    elements = table.get("elements", "all")
+    if elements == "all":
+        elements = None
     chosen = (
         model.default_elements if elements is None else [elements] if isinstance(elements, int) else elements
     )
-    places: list[Keys] = [("damage", "elements", i) for i in range(len(chosen))]
+    places: list[KeyPath] = [("damage", "elements", i) for i in range(len(chosen))]
     with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
         UpdatingProblem(
             model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
         )
+    assess = partial(assess_damage, model, measured, elements=elements, search=options)
     if not baseline:
-        return partial(assess_damage, model, measured, elements=elements, search=options)
+        return assess
     prior = _prior(job)
     with job.blame(("damage",), {"measured": ("data",)}):  # known before anything is written
         options.of(TWO_STATES)
@@ -299,18 +242,16 @@ def damage_search(
 
     def judged(*, optimizer: Any, checkpoint: Any, **how: Any) -> DamageResult:
         """Nothing is searched, so that there is nothing to keep."""
-        return assess_damage(
-            model, measured, baseline=baseline, elements=elements, prior=prior, search=options, **how
-        )
+        return assess(baseline=baseline, prior=prior, **how)
 
     return judged
 
 
 def _prior(job: Job) -> DamagePrior | None:
-    given = job.section("damage").get("prior")
+    given = job.sections["damage"].get("prior")
     if given is None:
         return None
-    at: Keys = ("damage", "prior")
+    at: KeyPath = ("damage", "prior")
     known = [field.name for field in fields(DamagePrior)]
     for name in given:
         if name not in known:

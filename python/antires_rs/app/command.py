@@ -9,6 +9,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,8 @@ def run(argv: Sequence[str] | None) -> int:
         warnings.simplefilter("always", AntiresWarning)
         warnings.showwarning = _warn
         try:
-            code: int = args.run(args)
+            module, name = args.does.split(".")
+            code: int = getattr(import_module(f"{__package__}.{module}"), name)(args)
             sys.stdout.flush()
             return code
         except BrokenPipeError:
@@ -83,6 +85,11 @@ def say(text: str) -> None:
         sys.stderr.flush()
 
 
+def hint(text: str) -> None:
+    """A line on standard error that is no error."""
+    print(f"antires: {text}", file=sys.stderr)
+
+
 def print_json(data: Any) -> None:
     """Numbers for machines, on standard output."""
     print(json.dumps(data, indent=1, allow_nan=False))
@@ -99,11 +106,13 @@ def new_file(option: str, file: Path | None, *endings: str) -> None:
         reject(option, repr(str(file)), wanted, f"Make {str(file.parent)!r} first.")
 
 
-def existing(argument: str, path: Path, remedy: str) -> Path:
-    """A file that is there."""
+def existing(
+    argument: str, path: Path, remedy: str, wanted: str = "a file that exists", name: str | None = None
+) -> Path:
+    """A file that is there; ``name`` is what the user calls it."""
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "does not exist"
-        reject(argument, f"{str(path)!r}, which {what}", "a file that exists", remedy)
+        raise InvalidInputError(argument, f"{name or str(path)!r}, which {what}", wanted, remedy)
     return path
 
 

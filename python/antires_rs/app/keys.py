@@ -1,6 +1,6 @@
 """Every section of a job file: what it holds, and the sentences that explain it.
 
-The same sentences are the comments of ``antires init`` and the remedies of the messages.
+The same sentences are the comments of ``antires init``, the help of commands and the remedies of messages.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 from textwrap import wrap
@@ -18,78 +18,75 @@ from ..damage.options import ONE_STATE, TWO_STATES, SearchOptions, options_with
 from ..identification.options import declared
 from ..io.registry import ENDINGS
 
-# -- What a key and a section of a job file are: name, kind of value, and the sentence that explains it
+# -- What a key and a section of a job file are
 
 
 @dataclass(frozen=True)
 class Key:
-    """One key.
-
-    Attributes
-    ----------
-    name : str
-    kind : str
-        One of :data:`antires_rs.app.keys.KINDS`.
-    help : str
-        A sentence: what belongs here.
-    default : str
-        As it would be written; '' where there is none.
-    required : bool
-    of : tuple of str
-        Kinds of model or parameter, or formats, to which the key belongs; empty for all.
-    """
+    """One key: its kind, a sentence on what belongs there, and its default as it would be written."""
 
     name: str
     kind: str
     help: str
     default: str = ""
     required: bool = False
+    #: Kinds of model or parameter, or formats, to which the key belongs; empty for all.
     of: tuple[str, ...] = ()
+    #: The same on the command line, as in ``--fs HZ``; '' where it is a key of jobs alone.
+    flag: str = ""
 
     @property
     def explanation(self) -> str:
         """The sentence, and to what the key belongs."""
-        if not self.of:
-            return self.help
-        first = self.help[0].lower() if self.help[1].islower() else self.help[0]
-        return f"For {', '.join(self.of)}: {first}{self.help[1:]}"
+        return f"For {', '.join(self.of)}: {small(self.help)}" if self.of else self.help
+
+    @property
+    def words(self) -> list[str]:
+        """Those in quotes in the sentence, of which the value is one."""
+        return re.findall(r'"([\w-]+)"', self.help)
 
 
 @dataclass(frozen=True)
 class Section:
-    """One table of a job.
-
-    Attributes
-    ----------
-    name : str
-    help : str
-    keys : tuple of Key
-    several : {"no", "may", "must"}
-        Whether it is an array of tables, [[name]].
-    """
+    """One table of a job; whether there "may" or "must" be ``several`` of that name, [[name]]."""
 
     name: str
     help: str
     keys: tuple[Key, ...]
-    several: str = "no"
+    several: str = ""
 
     def key(self, name: str) -> Key | None:
         """The key of that name."""
         return next((key for key in self.keys if key.name == name), None)
 
 
-# -- Formats of measurements by the endings of their files
+def small(sentence: str) -> str:
+    """The sentence as it goes on after others."""
+    return (sentence[0].lower() if sentence[1].islower() else sentence[0]) + sentence[1:]
+
+
+# -- Formats of measurements, and what belongs to which
 
 
 #: Endings of files by format.
 FORMATS = {**ENDINGS, "antiresonances": (".json",)}
 #: What has no ending: a folder of files of one response each.
 FOLDER = "folder"
-
-ARRAYS, SIGNALS = ("mat", "hdf5", "npz"), (*ENDINGS, FOLDER)
-#: Tables of columns; records of channels that state themselves; what may hold responses over frequency.
-COLUMNS, RECORDS = ("csv", "excel", "parquet"), ("tdms", "lvm", "wav", "miniseed")
-RESPONSES = tuple(kind for kind in SIGNALS if kind not in RECORDS)
+SIGNALS = (*ENDINGS, FOLDER)
+RECORDS = ("tdms", "lvm", "wav", "miniseed")
+CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
+#: Names of several formats, or kinds of parameter, in the declarations below.
+GROUPS = {
+    "signals": SIGNALS,
+    "records": RECORDS,
+    "responses": tuple(kind for kind in SIGNALS if kind not in RECORDS),
+    "arrays": ("mat", "hdf5", "npz"),
+    "columns": ("csv", "excel", "parquet"),
+    "stiffness": ("stiffness_factor", "stiffness_reduction"),
+    "sectioned": ("youngs_modulus", "density", "thickness", "diameter"),
+    "lumped": ("point_mass", "inertia"),
+    "turned": ("angle", "length"),
+}
 
 
 def format_of(name: str, given: str | None = None) -> str | None:
@@ -100,428 +97,226 @@ def format_of(name: str, given: str | None = None) -> str | None:
     return next((kind for kind, endings in FORMATS.items() if suffix in endings), None)
 
 
-# -- Keys of [data] and [identification]
+# -- The sections, a key a paragraph: ``name (required kind of formats, --flag VALUE) = default: sentence``
 
 
-DATA = Section(
-    "data",
-    "What was measured. One [[data]] for each position of the force, or a single [data].",
-    (
-        Key(
-            "file",
-            "text",
-            "The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt, .npz, .npy, .tdms, "
-            ".lvm, .wav, .xlsx, .parquet or .mseed, a folder of "
-            "files of one FRF each, or the .json of 'antires identify'. Relative to this job file.",
-            required=True,
-        ),
-        Key(
-            "repeats",
-            "texts",
-            "Further files of the same test, other impacts or runs, in the same format; * stands for "
-            "anything. They are averaged with the first.",
-            of=SIGNALS,
-        ),
-        Key(
-            "format",
-            "text",
-            "One of uff, mat, hdf5, csv, npz, tdms, lvm, wav, excel, parquet, miniseed, "
-            "antiresonances. By default the ending tells.",
-        ),
-        Key(
-            "excitation",
-            "dof",
-            "Dof of the model at which the one force acts, or the name of its channel.",
-            of=SIGNALS,
-        ),
-        Key(
-            "band_hz",
-            "pair",
-            "Lowest and highest frequency in Hz: from above the rigid-body modes to beyond "
-            "the highest antiresonance wanted.",
-            of=SIGNALS,
-        ),
-        Key(
-            "dofs",
-            "dofs",
-            "Dof of the model for each channel: a list in their order, or name = dof; false "
-            'leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".',
-        ),
-        Key(
-            "drop",
-            "texts",
-            'Values to leave out, "DOF=HZ why", each the one within 1 % of it: "3=31.9 mains hum".',
-        ),
-        Key("add", "texts", "Values that are added, in the same way."),
-        Key(
-            "unit",
-            "text",
-            'Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".',
-            of=SIGNALS,
-        ),
-        Key(
-            "force",
-            "force",
-            "Channel of the force; false leaves it out. Antiresonances do not need it.",
-            '"auto"',
-            of=SIGNALS,
-        ),
-        Key(
-            "fs_hz",
-            "number",
-            "Sampling rate in Hz, where the file does not tell.",
-            of=("mat", "hdf5", "npz", "csv", "tdms", "lvm", "excel", "parquet"),
-        ),
-        Key(
-            "kind",
-            "text",
-            '"frf" or "transmissibility" (for UFF also "time" and "spectra"): what to read '
-            "where a file does not tell or holds several.",
-            of=RESPONSES,
-        ),
-        Key("reference", "dof", "Reference of transmissibilities.", of=RESPONSES),
-        Key(
-            "responses",
-            "texts",
-            "Arrays or channels of the responses; * stands for anything.",
-            of=(*ARRAYS, *RECORDS, FOLDER),
-        ),
-        Key("time", "text", "Array of time in s.", of=ARRAYS),
-        Key("freq", "text", "Array of frequencies in Hz.", of=(*ARRAYS, FOLDER)),
-        Key(
-            "df_hz",
-            "number",
-            "Spacing in Hz of FRFs from 0 Hz on, where the file has no axis.",
-            of=(*ARRAYS, *COLUMNS, FOLDER),
-        ),
-        Key(
-            "freq_hz",
-            "numbers",
-            "Frequencies in Hz of FRFs, in place of df_hz.",
-            of=(*ARRAYS, *COLUMNS, FOLDER),
-        ),
-        Key(
-            "roving",
-            "text",
-            'The sensor that stayed while the hammer roved, as "5+Z", of a universal file with the FRFs of '
-            "all hits: by reciprocity they are those of a force at that sensor, the excitation then. "
-            "Hits in files of their own are a [[data]] each.",
-            of=("uff",),
-        ),
-        Key("pattern", "text", 'Which files of the folder, as "*.csv".', '"*"', of=(FOLDER,)),
-        Key(
-            "run",
-            "whole",
-            "Which run, from 1, where points were recorded several times; which segment of an .lvm.",
-            of=("uff", "lvm", FOLDER),
-        ),
-        Key(
-            "pairs",
-            "text",
-            '"real_imag", "magnitude_deg", "magnitude_rad", "db_deg" or "db_rad": what two neighbouring '
-            "columns are, where their names do not tell.",
-            of=(*COLUMNS, FOLDER),
-        ),
-        Key("first", "text", 'What the first column is: "time", "freq" or "channel".', of=(*COLUMNS, FOLDER)),
-        Key("sheet", "text", "Sheet of an Excel workbook.", "the first", of=("excel", FOLDER)),
-        Key("full_scale", "number", "What full scale of a WAV file stands for, in unit.", "1", of=("wav",)),
-        Key("delimiter", "text", "What stands between columns.", of=("csv", FOLDER)),
-        Key("decimal", "text", "Decimal sign.", of=("csv", FOLDER)),
-        Key(
-            "partial",
-            "switch",
-            "Whether to read what is whole of a file that was cut.",
-            "false",
-            of=("uff", "csv", "tdms", "lvm", FOLDER),
-        ),
-    ),
-    "may",
-)
-
-IDENTIFICATION = Section(
-    "identification",
-    "How antiresonances are identified. The defaults suit most records.",
-    (
-        Key("dofs", "list", "Dofs whose antiresonances are used; by default all that were measured."),
-        *(
-            Key(name, "whole" if one.kind == "segment" else one.kind, one.sentence, one.shown)
-            for name, one in declared().items()
-        ),
-        Key("second_opinion", "text", "The older name of cross_check."),
-    ),
-)
+_DECLARED = re.compile(r"(\w+) \((required )?(\w+)(?: of ([\w ]+))?(?:, (--[^)]+))?\)(?: = (.+?))?: (.+)")
 
 
-# -- Keys of [model] and [[parameters]]
+def _sections(text: str, **inserted: Sequence[Key]) -> dict[str, Section]:
+    """Every section; ``<name>`` stands for keys that are declared elsewhere."""
+    sections = {}
+    for part in text.strip().split("\n\n"):
+        head, *paragraphs = re.split(r"\n(?! )", part)
+        heading, _, about = head.partition(": ")
+        name, _, several = heading[1:].partition("]")
+        keys: list[Key] = []
+        for paragraph in paragraphs:
+            keys += inserted.get(paragraph[1:-1]) or [_key(" ".join(paragraph.split()))]
+        sections[name] = Section(name, about, tuple(keys), several.strip())
+    return sections
 
 
-CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
-
-MODEL = Section(
-    "model",
-    "The model. Masses, springs, nodes, elements and dofs count from 0.",
-    (
-        Key(
-            "kind",
-            "text",
-            '"chain" (masses and springs in a row), "frame" (beams), "matrices" (K and M of '
-            "any finite-element program), \"result\" (the updated model of 'antires update').",
-            required=True,
-        ),
-        Key("masses_kg", "numbers", "Masses in kg, from the first to the last.", of=(CHAIN,)),
-        Key(
-            "springs_n_per_m",
-            "numbers",
-            "Stiffness in N/m of the springs between neighbours, one fewer than masses.",
-            of=(CHAIN,),
-        ),
-        Key(
-            "ground_first_n_per_m",
-            "number",
-            "Spring from the first mass to ground; 0 is a free end. With n "
-            'masses it is element n - 1, which "all" leaves out.',
-            "0",
-            of=(CHAIN,),
-        ),
-        Key(
-            "ground_last_n_per_m",
-            "number",
-            "Spring from the last mass to ground: element n, left out likewise.",
-            "0",
-            of=(CHAIN,),
-        ),
-        Key("nodes_m", "list", "Coordinates of the nodes in m, [x, y] or [x, y, z].", of=(FRAME,)),
-        Key("elements", "list", '[node, node, "section"] of each beam.', of=(FRAME,)),
-        Key(
-            "sections",
-            "table",
-            'Name = { shape = "tube", outer_diameter_m, thickness_m, youngs_modulus_pa, '
-            'density_kg_per_m3 }, "rectangle" with width_m, height_m, or "general" with area_m2, inertia_m4; '
-            'shear_coefficient = "cowper" or a number makes Timoshenko beams.',
-            of=(FRAME,),
-        ),
-        Key("point_masses", "list", "[node, kg] or [node, kg, inertia in kg m2] of each.", of=(FRAME,)),
-        Key(
-            "ground_springs",
-            "list",
-            '[node, "direction", N/m] of each; directions are u, v, theta in the '
-            "plane, u, v, w, rx, ry, rz in space.",
-            of=(FRAME,),
-        ),
-        Key(
-            "node_springs",
-            "list",
-            '[node, node, N/m] or [node, node, N/m, "direction"] of each.',
-            of=(FRAME,),
-        ),
-        Key("fixed", "list", 'Nodes, or [node, "direction"], that cannot move.', of=(FRAME,)),
-        Key("orientation", "list", "Direction in which the height of the sections points.", of=(FRAME,)),
-        Key(
-            "file",
-            "text",
-            "The result.npz of 'antires update', or a file of write_matrices.",
-            of=(MATRICES, RESULT),
-        ),
-        Key("stiffness", "text", "K, as Matrix Market (.mtx) or scipy.sparse (.npz).", of=(MATRICES,)),
-        Key("mass", "text", "M, likewise.", of=(MATRICES,)),
-        Key(
-            "stiffness_terms",
-            "texts",
-            "The part of K that each element or group contributes.",
-            of=(MATRICES,),
-        ),
-        Key("mass_terms", "texts", "The same for M.", of=(MATRICES,)),
-        Key(
-            "dof_map",
-            "text",
-            'Text file with node and direction of each row, so that channels such as "12+Z" find their dof.',
-            of=(MATRICES,),
-        ),
-        Key("first_row", "whole", "Number of the first row in dof_map.", "1", of=(MATRICES,)),
-    ),
-)
-
-ELEMENTS = ("stiffness_factor", "stiffness_reduction", "angle", "length")
-SECTIONED = ("youngs_modulus", "density", "thickness", "diameter")
-LUMPED, SUPPORT = ("point_mass", "inertia"), ("support_stiffness",)
-
-PARAMETERS = Section(
-    "parameters",
-    "What may change in the model: one [[parameters]] for each kind and its bounds.",
-    (
-        Key(
-            "kind",
-            "text",
-            "stiffness_factor, stiffness_reduction (of elements), mass_factor (of terms); for "
-            "frames also youngs_modulus, density, thickness, diameter (of sections), point_mass, inertia (of "
-            "masses), support_stiffness (of springs), angle (of elements about a pivot), length (of elements "
-            "from a pivot), position (of nodes along a direction).",
-            required=True,
-        ),
-        Key(
-            "bounds",
-            "pair",
-            "Lower and upper bound: a factor, or a value in SI (degrees for an angle, m for a position).",
-            required=True,
-        ),
-        Key("elements", "terms", '"all" or a list such as [0, 1, 2].', of=ELEMENTS),
-        Key(
-            "terms",
-            "terms",
-            '"all" or a list such as [0, 1, 2]; for a chain, the masses.',
-            of=("mass_factor",),
-        ),
-        Key("sections", "terms", '"all" or a list of names.', of=SECTIONED),
-        Key("masses", "terms", '"all" or positions in point_masses.', of=LUMPED),
-        Key("springs", "terms", '"all" or positions in ground_springs.', of=SUPPORT),
-        Key(
-            "together",
-            "switch",
-            "Whether one parameter acts on all of them.",
-            "false",
-            of=(*ELEMENTS[:2], "mass_factor", *SECTIONED, *LUMPED, *SUPPORT, "position"),
-        ),
-        Key(
-            "relative",
-            "switch",
-            "Whether bounds are factors on the model's value.",
-            "false",
-            of=(*SECTIONED, *LUMPED, *SUPPORT),
-        ),
-        Key("nodes", "terms", "A list of nodes.", of=("position",)),
-        Key("direction", "numbers", "The direction in which the nodes move, (x, y, z).", of=("position",)),
-        Key(
-            "pivot", "whole", "The node about which the elements turn, or that stays.", of=("angle", "length")
-        ),
-        Key("axis", "numbers", "The axis, in space.", "[0, 0, 1]", of=("angle",)),
-    ),
-    "must",
-)
+def _key(paragraph: str) -> Key:
+    found = _DECLARED.fullmatch(paragraph)
+    if found is None:
+        raise ValueError(f"no declaration of a key: {paragraph!r}")
+    name, required, kind, of, flag, default, sentence = (part or "" for part in found.groups())
+    groups = tuple(one for word in of.split() for one in GROUPS.get(word, (word,)))
+    return Key(name, kind, sentence, default, bool(required), groups, flag)
 
 
-# -- Keys of [updating], [damage], [search] and [output]
-
-
-UPDATING = Section(
-    "updating",
-    "The objective of the updating.",
-    (
-        Key(
-            "misfit",
-            "text",
-            '"absolute" (a few wrong values do not move it), "squared" or "largest".',
-            '"absolute"',
-        ),
-        Key("weights", "text", '"std": what is known badly counts less.'),
-    ),
-)
-
-#: Options of a search for damage that a job may set.
-SEARCH_KEYS = {
-    name: Key(name, one.kind, one.explanation, one.shown)
-    for name, one in SearchOptions.declared().items()
-    if one.kind != "value"
+#: Options of an identification that commands have too.
+_FLAGS = {
+    "preset": "--preset WORD",
+    "route": "--route WORD",
+    "max_order": "--max-order N>=2",
+    "cross_check": "--cross-check --second-opinion WORD",
 }
-
-DAMAGE = Section(
-    "damage",
-    "Where damage is looked for.",
-    (
-        Key(
-            "baseline",
-            "texts",
-            "The intact structure: measurements as in [data], identified with the same options, or the .json "
-            "of 'antires identify'; with several [[data]] one for each; * takes records of one test. With it "
-            "changes are compared, and errors of the model do not count as damage.",
-        ),
-        Key("elements", "terms", 'Candidates: "all" or a list such as [0, 1, 2].', '"all"'),
-        *(SEARCH_KEYS[name] for name in options_with(TWO_STATES) if name in SEARCH_KEYS),
-        Key(
-            "prior",
-            "shares",
-            "With a baseline: probabilities before the test that add up to one, { nothing = 0.5, one = 0.3, "
-            "two = 0.1, three = 0.03, elsewhere = 0.05, unknown = 0.02 } by default.",
-        ),
-        *(SEARCH_KEYS[name] for name in options_with(ONE_STATE) if name in SEARCH_KEYS),
-    ),
-)
-
-SEARCH = Section(
-    "search",
-    "The search. The same seed gives bit-identical results for any number of workers.",
-    (
-        Key("seed", "whole", "A whole number of at least 0.", "0"),
-        Key("workers", "whole", "Threads; by default all processors."),
-        Key("max_seconds", "number", "Longest time; 'antires resume' goes on from there."),
-        Key("checkpoint", "switch", "Whether the search is kept on disk while it runs.", "true"),
-        Key("max_evaluations", "whole", "Budget of model evaluations.", "200000"),
-        Key("max_generations", "whole", "Budget of generations."),
-        Key("islands", "whole", "Number of populations.", "4"),
-        Key("population", "whole", "Individuals of each.", "40"),
-        Key(
-            "polish",
-            "switch",
-            "Whether a local search polishes the islands' bests; false leaves it out.",
-            "true",
-        ),
-        Key(
-            "crossovers",
-            "texts",
-            'Operators dealt out to the islands: "arithmetic", "heuristic", "blend", "uniform".',
-        ),
-        Key("crossover_probability", "number", "Of a pair, from 0 to 1.", "0.8"),
-        Key("mutation_probability", "number", "Of a gene, from 0 to 1.", "0.02"),
-        Key("selection_pressure", "number", "Probability of selecting the best individual.", "0.08"),
-        Key("patience", "whole", "Generations without improvement before an island waits.", "40"),
-        Key("improvement_tolerance", "number", "Relative gain that counts as improvement.", "1e-4"),
-        Key("agreement", "text", '"genes-or-cost" or "genes".', '"genes-or-cost"'),
-        Key("gene_tolerance", "number", "Spread of the bests that counts as agreement.", "1e-6"),
-        Key("cost_tolerance", "number", "The same for costs, relative.", "1e-6"),
-        Key("cost_floor", "number", "The same for costs, absolute.", "1e-12"),
-        Key("cost_migrations", "whole", "Migrations in a row for which costs must agree.", "3"),
-        Key("polish_interval", "whole", "Generations between two polishes.", "10"),
-        Key("polish_evaluations", "whole", "Evaluations after which a polish begins nothing new.", "1000"),
-    ),
-)
-
-OUTPUT = Section(
-    "output",
-    "What is written. Files are whole or not there.",
-    (
-        Key("folder", "text", "Folder of the results, made if need be. Relative to this job file."),
-        Key("title", "text", "Heading of the report."),
-        Key("report", "switch", "Whether to write report.html.", "true"),
-        Key("pictures", "switch", "Whether to write the pictures as PNG too.", "true"),
-    ),
-)
+_IDENTIFICATION = [
+    Key(
+        name,
+        "whole" if one.kind == "segment" else one.kind,
+        one.sentence,
+        one.shown,
+        flag=_FLAGS.get(name, ""),
+    )
+    for name, one in declared().items()
+]
 
 
-# -- Keys of [series]
+def _of_damage(scope: str) -> list[Key]:
+    """Options of a search for damage that a job may set."""
+    options = SearchOptions.declared()
+    return [
+        Key(name, options[name].kind, options[name].explanation, options[name].shown)
+        for name in options_with(scope)
+        if options[name].kind != "value"
+    ]
 
 
-SERIES = Section(
-    "series",
-    'Many tests of one structure: [data] names a folder, or a pattern such as "records/*.npz".',
-    (
-        Key(
-            "conditions",
-            "text",
-            "A CSV or Parquet file with what was measured beside: a row a test, in their order, or with "
-            'their names in a column "name"; a column "time" dates them.',
-        ),
-        Key(
-            "over",
-            "text",
-            "The condition over which the pictures draw the antiresonances; by default the tests in order.",
-        ),
-        Key("workers", "whole", "Processes that identify; by default one. No number depends on it."),
-    ),
-)
+_TEXT = """
+[data] may: What was measured. One [[data]] for each position of the force, or a single [data].
+file (required text): The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt, .npz, .npy, .tdms,
+    .lvm, .wav, .xlsx, .parquet or .mseed, a folder of files of one FRF each, or the .json of 'antires
+    identify'. Relative to this job file.
+repeats (texts of signals): Further files of the same test, other impacts or runs, in the same format; *
+    stands for anything. They are averaged with the first.
+format (text, --format FORMAT): One of uff, mat, hdf5, csv, npz, tdms, lvm, wav, excel, parquet, miniseed,
+    antiresonances. By default the ending tells.
+excitation (dof of signals, --excitation DOF): Dof of the model at which the one force acts, or the name of
+    its channel.
+band_hz (pair of signals, --band LOW HIGH): Lowest and highest frequency in Hz: from above the rigid-body
+    modes to beyond the highest antiresonance wanted.
+dofs (dofs, --dof CHANNEL=DOF ...): Dof of the model for each channel: a list in their order, or name = dof;
+    false leaves a channel out. Dofs count from 0; those of frames may be named as in "3 v".
+drop (texts): Values to leave out, "DOF=HZ why", each the one within 1 % of it: "3=31.9 mains hum".
+add (texts): Values that are added, in the same way.
+unit (text of signals, --unit UNIT): Unit of the responses, where the file does not tell: "m/s2", "g", "g/N".
+force (force of signals, --force CHANNEL) = "auto": Channel of the force; false leaves it out. Antiresonances
+    do not need it.
+fs_hz (number of arrays csv tdms lvm excel parquet, --fs HZ): Sampling rate in Hz, where the file does not
+    tell.
+kind (word of responses, --kind WORD): "frf" or "transmissibility" (for UFF also "time" and "spectra"): what
+    to read where a file does not tell or holds several.
+reference (dof of responses, --reference DOF): Reference of transmissibilities.
+responses (texts of arrays records folder, --responses NAME ...): Arrays or channels of the responses; *
+    stands for anything.
+time (text of arrays): Array of time in s.
+freq (text of arrays folder): Array of frequencies in Hz.
+df_hz (number of arrays columns folder, --df HZ): Spacing in Hz of FRFs from 0 Hz on, where the file has no
+    axis.
+freq_hz (numbers of arrays columns folder): Frequencies in Hz of FRFs, in place of df_hz.
+roving (text of uff, --roving SENSOR): The sensor that stayed while the hammer roved, as "5+Z", of a universal
+    file with the FRFs of all hits: by reciprocity they are those of a force at that sensor, the excitation
+    then. Hits in files of their own are a [[data]] each.
+pattern (text of folder, --pattern GLOB) = "*": Which files of the folder, as "*.csv".
+run (whole of uff lvm folder, --run N>=1): Which run, from 1, where points were recorded several times; which
+    segment of an .lvm.
+pairs (word of columns folder, --pairs WORD): "real_imag", "magnitude_deg", "magnitude_rad", "db_deg" or
+    "db_rad": what two neighbouring columns are, where their names do not tell.
+first (word of columns folder, --first WORD): What the first column is: "time", "freq" or "channel".
+sheet (text of excel folder, --sheet NAME) = the first: Sheet of an Excel workbook.
+full_scale (number of wav, --full-scale VALUE) = 1: What full scale of a WAV file stands for, in unit.
+delimiter (text of csv folder): What stands between columns.
+decimal (text of csv folder): Decimal sign.
+partial (switch of uff csv tdms lvm folder) = false: Whether to read what is whole of a file that was cut.
 
+[series]: Many tests of one structure: [data] names a folder, or a pattern such as "records/*.npz".
+conditions (text): A CSV or Parquet file with what was measured beside: a row a test, in their order, or with
+    their names in a column "name"; a column "time" dates them.
+over (text): The condition over which the pictures draw the antiresonances; by default the tests in order.
+workers (whole): Processes that identify; by default one. No number depends on it.
+
+[identification]: How antiresonances are identified. The defaults suit most records.
+dofs (list): Dofs whose antiresonances are used; by default all that were measured.
+<options>
+second_opinion (text): The older name of cross_check.
+
+[model]: The model. Masses, springs, nodes, elements and dofs count from 0.
+kind (required text): "chain" (masses and springs in a row), "frame" (beams), "matrices" (K and M of any
+    finite-element program), "result" (the updated model of 'antires update').
+masses_kg (required numbers of chain): Masses in kg, from the first to the last.
+springs_n_per_m (required numbers of chain): Stiffness in N/m of the springs between neighbours, one fewer
+    than masses.
+ground_first_n_per_m (number of chain) = 0: Spring from the first mass to ground; 0 is a free end. With n
+    masses it is element n - 1, which "all" leaves out.
+ground_last_n_per_m (number of chain) = 0: Spring from the last mass to ground: element n, left out likewise.
+nodes_m (required list of frame): Coordinates of the nodes in m, [x, y] or [x, y, z].
+elements (required list of frame): [node, node, "section"] of each beam.
+sections (required table of frame): Name = { shape = "tube", outer_diameter_m, thickness_m, youngs_modulus_pa,
+    density_kg_per_m3 }, "rectangle" with width_m, height_m, or "general" with area_m2, inertia_m4;
+    shear_coefficient = "cowper" or a number makes Timoshenko beams.
+point_masses (list of frame): [node, kg] or [node, kg, inertia in kg m2] of each.
+ground_springs (list of frame): [node, "direction", N/m] of each; directions are u, v, theta in the plane, u,
+    v, w, rx, ry, rz in space.
+node_springs (list of frame): [node, node, N/m] or [node, node, N/m, "direction"] of each.
+fixed (list of frame): Nodes, or [node, "direction"], that cannot move.
+orientation (list of frame): Direction in which the height of the sections points.
+file (text of matrices result): The result.npz of 'antires update', or a file of write_matrices.
+stiffness (text of matrices): K, as Matrix Market (.mtx) or scipy.sparse (.npz).
+mass (text of matrices): M, likewise.
+stiffness_terms (texts of matrices): The part of K that each element or group contributes.
+mass_terms (texts of matrices): The same for M.
+dof_map (text of matrices): Text file with node and direction of each row, so that channels such as "12+Z"
+    find their dof.
+first_row (whole of matrices) = 1: Number of the first row in dof_map.
+
+[parameters] must: What may change in the model: one [[parameters]] for each kind and its bounds.
+kind (required text): stiffness_factor, stiffness_reduction (of elements), mass_factor (of terms); for frames
+    also youngs_modulus, density, thickness, diameter (of sections), point_mass, inertia (of masses),
+    support_stiffness (of springs), angle (of elements about a pivot), length (of elements from a pivot),
+    position (of nodes along a direction).
+bounds (required pair): Lower and upper bound: a factor, or a value in SI (degrees for an angle, m for a
+    position).
+elements (required terms of stiffness turned): "all" or a list such as [0, 1, 2].
+terms (required terms of mass_factor): "all" or a list such as [0, 1, 2]; for a chain, the masses.
+sections (required terms of sectioned): "all" or a list of names.
+masses (required terms of lumped): "all" or positions in point_masses.
+springs (required terms of support_stiffness): "all" or positions in ground_springs.
+together (switch of stiffness mass_factor sectioned lumped support_stiffness position) = false: Whether one
+    parameter acts on all of them.
+relative (switch of sectioned lumped support_stiffness) = false: Whether bounds are factors on the model's
+    value.
+nodes (required terms of position): A list of nodes.
+direction (required numbers of position): The direction in which the nodes move, (x, y, z).
+pivot (required whole of turned): The node about which the elements turn, or that stays.
+axis (numbers of angle) = [0, 0, 1]: The axis, in space.
+
+[updating]: The objective of the updating.
+misfit (text) = "absolute": "absolute" (a few wrong values do not move it), "squared" or "largest".
+weights (text): "std": what is known badly counts less.
+
+[damage]: Where damage is looked for.
+baseline (texts): The intact structure: measurements as in [data], identified with the same options, or the
+    .json of 'antires identify'; with several [[data]] one for each; * takes records of one test. With it
+    changes are compared, and errors of the model do not count as damage.
+elements (terms) = "all": Candidates: "all" or a list such as [0, 1, 2].
+<two_states>
+prior (shares): With a baseline: probabilities before the test that add up to one, { nothing = 0.5, one = 0.3,
+    two = 0.1, three = 0.03, elsewhere = 0.05, unknown = 0.02 } by default.
+<one_state>
+
+[search]: The search. The same seed gives bit-identical results for any number of workers.
+seed (whole) = 0: A whole number of at least 0.
+workers (whole): Threads; by default all processors.
+max_seconds (number): Longest time; 'antires resume' goes on from there.
+checkpoint (switch) = true: Whether the search is kept on disk while it runs.
+max_evaluations (whole) = 200000: Budget of model evaluations.
+max_generations (whole): Budget of generations.
+islands (whole) = 4: Number of populations.
+population (whole) = 40: Individuals of each.
+polish (switch) = true: Whether a local search polishes the islands' bests; false leaves it out.
+crossovers (texts): Operators dealt out to the islands: "arithmetic", "heuristic", "blend", "uniform".
+crossover_probability (number) = 0.8: Of a pair, from 0 to 1.
+mutation_probability (number) = 0.02: Of a gene, from 0 to 1.
+selection_pressure (number) = 0.08: Probability of selecting the best individual.
+patience (whole) = 40: Generations without improvement before an island waits.
+improvement_tolerance (number) = 1e-4: Relative gain that counts as improvement.
+agreement (text) = "genes-or-cost": "genes-or-cost" or "genes".
+gene_tolerance (number) = 1e-6: Spread of the bests that counts as agreement.
+cost_tolerance (number) = 1e-6: The same for costs, relative.
+cost_floor (number) = 1e-12: The same for costs, absolute.
+cost_migrations (whole) = 3: Migrations in a row for which costs must agree.
+polish_interval (whole) = 10: Generations between two polishes.
+polish_evaluations (whole) = 1000: Evaluations after which a polish begins nothing new.
+
+[output]: What is written. Files are whole or not there.
+folder (text): Folder of the results, made if need be. Relative to this job file.
+title (text): Heading of the report.
+report (switch) = true: Whether to write report.html.
+pictures (switch) = true: Whether to write the pictures as PNG too.
+"""
 #: In the order of a job file.
-SECTIONS = {
-    section.name: section
-    for section in (DATA, SERIES, IDENTIFICATION, MODEL, PARAMETERS, UPDATING, DAMAGE, SEARCH, OUTPUT)
+SECTIONS = _sections(
+    _TEXT, options=_IDENTIFICATION, two_states=_of_damage(TWO_STATES), one_state=_of_damage(ONE_STATE)
+)
+DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
+#: What a job of each task may hold, in the order in which ``antires init`` writes it.
+TASKS = {
+    "damage": ("data", "model", "damage", "identification", "search", "output"),
+    "update": ("data", "model", "parameters", "updating", "identification", "search", "output"),
+    "series": ("data", "series", "identification", "output"),
 }
 
 
@@ -530,6 +325,15 @@ SECTIONS = {
 
 #: Stands in a new job for a dof that only its user knows.
 UNSET = "?"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What is wanted, whether a value is that, and how it is written."""
+
+    wanted: str
+    fits: Callable[[Any], bool]
+    remedy: str
 
 
 def _number(value: Any) -> bool:
@@ -548,65 +352,53 @@ def _dof(value: Any) -> bool:
     return _whole(value) or _text(value)
 
 
-def _list(value: Any, item: Callable[[Any], bool], least: int = 1) -> bool:
-    return isinstance(value, list) and len(value) >= least and all(map(item, value))
+def _dof_or_false(value: Any) -> bool:
+    return value is False or _dof(value)
 
 
-def _dofs(value: Any) -> bool:
-    def one(dof: Any) -> bool:
-        return dof is False or _dof(dof)
-
-    return _list(value, one) or (isinstance(value, dict) and bool(value) and all(map(one, value.values())))
+def _list(item: Callable[[Any], bool], least: int = 1, most: float = math.inf) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, list) and least <= len(value) <= most and all(map(item, value))
 
 
-@dataclass(frozen=True)
-class Kind:
-    """What is wanted, whether a value is that, and how it is written."""
-
-    wanted: str
-    fits: Callable[[Any], bool]
-    remedy: str
+def _table(item: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, dict) and bool(value) and all(map(item, value.values()))
 
 
+def _any_of(*kinds: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: any(fits(value) for fits in kinds)
+
+
+_QUOTED = Kind("text in quotes", _text, "Put it in quotes.")
 KINDS = {
-    "text": Kind("text in quotes", _text, "Put it in quotes."),
+    "text": _QUOTED,
+    "word": _QUOTED,
     "texts": Kind(
         "text in quotes, or a list of such",
-        lambda v: _text(v) or _list(v, _text),
+        _any_of(_text, _list(_text)),
         'Write "one" or ["one", "another"].',
     ),
     "number": Kind("a finite number", _number, "Write it without quotes, with a decimal point."),
-    "numbers": Kind(
-        "a list of finite numbers", lambda v: _list(v, _number, 0), "Write them as in [1.0, 2.5]."
-    ),
+    "numbers": Kind("a list of finite numbers", _list(_number, 0), "Write them as in [1.0, 2.5]."),
     "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),
     "switch": Kind(
         "true or false", lambda v: isinstance(v, bool), "Write it in small letters, without quotes."
     ),
-    "pair": Kind(
-        "two numbers, [low, high]",
-        lambda v: _list(v, _number) and len(v) == 2,
-        "Write them as in [3.0, 130.0].",
-    ),
+    "pair": Kind("two numbers, [low, high]", _list(_number, 2, 2), "Write them as in [3.0, 130.0]."),
     "dof": Kind("a whole number, or a name in quotes", _dof, 'Write it as in 3 or "12+Z".'),
     "dofs": Kind(
-        "a list of dofs, or a table name = dof", _dofs, 'Write it as in [0, 1, 2] or { "12+Z" = 0 }.'
+        "a list of dofs, or a table name = dof",
+        _any_of(_list(_dof_or_false), _table(_dof_or_false)),
+        'Write it as in [0, 1, 2] or { "12+Z" = 0 }.',
     ),
-    "force": Kind(
-        "a channel's name in quotes, or false", lambda v: v is False or _dof(v), "Put it in quotes."
-    ),
+    "force": Kind("a channel's name in quotes, or false", _dof_or_false, "Put it in quotes."),
     "terms": Kind(
         '"all", a number or name, or a list of them',
-        lambda v: _dof(v) or _list(v, _dof),
+        _any_of(_dof, _list(_dof)),
         'Write it as in "all" or [0, 1, 2].',
     ),
-    "list": Kind("a list that is not empty", lambda v: _list(v, lambda item: True), "Put it in [ ]."),
-    "shares": Kind(
-        "a table name = number",
-        lambda v: isinstance(v, dict) and bool(v) and all(map(_number, v.values())),
-        "Write it as in { nothing = 0.9, one = 0.1 }.",
-    ),
-    "table": Kind("a table, name = { ... }", lambda v: isinstance(v, dict) and bool(v), "Put it in { }."),
+    "list": Kind("a list that is not empty", _list(lambda item: True), "Put it in [ ]."),
+    "shares": Kind("a table name = number", _table(_number), "Write it as in { nothing = 0.9, one = 0.1 }."),
+    "table": Kind("a table, name = { ... }", _table(lambda item: True), "Put it in { }."),
 }
 
 
@@ -629,12 +421,12 @@ def shown(value: Any) -> str:
 
 
 _HEAD = {
-    "damage": "Look for damage: antires damage {name}",
-    "update": "Update a model: antires update {name}",
-    "series": "Identify many tests: antires series {name}",
+    "damage": "Look for damage: antires damage",
+    "update": "Update a model: antires update",
+    "series": "Identify many tests: antires series",
 }
-#: What is filled in as an example, by model; None stands for every model.
-_EXAMPLES: dict[str, dict[str, str]] = {
+#: What is filled in as an example, by model.
+_EXAMPLES = {
     CHAIN: {"masses_kg": "[1.0, 1.0, 1.0]", "springs_n_per_m": "[50e3, 50e3]"},
     FRAME: {
         "nodes_m": "[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]",
@@ -643,23 +435,28 @@ _EXAMPLES: dict[str, dict[str, str]] = {
     MATRICES: {"stiffness": '"K.mtx"', "mass": '"M.mtx"', "stiffness_terms": '"K_element_*.mtx"'},
     RESULT: {"file": '"update_results/result.npz"'},
 }
+#: Kinds of parameter, and on what they act.
 _PARAMETERS = {
-    CHAIN: (("mass_factor", "terms", '"all"'), ("stiffness_factor", "elements", '"all"')),
-    FRAME: (("thickness", "sections", '"all"'), ("stiffness_factor", "elements", '"all"')),
-    MATRICES: (("stiffness_factor", "elements", '"all"'),),
-    RESULT: (("stiffness_factor", "elements", '"all"'),),
+    CHAIN: {"mass_factor": "terms", "stiffness_factor": "elements"},
+    FRAME: {"thickness": "sections", "stiffness_factor": "elements"},
+    MATRICES: {"stiffness_factor": "elements"},
+    RESULT: {"stiffness_factor": "elements"},
 }
 #: What needs a table of its own.
-_TABLES = {
-    FRAME: [
-        "[model.sections.pipe]",
-        'shape = "tube"',
-        "outer_diameter_m = 0.05",
-        "thickness_m = 0.002",
-        "youngs_modulus_pa = 2.1e11",
-        "density_kg_per_m3 = 7850.0",
-        "",
-    ]
+_PIPE = """\
+[model.sections.pipe]
+shape = "tube"
+outer_diameter_m = 0.05
+thickness_m = 0.002
+youngs_modulus_pa = 2.1e11
+density_kg_per_m3 = 7850.0
+"""
+#: Which dofs a question mark may stand for, by model.
+_DOFS = {
+    CHAIN: " Dofs count from 0, mass by mass.",
+    FRAME: ' Dofs of frames are written as in "2 u": node 2, along x.',
+    MATRICES: " Dofs are rows of the matrices, from 0.",
+    RESULT: "",
 }
 _WIDTH = 108
 #: Node and direction of a universal file.
@@ -671,86 +468,84 @@ def template(
     model: str = CHAIN,
     *,
     name: str = "job.toml",
-    data: str = "record.uff",
-    dofs: dict[str, object] | None = None,
+    data: str | None = None,
+    channels: Sequence[str] = (),
     excitation: str | None = None,
 ) -> str:
     """A job to be filled in: valid as it stands, but for the files it names and dofs that are not given."""
     lines = [
-        f"# {_HEAD[task].format(name=name)}",
+        f"# {_HEAD[task]} {name}",
         "#",
         "# Lines that begin with # are explanations, or keys with their defaults: remove the # to",
         "# change one. Force, band and model that stand here are examples: put your own in their place.",
         "# Paths are relative to this file. Masses, springs, nodes, elements and dofs count from 0.",
         "",
     ]
+    file = data or ("records" if task == "series" else "record.uff")
     force = "0" if excitation is None else _quoted(excitation)
-    filled = {"file": _quoted(data), "excitation": force, "band_hz": "[3.0, 130.0]"}
-    if dofs:
-        pairs = [
-            f"{_quoted(channel)} = {_quoted(dof) if isinstance(dof, str) else dof}"
-            for channel, dof in dofs.items()
-        ]
-        filled["dofs"] = "{ " + ", ".join(pairs) + " }"
-    if dofs or excitation is not None:
-        lines += _comment(_unset(model, list(dofs or ())))
-    if task == "series":
-        filled["file"] = _quoted("records" if data == "record.uff" else data)
-        for part in ("data", "series", "identification", "output"):
-            lines += _section(SECTIONS[part], filled if part == "data" else {})
-        return "\n".join(lines)
-    lines += _section(SECTIONS["data"], filled, of=format_of(data) or "")
-    lines += _section(SECTIONS["model"], {"kind": _quoted(model), **_EXAMPLES[model]}, of=model)
-    lines += _TABLES.get(model, [])
-    if task == "damage":
-        lines += _section(SECTIONS["damage"], {})
-    else:
-        for i, (kind, on, what) in enumerate(_PARAMETERS[model]):
-            chosen = {"kind": _quoted(kind), "bounds": "[0.9, 1.1]", on: what}
-            chosen |= {"relative": "true"} if on == "sections" else {}
-            lines += _section(SECTIONS["parameters"], chosen, of=kind, brief=i > 0)
-        lines += _section(SECTIONS["updating"], {})
-    lines += _section(SECTIONS["identification"], {})
-    lines += _section(SECTIONS["search"], {"seed": "0"})
-    lines += _section(SECTIONS["output"], {"folder": _quoted(name.removesuffix(".toml") + "_results")})
+    filled = {
+        "data": {"file": _quoted(file), "excitation": force, "band_hz": "[3.0, 130.0]"},
+        "model": {"kind": _quoted(model), **_EXAMPLES[model]},
+        "search": {"seed": "0"},
+        "output": {"folder": _quoted(name.removesuffix(".toml") + "_results")},
+    }
+    kinds = {"data": format_of(file) or "", "model": model}
+    if task == "series":  # every format is explained
+        kinds, filled["output"] = {}, {}
+    if channels:
+        dofs = ", ".join(f"{_quoted(channel)} = {_quoted(UNSET)}" for channel in channels)
+        filled["data"]["dofs"] = f"{{ {dofs} }}"
+    if channels or excitation is not None:
+        lines += _comment(_unset(model, channels))
+    for part in TASKS[task]:
+        if part == "parameters":
+            lines += _parameters(model)
+        else:
+            lines += _commented(SECTIONS[part], filled.get(part, {}), kinds.get(part, ""))
+        if (part, model) == ("model", FRAME):
+            lines += _PIPE.split("\n")
     return "\n".join(lines)
 
 
-def _unset(model: str, channels: list[str]) -> str:
+def _parameters(model: str) -> list[str]:
+    """An entry of each kind; the first with all its keys."""
+    lines: list[str] = []
+    for kind, on in _PARAMETERS[model].items():
+        chosen = {"kind": _quoted(kind), "bounds": "[0.9, 1.1]", on: '"all"'}
+        if on == "sections":
+            chosen["relative"] = "true"
+        if not lines:
+            lines += _commented(PARAMETERS, chosen, kind)
+        else:
+            lines += ["[[parameters]]", *(f"{name} = {value}" for name, value in chosen.items()), ""]
+    return lines
+
+
+def _unset(model: str, channels: Sequence[str]) -> str:
     """What a question mark stands for, with what the names of the channels suggest."""
-    points = {channel: found for channel in channels if (found := _POINT.fullmatch(channel))}
-    said = (
+    text = (
         'A "?" stands for a dof of your model that the file cannot tell. Put the dof in its place, or false '
         "for a channel that is to be left out; until then the job does not run."
     )
-    if model != FRAME:
-        return said + (
-            " Dofs are rows of the matrices, from 0."
-            if model == MATRICES
-            else " Dofs count from 0, mass by mass."
-            if model == CHAIN
-            else ""
-        )
-    if not points:
-        return said + ' Dofs of frames are written as in "2 u": node 2, along x.'
-    some = [f'"{name}" = "{p[1]} {"uvw"["XYZ".index(p[2])]}"' for name, p in list(points.items())[:3]]
-    return f"{said} If the nodes of the file are those of the model, these are: {', '.join(some)}, and so on."
+    points = [found for channel in channels if (found := _POINT.fullmatch(channel))]
+    if model != FRAME or not points:
+        return text + _DOFS[model]
+    some = [f'"{point[0]}" = "{point[1]} {"uvw"["XYZ".index(point[2])]}"' for point in points[:3]]
+    return f"{text} If the nodes of the file are those of the model, these are: {', '.join(some)}, and so on."
 
 
-def _section(section: Section, filled: dict[str, str], *, of: str = "", brief: bool = False) -> list[str]:
+def _commented(section: Section, filled: dict[str, str], of: str) -> list[str]:
     """Its heading and keys; of a kind of model or parameter only those that belong to it."""
     heading = f"[[{section.name}]]" if section.several == "must" else f"[{section.name}]"
-    if brief:
-        return [heading, *(f"{name} = {value}" for name, value in filled.items()), ""]
     lines = [*_comment(section.help), heading]
     mine = [key for key in section.keys if not of or not key.of or of in key.of]
     for key in (key for key in mine if key.name in filled):
         lines += [*_comment(key.help), f"{key.name} = {filled[key.name]}"]
-    rest = [key for key in mine if key.name not in filled]
-    width = max((len(f"# {key.name} = {key.default}") for key in rest), default=0) + 2
-    for key in rest:
+    rest = {f"# {key.name} = {key.default}": key for key in mine if key.name not in filled}
+    width = max(map(len, rest), default=0) + 2
+    for left, key in rest.items():
         first, *more = wrap(key.help if of else key.explanation, _WIDTH - width)
-        lines.append(f"{f'# {key.name} = {key.default}':<{width}}# {first}")
+        lines.append(f"{left:<{width}}# {first}")
         lines += [f"#{'':<{width - 1}}# {line}" for line in more]
     return [*lines, ""]
 

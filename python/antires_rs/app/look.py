@@ -21,18 +21,22 @@ def look(args: argparse.Namespace) -> int:
     for file in args.files:
         if not file.is_dir():
             existing("FILE", file, "Name a measurement, antiresonances or a result.")
-
-    out = args.out
-    new_file("--out", out, ".json")
+    new_file("--out", args.out, ".json")
     if args.edits is not None:
         existing("--edits", args.edits, "Name a set that was saved.")
+    at_once = args.excitation is None and first.suffix.lower() not in COMPLETE
 
     def made() -> Any:
         # Imported here: the page is being opened meanwhile.
         return import_module(f"{__package__}.look_view").view_of(args)
 
-    if args.excitation is None and first.suffix.lower() not in COMPLETE:
-        view = made()  # which will say what is missing, if anything is
-        made = lambda: view  # noqa: E731 - in place of the function above
-    opened(made, first.name, wait=True, browser=not args.no_browser, say=lambda line: print(line, flush=True))
+    view = made() if at_once else None  # which will say what is missing, if anything is
+
+    opened(
+        lambda: view or made(),
+        first.name,
+        wait=True,
+        browser=not args.no_browser,
+        say=lambda line: print(line, flush=True),
+    )
     return 0

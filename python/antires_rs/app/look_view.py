@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile, ZipFile
 
-from ..damage.result import DamageResult
+from ..damage.assess import DamageResult
 from ..exceptions import reject
-from ..figures.page import Drawn, ResultView, Table
-from ..figures.page_session import Session, SetView, View
+from ..figures.page import ResultView, Table
+from ..figures.page_session import RovingHammer, Session, SetView, View
 from ..figures.report_parts import (
     damage_rows,
     frequency_rows,
@@ -18,10 +19,15 @@ from ..figures.report_parts import (
     parameter_rows,
     states,
 )
+from ..io.own_format import TEXT
 from ..measured.replay import Asked, asked_in
 from ..updating.result import UpdateResult
-from .command import arguments, say
-from .measurement import NAMES, files_of, kind_of, measurement, refuse_beside
+from .arguments import model_of
+from .call import Call, check_files, hits_of, refuse_beside, several_hits
+from .command import arguments
+from .job import read_job
+from .keys import format_of
+from .reading import measured_of
 from .run import RunFolder, drawings, evidence_in
 
 
@@ -31,57 +37,69 @@ def view_of(args: argparse.Namespace) -> View:
     result = result_file(first)
     if result is not None:
         if len(args.files) > 1:
-            reject(
-                "FILE",
-                f"{len(args.files)} of them, with a result",
-                "a result alone",
-                "Look at one at a time.",
-            )
+            got = f"{len(args.files)} of them, with a result"
+            reject("FILE", got, "a result alone", "Look at one at a time.")
         refuse_beside(args, "a result", "Leave it out: nothing is identified there.", "out", "edits")
         return result_view(result)
-    files_of(args)
+    check_files(args)
+    edits: tuple[Asked, ...] = ()
+    if args.edits is not None:
+        with arguments({"path": "--edits"}):
+            edits = asked_in(args.edits)[1]
     if first.suffix == ".toml":
         refuse_beside(args, "a job", "Put it under [data] or [identification] of the job.")
-        return SetView(_of_job(args), first.name)
-    kind = kind_of(args)
-    edits = _edits(args)
-    if kind == "antiresonances":
+        session = _of_job(args)
+    elif format_of(first.name, args.format) == "antiresonances":
         refuse_beside(args, "antiresonances that are identified already", "Name the measurement to identify.")
-        with arguments(NAMES):
+        with arguments({"path": "FILE"}):
             zeros, asked = asked_in(first)
         session = Session(zeros, save_to=args.out)
         session.opened(asked, first if args.out is None else None)
-        session.make_again(edits)
-        return SetView(session, first.name)
-    session = _of_files(args, kind)
+    else:
+        session = _of_files(args)
     session.make_again(edits)
-    return SetView(
-        session, first.name if len(args.files) == 1 else f"{first.name} and {len(args.files) - 1} more"
-    )
+    more = f" and {len(args.files) - 1} more" if len(args.files) > 1 else ""
+    return SetView(session, first.name + more)
 
 
-def _of_files(args: argparse.Namespace, kind: str) -> Session:
+def _of_files(args: argparse.Namespace) -> Session:
     """Measurements, to be identified as ``antires identify`` does."""
     source: Any
-    if args.roving is not None and len(args.files) > 1:
-        from ..figures.page_session import RovingHammer
-        from .measurement import hits_of
-
-        hits, options = hits_of(args, kind, band_needed=False)
+    if several_hits(args):
+        hits, call = hits_of(args, band_needed=False)
         source, force = RovingHammer(hits, args.roving), args.roving
     else:
-        given = measurement(args, kind, band_needed=False)
-        source, force, options = given.signal, given.force, given.options
-    with arguments(NAMES):
-        return Session(
-            None,
-            source,
-            excitation=force,
-            band_hz=args.band,
-            max_order=args.max_order,
-            options={name: value for name, value in options.items() if name != "max_order"},
-            save_to=args.out or f"{args.files[0].stem}_antiresonances.json",
-        )
+        call = Call(args, band_needed=False)
+        one = call.read(args.files)
+        source, force = one.signal, one.force
+    with call.blame(("data",)):
+        return _session(args, call.sections["identification"], None, source, args.band_hz, excitation=force)
+
+
+def _of_job(args: argparse.Namespace) -> Session:
+    """The one measurement of a job, with the options and the edits that stand there."""
+    job = read_job(args.files[0])
+    found = measured_of(job, model_of(job))
+    if len(found) > 1:
+        got = f"a job of {len(found)} measurements"
+        reject("FILE", got, "one to look at", "Name the file of one of them.")
+    (one,) = found
+    options = {name: value for name, value in job.sections["identification"].items() if name != "dofs"}
+    return _session(args, options, one.found, one.signal, one.table.get("band_hz"))
+
+
+def _session(
+    args: argparse.Namespace, options: dict[str, Any], found: Any, source: Any, band_hz: Any, **more: Any
+) -> Session:
+    return Session(
+        found,
+        source,
+        band_hz=band_hz,
+        max_order=options.get("max_order"),
+        options={name: value for name, value in options.items() if name != "max_order"},
+        save_to=args.out or f"{args.files[0].stem}_antiresonances.json",
+        **more,
+    )
 
 
 def result_file(path: Path) -> Path | None:
@@ -89,54 +107,13 @@ def result_file(path: Path) -> Path | None:
     inside = path / "result.npz" if path.is_dir() else path
     if not inside.is_file() or inside.suffix != ".npz":
         return None
-    return inside if inside.name == "result.npz" or _says_result(inside) else None
-
-
-def _says_result(file: Path) -> bool:
-    """Whether a file under another name begins as a result does."""
-    from zipfile import BadZipFile, ZipFile
-
-    from ..io.npz import TEXT
-
-    try:
-        with ZipFile(file) as archive, archive.open(f"{TEXT}.npy") as text:
-            return b'"antires_rs.result"' in text.read(300)
+    if inside.name == "result.npz":
+        return inside
+    try:  # under another name it begins as a result does
+        with ZipFile(inside) as archive, archive.open(f"{TEXT}.npy") as text:
+            return inside if b'"antires_rs.result"' in text.read(300) else None
     except (OSError, BadZipFile, KeyError, ValueError, NotImplementedError, RuntimeError):
-        return False
-
-
-def _of_job(args: argparse.Namespace) -> Session:
-    """The one measurement of a job, with the options and the edits that stand there."""
-    from .arguments import model_of
-    from .job import read_job
-    from .reading import measured_of
-
-    job = read_job(args.file)
-    found = measured_of(job, model_of(job), say)
-    if len(found) > 1:
-        reject(
-            "FILE", f"a job of {len(found)} measurements", "one to look at", "Name the file of one of them."
-        )
-    one = found[0]
-    options = {name: value for name, value in job.section("identification").items() if name != "dofs"}
-    session = Session(
-        one.found,
-        one.signal,
-        band_hz=one.table.get("band_hz"),
-        max_order=options.pop("max_order", None),
-        options=options,
-        save_to=args.out or f"{args.file.stem}_antiresonances.json",
-    )
-    session.make_again(_edits(args))
-    return session
-
-
-def _edits(args: argparse.Namespace) -> tuple[Asked, ...]:
-    """Those of a set that was saved."""
-    if args.edits is None:
-        return ()
-    with arguments({"path": "--edits"}):
-        return asked_in(args.edits)[1]
+        return None
 
 
 # -- The page of a result: what its report tells, to be explored
@@ -144,57 +121,48 @@ def _edits(args: argparse.Namespace) -> tuple[Asked, ...]:
 
 def result_view(file: Path) -> ResultView:
     """The view of a saved result."""
-    with arguments(NAMES):
+    with arguments({"path": "FILE"}):
         result = UpdateResult.load(file)
     drawn = drawings(result, evidence_in(RunFolder(file.parent), result))
-    figures = [
-        Drawn(one.explore, one.caption)
-        for one in (*drawn.figures.values(), *drawn.diagrams.values())
-        if one.explore is not None
-    ]
-    return ResultView(file.parent.resolve().name, _answer(result), figures, _tables(result))
-
-
-def _answer(result: UpdateResult) -> list[str]:
+    figures = [*drawn.figures.values(), *drawn.diagrams.values()]
     if isinstance(result, DamageResult):
-        return list(result._headline())
-    before, after = result.table.largest_before_percent, result.table.largest_after_percent
-    return [f"Largest difference: {largest(before)} before, {largest(after)} after."]
-
-
-def _tables(result: UpdateResult) -> list[Table]:
-    tables = []
-    if isinstance(result, DamageResult):
-        judged = result.has_baseline
-        columns = {"name": "Element", "value": "Loss, %"}
-        columns |= (
-            {"interval": "90 % interval, %", "probability": "Probability, %"}
-            if judged
-            else {"std": "Error, %"}
-        )
-        tables.append(
-            _table("Stiffness losses", columns | {"visible": "Smallest seen, %"}, damage_rows(result, None))
-        )
-        found = result.assessment
-        if found is not None:
-            rows, others = hypothesis_rows(found)
-            heads = {"name": "Hypothesis", "probability": "Probability, %", "losses": "Losses"}
-            tables.append(_table(f"Hypotheses{f'; {others}' if others else ''}", heads, rows))
+        answer, tables = list(result._headline()), _damage_tables(result)
     else:
+        before, after = result.table.largest_before_percent, result.table.largest_after_percent
+        answer = [f"Largest difference: {largest(before)} before, {largest(after)} after."]
         heads = {"name": "Parameter", "value": "Value", "std": "Error", "change": "Change, %"}
-        tables.append(_table("Parameters", heads, parameter_rows(result)))
+        tables = [_table("Parameters", heads, parameter_rows(result))]
+    tables.append(_frequency_table(result))
+    return ResultView(file.parent.resolve().name, answer, figures, tables)
+
+
+def _damage_tables(result: DamageResult) -> list[Table]:
+    """The losses, and the hypotheses where there are some."""
+    judged = {"interval": "90 % interval, %", "probability": "Probability, %"}
+    columns = judged if result.has_baseline else {"std": "Error, %"}
+    heads = {"name": "Element", "value": "Loss, %", **columns, "visible": "Smallest seen, %"}
+    tables = [_table("Stiffness losses", heads, damage_rows(result, None))]
+    if result.assessment is not None:
+        rows, others = hypothesis_rows(result.assessment)
+        heads = {"name": "Hypothesis", "probability": "Probability, %", "losses": "Losses"}
+        tables.append(_table(f"Hypotheses{f'; {others}' if others else ''}", heads, rows))
+    return tables
+
+
+def _frequency_table(result: UpdateResult) -> Table:
+    """Measured values beside those of the model in both states."""
     first, second = states(result)
-    modal = "mode" in (frequency_rows(result) or [{}])[0]
-    named = {"mode": "Mode"} if modal else {"dof": "Response", "force": "Force"}
-    heads = named | {
+    rows = frequency_rows(result)
+    modal = "mode" in (rows or [{}])[0]
+    heads = {"mode": "Mode"} if modal else {"dof": "Response", "force": "Force"}
+    heads |= {
         "measured": "Measured, Hz",
         "before": f"{first.capitalize()}, Hz",
         "before_percent": "Difference, %",
         "after": f"{second.capitalize()}, Hz",
         "after_percent": "Difference, %",
     }
-    tables.append(_table("Resonances" if modal else "Antiresonances", heads, frequency_rows(result)))
-    return tables
+    return _table("Resonances" if modal else "Antiresonances", heads, rows)
 
 
 def _table(title: str, columns: dict[str, str], rows: list[dict[str, Any]]) -> Table:

@@ -1,14 +1,14 @@
-"""Arguments of ``antires``; nothing slow is imported here, so that --help is at once."""
+"""Arguments of ``antires``; nothing slow is imported before a command is chosen: --help is at once."""
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from difflib import get_close_matches
-from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from .._core import __version__
 from ..exceptions import InvalidInputError
@@ -34,11 +34,12 @@ class WrongValue(argparse.ArgumentTypeError):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what was got, what is wanted, and what to do."""
+    """Says what was got, what is wanted, and what to do; ``rows`` has the arguments when they are needed."""
 
-    def __init__(self, *args: Any, **options: Any) -> None:
+    def __init__(self, *args: Any, rows: Callable[[], Iterable[Row]] = tuple, **options: Any) -> None:
         super().__init__(*args, **options)
         self.exit_on_error = False  # errors are explained here
+        self._rows = rows
 
     @property
     def see(self) -> str:
@@ -54,6 +55,8 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """As argparse, but that a wrong value is said in our fields."""
+        for flags, how in self._rows():
+            self.add_argument(*flags, **how)
         given = list(sys.argv[1:] if args is None else args)
         self._check_command(given)
         self._check_short_forms(given)
@@ -76,13 +79,8 @@ class Parser(argparse.ArgumentParser):
 
     def unknown(self, argument: str) -> NoReturn:
         """Refuse an argument that no action takes."""
-        near = get_close_matches(argument.split("=")[0], self._options(), 1, 0.7)
-        self.refuse(
-            argument,
-            "an argument that is not known",
-            f"those of '{self.prog} --help'",
-            f"Did you mean {near[0]!r}?" if near else "Remove it.",
-        )
+        remedy = _nearest(argument.split("=")[0], self._options(), 0.7) or "Remove it."
+        self.refuse(argument, "an argument that is not known", f"those of '{self.prog} --help'", remedy)
 
     def _explain(self, exc: argparse.ArgumentError) -> NoReturn:
         wrong, name = exc.__context__, exc.argument_name
@@ -98,10 +96,8 @@ class Parser(argparse.ArgumentParser):
     def _check_command(self, given: Sequence[str]) -> None:
         commands = self._commands()
         if commands and given and not given[0].startswith("-") and given[0] not in commands:
-            known = ", ".join(commands)
-            near = get_close_matches(given[0], commands, 1, 0.6)
-            remedy = f"Did you mean {near[0]!r}?" if near else self.see
-            self.refuse("COMMAND", repr(given[0]), f"one of {known}", remedy)
+            remedy = _nearest(given[0], commands) or self.see
+            self.refuse("COMMAND", repr(given[0]), f"one of {', '.join(commands)}", remedy)
 
     def _check_short_forms(self, given: Sequence[str]) -> None:
         known = self._options()
@@ -125,12 +121,20 @@ def _name(action: argparse.Action) -> str:
 
 def _use(action: argparse.Action) -> str:
     """What an argument is for, from its help."""
-    said = (action.help or "a value").split(" (default")[0]
-    return f"{said} ({', '.join(action.choices)})" if isinstance(action.choices, dict) else said
+    use = (action.help or "a value").split(" (default")[0].split(": ")[0]
+    return f"{use} ({', '.join(action.choices)})" if isinstance(action.choices, dict) else use
+
+
+def _nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
+    near = get_close_matches(name, known, 1, likeness)
+    return f"Did you mean {near[0]!r}?" if near else ""
+
+
+# -- Kinds of values, by the word that stands for them in the help
 
 
 def number(kind: Callable[[str], Any], low: float, high: float = float("inf")) -> Callable[[str], Any]:
-    """Argument type: a number within limits."""
+    """A number within limits."""
     what = "an integer" if kind is int else "a number"
     limits = f"of at least {low:g}" if high == float("inf") else f"from {low:g} to {high:g}"
 
@@ -146,21 +150,19 @@ def number(kind: Callable[[str], Any], low: float, high: float = float("inf")) -
     return parse
 
 
-def one_of(*options: str) -> dict[str, Any]:
-    """Options of ``add_argument`` for one of a few words."""
+def one_of(options: Sequence[str]) -> dict[str, Any]:
+    """One of a few words."""
 
     def parse(text: str) -> str:
         if text in options:
             return text
-        near = get_close_matches(text, options, 1, 0.6)
-        remedy = f"Did you mean {near[0]!r}?" if near else ""
-        raise WrongValue(repr(text), f"one of {', '.join(options)}", remedy)
+        raise WrongValue(repr(text), f"one of {', '.join(options)}", _nearest(text, options))
 
     return {"type": parse, "metavar": f"{{{','.join(options)}}}"}
 
 
 def dof(text: str) -> int | str:
-    """Argument type: a dof by number or name."""
+    """A dof by number or name."""
     if text[:1] == "-" and text[1:].isdecimal():
         raise WrongValue(text, "a dof of at least 0, or a name")
     return int(text) if text.isdecimal() else text
@@ -174,116 +176,217 @@ def pair(text: str) -> tuple[str, int | str | bool]:
     return channel, dof(name) if name else False
 
 
-def edit(text: str) -> tuple[int | str, float, str]:
-    """(dof, frequency in Hz, reason) of ``DOF=HZ reason``."""
+def edit(text: str) -> str:
+    """``DOF=HZ reason``."""
     named = edit_named(text)
     if named is None:
         raise WrongValue(repr(text), EDIT_WANTED)
-    name, freq_hz, reason = named
-    return dof(name), freq_hz, reason
+    dof(named[0])
+    return text
 
 
-# -- Arguments of the commands, each with its help and how it is read
+#: By the word that stands for a value.
+_KINDS: dict[str, Callable[[str], Any]] = {
+    **dict.fromkeys(("DIR", "FILE", "FILE.json", "FILE.html", "FOLDER", "JOB", "RESULT"), Path),
+    **dict.fromkeys(("DOF", "SENSOR"), dof),
+    **dict.fromkeys(("HZ", "LOW", "VALUE"), number(float, 0.0)),
+    "FRACTION": number(float, 0.0, 1.0),
+    "P": number(float, 1e-6, 0.2),
+    "S": number(float, 0.1),
+    "CHANNEL=DOF": pair,
+    "DOF=HZ": edit,
+}
+#: Flags of an argument, and how argparse is to read it.
+Row = tuple[list[str], dict[str, Any]]
 
 
-DOF = "a number, or a name as the file has it"
-_KINDS = (
-    ".uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet .mseed, or a folder of files "
-    "of one FRF each"
-)
-Row = tuple[str, str, dict[str, Any]]
-_ONCE_EACH: dict[str, Any] = {"action": "append"}
-_SWITCH: dict[str, Any] = {"action": "store_true"}
-_DOF: dict[str, Any] = {"type": dof, "metavar": "DOF"}
-_HZ: dict[str, Any] = {"type": number(float, 0.0), "metavar": "HZ"}
-_BAND: dict[str, Any] = {"nargs": 2, "type": number(float, 0.0), "metavar": ("LOW", "HIGH")}
+def argument(use: str, about: str, **how: Any) -> Row:
+    """An argument from how it is used: ``--fs HZ``, ``--max-order N>=2``, ``job JOB? = job.toml``."""
+    use, _, default = use.partition(" = ")
+    words = use.split()
+    flags = [word for word in words if word.startswith("--")] or words[:1]
+    values = [word for word in words[len(flags) :] if word not in ("!", "...")]
+    if not values:
+        return flags, {"help": about, "action": "store_true"}
+    first, _, least = values[0].rstrip("?*+").partition(">=")
+    if first.startswith("{"):
+        how = one_of(first[1:-1].split(",")) | how
+    else:
+        how = {"metavar": first, "type": number(int, int(least)) if least else _KINDS.get(first)} | how
+    if len(values) > 1:
+        how |= {"metavar": tuple(values), "nargs": len(values)}
+    elif values[0][-1] in "?*+":
+        how["nargs"] = values[0][-1]
+    if "!" in words:
+        how["required"] = True
+    if "..." in words:
+        how["action"] = "append"
+    if default:
+        how["default"], about = default, f"{about} (default: %(default)s)"
+    return flags, how | {"help": about}
 
 
-def _path(metavar: str, **more: Any) -> dict[str, Any]:
-    return {"type": Path, "metavar": metavar, **more}
+# -- The commands
 
 
-def _count(least: int, **more: Any) -> dict[str, Any]:
-    return {"type": number(int, least), "metavar": "N", **more}
+#: What carries a command out, its line in the list, its page of help, and its arguments: "?", "*" and "+" say
+#: how many values there may be, "..." that it may be given several times, "!" that it must be; "=" has the
+#: default.
+_COMMANDS = """
+demo (demo.demo): a whole study in a few seconds: record, identify, update, find the damage
+    Virtual test of an eight-mass chain: antiresonances from records alone, an updated model, and the damaged
+    spring. Writes pictures and reports.
+        --out DIR = demo_output: folder for pictures, reports and summary.json
+        --seed N>=0 = 0: another structure, another record, another search
+        --noise FRACTION = 0.01: sensor noise as a fraction of each channel's rms
+        <threads>
+        <json>
+init (studies.init): write a job file with every key explained
+    Write a commented job file to be filled in.
+        job JOB? = job.toml: the file to write
+        --task {damage,update,series} = damage: what the job is to do
+        --model {chain,frame,matrices,result} = chain: kind of model
+        --data FILE: a measurement, whose channels are listed in the job
+        --overwrite: replace a job file that exists
+identify (studies.identify): antiresonances of a measurement
+    Identify the antiresonances of every response in a file, or of the [data] of a job.
+        files FILE+: <files> or a job (.toml)
+        <measurement>
+        --drop DOF=HZ ...: leave a value out<edit>
+        --add DOF=HZ ...: add a value<edit>
+        --out FILE.json: save the antiresonances, for a job
+        --pictures DIR: draw the stabilization diagrams into a folder
+        --json: print JSON instead of the table
+look (look.look): a page to look at a measurement or a result, to add and drop values
+    Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set of
+    antiresonances, which can be edited, or the figures of a result. It ends with Ctrl-C, or when the page is
+    closed.
+        files FILE+: <files> antiresonances (.json), <results>
+        <measurement>
+        --out FILE.json: where the page saves the set (default: by the name of the file, in this folder)
+        --edits FILE.json: a set that was saved: make its edits again
+        --no-browser: print the address, and open no browser
+update (studies.search): bring a model to the measured antiresonances, as a job file says
+    Carry out a job file: bring a model to the measured antiresonances. <search>
+        <job>
+        <fresh>
+        <threads>
+        <json>
+damage (studies.search): locate and size damage, as a job file says
+    Carry out a job file: locate and size damage. <search>
+        <job>
+        <fresh>
+        <threads>
+        <json>
+series (series.series): antiresonances of many tests, as a job file says
+    Identify all tests of a job with [series]; 'antires init --task series' writes one. Run again it goes on
+    where it was stopped, and takes in new files.
+        <job>
+        --workers N>=1: processes that identify (default: 1); no number depends on it
+        <json>
+watch (watch.watch): identify new files of a folder as they come, and say which differ from the first
+    Identify the measurements in a folder, and new ones when they are complete; tell which differ from the
+    baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.
+        folder FOLDER: where the measurements arrive
+        --excitation DOF !: of the force: a number, or a name as the file has it
+        --band LOW HIGH !: in Hz
+        --baseline N>=8 = 50: first tests
+        --rate P = 0.01: of false alarms
+        --conditions FILE: table of temperatures, by name of the file
+        --assessor FILE: saved by Assessor.save: what is damaged, at each alarm
+        --out DIR = watch_output: series and page
+        --every S = 5: look at least so often
+        --once: end when all files that are there are judged
+resume (studies.resume): go on with a search that was interrupted
+    Go on with a search; the result is bit-identical to that of one that never stopped.
+        target JOB: a job file, its results folder or its checkpoint
+        <threads>
+        <json>
+report (studies.report): one HTML file of a result
+    Write the report of a result: one file that needs nothing else.
+        result RESULT: a result.npz, or the folder that holds it
+        --out FILE.html: the file to write (default: beside the result)
+        --title TITLE: heading of the report
+        --pictures DIR: write the pictures as PNG too
+        <json>
+explain (studies.explain): what a warning means
+    What is seen, why, and what to do, for the names in brackets at the end of warnings.
+        names NAME*: of a warning, finding or doubt; without any: all
+"""
+#: What several commands say.
+_SHARED = {
+    "job": "job JOB: a job file, TOML",
+    "json": "--json: print JSON instead of the tables",
+    "fresh": "--fresh: begin anew, though a search of this job waits",
+    "threads": "--workers N>=1: threads of the search (default: all processors); no number depends on it",
+    "search": "'antires init' writes one. Ctrl-C hands back the best so far; 'antires resume' goes on from "
+    "there.",
+    "files": "a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet "
+    ".mseed, or a folder of files of one FRF each), several of one test,",
+    "results": "or a result.npz or the folder that holds it",
+    "edit": ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each',
+}
+#: What the help says of an argument that it does not take from the sentence of the key of a job.
+_HELP = {
+    "format": "format of the file (default: its ending tells)",
+    "excitation": "dof of the one force: a number, or a name as the file has it",
+    "force": "channel of the force",
+    "dofs": "name a channel's dof, or leave it out by CHANNEL=; once for each channel",
+    "responses": "array or channel of the responses, * for any text; once for each (default: all)",
+    "roving": "the sensor that stayed while the hammer roved: of a universal file with all hits, or of "
+    "several files, a hit each, which are identified one by one and joined",
+}
 
 
-#: How a measurement is read and identified.
-_MEASUREMENT: tuple[Row, ...] = (
-    ("--band", "lowest and highest frequency in Hz", _BAND),
-    ("--excitation", f"dof of the one force: {DOF}", _DOF),
-    (
-        "--format",
-        "format of the file (default: its ending tells)",
-        one_of("uff", "mat", "hdf5", "csv", "npz", "tdms", "lvm", "wav", "excel", "parquet", "miniseed"),
-    ),
-    (
-        "--dof",
-        "name a channel's dof, or leave it out by CHANNEL=; once for each channel",
-        {"type": pair, "metavar": "CHANNEL=DOF", "dest": "dofs"} | _ONCE_EACH,
-    ),
-    (
-        "--kind",
-        "what to read, where a file does not tell or holds several",
-        one_of("frf", "transmissibility", "time", "spectra"),
-    ),
-    ("--reference", f"reference of transmissibilities: {DOF}", _DOF),
-    ("--force", "channel of the force", {"metavar": "CHANNEL"}),
-    ("--fs", "sampling rate in Hz, where the file does not tell", _HZ | {"dest": "fs_hz"}),
-    ("--unit", "unit of the responses, such as g or m/s2, where the file does not tell", {}),
-    ("--first", "first column of a table", one_of("time", "freq", "channel")),
-    (
-        "--pairs",
-        "what two neighbouring columns of a CSV file are, where their names do not tell",
-        one_of("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad"),
-    ),
-    ("--df", "spacing of FRFs from 0 Hz on, where the file has no axis", _HZ | {"dest": "df_hz"}),
-    ("--run", "which run of a universal file with several, or segment of an .lvm", _count(1, dest="of_run")),
-    (
-        "--responses",
-        "array or channel of the responses, * for any text; once for each (default: all)",
-        {"metavar": "NAME"} | _ONCE_EACH,
-    ),
-    (
-        "--roving",
-        "the sensor that stayed while the hammer roved: of a universal file with all hits, or of several "
-        "files, a hit each, which are identified one by one and joined",
-        {"type": dof, "metavar": "SENSOR"},
-    ),
-    (
-        "--hit",
-        "with --roving: where the force of each file acted, once for each in their order (default: as "
-        "universal files state)",
-        _DOF | _ONCE_EACH,
-    ),
-    ("--sheet", "sheet of an Excel workbook (default: the first)", {"metavar": "NAME"}),
-    (
-        "--full-scale",
-        "what full scale of a WAV file stands for, in --unit",
-        {"type": number(float, 0.0), "metavar": "VALUE"},
-    ),
-    ("--pattern", "which files of a folder (default: *)", {"metavar": "GLOB"}),
-    ("--preset", "options of the identification", one_of("paper", "strict", "sensitive")),
-    (
-        "--route",
-        "from the responses alone, or over the force (for a single channel; default: transmissibility)",
-        one_of("transmissibility", "frf"),
-    ),
-    ("--max-order", "highest order (default: as the data want)", _count(2)),
-    (
-        "--cross-check --second-opinion",
-        "another method that confirms or flags every value",
-        one_of("aaa", "vector_fitting"),
-    ),
-)
-_JSON: Row = ("--json", "print JSON instead of the tables", _SWITCH)
-_THREADS: Row = (
-    "--workers",
-    "threads of the search (default: all processors); no number depends on it",
-    _count(1, default=None),
-)
-_JOB: Row = ("job", "a job file, TOML", _path("JOB"))
-_EDIT = ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each'
-_EDITS = {"type": edit, "metavar": "DOF=HZ"} | _ONCE_EACH
+def measurement_rows() -> Iterator[Row]:
+    """How a measurement is read and identified: the keys of a job that have a flag."""
+    from ..io.registry import ENDINGS
+    from .keys import DATA, IDENTIFICATION, small
+
+    for key in (*DATA.keys, *IDENTIFICATION.keys):
+        if key.flag:
+            how: dict[str, Any] = {"dest": key.name}
+            if key.flag.endswith(" WORD"):
+                how |= one_of(key.words)
+            elif key.name == "format":
+                how |= one_of(list(ENDINGS))
+            yield argument(key.flag, _HELP.get(key.name, small(key.help).removesuffix(".")), **how)
+    about = "with --roving: where the force of each file acted, once for each in their order (default: as "
+    yield argument("--hit DOF ...", f"{about}universal files state)")
+
+
+class Command(NamedTuple):
+    """A command as it is declared."""
+
+    does: str
+    about: str
+    description: str
+    arguments: list[str]
+
+    def rows(self) -> Iterator[Row]:
+        """Its arguments."""
+        for text in self.arguments:
+            if text == "<measurement>":
+                yield from measurement_rows()
+            else:
+                use, _, about = text.partition(": ")
+                yield argument(use, about)
+
+
+def _declared(text: str) -> dict[str, Command]:
+    commands = {}
+    for paragraph in re.split(r"\n(?! )", text.strip()):
+        head, *lines = re.sub(r"<(\w+)>", lambda m: _SHARED.get(m[1], m[0]), paragraph).split("\n")
+        name, _, about = head.partition(": ")
+        name, _, does = name.partition(" ")
+        description = " ".join(line.strip() for line in lines if not line.startswith(_DEEP))
+        arguments = [line.strip() for line in lines if line.startswith(_DEEP)]
+        commands[name] = Command(does.strip("()"), about, description, arguments)
+    return commands
+
+
+_DEEP = 8 * " "
+COMMANDS = _declared(_COMMANDS)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -294,198 +397,14 @@ def parser() -> argparse.ArgumentParser:
         epilog="Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.",
     )
     top.add_argument("--version", action="version", version=f"antires {__version__}")
-    commands = top.add_subparsers(
-        title="commands",
-        metavar="COMMAND",
-        dest="command",
-        required=True,
-        parser_class=Parser,
-        help="a command",
-    )
-
-    def add(name: str, what: str, description: str, does: tuple[str, str], *rows: Row) -> Any:
-        """A command: its line in the list, its page of help, its function, its arguments."""
-        command = commands.add_parser(name, help=what, description=description)
-        for flags, about, how in rows:
-            command.add_argument(*flags.split(), help=about, **how)
-        command.set_defaults(run=_command(*does))
-        return command
-
-    add(
-        "demo",
-        "a whole study in a few seconds: record, identify, update, find the damage",
-        "Virtual test of an eight-mass chain: antiresonances from records alone, an updated model, and the "
-        "damaged spring. Writes pictures and reports.",
-        ("studies", "demo"),
-        (
-            "--out",
-            "folder for pictures, reports and summary.json (default: %(default)s)",
-            _path("DIR", default=Path("demo_output")),
-        ),
-        (
-            "--seed",
-            "another structure, another record, another search (default: %(default)s)",
-            _count(0, default=0),
-        ),
-        (
-            "--noise",
-            "sensor noise as a fraction of each channel's rms (default: %(default)s)",
-            {"type": number(float, 0.0, 1.0), "default": 0.01, "metavar": "FRACTION"},
-        ),
-        _THREADS,
-        _JSON,
-    )
-    add(
-        "init",
-        "write a job file with every key explained",
-        "Write a commented job file to be filled in.",
-        ("studies", "init"),
-        (
-            "job",
-            "the file to write (default: %(default)s)",
-            _path("JOB", nargs="?", default=Path("job.toml")),
-        ),
-        (
-            "--task",
-            "what the job is to do (default: %(default)s)",
-            one_of("damage", "update", "series") | {"default": "damage"},
-        ),
-        (
-            "--model",
-            "kind of model (default: %(default)s)",
-            one_of("chain", "frame", "matrices", "result") | {"default": "chain"},
-        ),
-        ("--data", "a measurement, whose channels are listed in the job", _path("FILE")),
-        ("--overwrite", "replace a job file that exists", _SWITCH),
-    )
-    add(
-        "identify",
-        "antiresonances of a measurement",
-        "Identify the antiresonances of every response in a file, or of the [data] of a job.",
-        ("studies", "identify"),
-        (
-            "files",
-            f"a measurement ({_KINDS}), several of one test, or a job (.toml)",
-            _path("FILE", nargs="+"),
-        ),
-        *_MEASUREMENT,
-        ("--drop", "leave a value out" + _EDIT, _EDITS),
-        ("--add", "add a value" + _EDIT, _EDITS),
-        ("--out", "save the antiresonances, for a job", _path("FILE.json")),
-        ("--pictures", "draw the stabilization diagrams into a folder", _path("DIR")),
-        ("--json", "print JSON instead of the table", _SWITCH),
-    )
-    add(
-        "look",
-        "a page to look at a measurement or a result, to add and drop values",
-        "Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set "
-        "of antiresonances, which can be edited, or the figures of a result. It ends with Ctrl-C, or when "
-        "the page is closed.",
-        ("look", "look"),
-        (
-            "files",
-            f"a measurement ({_KINDS}), several of one test, antiresonances (.json), or a result.npz or the "
-            "folder that holds it",
-            _path("FILE", nargs="+"),
-        ),
-        *_MEASUREMENT,
-        (
-            "--out",
-            "where the page saves the set (default: by the name of the file, in this folder)",
-            _path("FILE.json"),
-        ),
-        ("--edits", "a set that was saved: make its edits again", _path("FILE.json")),
-        ("--no-browser", "print the address, and open no browser", _SWITCH),
-    )
-    for task, what in (
-        ("update", "bring a model to the measured antiresonances"),
-        ("damage", "locate and size damage"),
-    ):
-        add(
-            task,
-            f"{what}, as a job file says",
-            f"Carry out a job file: {what}. 'antires init' writes one. Ctrl-C hands back the best so far; "
-            "'antires resume' goes on from there.",
-            ("studies", "search"),
-            _JOB,
-            ("--fresh", "begin anew, though a search of this job waits", _SWITCH),
-            _THREADS,
-            _JSON,
-        ).set_defaults(task=task)
-    add(
-        "series",
-        "antiresonances of many tests, as a job file says",
-        "Identify all tests of a job with [series]; 'antires init --task series' writes one. Run again it "
-        "goes on where it was stopped, and takes in new files.",
-        ("studies", "series"),
-        _JOB,
-        (
-            "--workers",
-            "processes that identify (default: 1); no number depends on it",
-            _count(1, default=None),
-        ),
-        _JSON,
-    )
-    add(
-        "watch",
-        "identify new files of a folder as they come, and say which differ from the first",
-        "Identify the measurements in a folder, and new ones when they are complete; tell which differ from "
-        "the baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.",
-        ("watch", "watch"),
-        ("folder", "where the measurements arrive", _path("FOLDER")),
-        ("--excitation", f"of the force: {DOF}", _DOF | {"required": True}),
-        ("--band", "in Hz", _BAND | {"required": True}),
-        ("--baseline", "first tests (default: %(default)s)", _count(8, default=50)),
-        (
-            "--rate",
-            "of false alarms (default: 0.01)",
-            {"type": number(float, 1e-6, 0.2), "default": 0.01, "metavar": "P"},
-        ),
-        ("--conditions", "table of temperatures, by name of the file", _path("FILE")),
-        ("--assessor", "saved by Assessor.save: what is damaged, at each alarm", _path("FILE")),
-        ("--out", "series and page (default: %(default)s)", _path("DIR", default=Path("watch_output"))),
-        (
-            "--every",
-            "look at least so often (default: 5)",
-            {"type": number(float, 0.1), "default": 5.0, "metavar": "S"},
-        ),
-        ("--once", "end when all files that are there are judged", _SWITCH),
-    )
-    add(
-        "resume",
-        "go on with a search that was interrupted",
-        "Go on with a search; the result is bit-identical to that of one that never stopped.",
-        ("studies", "resume"),
-        ("target", "a job file, its results folder or its checkpoint", _path("JOB")),
-        _THREADS,
-        _JSON,
-    )
-    add(
-        "report",
-        "one HTML file of a result",
-        "Write the report of a result: one file that needs nothing else.",
-        ("studies", "report"),
-        ("result", "a result.npz, or the folder that holds it", _path("RESULT")),
-        ("--out", "the file to write (default: beside the result)", _path("FILE.html")),
-        ("--title", "heading of the report", {}),
-        ("--pictures", "write the pictures as PNG too", _path("DIR")),
-        _JSON,
-    )
-    add(
-        "explain",
-        "what a warning means",
-        "What is seen, why, and what to do, for the names in brackets at the end of warnings.",
-        ("studies", "explain"),
-        ("names", "of a warning, finding or doubt; without any: all", {"metavar": "NAME", "nargs": "*"}),
-    )
+    names: dict[str, Any] = {
+        "title": "commands",
+        "metavar": "COMMAND",
+        "dest": "command",
+        "help": "a command",
+    }
+    commands = top.add_subparsers(required=True, parser_class=Parser, **names)
+    for name, one in COMMANDS.items():
+        added = commands.add_parser(name, help=one.about, description=one.description, rows=one.rows)
+        added.set_defaults(does=one.does)
     return top
-
-
-def _command(module: str, name: str) -> Callable[[argparse.Namespace], int]:
-    """The function of a command, imported when it is called."""
-
-    def run(args: argparse.Namespace) -> int:
-        code: int = getattr(import_module(f"{__package__}.{module}"), name)(args)
-        return code
-
-    return run

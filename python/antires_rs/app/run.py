@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import json
 import math
@@ -12,7 +13,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
-from ..damage.result import DamageResult
+from ..damage.assess import DamageResult
 from ..exceptions import MissingDependencyError, UnsuitableDataError
 from ..figures.report_parts import (
     Drawings,
@@ -35,9 +36,10 @@ from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import Store, read_store, write_store
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.response_table import ResponseTable
-from ..models.structural_model import StructuralModel
+from ..signals.averaging import choose_nperseg
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..signals.transfer_functions import transmissibility
 from ..support.files import write_atomically
 from ..support.messages import warn
 from ..updating.problem import UpdatingProblem
@@ -45,20 +47,15 @@ from ..updating.result import UpdateResult
 from ..updating.tables import FrequencyTable
 from ..updating.update import update
 from .arguments import damage_search, model_of, parameters_of, search_of, term_files
+from .command import hint, print_json, say
 from .job import Job
-from .reading import Measured, baseline_of, check_options, measured_of
+from .reading import Measurement, baseline_of, check_options, measured_of
 
 # -- The folder of a run: what is in it, what was left by one that was killed
 
 
 class RunFolder:
-    """Names and places of everything that a run writes.
-
-    Attributes
-    ----------
-    folder, result, summary, report, pictures, checkpoint, record, evidence : pathlib.Path
-        ``record`` says which job runs here, from the beginning of the search on.
-    """
+    """Names and places of everything that a run writes; ``record`` says which job runs here."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -66,20 +63,17 @@ class RunFolder:
         self.report, self.pictures = folder / "report.html", folder / "pictures"
         self.checkpoint, self.record = folder / "search.ckpt", folder / "run.json"
         self.evidence = folder / "evidence.npz"
+        self._previous = folder / "search.ckpt.previous"
 
     @classmethod
     def of(cls, job: Job) -> RunFolder:
         """The folder that a job names; ``<job>_results`` beside it by default."""
-        name = job.section("output").get("folder")
+        name = job.sections["output"].get("folder")
         return cls(job.file(name) if name else job.path.with_name(f"{job.path.stem}_results"))
 
-    def antiresonances(self, number: int) -> Path:
-        """File of the identified set of one [data], numbered from 0."""
-        return self.folder / (f"antiresonances_{number}.json" if number else "antiresonances.json")
-
-    def baseline(self, number: int) -> Path:
-        """File of a set of the intact structure, numbered from 0."""
-        return self.folder / (f"baseline_{number}.json" if number else "baseline.json")
+    def numbered(self, what: str, number: int) -> Path:
+        """File of the set of one [data], or of its intact counterpart, numbered from 0."""
+        return self.folder / (f"{what}_{number}.json" if number else f"{what}.json")
 
     def prepare(self) -> None:
         """Make the folder; remove what a process that was killed left half-written."""
@@ -98,20 +92,12 @@ class RunFolder:
     @property
     def state(self) -> str | None:
         """How the last run ended, or "searching"; None where none has begun."""
-        return (self.read_record() or {}).get("state")
-
-    @property
-    def _previous(self) -> Path:
-        return self.checkpoint.with_name(self.checkpoint.name + ".previous")
+        return self.read_record().get("state")
 
     def forget_search(self) -> None:
         """Remove the checkpoint; the result holds all of it."""
         for file in (self._previous, self.checkpoint):  # a kill in between leaves the later one
             file.unlink(missing_ok=True)
-
-    def forget_record(self) -> None:
-        """Remove the record: another run begins, and until it has its own, nothing here speaks for it."""
-        self.record.unlink(missing_ok=True)
 
     def forget_results(self) -> None:
         """Remove what an earlier run drew, so that nothing stale stands beside a new result."""
@@ -119,23 +105,17 @@ class RunFolder:
         for file in (self.result, self.summary, self.report, *pictures):
             file.unlink(missing_ok=True)
 
-    def write_json(self, file: Path, data: dict[str, Any]) -> None:
-        """Write as JSON; numbers that JSON does not know must be null already."""
-        write_atomically(file, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
-
-    def read_record(self) -> dict[str, Any] | None:
-        """What runs or ran here; None where no job did."""
+    def read_record(self) -> dict[str, Any]:
+        """What runs or ran here; empty where no job did."""
         try:
             data = json.loads(self.record.read_text(encoding="utf-8"))
-        except (FileNotFoundError, NotADirectoryError):
-            return None
-        except ValueError:
+        except (FileNotFoundError, NotADirectoryError, ValueError):
             return {}
         return data if isinstance(data, dict) else {}
 
-    def job_path(self, record: dict[str, Any]) -> Path:
-        """The job file of a record: relative to the folder, so that both may be moved together."""
-        return Path(os.path.normpath(self.folder / str(record.get("job", ""))))
+    def job_path(self) -> Path:
+        """The job file of the record: relative to the folder, so that both may be moved together."""
+        return Path(os.path.normpath(self.folder / str(self.read_record().get("job", ""))))
 
 
 #: As write_atomically and Checkpoint name what is not whole yet.
@@ -151,8 +131,12 @@ def picture_name(name: str) -> str:
     return re.sub(r"[^\w.+-]+", "_", name) + ".png"
 
 
-def sha256_of(file: Path) -> str:
-    """Checksum of a file's bytes."""
+def write_json(file: Path, data: dict[str, Any]) -> None:
+    """Write as JSON; numbers that JSON does not know must be null already."""
+    write_atomically(file, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
+
+
+def _sha256(file: Path) -> str:
     with open(file, "rb") as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 
@@ -167,24 +151,16 @@ def sha256_of(file: Path) -> str:
 FORMAT, VERSION = "antires_rs.evidence", 1
 _ROWS = ("freq_hz", "damping_ratio", "stable")
 _COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
-_CURVES = ("orders", "background_freq_hz", "background")
+_CURVES = ("orders", "background_freq_hz", "background", "unexplained_hz")
 _TABLES = ("accepted", "left_out")
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Pictures' numbers of a run.
-
-    Attributes
-    ----------
-    diagrams : tuple of mapping of dof to StabilizationDiagram
-        One mapping for each [data].
-    response : FrequencyResponse or None
-        Transmissibilities over the first response that has antiresonances; of measured FRFs themselves.
-    """
+    """Diagrams by dof of each [data], and the response that the report draws."""
 
     diagrams: tuple[Mapping[Any, StabilizationDiagram], ...] = ()
-    response: FrequencyResponse | None = field(default=None)
+    response: FrequencyResponse | None = None
 
     def __bool__(self) -> bool:
         return self.response is not None or any(self.diagrams)
@@ -192,6 +168,7 @@ class Evidence:
     def save(self, path: Path) -> None:
         """Write it, whole or not at all."""
         store = Store()
+        r = self.response
         data = {
             "format": FORMAT,
             "version": VERSION,
@@ -199,18 +176,17 @@ class Evidence:
                 [[dof, _described(diagram, store)] for dof, diagram in table.items()]
                 for table in self.diagrams
             ],
-            "response": None,
-        }
-        if self.response is not None:
-            r = self.response
-            # Drawn in decibels: half the digits are more than the eye can see.
-            data["response"] = {
+            "response": None
+            if r is None
+            else {
                 "freq_hz": store.put(r.freq_hz),
                 "dofs": list(r.dofs),
+                # Drawn in decibels: half the digits are more than the eye can see.
                 "values": store.put(r.values.astype(np.complex64)),
                 "kind": r.kind,
                 "reference": r.reference,
-            }
+            },
+        }
         write_store(path, data, store)
 
     @classmethod
@@ -218,37 +194,76 @@ class Evidence:
         """Read it."""
         _, data = read_store(path, FORMAT, VERSION, "the evidence.npz of a run")
         tables = tuple({dof: _made(diagram) for dof, diagram in table} for table in data["diagrams"])
-        r = data["response"]
-        return cls(
-            tables,
-            None
-            if r is None
-            else FrequencyResponse(
-                r["freq_hz"], r["values"], r["dofs"], r.get("kind", "transmissibility"), r["reference"]
-            ),
-        )
+        kept = data["response"]
+        # Files of older versions do not say what kind it is.
+        return cls(tables, kept and FrequencyResponse(**({"kind": "transmissibility"} | kept)))
 
 
-def evidence_of(job: Job, measured: list[Measured]) -> Evidence:
-    """What the sets of a run carry."""
-    return Evidence(tuple(m.found.diagrams for m in measured), _response(job, measured))
+def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
+    """A diagram as arrays: the rows of all orders in one."""
+    tables = {name: getattr(diagram, name) for name in _TABLES}
+    return {
+        "band_hz": list(diagram.band_hz),
+        "counts": store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64)),
+        **{name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS},
+        **{name: store.put(getattr(diagram, name)) for name in _CURVES},
+        **{
+            name: {column: store.put(getattr(table, column)) for column in _COLUMNS}
+            | {score: store.put(values) for score, values in table.scores.items()}
+            for name, table in tables.items()
+        },
+    }
 
 
-def measurement_of(job: Job, measured: list[Measured]) -> list[dict[str, list[str]]]:
+def _made(data: dict[str, Any]) -> StabilizationDiagram:
+    ends = np.cumsum(data["counts"])[:-1]
+    rows = {name: tuple(np.split(data[name], ends)) for name in _ROWS}
+    rows["stable"] = tuple(row.astype(bool) for row in rows["stable"])
+    # Files of older versions do not have what was not accepted.
+    tables = {}
+    for name in (name for name in _TABLES if name in data):
+        hz, damping, std = (data[name].pop(column) for column in _COLUMNS)
+        tables[name] = ResponseTable(hz, damping, std, data[name])
+    curves = {name: data[name] for name in _CURVES if name in data}
+    parts: dict[str, Any] = {**rows, **tables, **curves, "band_hz": tuple(data["band_hz"])}
+    return StabilizationDiagram(**parts)
+
+
+def _response(job: Job, measured: list[Measurement]) -> FrequencyResponse | None:
+    """Transmissibilities over the first response that has antiresonances; measured FRFs themselves."""
+    signal, found = measured[0].signal, measured[0].found
+    if isinstance(signal, Recording):
+        dof = next((dof for dof, values in found.items() if values.size), None)
+        if dof is None or signal.n_channels < 2:
+            return None
+        try:
+            length = job.sections["identification"].get("nperseg")
+            length = length or choose_nperseg(signal, job.data[0]["band_hz"])
+            signal = transmissibility(signal, dof, nperseg=length, estimator="rank1")
+        except UnsuitableDataError:  # a single impact has no averages
+            return None
+    if signal is None:
+        return None
+    low, high = job.data[0]["band_hz"]
+    keep = (signal.freq_hz >= low) & (signal.freq_hz <= high)
+    return FrequencyResponse(
+        signal.freq_hz[keep], signal.values[:, keep], signal.dofs, signal.kind, signal.reference
+    )
+
+
+def measurement_of(measured: list[Measurement]) -> list[dict[str, list[str]]]:
     """What was measured and how it was identified, in words, for each measurement."""
     facts = []
     for each in measured:
-        table = each.table
+        dofs, unit = each.table.get("dofs"), each.table.get("unit")
         own = {"File": [path.name for path in (each.file, *each.repeats)]}
-        if isinstance(table.get("dofs"), dict):
-            own["Dofs"] = [
-                f"{name} = {'left out' if dof is False else dof}" for name, dof in table["dofs"].items()
-            ]
+        if isinstance(dofs, dict):
+            own["Dofs"] = [f"{name} = {'left out' if dof is False else dof}" for name, dof in dofs.items()]
         if each.signal is not None:
             own |= of_signal(each.signal)
             own["Unit"] = [
-                f"{table['unit']} in the file, here SI"
-                if table.get("unit")
+                f"{unit} in the file, here SI"
+                if unit
                 else "SI (m/s2 for accelerations); what the file names otherwise was converted"
             ]
             own |= of_identification(each.signal, each.found)
@@ -259,91 +274,17 @@ def measurement_of(job: Job, measured: list[Measured]) -> list[dict[str, list[st
 @contextmanager
 def heard() -> Iterator[list[str]]:
     """Every warning that is raised inside, while it is shown as ever."""
-    said: list[str] = []
+    texts: list[str] = []
     with warnings.catch_warnings():
         show = warnings.showwarning
 
         def keep(message: Warning | str, *rest: Any, **named: Any) -> None:
-            if str(message) not in said:
-                said.append(str(message))
+            if str(message) not in texts:
+                texts.append(str(message))
             show(message, *rest, **named)
 
         warnings.showwarning = keep
-        yield said
-
-
-def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
-    """A diagram as arrays: the rows of all orders in one."""
-    return {
-        "band_hz": list(diagram.band_hz),
-        "counts": store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64)),
-        **{name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS},
-        **{name: store.put(getattr(diagram, name)) for name in _CURVES},
-        **{
-            table: {name: store.put(values) for name, values in _columns(getattr(diagram, table)).items()}
-            for table in _TABLES
-        },
-        "unexplained_hz": store.put(diagram.unexplained_hz),
-    }
-
-
-def _columns(table: ResponseTable) -> dict[str, Any]:
-    return {**{name: getattr(table, name) for name in _COLUMNS}, **table.scores}
-
-
-def _made(data: dict[str, Any]) -> StabilizationDiagram:
-    ends = np.cumsum(data["counts"])[:-1]
-    freq, damping, stable = (tuple(np.split(data[name], ends)) for name in _ROWS)
-    low, high = data["band_hz"]
-    # Files of older versions do not have what was not accepted.
-    accepted, left_out = (_table(data[name]) if name in data else ResponseTable([]) for name in _TABLES)
-    return StabilizationDiagram(
-        data["orders"],
-        freq,
-        damping,
-        tuple(row.astype(bool) for row in stable),
-        accepted,
-        data["background_freq_hz"],
-        data["background"],
-        (low, high),
-        left_out,
-        data.get("unexplained_hz", np.empty(0)),
-    )
-
-
-def _table(columns: Mapping[str, Any]) -> ResponseTable:
-    scores = dict(columns)
-    hz, zeta, std = (scores.pop(name) for name in _COLUMNS)
-    return ResponseTable(hz, zeta, std, scores)
-
-
-def _response(job: Job, measured: list[Measured]) -> FrequencyResponse | None:
-    """Transmissibilities over the first response that has antiresonances, where they can be had."""
-    first = measured[0]
-    if isinstance(first.signal, FrequencyResponse):
-        return _inside(first.signal, *job.data[0]["band_hz"])
-    dof = next((dof for dof, values in first.found.items() if values.size), None)
-    if not isinstance(first.signal, Recording) or dof is None or first.signal.n_channels < 2:
-        return None
-    from ..signals.averaging import choose_nperseg
-    from ..signals.transfer_functions import transmissibility
-
-    try:
-        length = job.section("identification").get("nperseg") or choose_nperseg(
-            first.signal, job.data[0]["band_hz"]
-        )
-        whole = transmissibility(first.signal, dof, nperseg=length, estimator="rank1")
-    except UnsuitableDataError:  # a single impact has no averages
-        return None
-    return _inside(whole, *job.data[0]["band_hz"])
-
-
-def _inside(whole: FrequencyResponse, low: float, high: float) -> FrequencyResponse:
-    """The band that was searched."""
-    keep = (whole.freq_hz >= low) & (whole.freq_hz <= high)
-    return FrequencyResponse(
-        whole.freq_hz[keep], whole.values[:, keep], whole.dofs, whole.kind, whole.reference
-    )
+        yield texts
 
 
 # -- A run in numbers, ready for JSON, and in words for the terminal
@@ -355,12 +296,16 @@ _LEAST = 1e-6
 
 def number(value: Any) -> float | None:
     """A number as JSON knows it; None where there is none."""
-    plain = float(value)
-    return plain if math.isfinite(plain) else None
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def rows_of(**columns: Any) -> list[dict[str, Any]]:
+    """A table as JSON has it, a row each."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def summary_of(
-    job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measured], seconds: float
+    job: Job, result: UpdateResult, record: dict[str, Any], measured: list[Measurement], seconds: float
 ) -> dict[str, Any]:
     """All numbers of a run, and what repeats it.
 
@@ -368,7 +313,16 @@ def summary_of(
     """
     table = result.table
     at_once = result.status == "interrupted" and not _judged(result)
-    checks = [m.found.data_check for m in measured if m.found.data_check is not None]
+    checks = [each.found.data_check for each in measured if each.found.data_check is not None]
+    frequencies = []
+    if isinstance(table, FrequencyTable):
+        frequencies = rows_of(
+            excitation=map(int, table.excitation),
+            dof=map(int, table.dof),
+            measured_hz=map(number, table.measured_hz),
+            before_hz=map(number, table.before_hz),
+            after_hz=map(number, table.after_hz),
+        )
     return {
         "antires_rs": record["versions"]["antires_rs"],
         "task": job.task,
@@ -386,16 +340,16 @@ def summary_of(
         "linearizations": result.njev,
         "generations": result.nit,
         "exchanges": result.migrations,
-        **_values(result, at_once),
+        **(_losses(result, at_once) if isinstance(result, DamageResult) else _parameters(result, at_once)),
         # As in Python: "dof", "element" and the numbers in names count from 0.
         "counted_from": 0,
         "largest_before_percent": number(table.largest_before_percent),
         "largest_after_percent": number(table.largest_after_percent),
-        "antiresonances": _rows(table) if isinstance(table, FrequencyTable) else [],
+        "antiresonances": frequencies,
         # Those of the data check have been raised as one.
         "warnings": [
-            *(said for check in checks for said in check.warnings),
-            *(said for said in record["warnings"] if not said.startswith("data check: ")),
+            *(text for check in checks for text in check.warnings),
+            *(text for text in record["warnings"] if not text.startswith("data check: ")),
         ],
         "notes": [] if at_once else result.notes,
     }
@@ -421,162 +375,148 @@ def _judged(result: UpdateResult) -> bool:
     return isinstance(result, DamageResult) and result.has_baseline
 
 
-def _values(result: UpdateResult, at_once: bool) -> dict[str, Any]:
-    std = [None] * len(result.x) if at_once else [number(value) for value in result.std]
-    if isinstance(result, DamageResult):
-        label = result.problem.model.element_label
-        judged = result.has_baseline
-        chance = result.probability if judged else {}
-        limits = result.interval if judged else {}
-        seen = {} if at_once else result.detectable
-        return {
-            **_hypotheses(result, judged),
-            "damaged": result.damaged,
-            "elements": [
-                {
-                    "element": e,
-                    "name": label(e),
-                    "stiffness_loss": number(beta),
-                    "std": own,
-                    "probability": chance.get(e),
-                    "low_90": limits.get(e, (None, None))[0],
-                    "high_90": limits.get(e, (None, None))[1],
-                    "smallest_visible": number(seen.get(e, math.nan)),
-                }
-                for (e, beta), own in zip(result.severity.items(), std, strict=True)
-            ],
-        }
-    on_bound = None if at_once else set(result.at_bound)
-    columns = zip(
-        result.problem.names, result.x, result.problem.nominal, std, result.problem.bounds, strict=True
-    )
+def _std(result: UpdateResult, at_once: bool) -> list[float | None]:
+    return [None] * len(result.x) if at_once else [number(value) for value in result.std]
+
+
+def _parameters(result: UpdateResult, at_once: bool) -> dict[str, Any]:
+    problem = result.problem
+    bound = None if at_once else set(result.at_bound)
+    low, high = zip(*problem.bounds, strict=True)
     return {
-        "parameters": [
-            {
-                "name": name,
-                "value": number(value),
-                "nominal": number(nominal),
-                "std": own,
-                "low": number(low),
-                "high": number(high),
-                "on_bound": None if on_bound is None else name in on_bound,
-            }
-            for name, value, nominal, own, (low, high) in columns
-        ]
+        "parameters": rows_of(
+            name=problem.names,
+            value=map(number, result.x),
+            nominal=map(number, problem.nominal),
+            std=_std(result, at_once),
+            low=map(number, low),
+            high=map(number, high),
+            on_bound=[None if bound is None else name in bound for name in problem.names],
+        )
     }
 
 
-def _hypotheses(result: DamageResult, judged: bool) -> dict[str, Any]:
-    """What was judged against a baseline; null without one."""
-    found = result.hypotheses if judged else None
+def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
+    """The losses of all candidates, and what was judged against a baseline; null without one."""
+    judged = result.has_baseline
+    limits = result.interval if judged else {}
+    chance = result.probability if judged else {}
+    seen = {} if at_once else result.detectable
+    elements = result.severity.keys()
+    hypotheses = result.hypotheses if judged else ()
+    probable = [one for one in hypotheses if one.probability >= _LEAST]
     return {
         "headline": result.headline if judged else None,
         "probability_of_damage": number(result.probability_of_damage) if judged else None,
         "probability_elsewhere": number(result.probability_elsewhere) if judged else None,
         "chi_square": number(result.chi_square) if judged else None,
-        "hypotheses": None
-        if found is None
-        else [
-            {
-                "name": found.called(one),
-                "elements": list(one.elements),
-                "probability": one.probability,
-                "stiffness_loss": list(one.severities),
-                "low_90": list(one.low),
-                "high_90": list(one.high),
-                "candidate": one.candidate,
-            }
-            for one in found
-            if one.probability >= _LEAST
-        ],
+        "hypotheses": rows_of(
+            name=[result.hypotheses.called(one) for one in probable],
+            elements=[list(one.elements) for one in probable],
+            probability=[one.probability for one in probable],
+            stiffness_loss=[list(one.severities) for one in probable],
+            low_90=[list(one.low) for one in probable],
+            high_90=[list(one.high) for one in probable],
+            candidate=[one.candidate for one in probable],
+        )
+        if judged
+        else None,
+        "damaged": result.damaged,
+        "elements": rows_of(
+            element=elements,
+            name=map(result.problem.model.element_label, elements),
+            stiffness_loss=map(number, result.severity.values()),
+            std=_std(result, at_once),
+            probability=[chance.get(e) for e in elements],
+            low_90=[limits.get(e, (None, None))[0] for e in elements],
+            high_90=[limits.get(e, (None, None))[1] for e in elements],
+            smallest_visible=[number(seen.get(e)) for e in elements],
+        ),
     }
 
 
-def _rows(table: FrequencyTable) -> list[dict[str, Any]]:
-    columns = zip(
-        table.excitation, table.dof, table.measured_hz, table.before_hz, table.after_hz, strict=True
-    )
-    return [
-        {
-            "excitation": int(force),
-            "dof": int(dof),
-            "measured_hz": number(measured),
-            "before_hz": number(before),
-            "after_hz": number(after),
-        }
-        for force, dof, measured, before, after in columns
-    ]
+# -- A job from its beginning to its files
 
 
-Say = Callable[[str], Any]
+def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool = False) -> int:
+    """Carry out a job, write its files, and say what came out."""
+    begun = time.perf_counter()
+    folder = RunFolder.of(job)
+    with heard() as texts:
+        result, record, measured, evidence = _searched(job, folder, args.workers, resume, fresh, texts)
+        seconds = round(time.perf_counter() - begun, 3)
+        summary = summary_of(job, result, record, measured, seconds)
+        folder.forget_results()
+        result.save(folder.result)
+        write_json(folder.summary, summary)
+        write_json(folder.record, record | {"state": result.status})
+        note = None
+        if result.status != "interrupted":
+            note = draw(job, result, folder, evidence)
+            if not out_of_time(result):
+                folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
+    if args.json:
+        print_json(summary)
+    else:
+        print(text_of(result))
+        written = sorted(path.name for path in folder.folder.iterdir())
+        print(f"\nIn {near(folder.folder)}: {', '.join(written)}")
+    if note is not None:
+        hint(f"warning: {note}")
+    if result.status == "interrupted":
+        if folder.unfinished:
+            then = f"go on with: antires resume {near(job.path)}"
+        elif job.sections["damage"].get("baseline"):
+            then = f"begin anew with: antires {job.task} {near(job.path)}"
+        else:
+            then = "without a checkpoint"
+        hint(f"interrupted, the best so far is kept; {then}")
+        return 130
+    if folder.unfinished:
+        hint(f"out of time; go on with: antires resume {near(job.path)}")
+    return 0
 
 
-@dataclass
-class Outcome:
-    """What a job came to.
-
-    Attributes
-    ----------
-    result : UpdateResult
-    folder : RunFolder
-    summary : dict
-    notes : list of str
-        What was not written, and why.
-    """
-
-    result: UpdateResult
-    folder: RunFolder
-    summary: dict[str, Any]
-    notes: list[str] = field(default_factory=list)
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C ended the search."""
-        return self.result.status == "interrupted"
-
-
-def run(
-    job: Job,
-    *,
-    resume: bool = False,
-    fresh: bool = False,
-    workers: int | None = None,
-    say: Say = str,
-    progress: bool | None = None,
-) -> Outcome:
-    """Carry out a job and write its files."""
-    with heard() as said:
-        return _carried_out(job, said, resume, fresh, workers, say, progress)
-
-
-def _carried_out(
-    job: Job, said: list[str], resume: bool, fresh: bool, workers: int | None, say: Say, progress: bool | None
-) -> Outcome:
+def _searched(
+    job: Job, folder: RunFolder, workers: int | None, resume: bool, fresh: bool, texts: list[str]
+) -> tuple[UpdateResult, dict[str, Any], list[Measurement], Evidence]:
+    """The result of the search, what is recorded of the run, and what was measured."""
     import scipy  # slow to load
 
-    begun = time.perf_counter()
     check_options(job)
-    folder = _checked(job, resume, fresh)
+    _check_folder(job, folder, resume, fresh)
     ga, seed, threads = search_of(job, workers)
     model = model_of(job)
-    parameters, places = parameters_of(job, model)
-    measured = measured_of(job, model, say)
-    intact = baseline_of(job, model, say)
-    inputs = {_named(job, file): sha256_of(file) for file in _inputs(job, [*measured, *intact])}
-    sets, before = ([m.found for m in each] for each in (measured, intact))
+    changing = parameters_of(job, model)
+    measured = measured_of(job, model)
+    intact = baseline_of(job, model)
+    inputs = {_relative(file, job.path.parent): _sha256(file) for file in _inputs(job, measured + intact)}
     if resume:
-        _same_inputs(job, folder, inputs)
-        sets = _kept_sets(measured, folder.antiresonances)
-        before = _kept_sets(intact, folder.baseline)
-    search = _search(job, model, (parameters, places), sets[0] if len(sets) == 1 else sets, before)
+        _check_inputs(job, folder, inputs)
+    sets = _sets(measured, folder, "antiresonances", resume)
+    before = _sets(intact, folder, "baseline", resume)
+    found: Any = sets[0] if len(sets) == 1 else sets
+    search: Callable[..., UpdateResult]
+    if job.task == "damage":
+        search = damage_search(job, model, found, before)
+    else:
+        parameters, places = changing
+        with job.blame(
+            ("updating",), {"measured": ("data",), "parameters": places, "sections": ("parameters",)}
+        ):
+            problem = UpdatingProblem(model, parameters, found, **job.sections["updating"])
+        search = partial(update, problem)
     folder.prepare()  # not before: a job that cannot run leaves nothing behind
-    if not resume:
-        folder.forget_record()
+    if not resume:  # until another run has its own record nothing here speaks for it
+        folder.record.unlink(missing_ok=True)
     if fresh:
         folder.forget_search()
-    _keep(sets, measured, folder.antiresonances)
-    _keep(before, intact, folder.baseline)
-    evidence = evidence_of(job, measured)
+    for what, own, each in (("antiresonances", measured, sets), ("baseline", intact, before)):
+        for i, one in enumerate(each):
+            file = folder.numbered(what, i)
+            if file.resolve() != own[i].file.resolve():  # it was read from there
+                one.save(file)
+    evidence = Evidence(tuple(each.found.diagrams for each in measured), _response(job, measured))
     if evidence:
         evidence.save(folder.evidence)
     else:
@@ -587,13 +527,12 @@ def _carried_out(
         "seed": seed,
         "inputs": inputs,
         "state": "searching",
-        "title": job.section("output").get("title"),
-        "measurement": measurement_of(job, measured),
+        "title": job.sections["output"].get("title"),
+        "measurement": measurement_of(measured),
         "baseline": [
-            facts | of_set(each, model)
-            for facts, each in zip(measurement_of(job, intact), before, strict=True)
+            facts | of_set(each, model) for facts, each in zip(measurement_of(intact), before, strict=True)
         ],
-        "warnings": said,
+        "warnings": texts,
         "versions": {
             "antires_rs": __version__,
             "numpy": np.__version__,
@@ -602,80 +541,41 @@ def _carried_out(
             "system": platform.platform(),
         },
     }
-    folder.write_json(folder.record, record)
+    write_json(folder.record, record)
     say("judging hypotheses" if before else "searching")
-    kept = folder.checkpoint if job.section("search").get("checkpoint", True) else None
+    kept = folder.checkpoint if job.sections["search"].get("checkpoint", True) else None
     with job.blame(("search",), {"checkpoint": ("output", "folder"), "rng": ("search", "seed")}):
-        result = search(optimizer=ga, rng=seed, workers=threads, checkpoint=kept, progress=progress)
-    seconds = round(time.perf_counter() - begun, 3)
-    summary = summary_of(job, result, record, measured, seconds)
-    outcome = Outcome(result, folder, summary)
-    folder.forget_results()
-    result.save(folder.result)
-    folder.write_json(folder.summary, summary)
-    record["state"] = result.status
-    folder.write_json(folder.record, record)
-    if outcome.interrupted:
-        return outcome
-
-    outcome.notes = draw(job, result, folder, evidence, say)
-    if not out_of_time(result):
-        folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
-    return outcome
+        result = search(optimizer=ga, rng=seed, workers=threads, checkpoint=kept)
+    return result, record, measured, evidence
 
 
-def _checked(job: Job, resume: bool, fresh: bool) -> RunFolder:
-    """The folder, if this run may use it."""
-    folder = RunFolder.of(job)
-    place = ("output", "folder")
-    if folder.folder.exists() and not folder.folder.is_dir():
-        job.reject(place, f"{str(folder.folder)!r}, which is a file", "a folder", "Name another one.")
-    if folder.folder.resolve() == Path(folder.folder.resolve().anchor):
-        job.reject(place, repr(str(folder.folder)), "a folder of this job's own", "Name one below it.")
+def _check_folder(job: Job, folder: RunFolder, resume: bool, fresh: bool) -> None:
+    """Refuse a folder that this run may not use."""
+    path, name, place = folder.folder, folder.folder.name, ("output", "folder")
+    if path.exists() and not path.is_dir():
+        job.reject(place, f"{str(path)!r}, which is a file", "a folder", "Name another one.")
+    if path.resolve() == Path(path.resolve().anchor):
+        job.reject(place, repr(str(path)), "a folder of this job's own", "Name one below it.")
     record = folder.read_record()
-    if record and folder.job_path(record).resolve() != job.path.resolve():
-        job.reject(
-            place,
-            f"{folder.folder.name!r}, which holds the results of {record.get('job')}",
-            "a folder of this job's own",
-            'Name one under [output], folder = "...".',
-        )
+    if record and folder.job_path().resolve() != job.path.resolve():
+        got = f"{name!r}, which holds the results of {record.get('job')}"
+        job.reject(place, got, "a folder of this job's own", 'Name one under [output], folder = "...".')
     if folder.unfinished and not (resume or fresh):
-        job.reject(
-            place,
-            f"{folder.folder.name!r}, where a search of this job waits that did not finish",
-            "a folder without one",
-            f"Go on with 'antires resume {job.path.name}', or begin anew with --fresh.",
-        )
+        got = f"{name!r}, where a search of this job waits that did not finish"
+        remedy = f"Go on with 'antires resume {job.path.name}', or begin anew with --fresh."
+        job.reject(place, got, "a folder without one", remedy)
     # Killed before the first checkpoint, a search begins again with the sets that it had.
     if resume and not (folder.unfinished or folder.state == "searching"):
-        job.reject(
-            place,
-            f"{folder.folder.name!r}, where no search waits",
-            "a search that did not finish",
-            f"Begin with 'antires {job.task} {job.path.name}'.",
-        )
-    return folder
+        remedy = f"Begin with 'antires {job.task} {job.path.name}'."
+        job.reject(place, f"{name!r}, where no search waits", "a search that did not finish", remedy)
 
 
-def _search(
-    job: Job, model: StructuralModel, parameters: Any, measured: Any, baseline: list[AntiresonanceSet]
-) -> Callable[..., UpdateResult]:
-    """The search of the job, its problem found valid."""
-    if job.task == "damage":
-        return damage_search(job, model, measured, baseline)
-    made, places = parameters
-    with job.blame(("updating",), {"measured": ("data",), "parameters": places, "sections": ("parameters",)}):
-        return partial(update, UpdatingProblem(model, made, measured, **job.section("updating")))
-
-
-def _same_inputs(job: Job, folder: RunFolder, inputs: dict[str, str]) -> None:
+def _check_inputs(job: Job, folder: RunFolder, inputs: dict[str, str]) -> None:
     """Refuse to go on with files that are not what they were."""
-    record = folder.read_record() or {}
     # What changed in the job itself the checkpoint finds, as far as it matters to the search.
     changed = [
         name
-        for name, digest in record.get("inputs", {}).items()
+        for name, digest in folder.read_record().get("inputs", {}).items()
         if name != job.path.name and inputs.get(name, digest) != digest
     ]
     if changed:
@@ -687,44 +587,27 @@ def _same_inputs(job: Job, folder: RunFolder, inputs: dict[str, str]) -> None:
         )
 
 
-def _kept_sets(measured: list[Measured], file_of: Callable[[int], Path]) -> list[AntiresonanceSet]:
-    """The sets that the search began with, bit for bit, whatever libraries are here now."""
-    sets = []
-    for i, each in enumerate(measured):
-        file = file_of(i)
-        kept = AntiresonanceSet.load(file) if file.is_file() else each.found
-        same = kept == each.found
+def _sets(measured: list[Measurement], folder: RunFolder, what: str, resume: bool) -> list[AntiresonanceSet]:
+    """The sets of a search: those that it began with, bit for bit, whatever libraries are here now."""
+    sets = [each.found for each in measured]
+    for i, found in enumerate(sets):
+        file = folder.numbered(what, i)
         # The one just identified carries its diagrams, for the report.
-        sets.append(each.found if same else kept)
+        if resume and file.is_file() and (kept := AntiresonanceSet.load(file)) != found:
+            sets[i] = kept
     return sets
 
 
-def _keep(sets: list[AntiresonanceSet], measured: list[Measured], file_of: Callable[[int], Path]) -> None:
-    """Write the sets, unless they were read from there."""
-    for i, each in enumerate(sets):
-        if file_of(i).resolve() != measured[i].file.resolve():
-            each.save(file_of(i))
-
-
-def _inputs(job: Job, measured: list[Measured]) -> list[Path]:
+def _inputs(job: Job, measured: list[Measurement]) -> list[Path]:
     """Every file that the numbers depend on."""
-    model = job.section("model")
+    model = job.sections["model"]
     named = [job.file(model[key]) for key in ("file", "stiffness", "mass", "dof_map") if key in model]
-    terms = [
-        file
-        for key in ("stiffness_terms", "mass_terms")
-        if key in model
-        for file in term_files(job, key, model[key])
-    ]
-    read = [path for m in measured for path in (m.file, *m.repeats)]
+    terms = [file for files in term_files(job).values() for file in files]
+    read = [path for each in measured for path in (each.file, *each.repeats)]
     signals = [
         p for path in read for p in ([path] if path.is_file() else sorted(path.iterdir())) if p.is_file()
     ]
     return [job.path, *signals, *named, *terms]
-
-
-def _named(job: Job, file: Path) -> str:
-    return _relative(file, job.path.parent)
 
 
 def _relative(file: Path, folder: Path) -> str:
@@ -732,6 +615,12 @@ def _relative(file: Path, folder: Path) -> str:
         return Path(os.path.relpath(file.absolute(), folder.absolute())).as_posix()
     except ValueError:  # another drive
         return file.absolute().as_posix()
+
+
+def near(path: Path) -> str:
+    """A path as the user would write it."""
+    relative = os.path.relpath(path)
+    return relative if not relative.startswith("..") else str(path)
 
 
 def out_of_time(result: UpdateResult) -> bool:
@@ -742,11 +631,9 @@ def out_of_time(result: UpdateResult) -> bool:
 # -- Report and pictures of a run
 
 
-def draw(
-    job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence, say: Callable[[str], Any]
-) -> list[str]:
+def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence) -> str | None:
     """Write what the job asks for; what is left out for want of a package is returned as a note."""
-    output = job.section("output")
+    output = job.sections["output"]
     try:
         drawn = drawings(result, evidence)
         if output.get("report", True):
@@ -757,34 +644,42 @@ def draw(
             folder.pictures.mkdir(exist_ok=True)
             pictures(drawn, folder.pictures)
     except MissingDependencyError as exc:
-        return [str(exc)]
-    return []
+        return str(exc)
+    return None
 
 
 def drawings(result: UpdateResult, evidence: Evidence) -> Drawings:
     """Pictures for the report and the folder, each drawn once."""
-    sets, model = result.problem.measured, result.problem.model
-    shown = (
-        named_diagrams(evidence.diagrams, [each.excitation for each in sets], model)
-        if any(evidence.diagrams)
-        else None
-    )
+    forces = [each.excitation for each in result.problem.measured]
+    shown = None
+    if any(evidence.diagrams):
+        shown = named_diagrams(evidence.diagrams, forces, result.problem.model)
     return drawings_of(result, evidence.response, diagrams=shown)
 
 
 def report(result: UpdateResult, file: Path, folder: RunFolder, drawn: Drawings, title: str | None) -> None:
-    """Write the report of a result with what its folder knows of the run."""
+    """Write the report of a result with what its folder knows of the run, and what repeats it."""
     from ..figures.report import write_report
 
-    record = folder.read_record() or {}
-    sets = result.problem.measured
+    record = folder.read_record()
     about = record.get("measurement")
+    origin: dict[str, str | list[str]] = {}
+    if {"job", "task", "inputs"} <= record.keys():
+        versions = [f"{what} {version}" for what, version in record.get("versions", {}).items()]
+        origin = {
+            "Repeat with": [
+                f"antires {record['task']} {Path(record['job']).name}",
+                "in the folder of that file",
+            ],
+            "Files, SHA-256": [f"{name}  {digest}" for name, digest in record["inputs"].items()],
+            "Run with": ", ".join(versions),
+        }
     write_report(
         result,
         file,
         title=title or record.get("title"),
-        origin=origin_of(folder),
-        measurement=about if about and len(about) == len(sets) else None,
+        origin=origin,
+        measurement=about if about and len(about) == len(result.problem.measured) else None,
         warnings=record.get("warnings"),
         baseline=record.get("baseline"),
         drawn=drawn,
@@ -801,20 +696,6 @@ def evidence_in(folder: RunFolder, result: UpdateResult) -> Evidence:
         warn("report_without_diagrams", f"the report has no diagrams: {exc}")
         return Evidence()
     return kept if len(kept.diagrams) == len(result.problem.measured) else Evidence()
-
-
-def origin_of(folder: RunFolder) -> dict[str, str | list[str]]:
-    """What repeats the run of a folder, for its report; empty where no job ran."""
-    record = folder.read_record() or {}
-    if not {"job", "task", "inputs"} <= record.keys():
-        return {}
-    name = Path(record["job"]).name
-    made = ", ".join(f"{what} {version}" for what, version in record.get("versions", {}).items())
-    return {
-        "Repeat with": [f"antires {record['task']} {name}", "in the folder of that file"],
-        "Files, SHA-256": [f"{file}  {digest}" for file, digest in record["inputs"].items()],
-        "Run with": made,
-    }
 
 
 def pictures(drawn: Drawings, folder: Path) -> list[Path]:

@@ -7,6 +7,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from threading import Event
 
@@ -38,11 +39,7 @@ class Arrivals:
     @property
     def at_once(self) -> bool:
         """Whether the package that tells of changes is installed."""
-        try:
-            import watchdog  # noqa: F401 - only asked whether it is there
-        except ImportError:
-            return False
-        return True
+        return find_spec("watchdog") is not None
 
     def complete(self) -> list[Path]:
         """Those that have stopped changing; a test in a folder of its own counts by its latest file."""
@@ -135,22 +132,21 @@ def watch(args: argparse.Namespace) -> int:
         with arguments({"path": "--assessor"}):
             assessor = Assessor.load(args.assessor)
     args.out.mkdir(parents=True, exist_ok=True)
-    beside = (args.out,) if args.conditions is None else (args.out, args.conditions)
-    arrivals = Arrivals(args.folder, beside)
-    judged: list[Path] = []
+    arrivals = Arrivals(args.folder, tuple(path for path in (args.out, args.conditions) if path is not None))
     teller = _Teller(args, assessor)
     if not arrivals.at_once:
         every = f"the folder is looked at every {args.every:g} s"
         print(f'{every}; at once with: pip install "antires-rs[watch]"', flush=True)
+    judged: list[Path] = []
     try:
         with arrivals.waiting() as wait:
             while True:
                 files = arrivals.complete()
                 if files and files != judged:
                     series = _identified(files, args, teller)
-                    if series is not None and series.interrupted:
-                        return 130
                     if series is not None:
+                        if series.interrupted:
+                            return 130
                         judged = files
                         teller.tell(series)
                 if args.once and not arrivals.growing:

@@ -81,24 +81,11 @@ class Exhaust:
         Made by the tested structure, a finer frame with other properties than ``model``. The default
         record of 10 minutes takes some seconds to make.
 
-        Parameters
-        ----------
-        level : {0, 1, 2, 3}
-            Undamaged, or a crack over 60, 70, 85 % of the perimeter.
-        noise : float
-            White sensor noise, as a fraction of each channel's own rms.
-        duration_s : float
-        rng : int or numpy.random.Generator, optional
-            Randomness of force and noise.
-        progress : bool, optional
-            A line on standard error after a second; by default on a terminal and in a notebook.
-
-        Returns
-        -------
-        Recording
-            Channels named by the dofs of ``model``; the force is kept, unused by default.
+        ``level`` 0 is undamaged, 1 to 3 a crack over 60, 70, 85 % of the perimeter; ``noise`` is white sensor
+        noise as a fraction of each channel's own rms. Channels are named by the dofs of ``model``; the force
+        is kept, unused by default.
         """
-        tested = experiment.TestedStructure(integer("level", level, low=0, high=3), self.unfollowed)
+        tested = experiment.TestedStructure(self._level(level), self.unfollowed)
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
         return simulate(
             tested,
@@ -121,14 +108,16 @@ class Exhaust:
         ``angle`` (degrees); ``crack_share``, ``equivalent_loss``, ``severity``; ``freq_hz`` by dof,
         ``resonances_hz`` and ``damping_ratio``.
         """
-        return truth(integer("level", level, low=0, high=3), self.responses, self.unfollowed)
+        return truth(self._level(level), self.responses, self.unfollowed)
+
+    @staticmethod
+    def _level(level: int) -> int:
+        return integer("level", level, low=0, high=3)
 
     def exact(self, level: int = 0, *, band_hz: tuple[float, float] | None = None) -> AntiresonanceSet:
         """Antiresonances of the tested structure in a band (default: the damage band), without a test."""
-        band = self.damage_band_hz if band_hz is None else band_hz
-        found = true_antiresonances(
-            integer("level", level, low=0, high=3), self.responses, band[1], self.unfollowed
-        )
+        band, state = self.damage_band_hz if band_hz is None else band_hz, self._level(level)
+        found = true_antiresonances(state, self.responses, band[1], self.unfollowed)
         return self._within(AntiresonanceSet(self.excitation, found), band)
 
     def updating_parameters(self) -> list[Parameter]:
@@ -149,14 +138,8 @@ class Exhaust:
     ) -> UpdatingProblem:
         """Fit of the 21 parameters to the antiresonances of the accelerometers that are not held out.
 
-        Parameters
-        ----------
-        measured : AntiresonanceSet, optional
-            Default: the exact values of the undamaged structure.
-        held_out : sequence of int, optional
-            Dofs left out; default ``self.held_out``, and ``[]`` for the baseline of a damage study.
-        band_hz : (float, float), optional
-            Values outside are left out; default ``self.updating_band_hz``.
+        ``measured`` is by default what is exact of the undamaged structure, ``held_out`` ``self.held_out``
+        (``[]`` for the baseline of a damage study), ``band_hz`` ``self.updating_band_hz``.
         """
         band = self.updating_band_hz if band_hz is None else band_hz
         out = self.held_out if held_out is None else held_out
@@ -171,17 +154,10 @@ class Exhaust:
         elements: Any = None,
         model: StructuralModel | None = None,
     ) -> UpdatingProblem:
-        """Stiffness losses with the paper's penalties.
+        """Stiffness losses with the paper's penalties. Default: the exact values of ``level``.
 
-        Parameters
-        ----------
-        measured : AntiresonanceSet, optional
-            Default: the exact values of ``level``.
-        level : {0, 1, 2, 3}
-        elements : sequence of int, optional
-            Zero-based; default ``self.candidates``.
-        model : FrameModel, optional
-            The updated model; default: the nominal one, which is far from the tested structure.
+        ``elements`` are ``self.candidates`` by default; ``model`` is the updated one, by default the nominal
+        one, which is far from the tested structure.
         """
         source = self.exact(level) if measured is None else measured
         return UpdatingProblem(
@@ -195,16 +171,10 @@ class Exhaust:
         """Exact targets of the nominal model itself with one damage: for studies of optimizers only."""
         chosen = integer("element", element, low=0, high=len(self.model.elements) - 1)
         loss = finite_scalar("beta", beta, low=0.0, high=0.99)
-        damaged = UpdatingProblem(
-            self.model, stiffness_reduction([chosen]), self._zeros_of(self.model)
-        ).model_at([loss])
-        return self.damage_problem(self._zeros_of(damaged))
-
-    def _zeros_of(self, model: StructuralModel) -> AntiresonanceSet:
-        found = model.antiresonances(self.responses, self.excitation, f_max_hz=self.damage_band_hz[1])
-        return self._within(
-            AntiresonanceSet(self.excitation, dict(zip(self.responses, found, strict=True))),
-            self.damage_band_hz,
+        damaged = self.model.with_parameters(stiffness_reduction(chosen), loss)
+        found = damaged.antiresonances(self.responses, self.excitation, f_max_hz=self.damage_band_hz[1])
+        return self.damage_problem(
+            AntiresonanceSet(self.excitation, dict(zip(self.responses, found, strict=True)))
         )
 
     @staticmethod
@@ -212,11 +182,8 @@ class Exhaust:
         values: AntiresonanceSet, band_hz: tuple[float, float], without: Sequence[int] = ()
     ) -> AntiresonanceSet:
         """The values of a band, with their damping and standard deviations, but for some dofs."""
-        inside = {
-            dof: (freq >= band_hz[0]) & (freq <= band_hz[1])
-            for dof, freq in values.items()
-            if dof not in without
-        }
+        low, high = band_hz
+        inside = {dof: (low <= f) & (f <= high) for dof, f in values.items() if dof not in without}
 
         def of(table: Mapping[Any, FloatArray]) -> dict[Any, FloatArray]:
             return {dof: table[dof][keep] for dof, keep in inside.items() if dof in table}

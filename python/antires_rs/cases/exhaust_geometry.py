@@ -55,23 +55,8 @@ HANGERS: tuple[tuple[int, float, float], ...] = ((2, 1500.0, 500.0), (20, 1500.0
 #: Shaker at the mouth of the second tail pipe, along the car: every mode up to 300 Hz moves there.
 SHAKER: tuple[int, str] = (47, "u")
 #: Accelerometers, each across its pipe as far as a frame's dofs allow.
-SENSORS: tuple[tuple[int, str], ...] = (
-    (0, "v"),
-    (3, "v"),
-    (6, "v"),
-    (10, "v"),
-    (12, "u"),
-    (15, "v"),
-    (18, "v"),
-    (20, "v"),
-    (24, "u"),
-    (28, "v"),
-    (30, "v"),
-    (32, "u"),
-    (35, "v"),
-    (37, "v"),
-    (41, "u"),
-    (47, "v"),
+SENSORS = tuple(
+    zip((0, 3, 6, 10, 12, 15, 18, 20, 24, 28, 30, 32, 35, 37, 41, 47), "vvvvuvvvuvvuvvuv", strict=True)
 )
 #: Bends whose angle is uncertain: the run after the pivot rotates, and all behind it.
 BENDS: tuple[tuple[str, tuple[int, ...], int], ...] = (
@@ -105,20 +90,17 @@ def nodes() -> FloatArray:
     return np.array(found)
 
 
-def nominal_model() -> FrameModel:
-    """The model to be updated: 48 nodes, 144 dofs."""
-    tubes = {
-        name: Tube(DIAMETER_M, wall, modulus, density) for name, (wall, modulus, density) in SECTIONS.items()
-    }
-    springs = [
-        GroundSpring(node, direction, stiffness)
+def hangers(factor: float = 1.0) -> list[GroundSpring]:
+    """The rubber cords, their stiffness over the nominal one."""
+    return [
+        GroundSpring(node, direction, stiffness * factor)
         for node, across, along in HANGERS
         for direction, stiffness in (("v", across), ("u", along))
     ]
-    return FrameModel(
-        nodes(),
-        beams(),
-        tubes,
-        ground_springs=springs,
-        point_masses=[PointMass(node, mass, inertia) for _, node, mass, inertia in MASSES],
-    )
+
+
+def nominal_model() -> FrameModel:
+    """The model to be updated: 48 nodes, 144 dofs."""
+    tubes = {name: Tube(DIAMETER_M, *wall_and_material) for name, wall_and_material in SECTIONS.items()}
+    masses = [PointMass(node, mass, inertia) for _, node, mass, inertia in MASSES]
+    return FrameModel(nodes(), beams(), tubes, ground_springs=hangers(), point_masses=masses)

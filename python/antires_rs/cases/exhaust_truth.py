@@ -27,26 +27,7 @@ EXTRA_CORDS, CORD_N_PER_M = (10, 26, 43), 1500.0
 
 @dataclass(frozen=True)
 class Unfollowed:
-    """How far the tested structure is from anything that the model could become.
-
-    Attributes
-    ----------
-    wall_scatter : float
-        Standard deviation of the wall thickness from one element's pipe to the next, relative; a fixed draw.
-    joint_m : float
-        Flexibility of the joints where the pipe enters catalyst, mufflers and flange: each turns as so many
-        metres of pipe would more.
-    shear_coefficient : 'cowper', float or None
-        Tubes as Timoshenko beams with this coefficient; the model's are Euler-Bernoulli beams.
-    cord_kg : float
-        Mass that each of three cords adds that the model does not have, with 1500 N/m across; 0: no cords.
-
-    Examples
-    --------
-    >>> from antires_rs.cases.exhaust_truth import Unfollowed
-    >>> Unfollowed(joint_m=0.02).wall_scatter
-    0.005
-    """
+    """How far the tested structure is from all that the model could become, as :func:`exhaust` takes it."""
 
     wall_scatter: float = 0.005
     joint_m: float = 0.0
@@ -127,13 +108,7 @@ MODULUS = {"front": 0.96, "link": 1.05, "middle": 0.94, "axle": 1.06, "rear": 0.
 MASS = {"inlet flange": 1.15, "catalyst": 1.14, "front muffler": 1.13, "flange": 0.90, "rear muffler": 1.12}
 ANGLE_DEG = {"front to link": -4.0, "middle to axle": -5.0, "axle to rear": 3.0, "second tail pipe": -5.0}
 #: ... and what no updating parameter can follow.
-INERTIA = {
-    "inlet flange": 1.03,
-    "catalyst": 0.96,
-    "front muffler": 1.03,
-    "flange": 1.03,
-    "rear muffler": 0.97,
-}
+INERTIA = dict(zip(MASS, (1.03, 0.96, 1.03, 1.03, 0.97), strict=True))
 HANGER = 0.9
 #: Seed of the wall thickness from one coarse element's pipe to the next.
 WALL_SEED = 332
@@ -175,12 +150,8 @@ def compliance(level: int, errors: Unfollowed = USUAL) -> float:
     """Rotation per moment of the crack, rad/(N m); 0 at level 0."""
     if level == 0:
         return 0.0
-    return crack_compliance(
-        SHARES[level - 1],
-        outer_diameter_m=geometry.DIAMETER_M,
-        thickness_m=float(walls_m(errors)[CRACKED_ELEMENT]),
-        youngs_modulus_pa=_modulus(),
-    )
+    pipe = {"outer_diameter_m": geometry.DIAMETER_M, "youngs_modulus_pa": _modulus()}
+    return crack_compliance(SHARES[level - 1], thickness_m=float(walls_m(errors)[CRACKED_ELEMENT]), **pipe)
 
 
 def equivalent_loss(level: int, errors: Unfollowed = USUAL) -> float:
@@ -201,13 +172,8 @@ def true_model(level: int, errors: Unfollowed = USUAL) -> FrameModel:
     walls = walls_m(errors)
     for element, ((first, second, name), wall) in enumerate(zip(geometry.beams(), walls, strict=True)):
         _, modulus, density = geometry.SECTIONS[name]
-        tube = Tube(
-            geometry.DIAMETER_M,
-            float(wall),
-            modulus * MODULUS[name],
-            density,
-            shear_coefficient=errors.shear_coefficient,
-        )
+        material = modulus * MODULUS[name], density
+        tube = Tube(geometry.DIAMETER_M, float(wall), *material, shear_coefficient=errors.shear_coefficient)
         span = coarse[second] - coarse[first]
         cuts, soft = _cuts(element, float(np.linalg.norm(span)))
         ends = [first]
@@ -232,12 +198,7 @@ def true_model(level: int, errors: Unfollowed = USUAL) -> FrameModel:
         for name, node, mass, inertia in geometry.MASSES
     ]
     masses += errors.masses
-    springs = [
-        GroundSpring(node, direction, stiffness * HANGER)
-        for node, across, along in geometry.HANGERS
-        for direction, stiffness in (("v", across), ("u", along))
-    ]
-    springs += errors.springs
+    springs = geometry.hangers(HANGER) + errors.springs
     return FrameModel(np.array(nodes), beams, sections, point_masses=masses, ground_springs=springs)
 
 
@@ -301,15 +262,7 @@ class TestedStructure:
         modal = self.shapes.T @ (self.shapes[:, self.excitation] / (squares[order] - shift))
         self._residual = whole - modal
 
-    def frf(
-        self,
-        response: Any,
-        excitation: int,
-        freq_hz: Any,
-        *,
-        damping_ratio: Any = None,
-        kind: str = "accelerance",
-    ) -> ComplexArray:
+    def frf(self, response: Any, excitation: int, freq_hz: Any, *, damping_ratio: Any = None) -> ComplexArray:
         """Accelerance of one response dof to the shaker, (n_freq,)."""
         omega = 2 * np.pi * np.asarray(freq_hz, dtype=float)
         poles = 2 * np.pi * self.freq_hz
@@ -331,8 +284,8 @@ def true_antiresonances(
     level: int, responses: list[int], f_max_hz: float, errors: Unfollowed
 ) -> dict[int, FloatArray]:
     """Undamped antiresonances of the tested structure up to ``f_max_hz``, by dof."""
-    tested = TestedStructure(level, errors)
-    found = tested.model.antiresonances(responses, tested.excitation, f_max_hz=f_max_hz)
+    model = true_model(level, errors)
+    found = model.antiresonances(responses, model.dof(*geometry.SHAKER), f_max_hz=f_max_hz)
     return dict(zip(responses, found, strict=True))
 
 

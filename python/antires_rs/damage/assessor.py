@@ -10,31 +10,23 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.options import gathered
 from ..support.progress import patient
 from ..support.values import FrozenDict, ReadOnly
-from ..updating.problem import UpdatingProblem
 from ..views import Viewed
-from .assess import checked_model, checked_search, elements_of
-from .assessor_plan import Plan, plan_of, values_of
-from .assessor_search import QuickSearch, TabulatedLikelihood
-from .hypotheses import Assessment, Hypotheses
+from .assess import checked_model, checked_search, elements_of, question_of, sets_of
+from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
+from .hypotheses import Answered, Assessment
 from .inference import concluded
-from .options import TWO_STATES, DamagePrior, SearchOptions, checked_prior
-from .question import Question
-from .reduced_roots import wanted_reduced
+from .options import TWO_STATES, DamagePrior, SearchOptions
 from .words import headline, reservations
-
-# -- What an :class:`Assessor` says of one test
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AssessedTest(ReadOnly):
+class AssessedTest(Answered, ReadOnly):
     """Damage of one test, as an :class:`~antires_rs.Assessor` has it.
 
     Fields that a :class:`~antires_rs.DamageResult` has too mean the same.
@@ -45,12 +37,9 @@ class AssessedTest(ReadOnly):
         Whether the answer may not hold, and :func:`~antires_rs.assess_damage` should be asked.
     reasons : tuple of str
         Why; empty where it holds.
-    severity : dict of int to float
-        Stiffness loss of each candidate; 0 where there is no damage.
-    interval : dict of int to (low, high)
-        90 % interval of each severity, given the elements declared damaged; (0, 0) of the others.
-    probability : dict of int to float
-        Probability that each candidate is damaged, over all hypotheses that were judged.
+    severity, interval, probability : dict of int to float, to (low, high), to float
+        Stiffness loss of each candidate with its 90 % interval, 0 and (0, 0) where there is no damage; and
+        the probability that it is damaged.
     assessment : Assessment
         Hypotheses, chi-square and what they rest on.
     labels : dict of int to str
@@ -59,10 +48,9 @@ class AssessedTest(ReadOnly):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
-    >>> before = ar.AntiresonanceSet(0, dict(enumerate(intact.antiresonances([0, 1, 2, 3], 0))))
-    >>> model = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> ar.Assessor(model, baseline=before).assess(before).damaged
+    >>> case = ar.cases.chain8()
+    >>> before = case.exact(level=0)
+    >>> ar.Assessor(case.model, baseline=before).assess(before).damaged
     []
     """
 
@@ -75,47 +63,22 @@ class AssessedTest(ReadOnly):
     labels: Mapping[int, str]
 
     @property
-    def damaged(self) -> list[int]:
-        """Elements with damage, the worst first."""
-        return sorted((e for e, beta in self.severity.items() if beta > 0), key=lambda e: -self.severity[e])
-
-    @property
-    def hypotheses(self) -> Hypotheses:
-        """The explanations of at least 1 % probability, the most probable first; prints as a table."""
-        return self.assessment.hypotheses
-
-    @property
-    def probability_of_damage(self) -> float:
-        """Probability that anything has changed."""
-        return 1.0 - self.assessment.probability_of_nothing
-
-    @property
-    def probability_elsewhere(self) -> float:
-        """Probability that something has changed which none of the candidates explains."""
-        return self.assessment.probability_elsewhere
-
-    @property
     def detectable(self) -> dict[int, float]:
         """Severity of each candidate that nine of ten tests would show which are as exact as the baseline."""
         return dict(zip(self.severity, self.assessment.detectable, strict=True))
 
     @property
-    def chi_square(self) -> float:
-        """Chi-square of the most probable hypothesis, over its degrees of freedom."""
-        return self.assessment.chi_square
-
-    @property
     def headline(self) -> str:
         """Is there damage, where, how sure, how much: in a sentence or two."""
-        said = headline(self.assessment, self.labels.__getitem__)
+        lines = headline(self.assessment)
         if self.full_run_wanted:
-            said.append(f"A full run is wanted: {'; '.join(self.reasons)}.")
-        return " ".join(said)
+            lines.append(f"A full run is wanted: {'; '.join(self.reasons)}.")
+        return " ".join(lines)
 
     @property
     def notes(self) -> list[str]:
         """What a reader should know before trusting the numbers."""
-        return reservations(self.assessment, self.labels.__getitem__)
+        return reservations(self.assessment)
 
     def __repr__(self) -> str:
         best = self.hypotheses[0]
@@ -126,8 +89,7 @@ class AssessedTest(ReadOnly):
         return "\n".join([self.headline, "", str(self.hypotheses), *(f"note: {note}" for note in self.notes)])
 
 
-# -- One test against a plan, and whether its answer holds
-
+# -- Whether the answer of the tables holds
 
 #: Two hypotheses within this (log probability) may change places in a full run.
 _CLOSE = 0.1
@@ -145,51 +107,25 @@ _LISTED = 1e-3
 
 def doubts(search: QuickSearch, found: Assessment) -> list[str]:
     """Why a full run is wanted."""
-    reasons, now, best = [], search.likelihood.now, found.best
+    now, band, best = search.likelihood.now, search.likelihood.band, found.best
     likeliest = [one.probability for one in found.hypotheses if not one.unknown]
+    close = len(likeliest) > 1 and likeliest[1] > likeliest[0] * np.exp(-_CLOSE)
     unknown = sum(one.probability for one in found.hypotheses if one.unknown)
-    if search.cut:
-        reasons.append("more hypotheses are likely than were judged")
-    elif len(likeliest) > 1 and likeliest[1] > likeliest[0] * np.exp(-_CLOSE):
-        reasons.append("two hypotheses are about equally probable")
-    if unknown > _UNKNOWN:
-        reasons.append("something else than damage of the elements may have changed")
-    if not search.finished:
-        reasons.append("what was found does not explain all values")
     lost = found.n_values - found.n_matched
-    if lost > max(_USUALLY_LOST, _LOST * now.size):
-        reasons.append(f"{lost} of {now.size} values have no antiresonance of the model")
-    if max(best.severities, default=0.0) > _LARGE:
-        reasons.append(f"a loss above {100 * _LARGE:.0f} %")
-    if len(best.elements) > 2:
-        reasons.append("more than two damaged elements, of which a full run judges more sets")
-    low, high = search.likelihood.band.low, search.likelihood.band.high
-    if np.any((now.log_f < low - _OUTSIDE) | (now.log_f > high + _OUTSIDE)):
-        reasons.append("values are far outside of the band of the baseline")
-    return reasons
-
-
-def assess_at_once(plan: Plan, sets: tuple[AntiresonanceSet, ...]) -> AssessedTest:
-    """Judge a test by what was prepared."""
-    question = plan.question
-    now, notes, strange, assumed = values_of(sets, plan.expected, plan.learned.scatter)
-    search = QuickSearch(TabulatedLikelihood(plan, now), len(question.elements), question.prior)
-    search.run()
-    learned = replace(plan.learned, assumed_std=plan.learned.assumed_std or assumed)
-    found = concluded(
-        search, question, learned, plan.numbers, plan.states[1], measured=sets, notes=notes, least=_LISTED
-    )
-    reasons = tuple(dict.fromkeys([*strange, *doubts(search, found)]))
-    elements = question.elements
-    return AssessedTest(
-        bool(reasons),
-        reasons,
-        FrozenDict({e: found.severities.get(e, 0.0) for e in elements}),
-        FrozenDict({e: found.intervals.get(e, (0.0, 0.0)) for e in elements}),
-        FrozenDict({e: min(found.marginal(e), 1.0) for e in elements}),
-        found,
-        FrozenDict(plan.names),
-    )
+    outside = (now.log_f < band.low - _OUTSIDE) | (now.log_f > band.high + _OUTSIDE)
+    reasons = {
+        "more hypotheses are likely than were judged": search.cut,
+        "two hypotheses are about equally probable": close and not search.cut,
+        "something else than damage of the elements may have changed": unknown > _UNKNOWN,
+        "what was found does not explain all values": not search.finished,
+        f"{lost} of {now.size} values have no antiresonance of the model": (
+            lost > max(_USUALLY_LOST, _LOST * now.size)
+        ),
+        f"a loss above {100 * _LARGE:.0f} %": max(best.severities, default=0.0) > _LARGE,
+        "more than two damaged elements, of which a full run judges more sets": len(best.elements) > 2,
+        "values are far outside of the band of the baseline": outside.any(),
+    }
+    return [reason for reason, holds in reasons.items() if holds]
 
 
 class Assessor(ReadOnly, Viewed):
@@ -207,12 +143,9 @@ class Assessor(ReadOnly, Viewed):
         The undamaged structure; it need not be updated.
     baseline : AntiresonanceSet, or several
         The intact structure, with the sensors and forces of the tests to come.
-    elements : sequence of int, optional
-        Candidate elements, zero-based. Default as for :func:`assess_damage`.
-    prior : DamagePrior, optional
-        What is believed before the test.
-    search : SearchOptions, optional
-        Those with a baseline; a rate of false alarms is that of tests as exact as the baseline.
+    elements, prior, search
+        As for :func:`assess_damage` with a baseline; a rate of false alarms is that of tests as exact as the
+        baseline.
     rng : int or numpy.random.Generator, optional
         For a rate of false alarms.
     workers : int, optional
@@ -237,14 +170,11 @@ class Assessor(ReadOnly, Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 297.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> assessor = ar.Assessor(ar.MassSpringChain([1.0] * 4, [500.0] * 3), baseline=before)
-    >>> found = assessor.assess(now)
-    >>> found.damaged, round(found.severity[1], 2)
-    ([1], 0.4)
+    >>> case = ar.cases.chain8()
+    >>> assessor = ar.Assessor(case.model, baseline=case.exact(level=0))
+    >>> found = assessor.assess(case.exact(level=1))
+    >>> found.damaged, round(found.severity[4], 2)
+    ([4], 0.55)
     """
 
     _plan: Plan
@@ -264,25 +194,12 @@ class Assessor(ReadOnly, Viewed):
         **older: Any,
     ) -> None:
         checked_model(model)
-        before = _sets("baseline", baseline)
-        if not any(any(map(len, each.values())) for each in before):
-            reject(
-                "baseline", "no antiresonance", "those of the intact structure", "Identify in a wider band."
-            )
+        before = sets_of("baseline", baseline, modes=False)
         chosen = elements_of(model, elements)
-        UpdatingProblem(model, stiffness_reduction(chosen), before)  # speaks up where they do not fit
         options = gathered("Assessor", "search", checked_search(search), older).of(TWO_STATES)
-        believed = checked_prior(prior, options)
+        # In place of a test of now: the first set of each force.
         first = {each.excitation: each for each in reversed(before)}
-        question = Question(
-            model,
-            before,
-            tuple(reversed(first.values())),
-            tuple(chosen),
-            believed,
-            options,
-            reduced=wanted_reduced(model, before[0], options.reduction),
-        )
+        question = question_of(model, before, tuple(reversed(first.values())), chosen, prior, options)
         generator = np.random.default_rng(seed_of(rng))
         self._fill(_plan=plan_of(question, generator, thread_count(workers)))
 
@@ -326,7 +243,26 @@ class Assessor(ReadOnly, Viewed):
         InvalidInputError
             No antiresonance, or a force that the baseline does not have.
         """
-        return assess_at_once(self._plan, _sets("zeros", zeros))
+        sets = sets_of("zeros", zeros, modes=False)
+        plan, question, learned = self._plan, self._plan.question, self._plan.learned
+        test = read(sets, plan.expected, learned.scatter)
+        search = QuickSearch(TabulatedLikelihood(plan, test.values), len(question.elements), question.prior)
+        search.run()
+        learned = replace(learned, assumed_std=learned.assumed_std or test.assumed)
+        found = concluded(
+            search, question, learned, plan.states[1], measured=sets, notes=test.notes, least=_LISTED
+        )
+        reasons = tuple(dict.fromkeys([*test.strange, *doubts(search, found)]))
+        elements = question.elements
+        return AssessedTest(
+            bool(reasons),
+            reasons,
+            FrozenDict({e: found.severities.get(e, 0.0) for e in elements}),
+            FrozenDict({e: found.intervals.get(e, (0.0, 0.0)) for e in elements}),
+            FrozenDict({e: min(found.marginal(e), 1.0) for e in elements}),
+            found,
+            FrozenDict(plan.names),
+        )
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write model, baseline and tables to an .npz file, whole or not at all; no pickle is in it."""
@@ -350,16 +286,3 @@ class Assessor(ReadOnly, Viewed):
     def __repr__(self) -> str:
         values = self._plan.learned.n_intact
         return f"Assessor({len(self.elements)} candidates, {values} antiresonances in the baseline)"
-
-
-def _sets(name: str, given: Any) -> tuple[AntiresonanceSet, ...]:
-    sets = (given,) if isinstance(given, AntiresonanceSet) else given
-    wrong = not isinstance(sets, Sequence) or isinstance(sets, str)
-    if wrong or not sets or not all(isinstance(each, AntiresonanceSet) for each in sets):
-        reject(
-            name,
-            type(given).__name__,
-            "an AntiresonanceSet, or several",
-            "Identify the antiresonances first: ar.identify_antiresonances(record, ...).",
-        )
-    return tuple(sets)

@@ -1,11 +1,16 @@
-"""What is known before the test: the question, the tables, and what was learned from the baseline."""
+"""What is known before a test: the question, the tables, and what was learned; and the search in it.
+
+A scan, its refinement and the errors of predictions come from the tables; the antiresonances of the sets that
+are judged are computed, so that what is most probable is what a full run has.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any
+from itertools import islice
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +22,22 @@ from ..models.parameters import stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import looked_up_to, model_dof, real_zeros, sorted_out, usual_damping, zero_series
-from .inference import Learned, learned_from
-from .likelihood import ERRORS, Band, Likelihood
+from .evidence import FURTHEST, HIGHEST, Fit, refitted
+from .inference import Elements, Learned, Search, learned_from
+from .likelihood import (
+    ERRORS,
+    Band,
+    Errors,
+    ModelError,
+    Prepared,
+    Question,
+    ValueLikelihood,
+    View,
+    factors_of,
+    rows_of,
+)
 from .measured_states import (
-    ASSUMED_STD,
-    LEAST_STD,
+    Column,
     Responses,
     Roots,
     Values,
@@ -29,12 +45,10 @@ from .measured_states import (
     note_of_same_data,
     roots_at,
     same_data,
+    values_of,
 )
-from .model_error import ModelError, factors_of
-from .question import Prepared, Question
 
 # -- The model's antiresonances over the severity of each element, computed once
-
 
 #: Severities as u = -ln(1 - beta), from none to 0.99; 0.3 apart where most damage lies.
 LEVELS = np.array(
@@ -52,19 +66,14 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Tables:
-    """Roots (r,) at levels (l,) of u of each element (n,).
+    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,).
 
-    Attributes
-    ----------
-    response, seen : (r,) of each root; whether the baseline shows it. Ascending by response.
-    identity : (r,) its number among all roots of the undamaged model, -1 for one that only damage makes.
-    all_response, all_log_f : of these.
-    intact : (r,) ln f in the undamaged model.
-    there : (n, l, r) whether the model has it.
-    place : (n, l, r) ln f expected in the measured structure; ``beside`` how far that is from the model's.
-    by_own : (n, l, r) slope of the place by u of the element.
-    slopes : (n, l, r, n) slopes of ln f by all u.
-    errors : (n, l, r, q) what multiplies q independent errors of the model, of variance 1.
+    ``seen`` (r,) by the baseline; ``identity`` (r,) is the number among all roots of the undamaged model,
+    which ``all_response`` and ``all_log_f`` are, -1 for one that only damage makes; ``intact`` (r,) ln f
+    there. By element, level and root: whether the model has it (``there``), ``place`` ln f expected in the
+    measured structure, ``beside`` how far that is from the model's, ``by_own`` its slope by u of the element,
+    ``slopes`` (n, l, r, n) those of ln f by all u, ``errors`` (n, l, r, q) what multiplies q independent
+    errors of the model, of variance 1.
     """
 
     response: NDArray[np.intp]
@@ -80,79 +89,79 @@ class Tables:
     slopes: Single
     errors: Single
 
-    @cached_property
-    def old(self) -> NDArray[np.bool_]:
-        """Which roots the undamaged model has."""
-        return self.identity >= 0
-
 
 def tables_of(prepared: Prepared) -> Tables:
     """The tables of a model after its baseline."""
     from scipy.interpolate import CubicSpline
 
-    likelihood, error = prepared.likelihood, prepared.error
+    likelihood, error = prepared.likelihood, prepared.likelihood.error
     n, intact = likelihood.n, error.intact
-    at = _at_levels(likelihood, n)
+    at: list[list[tuple[Roots, NDArray[np.intp]]]] = []  # roots, and which of the intact ones they have been
+    for e in range(n):
+        step(f"sensitivities of element {e + 1} of {n}")
+        betas = np.zeros((LEVELS.size, n))
+        betas[:, e] = -np.expm1(-LEVELS)
+        at.append([roots.since(intact) for roots in likelihood.roots(betas, slopes=True)])
     low, high = likelihood.band.low - _MARGIN, likelihood.band.high + _MARGIN
-    inside = intact.between(low, high)
-    new: dict[int, int] = {}
-    for row in at:
-        for roots, identity in row:
-            near = roots.between(low, high)
-            inside[identity[near & (identity >= 0)]] = True
-            own, count = np.unique(roots.response[near & (identity < 0)], return_counts=True)
-            for response, more in zip(own.tolist(), count.tolist(), strict=True):
-                new[response] = max(new.get(response, 0), more)
-    kept = np.flatnonzero(inside)
-    response = np.concatenate([intact.response[kept], *(np.full(k, r) for r, k in new.items())]).astype(
-        np.intp
-    )
-    identity_of = np.concatenate([kept, np.full(sum(new.values()), -1)]).astype(np.intp)
-    order = np.argsort(response, kind="stable")
-    response, identity_of = response[order], identity_of[order]
+    response, identity_of = _listed(at, intact, low, high)
     factor = _factor(error)
     shape = (n, LEVELS.size, response.size)
-    _check_size(shape, n, factor.shape[1])
-    there, log_f = np.zeros(shape, dtype=bool), np.zeros(shape)
+    size = 8.0 * float(np.prod(shape)) * (factor.shape[1] + 0.5 * n)
+    if size > _MOST_BYTES:
+        reject(
+            "model",
+            f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB",
+            f"at most {_MOST_BYTES / 1e9:.0f} GB",
+            "Use assess_damage, or a model with fewer terms.",
+        )
+    there, log_f, beside = np.zeros(shape, dtype=bool), np.zeros(shape), np.zeros(shape)
     slopes, rows = np.zeros((*shape, n), dtype=np.float32), np.zeros((*shape, factor.shape[1]))
-    beside = np.zeros(shape)
-    for e, row in enumerate(at):
-        for level, (roots, identity) in enumerate(row):
-            slot, root = _slots(identity_of, response, roots, identity, low, high)
-            there[e, level, slot] = True
-            log_f[e, level, slot] = roots.log_f[root]
-            by_u = roots.slopes[root, :n].copy()
-            by_u[:, e] *= np.exp(-LEVELS[level])
-            slopes[e, level, slot] = by_u
-            by_errors = np.zeros((slot.size, error.mean.size))
-            by_errors[:, : error.theta.size] = roots.slopes[root, n:] * likelihood.factors
-            is_old = identity[root] >= 0
-            by_errors[is_old, error.theta.size + identity[root][is_old]] = 1.0
-            beside[e, level, slot] = by_errors @ error.mean
-            rows[e, level, slot] = by_errors @ factor
+    for e, level in np.ndindex(n, LEVELS.size):
+        roots, identity = at[e][level]
+        slot, root = _slots(identity_of, response, roots, identity, low, high)
+        there[e, level, slot] = True
+        log_f[e, level, slot] = roots.log_f[root]
+        by_u = roots.slopes[root, :n].copy()
+        by_u[:, e] *= np.exp(-LEVELS[level])
+        slopes[e, level, slot] = by_u
+        by_errors = rows_of(roots.slopes[root, n:] * likelihood.factors, identity[root], intact)
+        beside[e, level, slot] = by_errors @ error.mean
+        rows[e, level, slot] = by_errors @ factor
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
     for e in range(n):
         whole = there[e].all(axis=0)
         if whole.any():
             by_own[e][:, whole] += CubicSpline(LEVELS, beside[e][:, whole])(LEVELS, 1)
-    seen = (identity_of >= 0) & error.seen[identity_of]
-    placed = np.where(identity_of >= 0, intact.log_f[identity_of], 0.0)
-    errors = _compressed(rows.reshape(-1, factor.shape[1]))
+    # The same products of rows in fewer columns.
+    flat = rows.reshape(-1, factor.shape[1])
+    sizes, vectors = np.linalg.eigh(flat.T @ flat)
+    dropped = np.cumsum(np.maximum(sizes, 0.0)) / len(flat) < _DROPPED
+    errors = np.asarray(flat @ vectors[:, ~dropped], dtype=np.float32)
+    was = identity_of >= 0
     return Tables(
-        response, seen, identity_of, intact.response, intact.log_f, placed, there, log_f + beside, beside,
+        response, was & error.seen[identity_of], identity_of, intact.response, intact.log_f,
+        np.where(was, intact.log_f[identity_of], 0.0), there, log_f + beside, beside,
         by_own, slopes, errors.reshape(*shape, -1),
     )  # fmt: skip
 
 
-def _at_levels(likelihood: Likelihood, n: int) -> list[list[tuple[Roots, NDArray[np.intp]]]]:
-    """Roots at every level of every element, and which of the intact ones they have been."""
-    found = []
-    for e in range(n):
-        step(f"sensitivities of element {e + 1} of {n}")
-        betas = np.zeros((LEVELS.size, n))
-        betas[:, e] = -np.expm1(-LEVELS)
-        found.append([roots.since(likelihood.error.intact) for roots in likelihood.roots(betas, slopes=True)])
-    return found
+def _listed(
+    at: list[list[tuple[Roots, NDArray[np.intp]]]], intact: Roots, low: float, high: float
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Response of each root that the tables need, and its number among the intact ones, -1 for new ones."""
+    inside = intact.between(low, high)
+    new: dict[int, int] = {}
+    for roots, identity in (state for row in at for state in row):
+        near = roots.between(low, high)
+        inside[identity[near & (identity >= 0)]] = True
+        own, count = np.unique(roots.response[near & (identity < 0)], return_counts=True)
+        for response, more in zip(own.tolist(), count.tolist(), strict=True):
+            new[response] = max(new.get(response, 0), more)
+    kept = np.flatnonzero(inside)
+    responses = np.concatenate([intact.response[kept], np.repeat(list(new), list(new.values()))])
+    order = np.argsort(responses, kind="stable")
+    numbers = np.concatenate([kept, np.full(sum(new.values()), -1)])
+    return responses[order].astype(np.intp), numbers[order].astype(np.intp)
 
 
 def _slots(
@@ -193,33 +202,13 @@ def _factor(error: ModelError) -> FloatArray:
     return np.asarray(vectors[:, kept] * np.sqrt(size[kept]))
 
 
-def _compressed(rows: FloatArray) -> Single:
-    """The same products of rows in fewer columns."""
-    size, vectors = np.linalg.eigh(rows.T @ rows)
-    dropped = np.cumsum(np.maximum(size, 0.0)) / len(rows) < _DROPPED
-    return np.asarray(rows @ vectors[:, ~dropped], dtype=np.float32)
-
-
-def _check_size(shape: tuple[int, int, int], n: int, q: int) -> None:
-    size = 8.0 * float(np.prod(shape)) * (q + 0.5 * n)
-    if size > _MOST_BYTES:
-        reject(
-            "model",
-            f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB",
-            f"at most {_MOST_BYTES / 1e9:.0f} GB",
-            "Use assess_damage, or a model with fewer terms.",
-        )
-
-
 # -- A measured set as values, by what was prepared: no question to the model
-
 
 #: Beyond the highest value of the baseline (as a factor) zeros of the model are known.
 _BEYOND = 1.3
 
 
-@dataclass(frozen=True)
-class Expected:
+class Expected(NamedTuple):
     """What a set with one force may hold: the number of each response, and the model's real and complex zeros
     (Hz) there."""
 
@@ -227,51 +216,42 @@ class Expected:
     real: dict[Any, FloatArray]
     complex: dict[Any, tuple[FloatArray, FloatArray]]
     sees: str | None
-    channels: tuple[Any, ...]
+    channels: set[Any]
 
 
 def expected_of(question: Question, responses: Responses) -> dict[Any, Expected]:
     """By force label."""
-    found = {}
-    model = question.model
+    found, model = {}, question.model
     for each, labels in zip(question.measured, responses.labels, strict=True):
         assert isinstance(each, AntiresonanceSet)
         force = model_dof(model, "excitation", each.excitation)
-        dofs = [model_dof(model, "measured dof", label) for label in labels]
+        dofs = {label: model_dof(model, "measured dof", label) for label in labels}
         limit_hz = looked_up_to(_BEYOND * max(each[dof].max(initial=0.0) for dof in each))
-        real = real_zeros(model, dofs, force, limit_hz)
+        real = real_zeros(model, list(dofs.values()), force, limit_hz)
+        series = {label: zero_series(model, dof, force, limit_hz) for label, dof in dofs.items()}
+        channels = set(each.channels or ())
         found[each.excitation] = Expected(
-            labels,
-            dict(zip(labels, real, strict=True)),
-            {
-                label: zero_series(model, dof, force, limit_hz)
-                for label, dof in zip(labels, dofs, strict=True)
-            },
-            each.sees,
-            tuple(each.channels or ()),
+            labels, dict(zip(labels, real, strict=True)), series, each.sees, channels
         )
     return found
 
 
-def _columns(one: AntiresonanceSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
-    """Values and their standard deviations by response."""
-    return {(label, one.excitation): (table.freq_hz, table.std_hz) for label, table in one.tables.items()}
+class Read(NamedTuple):
+    """Values of a test, notes on those that are left out, what the plan does not hold, and whether some lack
+    a standard deviation."""
+
+    values: Values
+    notes: list[str]
+    strange: list[str]
+    assumed: bool
 
 
-def values_of(
-    sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
-) -> tuple[Values, list[str], list[str], bool]:
-    """Values, notes on those that are left out, what the plan does not hold, and whether some lack a standard
-    deviation."""
-    rows: list[tuple[int, int, float, float]] = []
-    asked: list[tuple[int, int]] = []
+def read(sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float) -> Read:
+    """The values of a test, without a question to the model."""
     notes: list[str] = []
     strange: list[str] = []
-    assumed = False
-    twice = same_data([_columns(one) for one in sets])
-    notes += note_of_same_data("zeros", twice)
-    for nth, one in enumerate(sets):
-        first = _columns(sets[twice[nth]]) if nth in twice else {}
+    columns: list[dict[int, Column]] = []
+    for one in sets:
         plan = expected.get(one.excitation)
         if plan is None:
             known = ", ".join(map(repr, expected))
@@ -281,41 +261,26 @@ def values_of(
                 f"the force of the baseline: {known}",
                 "Make an Assessor from a baseline with the force there too.",
             )
-        if one.sees != plan.sees or set(one.channels or ()) != set(plan.channels):
+        if one.sees != plan.sees or set(one.channels or ()) != plan.channels:
             strange.append("it was identified from other responses than the baseline")
-        usual = usual_damping(one)
+        usual, own = usual_damping(one), {}
         for label, table in one.tables.items():
-            if (label, one.excitation) in first and first[label, one.excitation][0].size:
+            if label not in plan.number:
+                strange += [f"the baseline does not have dof {label}"] * bool(len(table))
                 continue
-            number = plan.number.get(label)
-            if number is None:
-                if len(table):
-                    strange.append(f"the baseline does not have dof {label}")
-                continue
-            asked.append((number, nth))
             keep = np.ones(len(table), dtype=bool)
             if usual is not None:
                 series = partial(plan.complex.__getitem__, label)
                 notes += sorted_out(label, table, usual, plan.real[label], series, keep)
-            least = ASSUMED_STD if "share" in table.scores else LEAST_STD
-            std = np.where(np.isfinite(table.std_hz), table.std_hz / table.freq_hz, ASSUMED_STD)
-            assumed |= not bool(np.isfinite(table.std_hz[keep]).all())
-            rows += [
-                (nth, number, f, max(s, least))
-                for f, s in zip(np.log(table.freq_hz[keep]).tolist(), std[keep].tolist(), strict=True)
-            ]
-    if not rows:
+            freq, std = table.freq_hz[keep], table.std_hz[keep]
+            own[plan.number[label]] = Column(freq, std, "share" in table.scores)
+        columns.append(own)
+    twice = same_data(columns)
+    values = values_of(columns, twice)
+    if not values.size:
         reject("zeros", "no antiresonance", "at least one", "Identify in the band of the baseline.")
-    rows.sort()
-    columns = list(zip(*rows, strict=True))
-    values = Values(
-        np.array(columns[1], dtype=np.intp),
-        np.array(columns[2], dtype=np.float64),
-        scatter * np.array(columns[3], dtype=np.float64),
-        np.array(columns[0], dtype=np.intp),
-        asked=np.array(asked, dtype=np.intp),
-    )
-    return values, notes, strange, assumed
+    assumed = any(not np.isfinite(column.std).all() for own in columns for column in own.values())
+    return Read(values.noisier(scatter), [*note_of_same_data("zeros", twice), *notes], strange, assumed)
 
 
 @dataclass(frozen=True)
@@ -334,18 +299,12 @@ class Plan:
         self.__dict__.update(state)
 
     @cached_property
-    def numbers(self) -> tuple[int, ...]:
-        """Elements in the order of the tables, candidates first."""
-        model, elements = self.question.model, self.question.elements
-        return (*elements, *(e for e in model._springs if e not in elements))
-
-    @cached_property
     def names(self) -> dict[int, str]:
         """What the elements are called."""
-        return {e: self.question.model.element_label(e) for e in self.numbers}
+        return {e: self.question.model.element_label(e) for e in self.question.numbers}
 
     @cached_property
-    def errors(self) -> tuple[tuple[float, float, float], ...]:
+    def errors(self) -> Errors:
         """As the likelihood has them."""
         return tuple((self.learned.outside * kappa, times, p) for kappa, times, p in ERRORS)
 
@@ -356,9 +315,9 @@ class Plan:
         c: Any = np.ascontiguousarray
         undamaged = t.errors[0, 0].astype(np.float64)
         return _core.PreparedTables(
-            c(LEVELS), c(t.response), c(t.seen), c(t.old), c(t.intact), c(t.there), c(t.place), c(t.beside),
-            c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors), undamaged @ undamaged.T,
-            self.learned.tau**2,
+            c(LEVELS), c(t.response), c(t.seen), c(t.identity >= 0), c(t.intact), c(t.there), c(t.place),
+            c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
+            undamaged @ undamaged.T, self.learned.tau**2,
         )  # fmt: skip
 
     @cached_property
@@ -372,7 +331,7 @@ class Plan:
     def core(self) -> Any:
         """The model's antiresonances, computed."""
         model = self.question.model
-        parts = (*stiffness_reduction(self.numbers), *factors_of(model))
+        parts = (*stiffness_reduction(self.question.numbers), *factors_of(model))
         return self.states[0].source(model, model.description.core_parameters(parts))
 
     @cached_property
@@ -402,4 +361,239 @@ class Plan:
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
     prepared = question.prepared(threads)
-    return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, hint=True))
+    return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, question.hint()))
+
+
+# -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
+
+#: Errors with which extra ones of every value are seen: as they are stated.
+_STATED: Errors = ((0.0, 1.0, 1.0),)
+
+
+class TabulatedLikelihood(ValueLikelihood):
+    """p(values of a test | severities), errors of predictions and slopes from tables."""
+
+    def __init__(self, plan: Plan, now: Values) -> None:
+        self.plan, self.now, self.n = plan, now, len(plan.question.numbers)
+        low, high = float(now.log_f.min()), float(now.log_f.max())
+        self.band = Band(min(plan.learned.low, low), max(plan.learned.high, high))
+        self._asked = np.arange(int(plan.tables.response.max(initial=-1)) + 1)
+        self.test = self._test(0.0, 0.0)
+        self.start = self.seen((), np.empty(0))
+
+    def _errors(self, extra: float) -> Errors:
+        return _STATED if extra else self.plan.errors
+
+    def _test(self, extra: float, common: float) -> _core.PreparedTest:
+        now, plan = self.now, self.plan
+        return _core.PreparedTest(
+            plan.tables_in_core,
+            now.response.tolist(),
+            now.log_f.tolist(),
+            (np.hypot(now.std, extra) if extra else now.std).tolist(),
+            now.test.tolist(),
+            now.times_measured(self._asked).tolist(),
+            (self.band.low, self.band.high),
+            float(np.hypot(plan.question.options.std_common, common)),
+            list(self._errors(extra)),
+            plan.learned.outside,
+        )
+
+    def without_damage(self, extra: float, common: float) -> View:
+        """See the base class."""
+        found = self._test(extra, common).look([], [])
+        return self._view(np.zeros(self.n), found, self._errors(extra))
+
+    def log_without_damage(self, extra: float, common: float) -> float:
+        """The same without slopes."""
+        return float(self._test(extra, common).settle([([], [])], 1, 0.0, True)[0][-1])
+
+    def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
+        """See the base class; with computed antiresonances."""
+        sets = [tuple(np.flatnonzero(beta).tolist()) for beta in betas]
+        return [self.computed(s, -np.log1p(-beta[list(s)])) for s, beta in zip(sets, betas, strict=True)]
+
+    def unexplained(self, betas: FloatArray) -> FloatArray:
+        """See the base class; by the roots of the tables."""
+        sets = [np.flatnonzero(beta) for beta in betas]
+        asked = [(s.tolist(), (-np.log1p(-b[s])).tolist()) for s, b in zip(sets, betas, strict=True)]
+        return np.array([left for _, left in self.test.refine(asked, 0)])
+
+    def seen(self, elements: Elements, u: FloatArray, *places: Any) -> View:
+        """From severities of some elements; ``places`` are ln f of the roots (r,), whether they are there,
+        and slopes, in place of those of the tables."""
+        (beta,) = self.rows(elements, -np.expm1(-u)[None])
+        return self._view(beta, self.test.look(list(elements), u.tolist(), *places), self.plan.errors)
+
+    def computed(self, elements: Elements, u: FloatArray, *, slopes: bool = False) -> View:
+        """The same with computed antiresonances, and slopes where they are asked for."""
+        _, beside, _ = self.test.places(list(elements), u.tolist())
+        (beta,) = self.rows(elements, -np.expm1(-u)[None])
+        log_f, by_u = self.plan.exact(beta, self.band, slopes=slopes)
+        there = np.isfinite(log_f)
+        return self.seen(elements, u, np.where(there, log_f + beside, 0.0).tolist(), there.tolist(), by_u)
+
+    def _view(self, beta: FloatArray, found: Any, errors: Errors) -> View:
+        log_likelihood, gain, curvature, error, *rest = found
+        return View(beta, log_likelihood, gain, curvature, *errors[error][:2], *rest)
+
+
+#: Sets so near to the likeliest (log probability) are judged, at most so many of each size; more of them may
+#: be found than are.
+_NEAR, _MOST = 2.5, 8
+#: The same of sets in the linear model of another one's view.
+_NEAR_LINEAR = 1.0
+#: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
+_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
+#: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
+_STEPS, _HOPELESS = 2, 25.0
+#: So many elements join a set of one and of two in the linear model of its view.
+_JOINED = (0, 10, 3)
+#: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
+#: the same for those of the answer.
+_RESTS, _LOOKS, _SURE_RESTS = 0.03, 3, 2e-3
+#: Sets within this of the likeliest are judged at the end, so many.
+_CLOSE, _LAST = 1.0, 3
+
+
+@dataclass
+class QuickSearch(Search):
+    """A search in tables, which judges the few sets that may be the answer.
+
+    ``rough`` are log evidence and severities (u) of sets as the tables have them, ``judged`` those that were
+    judged from their own severities; ``cut`` tells whether sets that may be the most probable ones were not.
+    """
+
+    likelihood: TabulatedLikelihood
+    rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
+    judged: set[Elements] = field(default_factory=set)
+    cut: bool = False
+
+    def _pairs(self) -> dict[Elements, FloatArray]:
+        """Too many for a quick search."""
+        return {}
+
+    def _starts(self, size: int) -> dict[Elements, FloatArray]:
+        """The sets with one element more that explain most at any severity, and their severities (u)."""
+        chosen = self._scanned(size)
+        asked = [(list(elements), u) for (elements, _), u in chosen.items()]
+        best: dict[Elements, tuple[float, FloatArray]] = {}
+        for (elements, _), (u, score) in zip(chosen, self.likelihood.test.refine(asked, _STEPS), strict=True):
+            if elements not in best or score < best[elements][0]:
+                best[elements] = score, np.array(u)
+        likeliest = sorted(best, key=lambda s: best[s][0])[: _LIKELIEST[size - 1]]
+        if size == 1:
+            self.hopeless.update((e,) for e in range(self.likelihood.n) if (e,) not in likeliest)
+        return {s: best[s][1] for s in likeliest if best[s][0] < best[likeliest[0]][0] + _HOPELESS}
+
+    def _scanned(self, size: int) -> dict[tuple[Elements, int], list[float]]:
+        """What a scan refines: sets with the level of their last element, and all severities (u)."""
+        known = {s: one[0] for s, one in self.rough.items()}
+        known |= {s: fit.log_evidence for s, fit in self.fits.items()}
+        own = [s for s in (*self.fits, *self.rough) if len(s) == size - 1 and not self.outside(s)]
+        parents = sorted(dict.fromkeys(own), key=lambda s: -known[s])[: self._most_parents(size - 1)]
+        scans: tuple[list[FloatArray], ...] = ([], [])
+        joined: list[tuple[Elements, int]] = []
+        for parent in parents:
+            further = self._further(parent)
+            if further:
+                found = self.likelihood.test.scan(list(parent), self._u(parent).tolist(), further)
+                for scan, one in zip(scans, found, strict=True):
+                    scan.append(one)
+                joined += [(parent, e) for e in further]
+        chosen: dict[tuple[Elements, int], list[float]] = {}
+        few = (_BY_DISTANCE, _BY_MISFIT if size > 1 else len(joined))
+        for scan, most in zip(scans if joined else (), few, strict=False):
+            left = np.concatenate(scan)
+            level = np.argmin(left, axis=1)
+            order = np.argsort(left[np.arange(level.size), level], kind="stable").tolist()
+            sets = (self._with(joined[nth][0], joined[nth][1], int(level[nth])) for nth in order)
+            for elements, at, u in islice((one for one in sets if one[0] not in self.judged), most):
+                chosen.setdefault((elements, at), u)
+        return chosen
+
+    def _with(self, parent: Elements, further: int, level: int) -> tuple[Elements, int, list[float]]:
+        """A set with one element more, the level of its severity, and all severities (u)."""
+        own = zip(parent, self._u(parent).tolist(), strict=True)
+        joined = sorted([*own, (further, float(LEVELS[level]))])
+        return tuple(e for e, _ in joined), level, [u for _, u in joined]
+
+    def _larger(self, elements: Elements, view: View) -> list[int]:
+        """Elements that would gain something, and those without damage all."""
+        further, gains = self._further(elements), view.gains
+        return sorted(further, key=lambda e: -gains[e])[: _JOINED[len(elements)]] if elements else further
+
+    def _u(self, elements: Elements) -> FloatArray:
+        fit, rough = self.fits.get(elements), self.rough.get(elements)
+        if rough and (fit is None or rough[0] > fit.log_evidence):
+            return rough[1]
+        return _within(self.fits[elements])
+
+    def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
+        """Judge those that may be the most probable ones, the likeliest first."""
+        asked = [(list(s), u.tolist()) for s, u in chosen.items()]
+        looks = 2 if chosen and len(next(iter(chosen))) == 1 else 1
+        settled = self.likelihood.test.settle(asked, looks, _RESTS, False)
+        for elements, (_, ahead, _, _, log_evidence, _) in zip(chosen, settled, strict=True):
+            if elements not in self.judged:
+                self.rough[elements] = log_evidence, np.minimum(ahead, FURTHEST)
+        for _ in range(_MOST):
+            near = self._open()
+            if not near:
+                return
+            self._settle(near[0])
+        self.cut = bool(self._open())
+
+    def _weights(self) -> dict[Elements, float]:
+        return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
+
+    def _open(self) -> list[Elements]:
+        """Sets that may be the answer and were not judged from their own severities, the likeliest first."""
+        weights = self._weights()
+        top = max(weights.values())
+        room = {s: _NEAR_LINEAR for s in weights}
+        for s, (log_evidence, _) in self.rough.items():
+            weight = log_evidence + self.log_prior(s)
+            if s not in weights or weight + _NEAR > weights[s] + _NEAR_LINEAR:
+                weights[s], room[s] = weight, _NEAR
+        near = (s for s, w in weights.items() if s and s not in self.judged and w > top - room[s])
+        return sorted(near, key=lambda s: -weights[s])
+
+    def _settle(self, elements: Elements) -> None:
+        """Judge a set from its own severities."""
+        u = self._u(elements)
+        ((_, ahead, *_),) = self.likelihood.test.settle([(list(elements), u.tolist())], 5, _RESTS, True)
+        u = np.minimum(ahead, FURTHEST)
+        for _ in range(_LOOKS):
+            view = self.likelihood.computed(elements, u)
+            fit = refitted(view, elements)
+            moved = _within(fit) - u
+            if np.abs(moved).max() <= _RESTS:
+                break
+            u = u + moved
+        self.rough.pop(elements, None)
+        self.judged.add(elements)
+        self.fits[elements] = fit
+        self._judge(elements, view)
+
+    def _renew(self) -> None:
+        """Judge the likeliest sets anew, with computed slopes, until none that was not may be the answer."""
+        done: set[Elements] = set()
+        while len(done) < _LAST:
+            weights = self._weights()
+            top = max(weights.values())
+            near = [s for s, w in weights.items() if s and s not in done and w > top - _CLOSE]
+            if not near:
+                return
+            best = max(near, key=lambda s: weights[s])
+            for _ in range(_LOOKS):
+                u = self._u(best)
+                self.fits[best] = refitted(self.likelihood.computed(best, u, slopes=len(best) > 1), best)
+                if np.abs(self._u(best) - u).max() <= _SURE_RESTS:
+                    break
+            done.add(best)
+
+
+def _within(fit: Fit) -> FloatArray:
+    """Most probable severities of a set (u), within their bounds."""
+    return np.asarray(-np.log1p(-np.minimum(fit.beta, HIGHEST)))

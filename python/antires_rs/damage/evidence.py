@@ -23,11 +23,15 @@ from numpy.typing import NDArray
 from ..support.checks import FloatArray
 from .likelihood import View
 
-# -- Gaussians within bounds: where in the box the peak is, and one coordinate's mean and quantiles
+#: Largest severity, and the same as u: Gaussians of u are those of what lies in the box [0, FURTHEST]^n.
+HIGHEST = 0.99
+FURTHEST = -float(np.log1p(-HIGHEST))
+
+# -- Gaussians within bounds: where in the box the peak is, and quantiles of one coordinate
 
 
-def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
-    """Most probable points (k, n) of Gaussians in the box [low, high]^n.
+def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Most probable points (k, n) of Gaussians in the box.
 
     Coordinates whose peak lies outside are put on their bound one by one, the worst first; given these, the
     others follow.
@@ -35,7 +39,7 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: floa
     best, spread, free = mean.copy(), covariance.copy(), np.ones(mean.shape, dtype=bool)
     for _ in range(mean.shape[1]):
         sd = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
-        below, above = (low - best) / sd, (best - high) / sd
+        below, above = -best / sd, (best - FURTHEST) / sd
         outside = np.where(free, np.maximum(below, above), -np.inf)
         worst = np.argmax(outside, axis=1)
         row = np.flatnonzero(outside[np.arange(worst.size), worst] > 0.0)
@@ -43,23 +47,11 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray, low: float, high: floa
             break
         at = worst[row]
         gain = spread[row, :, at] / spread[row, at, at][:, None]
-        bound = np.where(below[row, at] > above[row, at], low, high)
+        bound = np.where(below[row, at] > above[row, at], 0.0, FURTHEST)
         best[row] += gain * (bound - best[row, at])[:, None]
         spread[row] -= gain[:, :, None] * spread[row, at][:, None, :]
         free[row, at], spread[row, at, at] = False, 1.0
     return best
-
-
-def given(
-    mean: FloatArray, covariance: FloatArray, nth: int, known: FloatArray, which: NDArray[np.bool_]
-) -> tuple[float, float]:
-    """Mean and standard deviation of one coordinate of a Gaussian, given some of the others."""
-    at = np.array([k for k in np.flatnonzero(which) if k != nth], dtype=np.intp)
-    if not at.size:
-        return float(mean[nth]), float(np.sqrt(covariance[nth, nth]))
-    gain = np.linalg.solve(covariance[np.ix_(at, at)], covariance[at, nth])
-    variance = covariance[nth, nth] - gain @ covariance[at, nth]
-    return float(mean[nth] + gain @ (known[at] - mean[at])), float(np.sqrt(variance))
 
 
 def quantiles(
@@ -84,12 +76,17 @@ def quantiles(
 
 def log_between(low: Any, high: Any) -> FloatArray:
     """ln of the standard normal probability between two limits, element by element."""
+    _, _, _, bottom, top = _on_negative_side(np.asarray(low), high)
+    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
+
+
+def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, FloatArray, Any, Any]:
+    """Where limits are turned about 0, so that the tail is resolved; the limits and ln of what is below."""
     from scipy.special import log_ndtr
 
-    flip = np.asarray(low) > 0.0  # the tail is resolved on the negative side
-    low, high = np.where(flip, -high, low), np.where(flip, -low, high)
-    top, bottom = log_ndtr(high), log_ndtr(low)
-    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
+    flip = low > 0.0
+    a, b = np.where(flip, -high, low), np.where(flip, -low, high)
+    return flip, a, b, log_ndtr(a), log_ndtr(b)
 
 
 # -- Gaussians of which only a box is left: their probability, densities, and draws
@@ -101,7 +98,6 @@ def log_between(low: Any, high: Any) -> FloatArray:
 #
 # Reference: A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149.
 
-
 #: Points of the rule of quadrature along each coordinate but the last.
 _POINTS = 16
 #: Coordinates so many standard deviations from both bounds do not count.
@@ -111,19 +107,17 @@ _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
 
 @dataclass(frozen=True)
 class Truncated:
-    """Gaussians within [low, high]^n: mean (..., n), Cholesky factor, both in the order of ``order``."""
+    """Gaussians within the box: mean (..., n), Cholesky factor, both in the order of ``order``."""
 
     mean: FloatArray
     factor: FloatArray
     order: NDArray[np.intp]
-    low: float
-    high: float
 
     def draws(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points (k, n) of uniform numbers (k, n), and ln of the weights that make them one Gaussian's."""
-        z, log_weight = self._transformed(uniform)
+        z, log_weight = self.transformed(uniform)
         found = np.empty_like(z)
-        found[:, self.order] = np.clip(self.mean + z @ self.factor.T, self.low, self.high)
+        found[:, self.order] = np.clip(self.mean + z @ self.factor.T, 0.0, FURTHEST)
         return found, log_weight
 
     def log_density(self, points: FloatArray) -> FloatArray:
@@ -137,20 +131,13 @@ class Truncated:
             total -= log_between(below, above)
         return total
 
-    def log_probability(self) -> FloatArray:
-        """ln of the probability of the box under each whole Gaussian, (...)."""
-        from scipy.special import logsumexp
-
-        points, weights = _rule(self.mean.shape[-1] - 1)
-        return np.asarray(logsumexp(self._transformed(points)[1], b=weights, axis=-1))
-
     def _limits(self, z: FloatArray, i: int) -> tuple[FloatArray, FloatArray]:
         """Limits of coordinate i in standard deviations, given those before."""
         before = (z[..., :i] @ self.factor[..., i, :i, None])[..., 0]
         middle, scale = self.mean[..., i, None] + before, self.factor[..., i, i, None]
-        return (self.low - middle) / scale, (self.high - middle) / scale
+        return -middle / scale, (FURTHEST - middle) / scale
 
-    def _transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def transformed(self, uniform: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Standard normal coordinates of as many uniform numbers as there are, and ln of the product."""
         z = np.zeros((*self.mean.shape[:-1], len(uniform), self.mean.shape[-1]))
         total = np.zeros(z.shape[:-1])
@@ -162,20 +149,22 @@ class Truncated:
         return z, total
 
 
-def truncated(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> Truncated:
-    """Gaussians of mean (..., n) within [low, high]^n."""
+def truncated(mean: FloatArray, covariance: FloatArray) -> Truncated:
+    """Gaussians of mean (..., n) within the box."""
     sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
-    order = np.argsort(log_between((low - mean) / sd, (high - mean) / sd), axis=-1, kind="stable")
+    order = np.argsort(log_between(-mean / sd, (FURTHEST - mean) / sd), axis=-1, kind="stable")
     rows = np.take_along_axis(covariance, order[..., :, None], axis=-2)
     factor = np.linalg.cholesky(np.take_along_axis(rows, order[..., None, :], axis=-1))
-    return Truncated(np.take_along_axis(mean, order, axis=-1), np.asarray(factor), order, low, high)
+    return Truncated(np.take_along_axis(mean, order, axis=-1), np.asarray(factor), order)
 
 
-def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float) -> FloatArray:
-    """ln of the probability that each Gaussian of mean (k, n) gives to [low, high]^n, by a fixed rule."""
+def log_inside(mean: FloatArray, covariance: FloatArray) -> FloatArray:
+    """ln of the probability that each Gaussian of mean (k, n) gives to the box, by a fixed rule."""
+    from scipy.special import logsumexp
+
     sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    near = np.minimum(mean - low, high - mean) < _FAR * sd
-    alone = log_between((low - mean) / sd, (high - mean) / sd)
+    near = np.minimum(mean, FURTHEST - mean) < _FAR * sd
+    alone = log_between(-mean / sd, (FURTHEST - mean) / sd)
     found: FloatArray = np.where(near, alone, 0.0).sum(axis=1)
     count = near.sum(axis=1)
     for size in range(2, mean.shape[1] + 1):
@@ -183,18 +172,19 @@ def log_inside(mean: FloatArray, covariance: FloatArray, low: float, high: float
         if row.size:
             at = np.nonzero(near[row])[1].reshape(-1, size)
             own = covariance[row[:, None, None], at[:, :, None], at[:, None, :]]
-            found[row] = truncated(mean[row[:, None], at], own, low, high).log_probability()
+            points, weights = _rule(size - 1)
+            found[row] = logsumexp(
+                truncated(mean[row[:, None], at], own).transformed(points)[1], b=weights, axis=-1
+            )
     return found
 
 
 def _between(low: FloatArray, high: FloatArray, p: FloatArray) -> FloatArray:
     """Quantiles p of the standard normal distribution between two limits."""
-    from scipy.special import log_ndtr, ndtri_exp
+    from scipy.special import ndtri_exp
 
-    flip = low > 0.0  # the tail is resolved on the negative side
-    a, b = np.where(flip, -high, low), np.where(flip, -low, high)
+    flip, a, b, bottom, top = _on_negative_side(low, high)
     share = np.where(flip, 1.0 - p, p)
-    bottom, top = log_ndtr(a), log_ndtr(b)
     # ln of (1 - share) e^bottom + share e^top
     z = ndtri_exp(top + np.log(share + (1.0 - share) * np.exp(np.minimum(bottom - top, 0.0))))
     z = np.clip(z, a, b)
@@ -213,16 +203,12 @@ def _rule(n: int) -> tuple[FloatArray, FloatArray]:
     return np.stack([a.ravel() for a in axes], axis=1) if n else np.empty((1, 0)), weights
 
 
-#: Largest severity.
-HIGHEST = 0.99
-#: The same as u.
-FURTHEST = -float(np.log1p(-HIGHEST))
 #: Change of u up to which the roots count as linear.
 _LINEAR = 0.12
 #: So near to the largest u counts as there.
 _ON_BOUND = 1e-9
 #: Precision of u where nothing sees it.
-_BLIND = 1e-2
+BLIND = 1e-2
 
 
 @dataclass(frozen=True)
@@ -245,49 +231,55 @@ class Fit:
         """Shares with the most probable severity between their quantiles: those given, else as much of the
         probability from the nearer bound on."""
         low, high = self._quantiles(nth, shares)
-        best, whole = self._peak[nth], shares[1] - shares[0]
+        best, whole = self.u[nth], shares[1] - shares[0]
         if best <= 0.0 or best < low:
             return 0.0, whole
         return (1.0 - whole, 1.0) if best > high else shares
 
     @property
-    def _peak(self) -> FloatArray:
+    def u(self) -> FloatArray:
+        """Most probable u."""
         return np.asarray(-np.log1p(-self.beta))
 
     def _quantiles(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
         """Of u; partners whose most probable severity is a bound stay on it."""
-        on_bound = (self._peak <= 0.0) | (self._peak >= FURTHEST - _ON_BOUND)
-        mean, std = given(self.mean, self.covariance, nth, self._peak, on_bound)
-        return quantiles(mean, std, 0.0, FURTHEST, shares)
+        on_bound = (self.u <= 0.0) | (self.u >= FURTHEST - _ON_BOUND)
+        at = np.array([k for k in np.flatnonzero(on_bound) if k != nth], dtype=np.intp)
+        mean, variance = self.mean[nth], self.covariance[nth, nth]
+        if at.size:
+            gain = np.linalg.solve(self.covariance[np.ix_(at, at)], self.covariance[at, nth])
+            mean, variance = (
+                mean + gain @ (self.u[at] - self.mean[at]),
+                variance - gain @ self.covariance[at, nth],
+            )
+        return quantiles(float(mean), float(np.sqrt(variance)), 0.0, FURTHEST, shares)
 
 
-def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit | None]:
-    """Sets of one size as seen from one point; None where severities are too far from there, in u."""
+def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit]:
+    """Sets of one size as seen from one point; not those whose severities are too far from there, in u."""
     at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
     size = at.shape[1]
     room = 1.0 - view.beta[at]
     start = -np.log(room)
     matrix = view.curvature[at[:, :, None], at[:, None, :]] * room[:, :, None] * room[:, None, :]
-    covariance: FloatArray = np.asarray(np.linalg.inv(matrix + _BLIND * np.eye(size)), dtype=np.float64)
+    covariance: FloatArray = np.asarray(np.linalg.inv(matrix + BLIND * np.eye(size)), dtype=np.float64)
     # All severities are equally probable, so that large u are less.
     gain = view.gain[at] * room - 1.0
     step = (covariance @ gain[:, :, None])[:, :, 0]
     mean = start + step
-    best = peak_in_box(mean, covariance, 0.0, FURTHEST)
+    best = peak_in_box(mean, covariance)
     near = np.flatnonzero(np.all(np.abs(best - start) <= reach, axis=1))
-    inside = log_inside(mean[near], covariance[near], 0.0, FURTHEST)
+    inside = log_inside(mean[near], covariance[near])
     spread = np.linalg.slogdet(covariance[near])[1] - 2.0 * start[near].sum(axis=1)
     volume = 0.5 * (size * np.log(2.0 * np.pi) + spread) - size * np.log(HIGHEST)
     evidence = view.log_likelihood + 0.5 * np.sum(gain * step, axis=1)[near] + volume + inside
-    found: list[Fit | None] = [None] * len(sets)
-    for nth, log_evidence in zip(near.tolist(), evidence.tolist(), strict=True):
-        beta = -np.expm1(-best[nth])
-        found[nth] = Fit(tuple(sets[nth]), log_evidence, beta, mean[nth], covariance[nth], view)
-    return found
+    return [
+        Fit(tuple(sets[nth]), log_evidence, -np.expm1(-best[nth]), mean[nth], covariance[nth], view)
+        for nth, log_evidence in zip(near.tolist(), evidence.tolist(), strict=True)
+    ]
 
 
 def refitted(view: View, elements: tuple[int, ...]) -> Fit:
     """One set, however far its severities are."""
     (fit,) = fitted(view, [elements], np.inf)
-    assert fit is not None  # none is too far away
     return fit

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -93,13 +93,10 @@ class Hypotheses(Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 300.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> result = ar.assess_damage(intact, now, baseline=before)
+    >>> case = ar.cases.chain8()
+    >>> result = ar.assess_damage(case.model, case.exact(level=1), baseline=case.exact(level=0))
     >>> result.hypotheses[0].elements, round(result.hypotheses[0].severities[0], 2)
-    ((1,), 0.4)
+    ((4,), 0.55)
     """
 
     def __init__(self, rows: Sequence[Hypothesis], names: dict[int, str]) -> None:
@@ -131,8 +128,11 @@ class Hypotheses(Viewed):
             return "something else"
         if not one.elements:
             return "no damage"
-        words = " and ".join(self._names[e] for e in one.elements)
-        return words if one.candidate else f"{words} (no candidate)"
+        return self.named(one.elements) + ("" if one.candidate else " (no candidate)")
+
+    def named(self, elements: Sequence[int]) -> str:
+        """Elements by name."""
+        return " and ".join(self._names[e] for e in elements)
 
     @property
     def probability(self) -> FloatArray:
@@ -169,7 +169,6 @@ class Hypotheses(Viewed):
 
 # -- What an assessment came to: hypotheses, how well the best explains the values, how wrong the model is
 
-
 #: Below this probability of so large a chi-square, the best explanation does not explain.
 _HARDLY = 1e-3
 #: A model that needs factors which scatter more is of another structure: that of the exhaust, never updated,
@@ -180,59 +179,47 @@ _FAR_OFF = 0.3
 _MISSED = 0.06
 
 
-@dataclass(frozen=True, eq=False)
-class Assessment(Value):
-    """The answer to a baseline assessment, without the model.
+@dataclass(frozen=True, kw_only=True)
+class Taught:
+    """What the baseline has told, as an assessment and what is prepared for it have it.
 
-    Attributes
-    ----------
-    hypotheses : Hypotheses
-    group : tuple of Hypothesis
-        The most probable damage of candidates and what cannot be told from it.
-    declared : tuple of int
-        Elements declared damaged.
-    chi_square : float
-        Of the residuals of the most probable hypothesis, over the number of values less that of severities;
-        NaN where no value has a partner.
-    n_values, n_matched : int
-        Values of now, and those with a partner among the model's roots there.
-    kappa : float
-        Share of a predicted change that counts as its error.
-    factor_std, root_std : float
-        Learned from the baseline: scatter of the model's stiffness and mass factors, and error of a
-        frequency that no factor explains; both relative.
-    threshold : float or None
-        Log odds of damage from which on it is declared, where a rate of false alarms was asked for.
-    detectable : tuple of float
-        Severity of each candidate that nine of ten such tests would show.
-    baseline : bool
-        Whether there was one.
-    n_intact, n_intact_matched : int
-        Values of the baseline, and those with a partner in the model.
-    n_baselines : int
-        Tests of the intact structure.
-    scatter : float
-        Scatter between these over their standard deviations, by which all of them were multiplied; 1 where
-        there is one test only.
-    assumed_std : bool
-        Whether some values had no standard deviation.
-    odd_baselines : tuple of int
-        Positions of the baseline sets that contradict the others, zero-based: one, or all that disagree where
-        it cannot be told which is odd.
-    baseline_gap, usual_gap : float
-        Relative difference between these and the others, and between the others.
-    interrupted : bool
-        Whether Ctrl-C stopped the search.
-    moved_alike : float
-        Relative change of all values alike, where that is what has happened; else 0.
-    n_risen, n_moved : int
-        Values that have risen, of those that have moved since the intact state, where these are most of them
-        and no hypothesis explains them; else 0.
-    n_intact_roots : int
-        Roots of the model between the lowest and the highest value of each response; 0 where not counted.
-    hint : str
-        A mistake of units that would account for a model that does not explain the intact structure, or for
-        two states that have nothing in common.
+    ``threshold`` are log odds of damage from which on it is declared, where a rate of false alarms was asked
+    for; ``detectable`` the severity of each candidate that nine of ten such tests would show; ``assumed_std``
+    whether some values had no standard deviation. ``n_intact`` values of the baseline, of which
+    ``n_intact_matched`` have a partner in the model, lie among ``n_intact_roots`` of it (0: not counted).
+    ``n_baselines`` is how many tests there are, the most with one force, and ``scatter`` that between them
+    over their standard deviations, which were multiplied by it. ``odd_baselines`` are positions of the sets
+    that contradict the others, one or all that disagree; they differ from the others by ``baseline_gap``,
+    these among themselves by ``usual_gap``, relative.
+    """
+
+    threshold: float | None
+    detectable: tuple[float, ...]
+    assumed_std: bool
+    n_intact: int
+    n_intact_matched: int
+    n_baselines: int
+    scatter: float
+    notes: tuple[str, ...] = ()
+    odd_baselines: tuple[int, ...] = ()
+    baseline_gap: float = 0.0
+    usual_gap: float = 0.0
+    n_intact_roots: int = 0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Assessment(Value, Taught):
+    """The answer to a baseline assessment, without the model; beside what it has of :class:`Taught`:
+
+    ``group`` is the most probable damage of candidates and what cannot be told from it, ``declared`` the
+    elements declared damaged, ``chi_square`` that of the residuals of the most probable hypothesis over the
+    number of values less that of severities (NaN where no value has a partner). ``n_matched`` of ``n_values``
+    of now have a partner among the model's roots there; ``kappa`` is the share of a predicted change that
+    counts as its error, ``factor_std`` the scatter of the model's stiffness and mass factors, ``root_std``
+    the error of a frequency that no factor explains, both relative. ``moved_alike`` is the relative change of
+    all values alike where that is what has happened, else 0; ``n_risen`` of ``n_moved`` values have risen,
+    where these are most of them and no hypothesis explains them, else 0; ``hint`` a mistake of units that
+    would account for a model that does not explain the intact structure, or for states far apart.
     """
 
     hypotheses: Hypotheses
@@ -244,30 +231,17 @@ class Assessment(Value):
     kappa: float
     factor_std: float
     root_std: float
-    threshold: float | None
-    detectable: tuple[float, ...]
     baseline: bool
-    assumed_std: bool
-    n_intact: int
-    n_intact_matched: int
-    n_baselines: int
-    scatter: float
-    notes: tuple[str, ...] = field(default=())
-    odd_baselines: tuple[int, ...] = ()
-    baseline_gap: float = 0.0
-    usual_gap: float = 0.0
     interrupted: bool = False
     moved_alike: float = 0.0
     n_risen: int = 0
     n_moved: int = 0
-    n_intact_roots: int = 0
     hint: str = ""
 
     @property
     def best(self) -> Hypothesis:
         """The most probable hypothesis."""
-        best: Hypothesis = self.hypotheses[0]
-        return best
+        return next(iter(self.hypotheses))
 
     @property
     def probability_of_nothing(self) -> float:
@@ -311,23 +285,81 @@ class Assessment(Value):
         return bool(fits and not self.best.unknown)
 
     @property
+    def answer(self) -> Hypothesis | None:
+        """The hypothesis that was declared; None where nothing was."""
+        return next((one for one in self.hypotheses if self.declared and one.elements == self.declared), None)
+
+    @property
     def severities(self) -> dict[int, float]:
         """Losses of the elements declared damaged."""
-        one = self._declared
+        one = self.answer
         return dict(zip(one.elements, one.severities, strict=True)) if one else {}
 
     @property
     def intervals(self) -> dict[int, tuple[float, float]]:
         """90 % intervals of these."""
-        one = self._declared
+        one = self.answer
         return dict(zip(one.elements, zip(one.low, one.high, strict=True), strict=True)) if one else {}
-
-    @property
-    def _declared(self) -> Hypothesis | None:
-        return next((one for one in self.hypotheses if one.elements == tuple(self.declared)), None)
 
     def marginal(self, element: int) -> float:
         """Probability that a candidate is damaged."""
         return float(
             np.sum([h.probability for h in self.hypotheses if h.candidate and element in h.elements])
         )
+
+
+#: A group holds this share of the probability of its kind; and has at most so many hypotheses.
+_GROUPED, _MOST_ALTERNATIVES = 0.9, 4
+
+
+def together(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The most probable damage of candidates with its alternatives: those that make up most of it.
+
+    One hypothesis where it is clear; none where more than a few would be needed.
+    """
+    damage = [one for one in hypotheses if one.candidate and one.elements]
+    shares = np.cumsum([one.probability for one in damage])
+    count = 1 + int(np.searchsorted(shares, _GROUPED * shares[-1])) if damage else 0
+    return damage[:count] if count <= _MOST_ALTERNATIVES else []
+
+
+class Answered:
+    """What everything has that holds an assessment of elements with severities."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def assessment(self) -> Assessment:
+            """What it rests on."""
+
+        @property
+        def severity(self) -> Mapping[int, float]:
+            """Stiffness loss of each candidate."""
+
+    @property
+    def damaged(self) -> list[int]:
+        """Elements with damage, the worst first."""
+        return sorted((e for e, beta in self.severity.items() if beta > 0), key=lambda e: -self.severity[e])
+
+    @property
+    def hypotheses(self) -> Hypotheses:
+        """The explanations that were judged, the most probable first; prints as a table.
+
+        Those of an :class:`~antires_rs.Assessor` are listed from 0.1 % probability on.
+        """
+        return self.assessment.hypotheses
+
+    @property
+    def probability_of_damage(self) -> float:
+        """Probability that anything has changed, be it what none of the candidates explains."""
+        return 1.0 - self.assessment.probability_of_nothing
+
+    @property
+    def probability_elsewhere(self) -> float:
+        """Probability that something has changed which none of the candidates explains."""
+        return self.assessment.probability_elsewhere
+
+    @property
+    def chi_square(self) -> float:
+        """Chi-square of the most probable hypothesis, over its degrees of freedom."""
+        return self.assessment.chi_square

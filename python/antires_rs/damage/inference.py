@@ -1,29 +1,26 @@
-"""From two measured states to an :class:`Assessment`: learn the model's errors, search, weigh."""
+"""From two measured states to an :class:`Assessment`: sets of damaged elements searched and weighed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import combinations, product
+from math import comb
 from typing import Any
 
 import numpy as np
 
 from ..exceptions import reject
-from ..models.parameters import Parameter
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
 from ..updating.reduced_search import ReductionReport
-from .evidence import HIGHEST, Fit, fitted, log_between, refitted
-from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, figure
-from .likelihood import Likelihood, ValueLikelihood, View
-from .measured_modes import ModeResponses
-from .measured_states import Responses, Roots, Values
-from .one_state import mostly_risen
+from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitted
+from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
+from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
+from .measured_states import Values, mostly_risen
 from .options import DamagePrior
-from .question import Prepared, Question
 from .reduced_roots import TOLERANCE, ReducedRoots
 
 # -- Which elements may be damaged: a beam search over sets of elements
@@ -32,35 +29,18 @@ from .reduced_roots import TOLERANCE, ReducedRoots
 # finds where to begin; Newton steps with an error of the values that falls to nothing lead to the most
 # probable severities; there the evidence is told. From every point on the way the sets with one element
 # more are judged too, as far as the linear model goes. Elements that are no candidates are judged one by
-# one only.
-
-
-# -- Which elements a scan looks at, where there are many: those that would explain most to first order
-#
-# The likelihood's slope and curvature along each severity are at hand from the sensitivities of one point.
-# All other elements stay judged by the linear model alone.
-
-
-#: More elements than these are not all scanned; of one damage, and of a further one, so many are.
-_MANY_SCREENING, _SCANNED_SCREENING = 60, (40, 16)
-#: Severities of a scan for a further damage among many elements.
-COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
-
-
-def worth_a_scan(view: View, elements: list[int], size: int) -> list[int] | None:
-    """The elements to scan for a set of ``size``, ascending; None for all of them."""
-    if len(elements) <= _MANY_SCREENING:
-        return None
-    gains: FloatArray = np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
-    best = sorted(elements, key=lambda e: -gains[e])[
-        : _SCANNED_SCREENING[min(size, len(_SCANNED_SCREENING)) - 1]
-    ]
-    return sorted(best)
-
+# one only. Where there are many elements a scan looks at those that would explain most to first order; all
+# others stay judged by the linear model alone.
 
 Elements = tuple[int, ...]
 
+#: More elements than these are not all scanned; of one damage, and of a further one, so many are.
+_MANY_ELEMENTS, _SCANNED_ELEMENTS = 60, (40, 16)
+#: Severities of a scan, and of one for a further damage among many elements.
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
+_COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
+#: Elements of the largest sets.
+_LARGEST = 3
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 #: Sets that get another one where nothing found so far is better than no element at all.
@@ -91,33 +71,32 @@ _MANY = 8
 
 @dataclass
 class Search:
-    """The sets found so far, by elements; ``n_candidates`` first, then those that are none."""
+    """The sets found so far, by elements; ``n_candidates`` first, then those that are none.
+
+    ``screened`` tells how many elements were scanned for a single damage, of how many, unless all were;
+    ``hopeless`` are sets that explain far less than others wherever they came to, without coming to rest, and
+    single elements that the sensitivities rule out.
+    """
 
     likelihood: ValueLikelihood
     n_candidates: int
     prior: DamagePrior = field(default_factory=DamagePrior)
-    most: int = 3
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
-    #: How many elements were scanned for a single damage, of how many; none where all were.
     screened: tuple[int, int] | None = None
-    #: Sets that explain far less than others wherever they came to, without coming to rest, and single
-    #: elements that the sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
 
     def run(self) -> None:
-        """Judge sets of up to ``most`` elements; after Ctrl-C those judged so far stay."""
+        """Judge sets of up to three elements; after Ctrl-C those judged so far stay."""
         self._judge((), self.likelihood.start)
         try:
-            for size in range(1, min(self.most, self.n_candidates) + 1):
+            for size in range(1, min(_LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                likeliest = max(self.fits.values(), key=lambda fit: fit.log_evidence)
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                if self.explained(likeliest) and singles:
+                if self.finished and singles:
                     break
-                parents = self._parents(size - 1)
-                self._refine(self._starts(parents, size))
+                self._refine(self._starts(size))
                 if size == 2 and not self._any():
                     self._refine(self._pairs())
             self._smaller()
@@ -127,7 +106,16 @@ class Search:
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
-        return max(fit.log_evidence for fit in self.fits.values()) > self.likelihood.something_else
+        return self._likeliest.log_evidence > self.likelihood.something_else
+
+    @property
+    def _likeliest(self) -> Fit:
+        return max(self.fits.values(), key=lambda fit: fit.log_evidence)
+
+    def _row(self, elements: Elements, severities: Any) -> FloatArray:
+        """Severities of all elements, (n,)."""
+        (row,) = self.likelihood.rows(elements, np.minimum([severities], HIGHEST))
+        return np.asarray(row)
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Pairs that explain most, both severities scanned: of two large damages one may not show alone."""
@@ -152,8 +140,7 @@ class Search:
             severities = dict(zip(elements, self.fits[elements].beta, strict=True))
             kept = tuple(e for e in elements if severities[e] >= _HARDLY)
             if kept and kept != elements:
-                row = starts.setdefault(kept, np.zeros(self.likelihood.n))
-                row[list(kept)] = [min(severities[e], HIGHEST) for e in kept]
+                starts[kept] = self._row(kept, [severities[e] for e in kept])
         if starts:
             views = self.likelihood.views(np.array(list(starts.values())))
             for elements, view in zip(starts, views, strict=True):
@@ -161,30 +148,17 @@ class Search:
 
     def _near(self) -> list[Elements]:
         """The likeliest sets, first the likeliest."""
-        top = max(fit.log_evidence for fit in self.fits.values())
+        top = self._likeliest.log_evidence
         near = [s for s, fit in self.fits.items() if s and fit.log_evidence > top - _NEAR]
         return sorted(near, key=lambda s: -self.fits[s].log_evidence)[:_RENEWED]
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, each from its own severities."""
         sets = self._near()
-        if not sets:
-            return
-        betas = np.zeros((len(sets), self.likelihood.n))
-        for row, elements in enumerate(sets):
-            betas[row, list(elements)] = np.minimum(self.fits[elements].beta, HIGHEST)
-        for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
-            (fit,) = fitted(view, [elements])
-            if fit:
-                self.fits[elements] = fit
-
-    def _parents(self, size: int) -> list[Fit]:
-        own = [
-            fit
-            for elements, fit in self.fits.items()
-            if len(elements) == size and all(e < self.n_candidates for e in elements)
-        ]
-        return sorted(own, key=lambda fit: -fit.log_evidence)[: self._most_parents(size)]
+        if sets:
+            betas = np.array([self._row(elements, self.fits[elements].beta) for elements in sets])
+            for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
+                self.fits.update({fit.elements: fit for fit in fitted(view, [elements])})
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -201,32 +175,27 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        larger = [] if len(elements) == self.most or self.outside(elements) else self._larger(elements, view)
+        larger = [] if len(elements) == _LARGEST or self.outside(elements) else self._larger(elements, view)
         for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
             for fit in fitted(view, sets) if sets else ():
-                known = self.fits.get(fit.elements) if fit else None
-                if fit and (known is None or fit.log_evidence > known.log_evidence):
+                known = self.fits.get(fit.elements)
+                if known is None or fit.log_evidence > known.log_evidence:
                     self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
         """Whether the likeliest set leaves nothing to be explained."""
-        return self.explained(max(self.fits.values(), key=lambda fit: fit.log_evidence))
-
-    def explained(self, fit: Fit) -> bool:
-        """Whether a set leaves nothing to be explained."""
-        view = fit.view
-        gains = 0.5 * np.clip(view.gain, 0.0, None) ** 2 / np.maximum(np.diag(view.curvature), 1e-300)
+        fit = self._likeliest
+        view, count = fit.view, fit.view.n_matched
+        gains = view.gains
         gains[list(fit.elements)] = 0.0
-        count = int(view.matched.sum())
         fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
-        all_there = view.matched.size - count <= max(1, _LOST * view.matched.size)
+        all_there = view.partner.size - count <= max(1, _LOST * view.partner.size)
         # Errors as they are stated: larger ones would explain anything.
         stated = view.times <= (_WIDER if fit.elements else 1.0)
         # A few values are explained by much that is not so, and what is no damage may explain them better.
         many = not fit.elements or count >= _MANY + len(fit.elements)
-        whole = bool(fits and all_there and gains.max() < _GAIN and stated and many)
-        return whole and fit.log_evidence > self.likelihood.something_else
+        return bool(fits and all_there and gains.max() < _GAIN and stated and many and self._any())
 
     def outside(self, elements: Elements) -> bool:
         """Whether a set has an element that is no candidate."""
@@ -239,29 +208,33 @@ class Search:
         own = [self.prior.log_of(k, n) if k <= n else -np.inf for k in range(4)]
         return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
-    def log_prior(self, elements: Elements) -> float:
-        """Log probability of a set before the test; ``UNKNOWN`` is something else."""
-        kind = -1 if elements == UNKNOWN else 4 if self.outside(elements) else len(elements)
-        return self._log_priors[kind]
-
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements; ``UNKNOWN`` for something else."""
         found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-        return {**found, UNKNOWN: self.likelihood.something_else + self.log_prior(UNKNOWN)}
+        return {**found, UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
 
-    def _starts(self, parents: list[Fit], size: int) -> dict[Elements, FloatArray]:
+    def log_prior(self, elements: Elements) -> float:
+        """Log probability of a set before the test."""
+        return self._log_priors[4 if self.outside(elements) else len(elements)]
+
+    def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
+        own = [fit for s, fit in self.fits.items() if len(s) == size - 1 and not self.outside(s)]
+        parents = sorted(own, key=lambda fit: -fit.log_evidence)[: self._most_parents(size - 1)]
         found: list[tuple[float, Elements, FloatArray]] = []
         for parent in parents:
-            base = np.zeros(self.likelihood.n)
-            base[list(parent.elements)] = np.clip(parent.beta, 0.0, HIGHEST)
-            further = self._further(parent.elements)
-            chosen_few = worth_a_scan(parent.view, further, size)
-            if chosen_few is not None and size == 1:
-                self.screened = len(chosen_few), len(further)
-                self.hopeless.update((e,) for e in set(further) - set(chosen_few))
-            grid = _GRID if chosen_few is None or size == 1 else COARSE
-            further = further if chosen_few is None else chosen_few
+            further, grid = self._further(parent.elements), _GRID
+            if len(further) > _MANY_ELEMENTS:
+                gains = parent.view.gains
+                most = _SCANNED_ELEMENTS[min(size, len(_SCANNED_ELEMENTS)) - 1]
+                few = sorted(sorted(further, key=lambda e: -gains[e])[:most])
+                if size == 1:
+                    self.screened = len(few), len(further)
+                    self.hopeless.update((e,) for e in set(further) - set(few))
+                else:
+                    grid = _COARSE
+                further = few
+            base = self._row(parent.elements, np.maximum(parent.beta, 0.0))
             rows = np.repeat(base[None], len(further) * grid.size, axis=0)
             for nth, e in enumerate(further):
                 rows[nth * grid.size : (nth + 1) * grid.size, e] = grid
@@ -283,8 +256,12 @@ class Search:
         sets, betas = list(chosen), np.array(list(chosen.values()))
         for extra in _TEMPERED:
             views = self.likelihood.views(betas, extra)
-            if not extra:
-                near = _worth(sets, views)
+            if not extra:  # those that may still win, and all single elements
+                logs = np.array([view.log_likelihood for view in views])
+                order = np.argsort(-logs, kind="stable")
+                least = logs[order[0]] - _HOPELESS
+                kept = {n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > least}
+                near = sorted(kept | {n for n, elements in enumerate(sets) if len(elements) == 1})
                 sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
             for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
                 at = np.array(elements)
@@ -303,94 +280,22 @@ class Search:
         self.hopeless.update(elements for elements in far if elements not in self.fits)
 
 
-def _worth(sets: list[Elements], views: list[View]) -> list[int]:
-    """Those that may still win, and all single elements."""
-    logs = np.array([view.log_likelihood for view in views])
-    order = np.argsort(-logs, kind="stable")
-    kept = [n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS]
-    return sorted({*kept, *(n for n, elements in enumerate(sets) if len(elements) == 1)})
-
-
-# -- From evidence to probabilities: of hypotheses, of elements, of groups that the data cannot tell apart
-
-
-#: Probability of the intervals, and the shares between which they lie.
-LEVEL = 0.9
-_SHARES = (0.05, 0.95)
-#: A group holds this share of the probability of its kind; and has at most so many hypotheses.
-_GROUPED, _MOST_ALTERNATIVES = 0.9, 4
-#: Hypotheses below this probability are dropped.
-_LEAST = 1e-9
-
-
-def posterior(
-    search: Search,
-    weights: dict[Elements, float],
-    numbers: Sequence[int],
-    kept: Elements = (),
-    least: float = _LEAST,
-) -> list[Hypothesis]:
-    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own.
-    Those of less than the ``least`` probability are dropped, but for no damage and ``kept``."""
-    from scipy.special import logsumexp
-
-    total = float(logsumexp(list(weights.values())))
-    if not np.isfinite(total):
-        reject(
-            "prior",
-            "one that allows none of the hypotheses that were judged",
-            "some probability for no damage or one element",
-            "Leave the prior out, or give nothing, one and unknown more than 0.",
-        )
-    rows = []
-    for elements, weight in weights.items():
-        probability = min(float(np.exp(weight - total)), 1.0)
-        if probability < least and elements and elements != kept:
-            continue
-        if elements == UNKNOWN:
-            rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
-            continue
-        fit = search.fits[elements]
-        limits = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
-        rows.append(
-            Hypothesis(
-                tuple(numbers[e] for e in elements),
-                probability,
-                tuple(float(b) for b in fit.beta),
-                tuple(low for low, _ in limits),
-                tuple(high for _, high in limits),
-                candidate=not search.outside(elements),
-            )
-        )
-    return sorted(rows, key=lambda one: (-one.probability, one.elements))
-
-
-def together(hypotheses: list[Hypothesis]) -> list[Hypothesis]:
-    """The most probable damage of candidates with its alternatives: those that make up most of it.
-
-    One hypothesis where it is clear; none where more than a few would be needed.
-    """
-    damage = [one for one in hypotheses if one.candidate and one.elements]
-    if not damage:
-        return []
-    total = sum(one.probability for one in damage)
-    group: list[Hypothesis] = []
-    for one in damage:
-        group.append(one)
-        if sum(each.probability for each in group) >= _GROUPED * total:
-            return group if len(group) <= _MOST_ALTERNATIVES else []
-    return []
-
-
-# -- The threshold at which damage is declared, for a wanted rate of false alarms
+# -- The threshold at which damage is declared, and the smallest severity that a pair of tests would show
 #
 # Intact tests are simulated from what is known after the baseline: the values of the roots that it shows,
 # with noise and with the errors that are left. Each is judged as a real one is, by the sum of prior times
 # evidence of all single elements over that of no damage, with the linear model at no damage, where small
 # evidence is decided.
+#
+# Damage of one element is found where its evidence outweighs no damage: with sigma the standard deviation of
+# its severity (errors of values and of the model, after the baseline) and z = beta / sigma,
+#
+# .. math:: \tfrac{1}{2} z^2 + \ln\frac{\sqrt{2 \pi} \sigma p_1}{0.99 \, p_0} > 0,
+#
+# which holds in nine of ten tests from 1.28 sigma above the beta of equality on.
 
-
-_DRAWS = 4000
+#: Intact tests that are simulated, and share of tests in which a severity is found.
+_DRAWS, _NINE_OF_TEN = 4000, 0.9
 
 
 def log_odds_threshold(
@@ -409,26 +314,12 @@ def log_odds_threshold(
     return float(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, n) - prior.log_of(0, n)
 
 
-# -- The smallest severity of each element that a pair of tests would show
-#
-# Damage of one element is found where its evidence outweighs no damage: with sigma the standard deviation of
-# its severity (errors of values and of the model, after the baseline) and z = beta / sigma,
-#
-# .. math:: \tfrac{1}{2} z^2 + \ln\frac{\sqrt{2 \pi} \sigma p_1}{0.99 \, p_0} > 0,
-#
-# which holds in nine of ten tests from 1.28 sigma above the beta of equality on.
-
-
-#: Share of tests in which a severity is found.
-_NINE_OF_TEN = 0.9
-
-
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     """Changes of the baseline's values by each severity, over the errors they will have, made independent."""
     from scipy.linalg import solve_triangular
 
     error, n, now = likelihood.error, likelihood.n, likelihood.now
-    root = np.unique(error.partner[error.partner >= 0])
+    root = np.flatnonzero(error.seen)
     if not root.size:
         root = np.arange(error.intact.size)
     slopes = error.intact.slopes[root]
@@ -461,7 +352,6 @@ def smallest_found(slopes: FloatArray, prior: DamagePrior, threshold: float | No
 # compared with those of the full model there, and is judged from it; so is no damage. All others stay as
 # the search has them.
 
-
 #: Hypotheses of at least this probability are confirmed, so many of them.
 _SHARE, _MOST = 0.01, 6
 #: Newton steps of each, and when it has come to rest, in u.
@@ -475,12 +365,16 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
         return None
     apart: dict[Elements, float] = {}
     try:
-        while True:
-            new = [elements for elements in _near(search) if elements not in apart]
-            if not new or len(apart) >= _MOST:
+        while len(apart) < _MOST:
+            weights = search.log_weights()
+            least = float(np.logaddexp.reduce(list(weights.values()))) + np.log(_SHARE)
+            near = [s for s, weight in weights.items() if s and s != UNKNOWN and weight > least]
+            likeliest = [(), *sorted(near, key=lambda s: -weights[s])]
+            new = next((elements for elements in likeliest if elements not in apart), None)
+            if new is None:
                 break
             step("the answers on the full model")
-            search.fits[new[0]], apart[new[0]] = settled(likelihood, new[0], search.fits[new[0]].beta)
+            search.fits[new], apart[new] = settled(likelihood, new, search.fits[new].beta)
     except KeyboardInterrupt:
         search.interrupted = True
     worst = max(apart.values(), default=float("inf"))
@@ -495,24 +389,14 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
     )
 
 
-def _near(search: Search) -> list[Elements]:
-    """No damage, and the likeliest hypotheses, first the likeliest."""
-    weights = search.log_weights()
-    total = float(np.logaddexp.reduce(list(weights.values())))
-    known = [s for s, weight in weights.items() if s != UNKNOWN and weight > total + np.log(_SHARE)]
-    return [(), *sorted((s for s in known if s), key=lambda s: -weights[s])]
-
-
 def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tuple[Fit, float]:
     """A set as seen from its own most probable severities, begun at ``beta``; how far a reduced model, made
     anew there, is from the full one."""
-    at = list(elements)
     for _ in range(_STEPS):
-        betas = np.zeros((1, likelihood.n))
-        betas[0, at] = np.minimum(beta, HIGHEST)
+        betas = likelihood.rows(elements, np.minimum(beta, HIGHEST)[None])
         apart = likelihood.settle(betas[0])
         fit = refitted(likelihood.views(betas)[0], elements)
-        moved = np.log1p(-np.minimum(fit.beta, HIGHEST)) - np.log1p(-betas[0, at])
+        moved = np.log1p(-np.minimum(fit.beta, HIGHEST)) - np.log1p(-betas[0, list(elements)])
         beta = fit.beta
         if np.abs(moved).max(initial=0.0) < _RESTS:
             break
@@ -521,14 +405,17 @@ def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tup
 
 # -- From a search to an assessment
 
+#: Probability of the intervals, and the shares between which they lie.
+LEVEL = 0.9
+_SHARES = (0.05, 0.95)
+#: Hypotheses below this probability are dropped.
+_LEAST = 1e-9
 
-@dataclass(frozen=True)
-class Learned:
-    """What the baseline has told; see :class:`~antires_rs.damage.hypotheses.Assessment`.
 
-    ``factors`` are those of the model, ``outside`` the share of a change that counts as its error, ``low``
-    and ``high`` the band in ln f.
-    """
+@dataclass(frozen=True, kw_only=True)
+class Learned(Taught):
+    """What the baseline has told, with ``factors`` of the model, scatters ``s`` of these and ``tau`` of the
+    roots' own errors, the share ``outside`` of a change that counts as its error, and the band in ln f."""
 
     factors: FloatArray
     tau: float
@@ -536,29 +423,24 @@ class Learned:
     outside: float
     low: float
     high: float
-    threshold: float | None
-    detectable: tuple[float, ...]
-    assumed_std: bool
-    n_intact: int
-    n_intact_matched: int
-    n_intact_roots: int
-    hint: str | None
-    n_baselines: int
-    scatter: float
-    notes: tuple[str, ...]
-    odd_baselines: tuple[int, ...]
-    baseline_gap: float
-    usual_gap: float
+    hint: str | None = None
 
 
 def learned_from(
-    prepared: Prepared, question: Question, rng: np.random.Generator, *, hint: bool = False
+    prepared: Prepared, question: Question, rng: np.random.Generator, hint: str | None = None
 ) -> Learned:
-    """What is known before the values of now are looked at; the hint at once, or where it is needed."""
-    likelihood, error, odd, prior = prepared.likelihood, prepared.error, prepared.odd, question.prior
-    slopes, rate = intact_slopes(likelihood, len(question.elements)), question.options.alarm_rate
+    """What is known before the values of now are looked at."""
+    likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
+    error, odd, rate = likelihood.error, prepared.odd, question.options.false_alarm_rate
+    slopes = intact_slopes(likelihood, len(question.elements))
+    own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
+    between = [
+        roots_between(intact.response[at], intact.log_f[at], error.intact.response, error.intact.log_f)
+        for at in (intact.test == test for test in intact.tests)
+        if type(intact) is Values  # modes have shapes
+    ]
     return Learned(
-        factors=np.exp(error.theta),
+        factors=likelihood.factors,
         tau=error.tau,
         s=error.s,
         outside=error.outside,
@@ -567,24 +449,54 @@ def learned_from(
         threshold=None if rate is None else log_odds_threshold(slopes, prior, rate, rng),
         detectable=tuple(smallest_found(slopes, prior).tolist()),
         assumed_std=prepared.responses.assumed,
-        n_intact=prepared.intact.size,
+        n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
-        n_intact_roots=roots_beside(prepared.intact, error.intact),
-        hint=question.hint() if hint else None,
-        n_baselines=prepared.n_baselines,
+        n_intact_roots=sum(between),
+        hint=hint,
+        n_baselines=max(map(own.count, own), default=0),
         scatter=prepared.scatter,
         notes=tuple(dict.fromkeys(prepared.responses.left_out)),
-        odd_baselines=odd.tests if odd else (),
-        baseline_gap=odd.apart if odd else 0.0,
-        usual_gap=odd.usual if odd else 0.0,
+        odd_baselines=odd.tests,
+        baseline_gap=odd.apart,
+        usual_gap=odd.usual,
     )
+
+
+def posterior(
+    search: Search, weights: dict[Elements, float], numbers: Sequence[int], kept: Elements, least: float
+) -> list[Hypothesis]:
+    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own.
+    Those of less than the ``least`` probability are dropped, but for no damage and ``kept``."""
+    from scipy.special import logsumexp
+
+    total = float(logsumexp(list(weights.values())))
+    if not np.isfinite(total):
+        reject(
+            "prior",
+            "one that allows none of the hypotheses that were judged",
+            "some probability for no damage or one element",
+            "Leave the prior out, or give nothing, one and unknown more than 0.",
+        )
+    rows = []
+    for elements, weight in weights.items():
+        probability = min(float(np.exp(weight - total)), 1.0)
+        if probability < least and elements and elements != kept:
+            continue
+        if elements == UNKNOWN:
+            rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
+            continue
+        fit = search.fits[elements]
+        ends = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
+        low, high = (tuple(end[side] for end in ends) for side in (0, 1))
+        own, candidate = tuple(numbers[e] for e in elements), not search.outside(elements)
+        rows.append(Hypothesis(own, probability, tuple(fit.beta.tolist()), low, high, candidate))
+    return sorted(rows, key=lambda one: (-one.probability, one.elements))
 
 
 def concluded(
     search: Search,
     question: Question,
     learned: Learned,
-    numbers: Sequence[int],
     intact: Values,
     *,
     measured: Sequence[Any],
@@ -592,9 +504,9 @@ def concluded(
     least: float = _LEAST,
 ) -> Assessment:
     """Hypotheses with their probabilities, and how well the best explains the values."""
-    likelihood, now = search.likelihood, search.likelihood.now
+    likelihood, now, numbers = search.likelihood, search.likelihood.now, question.numbers
     weights = search.log_weights()
-    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and max(s) < search.n_candidates}
+    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and not search.outside(s)}
     likeliest = max(damage, key=lambda s: damage[s], default=())
     rows = posterior(search, weights, numbers, likeliest, least)
     best = rows[0]
@@ -603,10 +515,12 @@ def concluded(
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
     own = () if best.unknown else tuple(numbers.index(e) for e in best.elements)
-    view = search.fits[own].view
-    matched = int(view.matched.sum())
+    view, matched = search.fits[own].view, search.fits[own].view.n_matched
     shift = likelihood.moved_alike if best.unknown else 0.0
+    taught = {each.name: getattr(learned, each.name) for each in fields(Taught)}
+    taught["notes"] = (*learned.notes, *notes, *_notes(search, shift))
     found = Assessment(
+        **taught,
         hypotheses=Hypotheses(rows, {e: question.model.element_label(e) for e in numbers}),
         group=tuple(together(rows)),
         declared=declared,
@@ -616,21 +530,9 @@ def concluded(
         kappa=view.kappa,
         factor_std=learned.s,
         root_std=learned.tau,
-        threshold=learned.threshold,
-        detectable=learned.detectable,
         baseline=bool(question.baseline),
-        assumed_std=learned.assumed_std,
-        n_intact=learned.n_intact,
-        n_intact_matched=learned.n_intact_matched,
-        n_baselines=learned.n_baselines,
-        scatter=learned.scatter,
-        notes=(*learned.notes, *notes, *note_of_shift(shift), *_of_screening(search)),
-        odd_baselines=learned.odd_baselines,
-        baseline_gap=learned.baseline_gap,
-        usual_gap=learned.usual_gap,
         interrupted=search.interrupted,
         moved_alike=shift,
-        n_intact_roots=learned.n_intact_roots,
     )
     if not found.model_fits:
         found = replace(found, hint=question.hint() if learned.hint is None else learned.hint)
@@ -642,72 +544,95 @@ def concluded(
     return found
 
 
-@dataclass(frozen=True)
-class Inferred:
-    """An assessment, the model after the baseline, and the values of now as that model would have them."""
-
-    assessment: Assessment
-    factors: tuple[Parameter, ...]
-    values: FloatArray
-    nfev: int
-    #: The values of now as the model after the baseline would have them: what is wrong in both states taken
-    #: out.
-    corrected: list[Any]
-    #: How reduced models served; None where there were none.
-    reduction: ReductionReport | None
+def _notes(search: Search, shift: float) -> list[str]:
+    """On a shift of all values, which is no damage, and on elements that were looked at less closely."""
+    notes = []
+    if shift:
+        way = "higher" if shift > 0.0 else "lower"
+        notes.append(
+            f"All values are {figure(abs(shift))} {way} than in the intact state, as at another temperature "
+            "or by another sampling clock: correct them for it, or raise std_common."
+        )
+    if search.screened is not None:
+        closely, count = search.screened
+        notes.append(
+            f"Of {count} elements the {closely} that would explain most to first order were scanned from 2 "
+            "to 97 % loss; the others were judged from the slopes of the undamaged model."
+        )
+    return notes
 
 
 @one_blas_thread
-def infer(question: Question, *, rng: np.random.Generator, threads: int) -> Inferred:
-    """Judge all hypotheses."""
+def infer(
+    question: Question, rng: np.random.Generator, threads: int
+) -> tuple[Assessment, Prepared, ReductionReport | None]:
+    """Judge all hypotheses; what was made on the way, and how reduced models served."""
     prepared = question.prepared(threads)
-    likelihood, numbers = prepared.likelihood, prepared.numbers
-    search = Search(likelihood, len(question.elements), question.prior)
+    search = Search(prepared.likelihood, len(question.elements), question.prior)
     search.run()
-    reduction = confirmed(search, likelihood)
+    reduction = confirmed(search, prepared.likelihood)
     learned = learned_from(prepared, question, rng)
-    found = concluded(search, question, learned, numbers, prepared.intact, measured=question.measured)
-    betas = np.zeros((1, len(numbers)))
-    for e, beta in found.severities.items():
-        betas[0, numbers.index(e)] = beta
-    nfev = likelihood.nfev
-    corrected = _corrected(likelihood, betas, prepared.responses)
-    return Inferred(found, prepared.factors, learned.factors, nfev, corrected, reduction)
+    found = concluded(search, question, learned, prepared.intact, measured=question.measured)
+    return found, prepared, reduction
 
 
-def roots_beside(intact: Any, roots: Roots) -> int:
-    """Roots between the values of each response, test by test; 0 for modes, which have shapes."""
-    if not isinstance(intact, Values):
-        return 0
-    return sum(
-        roots_between(intact.response[own], intact.log_f[own], roots.response, roots.log_f)
-        for own in (intact.test == test for test in np.unique(intact.test))
-    )
+# -- Without a baseline: is one factor on all stiffnesses more probable than the losses of many elements?
+#
+# A modulus, a section or a unit that is wrong throughout multiplies every stiffness by the same number. A
+# search that knows losses only makes it a loss of nearly every element. Both are judged by the same
+# likelihood, with the scatter of stiffnesses and masses that is assumed without a baseline, and by
+# Laplace's approximation of the evidence: the one factor with every loss equally probable, as that of one
+# element is, on the candidates or on all elements; the set of elements with the prior of their number.
+
+#: Steps to the most probable factor, and the largest of them, in u.
+_MOST_STEPS, _LONGEST_STEP = 10, 0.3
+#: Sets beyond the three elements of the prior: so many times less probable for each element more.
+_RARER = 6.0
 
 
-def note_of_shift(moved: float) -> list[str]:
-    """A note where all values have moved alike, which is no damage."""
-    if not moved:
-        return []
-    way = "higher" if moved > 0.0 else "lower"
-    return [
-        f"All values are {figure(abs(moved))} {way} than in the intact state, as at another temperature or "
-        "by another sampling clock: correct them for it, or raise std_common."
-    ]
+def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
+    """The loss of all stiffnesses that is more probable than these losses of single ones and than none; 0 if
+    there is no such, or few losses are none of a common factor."""
+    prior, numbers, k, n = question.prior, question.numbers, len(losses), len(question.elements)
+    if k < max(2.0, n / 3.0):
+        return 0.0
+    likelihood = question.prepared(threads).likelihood
+    u = np.zeros(likelihood.n)
+    for element, loss in losses.items():
+        u[numbers.index(element)] = -np.log1p(-min(loss, HIGHEST))
+    each = np.eye(likelihood.n)[u > 0.0]
+    share = (prior.nothing, prior.one, prior.two, prior.three)[min(k, 3)]
+    of_set = np.log(share) - max(k - 3, 0) * np.log(_RARER) - np.log(comb(n, k))
+    of_losses = _along(likelihood, each, u[u > 0.0])[1] + of_set
+    start = np.array([np.median(u[u > 0.0])])
+    families = [np.arange(likelihood.n) < n, np.ones(likelihood.n, dtype=bool)]
+    found = [_along(likelihood, family[None].astype(np.float64), start) for family in families]
+    at, of_factor = max(found, key=lambda one: one[1])
+    of_nothing = likelihood.start.log_likelihood + np.log(prior.nothing)
+    if of_factor + np.log(prior.unknown) <= max(of_losses, of_nothing):
+        return 0.0
+    return -float(np.expm1(-at[0]))
 
 
-def _of_screening(search: Search) -> list[str]:
-    """A note on what was looked at less closely, where there are many elements."""
-    if search.screened is None:
-        return []
-    closely, count = search.screened
-    return [
-        f"Of {count} elements the {closely} that would explain most to first order were scanned from 2 to "
-        "97 % loss; the others were judged from the slopes of the undamaged model."
-    ]
-
-
-def _corrected(likelihood: Likelihood, betas: FloatArray, responses: Responses | ModeResponses) -> list[Any]:
-    view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
-    now: Any = likelihood.now
-    return list(responses.corrected(now, roots, view.partner, view.beside))
+def _along(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
+    """Most probable severities (u) along some ways (k, n) through those of all elements, and the log
+    evidence; bounds are not considered, so that it is at least so much."""
+    u, size = start, float(np.log(HIGHEST))
+    best, most = start, -np.inf
+    for _ in range(_MOST_STEPS):
+        beta = -np.expm1(-u @ ways)
+        view = likelihood.views(beta[None])[0]
+        by_u = ways * (1.0 - beta)
+        gain = by_u @ view.gain - 1.0
+        matrix = by_u @ view.curvature @ by_u.T + BLIND * np.eye(u.size)
+        step_by = np.linalg.solve(matrix, gain)
+        volume = 0.5 * (u.size * np.log(2.0 * np.pi) - np.linalg.slogdet(matrix)[1])
+        log_evidence = (
+            view.log_likelihood + 0.5 * float(gain @ step_by) + float(volume) - u.size * size - u.sum()
+        )
+        if log_evidence > most:
+            best, most = u, float(log_evidence)
+        u = np.clip(u + np.clip(step_by, -_LONGEST_STEP, _LONGEST_STEP), 0.0, FURTHEST)
+        if np.abs(step_by).max() < _RESTS:
+            break
+    return best, most

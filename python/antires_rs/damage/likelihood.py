@@ -1,36 +1,308 @@
-r"""How probable the values of now are, for given severities.
+r"""The model's errors as the intact structure tells them, and how probable the values of now are.
+
+The true structure is the model with unknown factors exp(theta) on every stiffness and mass term, and every
+root m has an error eps_m of its own, which no factor explains and which is there in both states:
+
+.. math:: \ln f_m = \ln r_m(\beta, \theta) + \epsilon_m + \mathrm{noise},
+          \qquad \theta \sim N(0, s^2), \quad \epsilon \sim N(0, \tau^2).
+
+The coordinates of shapes (:mod:`~.measured_modes`) are further such values, with a tau of their own. s and
+tau are learned from the baseline: under them its values are most probable (with weak priors). theta is then
+estimated by the values, in Gauss-Newton steps, each with values and roots associated anew; and what remains
+open of theta and eps, mean mu and covariance C, is carried into every prediction:
 
 .. math:: \ln f_D \sim N(\ln r(\beta, \hat\theta) + \mu, \;
           C(\beta) + \sigma^2 + \kappa^2 g^2 + c^2 1 1^T)
 
-mu and C come from :mod:`~antires_rs.damage.model_error`: what the baseline says about the model and the
-roots, and what it leaves open. kappa is the error of a predicted change g that no factor of the model
-explains, a multiple of the share of the baseline's misfit that no factor explained (tau / s); it is summed
-over ``KAPPA``. c moves all values alike, as another temperature does. Values and roots are associated anew
-at every beta (``measured_states``).
+kappa is the error of a predicted change g that no factor of the model explains, a multiple of the share of
+the baseline's misfit that no factor explained (tau / s); it is summed over ``ERRORS``. c moves all values
+alike, as another temperature does.
+
+Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5 (evidence).
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..exceptions import InvalidInputError, reject
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
+from ..models.parameters import Parameter, stiffness_reduction
 from ..support.checks import FloatArray
-from .measured_modes import ModeRoots
-from .measured_states import FALSE, FOUND, FOUND_ONCE, Roots, Source, Values, roots_at
-from .model_error import ModelError
-from .reduced_roots import ReducedRoots
+from ..support.progress import step
+from ..updating.model_check import Lists, hint_between_states, hint_of
+from ..updating.targets import targets_of
+from .measured_modes import ModeResponses, ModeRoots, measured_modes
+from .measured_states import (
+    FOUND,
+    FOUND_ONCE,
+    Contradiction,
+    Responses,
+    Roots,
+    Source,
+    Values,
+    contradiction,
+    measured_states,
+    price_alone,
+    roots_at,
+    scatter_between,
+)
+from .options import DamagePrior, SearchOptions
+from .reduced_roots import ReducedRoots, Terms
+
+if TYPE_CHECKING:
+    from ..models.structural_model import StructuralModel
+
+Core = Source | _core.Objective
+
+# -- What may be wrong in a model: a factor on every stiffness and every mass term
+
+#: Bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that.
+BOUNDS = (0.2, 5.0)
+
+
+def factors_of(model: StructuralModel) -> tuple[Parameter, ...]:
+    """A factor for each stiffness and mass term that is not zero."""
+    stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
+    mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
+    return _governing(model, (*stiffness, *mass))
+
+
+def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+    """Those that may be anywhere within their bounds: all, or halves of them looked at anew."""
+    try:
+        low, high = (np.full(len(factors), bound) for bound in BOUNDS)
+        _core.check_bounds(model._core, model.description.core_parameters(factors), low, high)
+        return factors
+    except InvalidInputError:
+        half = len(factors) // 2
+        if not half:  # a term that is zero, or without which nothing holds together
+            return ()
+        return _governing(model, factors[:half]) + _governing(model, factors[half:])
+
+
+# -- What the baseline tells of the errors
+
+#: Median and logarithmic standard deviation of the priors of s and tau, of frequencies and of shapes.
+S, TAU, TAU_SHAPE = (0.05, 1.5), (1e-3, 1.5), (5e-3, 1.5)
+_S_GRID = np.geomspace(5e-4, 0.6, 22)
+_TAU_GRID = np.geomspace(2e-6, 0.15, 18)
+#: Without a baseline the roots' own errors are this share of what is assumed of the factors.
+_TAU_SHARE = 0.2
+#: Errors with which values and roots are associated, step by step; later ones are multiples of tau.
+_FIRST = (0.1, 0.03, 0.01, 0.004)
+_MULTIPLE = 3.0
+#: The same for coordinates of shapes; and the least of them later on.
+_FIRST_SHAPE, _LEAST_SHAPE = (0.5, 0.3, 0.2, 0.1), 0.05
+#: Least and largest share of the model's error that no factor explains; and what it is where the baseline
+#: has no value to spare that would tell.
+_OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
+_ITERATIONS, _SETTLED = 12, 1e-4
+#: Share of values without a root that asks for another first association.
+_LOST = 0.05
+#: Largest step of ln factor in one iteration, and its bound.
+_STEP, _REACH = 0.3, 1.6
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """The model after the baseline.
+
+    ``theta`` (p,) are ln factors at which the model is evaluated, ``s`` their scatter and ``taus`` that of
+    the own errors of frequencies and of shapes; ``intact`` the undamaged model's roots there; ``partner`` the
+    root of each baseline value, -1 without one, ``place`` the values as seen from there; ``spare`` how many
+    values there are beyond those that the factors took to be explained; ``mean`` (p + r,) what is expected of
+    the factors beyond theta and of the roots' own errors; ``rows`` (m, p + r) slopes of the baseline's values
+    by both, ``prior`` their prior variances, ``factor`` the Cholesky factor of the values' covariance.
+    """
+
+    theta: FloatArray
+    s: float
+    taus: FloatArray
+    intact: Roots
+    partner: NDArray[np.intp]
+    place: FloatArray
+    spare: float
+    mean: FloatArray
+    rows: FloatArray = field(repr=False)
+    prior: FloatArray = field(repr=False)
+    factor: Any = field(repr=False)
+
+    @property
+    def tau(self) -> float:
+        """Scatter of the frequencies' own errors."""
+        return float(self.taus[0])
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which intact roots the baseline shows, (r,)."""
+        found = np.zeros(self.intact.size, dtype=bool)
+        found[self.partner[self.partner >= 0]] = True
+        return found
+
+    @property
+    def outside(self) -> float:
+        """Share of the model's error that no factor explains."""
+        share = np.hypot(self.tau / self.s, _UNTOLD / (1.0 + self.spare))
+        return float(np.clip(share, *_OUTSIDE))
+
+    def predicted(
+        self, slopes: FloatArray, identity: NDArray[np.intp], kind: NDArray[np.intp] | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Mean (m,) and covariance (m, m) of ln f of roots, beyond the model's.
+
+        ``slopes`` (m, p) are by theta, ``identity`` (m,) the roots' numbers in the intact state, -1 for new
+        ones; ``kind`` is 0 for frequencies, which is the default, 1 for shapes.
+        """
+        from scipy.linalg import cho_solve
+
+        rows = rows_of(slopes, identity, self.intact)
+        spread = (rows * self.prior) @ rows.T
+        if self.rows.size:
+            cross = (rows * self.prior) @ self.rows.T
+            spread -= cross @ cho_solve(self.factor, cross.T)
+        new = np.flatnonzero(identity < 0)
+        spread[new, new] += self.tau**2 if kind is None else self.taus[kind[new]] ** 2
+        return rows @ self.mean, spread
+
+
+def rows_of(slopes: FloatArray, identity: NDArray[np.intp], intact: Roots) -> FloatArray:
+    """Slopes of roots by theta (m, p) and by the intact roots' own errors; -1 for what is none of these."""
+    own = np.zeros((identity.size, intact.size))
+    old = np.flatnonzero(identity >= 0)
+    own[old, identity[old]] = 1.0
+    return np.hstack([slopes, own])
+
+
+def learned(
+    core: Core, n_elements: int, n_factors: int, values: Values, assumed: float | None, threads: int
+) -> ModelError:
+    """Theta, s and taus from the baseline; ``assumed`` is s where it is not to be learned."""
+
+    def undamaged(theta: FloatArray) -> tuple[Roots, FloatArray]:
+        """The roots, and their slopes by theta."""
+        x = np.concatenate([np.zeros(n_elements), np.exp(theta)])
+        found = roots_at(core, x[None], slopes=True, threads=threads)[0]
+        return found, found.slopes[:, n_elements:] * np.exp(theta)
+
+    theta, s, taus = np.zeros(n_factors), S[0], np.array([TAU[0], TAU_SHAPE[0]])
+    if assumed is not None:
+        s, taus = assumed, np.full(2, _TAU_SHARE * assumed)
+    if not values.size:
+        intact, _ = undamaged(theta)
+        prior = np.concatenate([np.full(n_factors, s**2), taus[intact.kind] ** 2])
+        none, partner = np.empty((0, prior.size)), np.empty(0, dtype=np.intp)
+        mean = np.zeros(prior.size)
+        return ModelError(theta, s, taus, intact, partner, values.log_f, 0.0, mean, none, prior, None)
+    scales = None if assumed is None else (s, taus)
+    found, log_evidence, settled = _from(0, theta, scales, values, undamaged)
+    lost = np.count_nonzero(found.partner < 0)
+    if settled and lost <= max(1, _LOST * values.size):
+        return found
+    # Among many roots a wide first association may join a whole run of values to their neighbours, which
+    # wild factors then explain: the others begin narrower, and what makes the values most probable counts.
+    for first in range(1, len(_FIRST) - 1):
+        step("learning the model's errors again")
+        other, its_evidence, _ = _from(first, theta, scales, values, undamaged)
+        if its_evidence > log_evidence:
+            found, log_evidence = other, its_evidence
+    return found
+
+
+def _from(
+    first: int,
+    theta: FloatArray,
+    scales: tuple[float, FloatArray] | None,
+    values: Values,
+    undamaged: Callable[[FloatArray], tuple[Roots, FloatArray]],
+) -> tuple[ModelError, float, bool]:
+    """The errors learned from one width of the first association, the log evidence, whether it settled;
+    ``scales`` are s and taus where they are not to be learned."""
+    from scipy.linalg import cho_factor, cho_solve
+
+    plain = values.plain.log_f
+    low, high = plain.min(), plain.max()
+    n, settled = theta.size, False
+    s, taus = scales or (S[0], np.array([TAU[0], TAU_SHAPE[0]]))
+    for nth in range(first, _ITERATIONS + first + 1):
+        intact, slopes = undamaged(theta)
+        last = settled or nth == _ITERATIONS + first
+        at = len(_FIRST) if last else nth
+        if at < len(_FIRST):
+            spread = np.array([_FIRST[at], _FIRST_SHAPE[at]])
+        else:
+            spread = np.maximum(_MULTIPLE * taus, [0.0, _LEAST_SHAPE])
+        inside = (intact.kind == 0) & intact.between(low, high)
+        missed = np.where(inside, -np.log(1.0 - FOUND_ONCE), 0.0)
+        alone = price_alone(low, high)
+        partner, place, _ = values.associated(intact, intact.log_f, spread[intact.kind], alone, missed)
+        # Rows by theta and eps, and what they give: ln f_I - ln r + J theta.
+        has = np.flatnonzero(partner >= 0)
+        root, std = partner[has], values.std[has]
+        rows = rows_of(slopes[root], root, intact)
+        y = place[has] - intact.log_f[root] + slopes[root] @ theta
+        if scales is None and not last:
+            s, taus = _scales(rows, y, std, n, intact.kind)
+        prior = np.concatenate([np.full(n, s**2), taus[intact.kind] ** 2])
+        factor = cho_factor((rows * prior) @ rows.T + np.diag(std**2), lower=True)
+        mean = prior * (rows.T @ cho_solve(factor, y))
+        if last:
+            break
+        step_by = mean[:n] - theta
+        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), -_REACH, _REACH)
+        settled = nth >= len(_FIRST) and bool(np.abs(step_by).max(initial=0.0) < _SETTLED)
+    log_evidence = -0.5 * float(y @ cho_solve(factor, y)) - float(np.log(np.diag(factor[0])).sum())
+    log_evidence -= 0.5 * y.size * float(np.log(2.0 * np.pi)) + (values.size - y.size) * alone
+    mean[:n] -= theta
+    by_factors = (rows[:, :n] * s) @ (rows[:, :n] * s).T
+    spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
+    found = ModelError(theta, s, taus, intact, partner, place, spare, mean, rows, prior, factor)
+    return found, log_evidence, settled
+
+
+def _scales(
+    rows: FloatArray, y: FloatArray, std: FloatArray, n: int, kind: NDArray[np.intp]
+) -> tuple[float, FloatArray]:
+    """s and the taus under which y is most probable, by turns on their grids."""
+    from scipy.linalg import cho_factor, cho_solve
+
+    own = rows[:, n:]
+    parts = [rows[:, :n] @ rows[:, :n].T]
+    parts += [own[:, kind == each] @ own[:, kind == each].T for each in np.unique(kind)]
+    priors, grids = [S, TAU, TAU_SHAPE][: len(parts)], [_S_GRID, _TAU_GRID, _TAU_GRID]
+    noise = np.diag(std**2)
+
+    def log_evidence(scales: list[float]) -> float:
+        spread = scales[0] ** 2 * parts[0]
+        for scale, part in zip(scales[1:], parts[1:], strict=True):
+            spread = spread + scale**2 * part
+        factor = cho_factor(spread + noise, lower=True)
+        prior = sum((np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(scales, priors, strict=True))
+        return float(-0.5 * (y @ cho_solve(factor, y) + prior) - np.sum(np.log(np.diag(factor[0]))))
+
+    scales = [p[0] for p in priors]
+    while True:
+        before = list(scales)
+        for nth, _ in enumerate(parts):
+            trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
+            scales = max(trial, key=log_evidence)
+        if scales == before:
+            return scales[0], np.array([*scales[1:], TAU_SHAPE[0]][:2])
+
 
 # -- The values of now, seen from one point of the severities: which root each belongs to, and what it says
 #
 # Values and roots are associated twice, as their errors are stated and three times as large, and the more
 # probable way counts: a value that is off by many standard deviations is lost, or all of them are too small.
-
 
 #: Errors of predictions and of values, each with a prior probability: multiples of the share of the model's
 #: error that no factor explains, and of the values' standard deviations, which are estimates themselves. Set
@@ -47,30 +319,24 @@ ERRORS = (
     (1.6, 1.0, 0.10),
     (1.6, 2.0, 0.05),
 )
+Errors = tuple[tuple[float, float, float], ...]
 #: Share of the mean square of all changes that counts in the error of each one, however small its own.
 _COMMON = 0.5
 #: In the association, before anything is known of kappa; and by how much all errors are widened.
 _FIRST_KAPPA, _WIDER = 0.1, (1.0, 3.0)
 #: Over so much of ln f from the edges of what was measured on, a root is ever more surely found.
 _EDGE = 0.06
-#: The band has at least this width in ln f.
-_LEAST_BAND = 0.1
 
 
 @dataclass(frozen=True)
 class View:
-    """The values of now, seen from one point: all that is linear from there.
+    """The values of now, seen from severities ``beta`` (n,): all that is linear from there.
 
-    Attributes
-    ----------
-    beta : (n,) severities there.
-    log_likelihood : of the values.
-    gain, curvature : gradient (n,) and Gauss-Newton Hessian (n, n) of the log-likelihood by all severities.
-    kappa, times : the most probable error of predictions, and multiple of the standard deviations.
-    partner : (m,) root of each value, -1 without one.
-    beside : (m,) how far that root lies beside the model's in the measured structure, ln f; 0 without one.
-    residual, std : of those that have, in ln f.
-    chi_square : of all together.
+    ``gain`` (n,) and ``curvature`` (n, n) are gradient and Gauss-Newton Hessian of the log-likelihood by all
+    severities; ``kappa`` and ``times`` the most probable error of predictions and multiple of the standard
+    deviations; ``partner`` (m,) the root of each value, -1 without one, and ``beside`` how far that root lies
+    beside the model's in the measured structure (ln f, 0 without one); ``residual`` and ``std`` are of those
+    that have a root, in ln f; ``chi_square`` of all together.
     """
 
     beta: FloatArray
@@ -86,22 +352,21 @@ class View:
     chi_square: float
 
     @property
-    def matched(self) -> NDArray[np.bool_]:
-        """Whether each value has a root, (m,)."""
-        return self.partner >= 0
+    def gains(self) -> FloatArray:
+        """What each severity would add to the log-likelihood, to second order, (n,)."""
+        return 0.5 * np.clip(self.gain, 0.0, None) ** 2 / np.maximum(np.diag(self.curvature), 1e-300)
+
+    @property
+    def n_matched(self) -> int:
+        """How many values have a root."""
+        return int((self.partner >= 0).sum())
 
 
-@dataclass(frozen=True)
-class Band:
+class Band(NamedTuple):
     """Where values were looked for, ln f."""
 
     low: float
     high: float
-
-    @property
-    def alone(self) -> float:
-        """Price of a value without a root: a false one, anywhere in the band."""
-        return -float(np.log(FALSE / max(self.high - self.low, _LEAST_BAND)))
 
     def prices(self, place: FloatArray, seen: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
         """Prices of roots that are missed, and of those that are found; ``seen`` in the other state."""
@@ -112,32 +377,22 @@ class Band:
         return missed, present
 
 
-@dataclass(frozen=True)
-class Foreseen:
-    """Roots as they are expected in the measured structure at some severities; (r,) each.
+class Foreseen(NamedTuple):
+    """Roots (r,) as they are expected in the measured structure at some severities.
 
-    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state, with
-    ``slopes`` (r, n) by the severities; ``seen`` in the intact state; ``modes`` where they are of modes.
+    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state;
+    ``seen`` there.
     """
 
-    response: NDArray[np.intp]
+    roots: Roots
     place: FloatArray
     beside: FloatArray
     spread: FloatArray
     change: FloatArray
-    slopes: FloatArray
     seen: NDArray[np.bool_]
-    modes: Roots | None = None
-
-    @property
-    def roots(self) -> Roots:
-        """What values are associated with."""
-        return self.modes or Roots(self.response, self.place, self.slopes)
 
 
-def viewed(
-    beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: tuple[tuple[float, float, float], ...]
-) -> View:
+def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: Errors) -> View:
     """The more probable of the two ways to associate values and roots."""
     variance = np.maximum(np.diag(roots.spread), 0.0) + (_FIRST_KAPPA * roots.change) ** 2
     found: list[View] = []
@@ -155,11 +410,10 @@ def associated(
 ) -> tuple[NDArray[np.intp], FloatArray, float]:
     """Root of each value, the values as seen from there, and what those without a partner cost."""
     missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(roots.place, roots.seen))
-    partner, place, lost = now.associated(
-        roots.roots, roots.place, sigma, band.alone, missed - present, wider
-    )
+    alone = price_alone(*band)
+    partner, place, lost = now.associated(roots.roots, roots.place, sigma, alone, missed - present, wider)
     taken = partner[partner >= 0]
-    price = lost + now.times_measured(roots.response) @ missed - (missed - present)[taken].sum()
+    price = lost + now.times_measured(roots.roots.response) @ missed - (missed - present)[taken].sum()
     return partner, place, float(price)
 
 
@@ -170,7 +424,7 @@ def _judged(
     roots: Foreseen,
     partner: NDArray[np.intp],
     price: float,
-    errors: tuple[tuple[float, float, float], ...],
+    errors: Errors,
 ) -> View:
     """Likelihood and slopes, for one way to associate."""
     from scipy.linalg.lapack import dtrtrs
@@ -191,7 +445,7 @@ def _judged(
     log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
     logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
     best = int(np.argmax(logs))
-    slopes = roots.slopes[root]
+    slopes = roots.roots.slopes[root, : beta.size]
     slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
@@ -212,11 +466,9 @@ def _judged(
 
 def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
     """The mean of those of the same kind, for each."""
-    if not kind.any():
-        return np.full(squares.size, squares.mean() if squares.size else 0.0)
     found = np.zeros(squares.size)
     for each in np.unique(kind):
-        found[kind == each] = np.mean(squares[kind == each])
+        found[kind == each] = squares[kind == each].mean()
     return found
 
 
@@ -226,44 +478,30 @@ def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
 # and a value there is not simply a false one: it may be of such a root, found with the probability of one
 # that only one state shows, as far from its intact place as a root goes until it meets another.
 
-
 #: Standard deviation of ln f of such a root from its intact place.
 _MOVED = 0.1
 
-Gone = tuple[NDArray[np.intp], FloatArray]
 
-
-def vanished(error: ModelError, beside: FloatArray, followed: NDArray[np.intp]) -> Gone:
-    """Response and ln f, in the measured structure, of roots that are gone; ``followed`` are those left."""
-    left = np.zeros(error.intact.size, dtype=bool)
-    left[followed[followed >= 0]] = True
-    gone = np.flatnonzero(error.seen & ~left)
-    return error.intact.response[gone], error.intact.log_f[gone] + beside[gone]
-
-
-def and_vanished(roots: Foreseen, gone: Gone) -> Foreseen:
+def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray) -> Foreseen:
     """The roots together with those that are gone, in ascending order within each response."""
-    response, place = gone
-    n, m = roots.place.size, response.size
+    n, m = there.place.size, response.size
     if not m:
-        return roots
-    both, places = np.concatenate([roots.response, response]), np.concatenate([roots.place, place])
+        return there
+    both, places = np.concatenate([there.roots.response, response]), np.concatenate([there.place, place])
     order = np.lexsort((places, both))
     spread = np.zeros((n + m, n + m))
-    spread[:n, :n] = roots.spread
+    spread[:n, :n] = there.spread
     spread[np.arange(n, n + m), np.arange(n, n + m)] = _MOVED**2
-    none = np.zeros(m)
-    return replace(
-        roots,
-        response=both[order],
-        place=places[order],
-        beside=np.concatenate([roots.beside, none])[order],
-        spread=spread[np.ix_(order, order)],
-        change=np.concatenate([roots.change, none])[order],
-        slopes=np.vstack([roots.slopes, np.zeros((m, roots.slopes.shape[1]))])[order],
-        seen=np.concatenate([roots.seen, np.zeros(m, dtype=bool)])[order],
-    )
 
+    def joined(own: Any) -> Any:
+        return np.concatenate([own, np.zeros((m, *own.shape[1:]), dtype=own.dtype)])[order]
+
+    roots = Roots(both[order], places[order], joined(there.roots.slopes))
+    beside, change, seen = map(joined, (there.beside, there.change, there.seen))
+    return Foreseen(roots, places[order], beside, spread[np.ix_(order, order)], change, seen)
+
+
+# -- The likelihood, wherever the roots come from, and how probable changes are that are no damage
 
 #: Changes (standard deviations of ln f) that something else may make.
 ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
@@ -277,12 +515,20 @@ _MARGIN = 0.3
 
 
 class ValueLikelihood(ABC):
-    """p(values of a test | severities), wherever the roots come from; and how probable other changes are."""
+    """p(values of a test | severities), wherever the roots come from; and how probable other changes are.
 
-    #: How many severities; of the model without damage.
+    ``n`` is how many severities there are, ``start`` the view from the undamaged model.
+    """
+
     n: int
     start: View
     now: Values
+
+    def rows(self, elements: Iterable[int], severities: Any) -> FloatArray:
+        """Severities of all elements (m, n) of those of some (m, k)."""
+        rows = np.zeros((len(severities), self.n))
+        rows[:, list(elements)] = severities
+        return rows
 
     @abstractmethod
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
@@ -296,9 +542,9 @@ class ValueLikelihood(ABC):
     def without_damage(self, extra: float, common: float) -> View:
         """The values as seen from no damage, with an extra error of each and one of all alike."""
 
-    @abstractmethod
-    def of_frequencies(self, view: View) -> NDArray[np.bool_]:
-        """Which of the values that have a root in the undamaged model are frequencies."""
+    def log_without_damage(self, extra: float, common: float) -> float:
+        """The log-likelihood of that."""
+        return self.without_damage(extra, common).log_likelihood
 
     @cached_property
     def something_else(self) -> float:
@@ -306,38 +552,38 @@ class ValueLikelihood(ABC):
         or of all values alike."""
         found = [self.log_without_damage(extra, 0.0) for extra in ANY_CHANGE]
         by_itself = np.logaddexp.reduce(found) - np.log(len(found))
-        return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike))
+        return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike[1]))
 
     @property
     def moved_alike(self) -> float:
         """Relative change of all values, where that is what something else comes to; else 0."""
-        if self.something_else > np.log(2.0) + self._alike:  # less than half of it
+        likeliest, alike = self._alike
+        if self.something_else > np.log(2.0) + alike:  # less than half of it
             return 0.0
-        view = self.without_damage(0.0, ALIKE[int(np.argmax(self._shifted))])
-        moved = view.residual[self.of_frequencies(view)]
+        view = self.without_damage(0.0, likeliest)
+        frequency = self.now.kind[view.partner >= 0] == 0
+        moved = view.residual[frequency]
         return float(np.expm1(np.median(moved))) if moved.size else 0.0
 
-    def log_without_damage(self, extra: float, common: float) -> float:
-        """The log-likelihood of that."""
-        return self.without_damage(extra, common).log_likelihood
-
     @cached_property
-    def _shifted(self) -> list[float]:
-        """Log-likelihood without damage, all values moved alike by each of ``ALIKE``."""
-        return [self.log_without_damage(0.0, each) for each in ALIKE]
-
-    @property
-    def _alike(self) -> float:
-        """Log evidence of a change of all values alike, with its share of the probability."""
-        return float(np.logaddexp.reduce(self._shifted) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
+    def _alike(self) -> tuple[float, float]:
+        """The likeliest change of all values alike; log evidence of any such, with its share of the
+        probability."""
+        logs = [self.log_without_damage(0.0, each) for each in ALIKE]
+        evidence = float(np.logaddexp.reduce(logs) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
+        return ALIKE[int(np.argmax(logs))], evidence
 
 
 class Likelihood(ValueLikelihood):
-    """From the roots of a model after the baseline: the core's, or those of reduced models."""
+    """From the roots of a model after the baseline: the core's, or those of reduced models.
+
+    ``common`` is the standard deviation of what moves all values alike between the two states, ln f; ``nfev``
+    counts evaluations of the model.
+    """
 
     def __init__(
         self,
-        core: Source | _core.Objective,
+        core: Core,
         n_elements: int,
         error: ModelError,
         intact: Values,
@@ -346,27 +592,21 @@ class Likelihood(ValueLikelihood):
         threads: int,
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
-        #: Standard deviation of what moves all values alike between the two states, ln f.
-        self.common = common
-        both = np.concatenate([now.frequencies, intact.frequencies])
+        self.common, self.nfev = common, 0
+        both = np.concatenate([now.plain.log_f, intact.plain.log_f])
         self.band = Band(float(both.min()), float(both.max()))
-        #: Of the model, after the baseline.
         self.factors = np.exp(error.theta)
         self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
-        #: Evaluations of the model.
-        self.nfev = 0
         self._undamaged = self.roots(np.zeros((1, n_elements)), slopes=True)[0]
-        #: The undamaged model.
         self.start = self._view(np.zeros(n_elements), self._undamaged, 0.0)
 
     def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
         """The model's roots at each row of severities (m, n)."""
         self.nfev += len(betas)
-        factors = np.broadcast_to(self.factors, (len(betas), self.factors.size))
+        x = np.hstack([betas, np.broadcast_to(self.factors, (len(betas), self.factors.size))])
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
-        x = np.hstack([betas, factors])
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
     def settle(self, beta: FloatArray) -> float:
@@ -376,12 +616,12 @@ class Likelihood(ValueLikelihood):
         return self.core.settle(np.concatenate([beta, self.factors]))
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """The values as seen from each row of severities, with an extra error of every value."""
+        """See the base class."""
         found = self.roots(betas, slopes=True)
         return [self._view(beta, roots, extra) for beta, roots in zip(betas, found, strict=True)]
 
     def unexplained(self, betas: FloatArray) -> FloatArray:
-        """Distance of the values from roots as far beside the model's as the intact ones lie, (m,)."""
+        """See the base class; roots lie as far beside the model's as the intact ones do."""
         left = []
         for each in self.roots(betas, slopes=False):
             roots, identity = each.since(self.error.intact)
@@ -395,30 +635,135 @@ class Likelihood(ValueLikelihood):
         kept = roots.between(self.band.low - _MARGIN, self.band.high + _MARGIN)
         return roots.only(kept), followed[kept], followed
 
-    def of_frequencies(self, view: View) -> NDArray[np.bool_]:
-        """Which of the values that have a root in the undamaged model are frequencies."""
-        return np.asarray(self.near(self._undamaged)[0].kind[view.partner[view.matched]] == 0)
-
     def without_damage(self, extra: float, common: float) -> View:
-        """The values as seen from no damage, with an extra error of each and one of all alike."""
+        """See the base class."""
         return self._view(np.zeros(self.n), self._undamaged, extra, common)
 
     def _view(self, beta: FloatArray, roots: Roots, extra: float, common: float = 0.0) -> View:
         roots, identity, followed = self.near(roots)
-        log_f, slopes = roots.log_f, roots.slopes
-        beside, spread = self.error.predicted(slopes[:, self.n :] * self.factors, identity, roots.kind)
+        error, log_f, slopes = self.error, roots.log_f, roots.slopes
+        beside, spread = error.predicted(slopes[:, self.n :] * self.factors, identity, roots.kind)
         old = identity >= 0
         alike = np.hypot(self.common, common) * (roots.kind == 0)
         foreseen = Foreseen(
-            response=roots.response,
-            place=log_f + beside,
-            beside=beside,
-            spread=spread + extra**2 * np.eye(log_f.size) + np.outer(alike, alike),
-            change=np.where(old, log_f - self.error.intact.log_f[identity], _NEW),
-            slopes=slopes[:, : self.n],
-            seen=old & self.error.seen[identity],
-            modes=roots if isinstance(roots, ModeRoots) else None,
+            roots,
+            log_f + beside,
+            beside,
+            spread + extra**2 * np.eye(log_f.size) + np.outer(alike, alike),
+            np.where(old, log_f - error.intact.log_f[identity], _NEW),
+            old & error.seen[identity],
         )
-        if foreseen.modes is None:  # modes do not vanish
-            foreseen = and_vanished(foreseen, vanished(self.error, self._beside, followed))
+        if not isinstance(roots, ModeRoots):  # modes do not vanish
+            gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
+            places = error.intact.log_f[gone] + self._beside[gone]
+            foreseen = and_vanished(foreseen, error.intact.response[gone], places)
         return viewed(beta, self.now, foreseen, self.band, self._errors)
+
+
+# -- Two states and what is assumed of them: all that decides how probable the values are
+
+
+class Prepared(NamedTuple):
+    """The likelihood after the baseline, and what it was made of.
+
+    ``numbers`` are the elements in the order of the severities, candidates first; ``scatter`` that between
+    tests of the intact state, over the stated errors; ``odd`` those that contradict each other.
+    """
+
+    likelihood: Likelihood
+    numbers: tuple[int, ...]
+    factors: tuple[Parameter, ...]
+    responses: Responses | ModeResponses
+    intact: Values
+    scatter: float
+    odd: Contradiction
+
+    def corrected(self, severities: dict[int, float]) -> list[Any]:
+        """The sets of now as the model after the baseline would have them: what is wrong in both states
+        taken out."""
+        likelihood, now = self.likelihood, self.likelihood.now
+        betas = likelihood.rows([self.numbers.index(e) for e in severities], [list(severities.values())])
+        view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
+        responses: Any = self.responses
+        return list(responses.corrected(now, roots, view.partner, view.beside))
+
+
+@dataclass(frozen=True)
+class Question:
+    """What was asked; ``elements`` are the candidates, zero-based.
+
+    ``model_error`` is the scatter of the model's factors where it is not to be learned; ``reduced`` whether
+    antiresonances are sought on reduced models.
+    """
+
+    model: StructuralModel
+    baseline: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]
+    measured: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]
+    elements: tuple[int, ...]
+    prior: DamagePrior
+    options: SearchOptions = field(default_factory=SearchOptions)
+    model_error: float | None = None
+    reduced: bool = False
+    #: What the baseline taught (error, scatter, contradiction) once it was asked: intervals ask again.
+    _taught: list[tuple[ModelError, float, Contradiction]] = field(
+        default_factory=list, init=False, repr=False, compare=False
+    )
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """All elements of the model, candidates first."""
+        return (*self.elements, *(e for e in self.model._springs if e not in self.elements))
+
+    def prepared(self, threads: int) -> Prepared:
+        """Learn the model's errors from the baseline."""
+        model, numbers, factors = self.model, self.numbers, factors_of(self.model)
+        sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
+        responses, intact, now = sides(model, self.baseline, self.measured)
+        parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
+        core: Any = responses.source(model, parts)
+        if self.reduced and isinstance(responses, Responses):
+            core = ReducedRoots(Terms(model, responses.parts, parts, numbers, factors), core)
+        if not self._taught:
+
+            def taught(intact: Values) -> ModelError:
+                return learned(core, len(numbers), len(factors), intact, self.model_error, threads)
+
+            step("learning the model's errors")
+            error = taught(intact)
+            if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
+                reject(
+                    "model",
+                    f"one that does not explain the measurement: no {responses.noun} near the measured ones",
+                    "a model of the tested structure",
+                    f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
+                    "measurement.".lstrip(),
+                )
+            scatter = scatter_between(intact, error.place, error.partner)
+            if scatter > 1.0:
+                error = taught(intact.noisier(scatter))
+            self._taught.append((error, scatter, contradiction(intact.plain, responses.tests)))
+        error, scatter, odd = self._taught[0]
+        if scatter > 1.0:
+            intact, now = intact.noisier(scatter), now.noisier(scatter)
+        likelihood = Likelihood(core, len(numbers), error, intact, now, self.options.std_common, threads)
+        return Prepared(likelihood, numbers, factors, responses, intact, scatter, odd)
+
+    def hint(self) -> str:
+        """A mistake that would account for a model that does not explain the intact structure, if any."""
+        return hint_of(self.model, targets_of(self.model, self.baseline or self.measured, None))
+
+    def hint_between(self, measured: Sequence[Any]) -> str:
+        """A mistake that would account for values of now that have nothing in common with the intact ones."""
+
+        def lists(sets: Sequence[Any]) -> Lists:
+            found: dict[Any, list[FloatArray]] = {}
+            for each in sets:
+                if isinstance(each, ModalSet):
+                    found.setdefault(None, []).append(each.freq_hz[each.freq_hz > 0.0])
+                else:
+                    for dof, freq in each.items():
+                        found.setdefault((dof, each.excitation), []).append(freq)
+            # Repeated tests of one response are as good as one.
+            return {key: np.sort(max(parts, key=len)) for key, parts in found.items()}
+
+        return hint_between_states(lists(self.baseline), lists(measured))

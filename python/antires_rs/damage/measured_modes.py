@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Hashable, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..exceptions import reject
 from ..measured.modal_set import ModalSet
 from ..support.checks import FloatArray
 from ..updating.targets import model_dof
-from .measured_states import ASSUMED_STD, LEAST_STD, Roots, Values, note_of_same_data, same_data
+from .measured_states import ASSUMED_STD, LEAST_STD, Column, Roots, Values, note_of_same_data, same_data
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 # The modes of another state are those that look most alike, one to one, with a little weight on the
 # frequency: modes that pass each other are followed.
 
-
 #: Modes whose frequencies lie nearer together (ln f): the model does not tell how their shapes mix.
 _MIXED = 1e-3
 #: Weight of a difference in ln f against one of MAC; and the least likeness of what may be the same mode.
@@ -44,11 +44,8 @@ _BY_FREQUENCY, _ALIKE = 0.5, 0.1
 class ModeRoots(Roots):
     """Modes; ``log_f`` holds ln f, then the coordinates of the shape beside the intact model's, mode by mode.
 
-    Attributes
-    ----------
-    shapes : of each group of sensors, (modes, n), unit length.
-    bases : of each group, (modes, n, n - 1).
-    mixed : (modes,) whether another mode is so near that the shape says nothing.
+    ``shapes`` (modes, n) of unit length and ``bases`` (modes, n, n - 1) are of each group of sensors;
+    ``mixed`` (modes,) tells whether another mode is so near that the shape says nothing.
     """
 
     shapes: tuple[FloatArray, ...]
@@ -70,9 +67,11 @@ class ModeRoots(Roots):
         """ln f of each mode."""
         return self.log_f[:: self.each]
 
-    def first(self, group: int) -> int:
-        """Where the coordinates of a group begin, among the roots of a mode."""
-        return 1 + sum(int(basis.shape[2]) for basis in self.bases[:group])
+    def coordinates(self, group: int) -> slice:
+        """Where those of a group are, among the roots of a mode."""
+        sizes = [1, *(basis.shape[2] for basis in self.bases)]
+        first = int(sum(sizes[: group + 1]))
+        return slice(first, first + sizes[group + 1])
 
     def between(self, low: float, high: float) -> NDArray[np.bool_]:
         """Which belong to a mode between two ln f."""
@@ -81,27 +80,24 @@ class ModeRoots(Roots):
 
     def only(self, kept: NDArray[np.bool_]) -> ModeRoots:
         """Some of the modes; ``kept`` is by root."""
-        modes = kept[:: self.each]
-        return ModeRoots(
-            self.response[kept],
-            self.log_f[kept],
-            self.slopes[kept] if len(self.slopes) else self.slopes,
-            tuple(shapes[modes] for shapes in self.shapes),
-            tuple(basis[modes] for basis in self.bases),
-            self.mixed[modes],
+        modes, rest = kept[:: self.each], super().only(kept)
+        assert isinstance(rest, ModeRoots)
+        return replace(
+            rest,
+            shapes=tuple(shapes[modes] for shapes in self.shapes),
+            bases=tuple(basis[modes] for basis in self.bases),
+            mixed=self.mixed[modes],
         )
-
-    def likeness(self, other: ModeRoots) -> FloatArray:
-        """MAC with the modes of another state over all groups, (modes, its modes)."""
-        alike = [(own @ theirs.T) ** 2 for own, theirs in zip(self.shapes, other.shapes, strict=True)]
-        return np.asarray(np.mean(alike, axis=0))
 
     def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
         """These with their shapes turned from those of ``before``, and which root there each has been."""
         from scipy.optimize import linear_sum_assignment
 
         assert isinstance(before, ModeRoots)
-        alike = self.likeness(before)
+        # MAC over all groups of sensors, (modes, modes before).
+        alike = np.mean(
+            [(own @ theirs.T) ** 2 for own, theirs in zip(self.shapes, before.shapes, strict=True)], axis=0
+        )
         cost = 1.0 - alike + _BY_FREQUENCY * np.abs(self.frequencies[:, None] - before.frequencies)
         rows, columns = linear_sum_assignment(cost)
         same = alike[rows, columns] > _ALIKE
@@ -112,7 +108,7 @@ class ModeRoots(Roots):
         old = np.flatnonzero(was >= 0)
         bases, faced = [], []
         for group, (shapes, basis) in enumerate(zip(self.shapes, self.bases, strict=True)):
-            at = slice(self.first(group), self.first(group) + basis.shape[2])
+            at = self.coordinates(group)
             known = before.shapes[group][was[old]]
             facing = np.ones(was.size)
             facing[old] = np.where(np.sum(known * shapes[old], axis=1) < 0.0, -1.0, 1.0)
@@ -127,13 +123,9 @@ class ModeRoots(Roots):
             bases.append(turned)
             faced.append(shapes)
         identity = np.where(was[:, None] >= 0, was[:, None] * self.each + np.arange(self.each), -1)
-        found = ModeRoots(
-            self.response,
-            place.ravel(),
-            self.slopes if slopes is None else slopes.reshape(self.slopes.shape),
-            tuple(faced),
-            tuple(bases),
-            self.mixed,
+        moved_slopes = self.slopes if slopes is None else slopes.reshape(self.slopes.shape)
+        found = replace(
+            self, log_f=place.ravel(), slopes=moved_slopes, shapes=tuple(faced), bases=tuple(bases)
         )
         return found, identity.ravel()
 
@@ -199,7 +191,6 @@ def _turned(old: FloatArray, new: FloatArray, basis: FloatArray) -> FloatArray:
 
 # -- Measured modes as values: a natural frequency each, and where its shape lies beside a mode of the model
 
-
 _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
 #: More than any price.
 _NEVER = 1e12
@@ -211,24 +202,24 @@ _ANGLE, _FAR = 0.3, 0.2
 class ModeValues(Values):
     """Values of modes: of each its ln f, then the coordinates of its shape, which depend on its partner.
 
-    ``log_f`` is 0 for coordinates. ``start``, ``group``, ``shape`` and ``setup`` are of each mode: its first
-    value, the sensors, the unit shape there, and the number of the set.
+    ``log_f`` is 0 for coordinates. ``start``, ``group`` and ``shape`` are of each mode: its first value,
+    the sensors, and the unit shape there.
     """
 
     start: NDArray[np.intp]
     group: NDArray[np.intp]
     shape: tuple[FloatArray, ...]
 
-    @property
-    def frequencies(self) -> FloatArray:
-        """ln f of each mode."""
-        return self.log_f[self.start]
-
-    @property
+    @cached_property
     def plain(self) -> Values:
         """Frequencies alone."""
         at = self.start
         return Values(self.response[at], self.log_f[at], self.std[at], self.test[at])
+
+    @property
+    def kind(self) -> NDArray[np.intp]:
+        """0 of frequencies, 1 of shapes."""
+        return (self.response > 0).astype(np.intp)
 
     def times_measured(self, response: NDArray[np.intp]) -> FloatArray:
         """A mode moves the sensors of every test."""
@@ -248,59 +239,55 @@ class ModeValues(Values):
         price: FloatArray,
         wider: float = 1.0,
     ) -> tuple[NDArray[np.intp], FloatArray, float]:
-        """Root of each value, the values as seen from there, and what those without one cost.
-
-        Frequency and shape decide together, one to one within a test. A false mode has any shape.
-        """
+        """As those of the base class, but that frequency and shape decide together, one to one within a test.
+        A false mode has any shape."""
         from scipy.optimize import linear_sum_assignment
 
         assert isinstance(roots, ModeRoots)
         found, seen, lost = np.full(self.size, -1), self.log_f.copy(), 0.0
+        any_shape = np.array([_any_shape(shape.size) for shape in self.shape])
         if not roots.size:
-            return found, seen, sum(alone + _any_shape(shape.size) for shape in self.shape)
+            return found, seen, float(np.sum(alone + any_shape))
         for test in np.unique(self.test[self.start]):
             modes = np.flatnonzero(self.test[self.start] == test)
-            costs, views = zip(
-                *(self._beside(int(mode), roots, place, sigma, wider) for mode in modes), strict=True
-            )
-            cost = np.array(costs) + price[:: roots.each]
-            single = np.array([alone + _any_shape(self.shape[mode].size) for mode in modes])
-            rows, columns = linear_sum_assignment(
-                np.hstack([cost, np.where(np.eye(modes.size, dtype=bool), single, _NEVER)])
-            )
-            for row, column in zip(rows, columns, strict=True):
+            pairs = [self._beside(int(mode), roots, place, sigma, wider) for mode in modes]
+            cost = np.array([own for own, _ in pairs]) + price[:: roots.each]
+            single = alone + any_shape[modes]
+            alone_too = np.where(np.eye(modes.size, dtype=bool), single, _NEVER)
+            for row, column in zip(*linear_sum_assignment(np.hstack([cost, alone_too])), strict=True):
                 if column >= cost.shape[1]:
                     lost += single[row]
                     continue
-                own, group = self.own(modes[row]), int(self.group[modes[row]])
-                at = column * roots.each
+                own, at = self.own(modes[row]), column * roots.each
                 found[own.start] = at
                 if roots.mixed[column]:
-                    lost += _any_shape(self.shape[modes[row]].size)
+                    lost += any_shape[modes[row]]
                     continue
-                first = at + roots.first(group)
-                many = own.stop - own.start - 1
-                found[own.start + 1 : own.stop] = np.arange(first, first + many)
-                seen[own.start + 1 : own.stop] = views[row][column]
+                found[own.start + 1 : own.stop] = at + np.arange(roots.each)[self._at(modes[row], roots)]
+                seen[own.start + 1 : own.stop] = pairs[row][1][column]
         return found, seen, lost
+
+    def _at(self, mode: int, roots: ModeRoots) -> slice:
+        """Where the coordinates of its shape are, among the roots of a mode of the model."""
+        return roots.coordinates(int(self.group[mode]))
 
     def _beside(
         self, mode: int, roots: ModeRoots, place: FloatArray, sigma: FloatArray, wider: float
     ) -> tuple[FloatArray, FloatArray]:
         """What it costs that a mode belongs to each of the model's, and its shape as seen from these."""
-        own, group, each = self.own(mode), int(self.group[mode]), roots.each
-        at = slice(roots.first(group), roots.first(group) + own.stop - own.start - 1)
-        wide = np.hypot(wider * self.std[own.start], sigma[::each])
-        apart = (self.log_f[own.start] - place[::each]) / wide
-        cost = 0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU
-        facing = roots.shapes[group] @ self.shape[mode]
-        across = np.einsum("rij,i->rj", roots.bases[group], self.shape[mode])
-        by_mode = roots.log_f.reshape(-1, each)[:, at]
-        seen = by_mode + np.where(facing < 0.0, -1.0, 1.0)[:, None] * across
-        wide = np.hypot(wider * self.std[own.start + 1 : own.stop], sigma.reshape(-1, each)[:, at])
-        apart = (seen - place.reshape(-1, each)[:, at]) / wide
-        shapes = np.sum(0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU, axis=1)
-        return cost + np.where(roots.mixed, _any_shape(self.shape[mode].size), shapes), seen
+        own, group, at, shape = self.own(mode), self.group[mode], self._at(mode, roots), self.shape[mode]
+        log_f, places, sigmas = (each.reshape(-1, roots.each) for each in (roots.log_f, place, sigma))
+
+        def cost(value: Any, std: FloatArray, columns: Any) -> FloatArray:
+            wide = np.hypot(wider * std, sigmas[:, columns])
+            apart = (value - places[:, columns]) / wide
+            return np.asarray(0.5 * apart**2 + np.log(wide) + _HALF_LOG_TAU)
+
+        facing = np.where(roots.shapes[group] @ shape < 0.0, -1.0, 1.0)
+        seen = log_f[:, at] + facing[:, None] * np.einsum("rij,i->rj", roots.bases[group], shape)
+        of_shape = np.sum(cost(seen, self.std[own.start + 1 : own.stop], at), axis=1)
+        of_frequency = cost(self.log_f[own.start], self.std[own.start], 0)
+        return of_frequency + np.where(roots.mixed, _any_shape(shape.size), of_shape), seen
 
     def unexplained(self, roots: Roots, place: FloatArray) -> float:
         """Sum of the distances of the modes from the nearest of the model, shapes considered."""
@@ -309,29 +296,9 @@ class ModeValues(Values):
         for mode, group in enumerate(self.group):
             alike = np.clip(np.abs(roots.shapes[group] @ self.shape[mode]), 0.0, 1.0)
             angle = np.where(roots.mixed, 0.0, np.arccos(alike))
-            apart = np.abs(self.frequencies[mode] - frequencies) + _ANGLE * angle
+            apart = np.abs(self.plain.log_f[mode] - frequencies) + _ANGLE * angle
             total += float(np.minimum(apart, _FAR).min(initial=_FAR))
         return total
-
-    @classmethod
-    def of(cls, rows: Sequence[tuple[int, float, float, int, FloatArray, float]]) -> ModeValues:
-        """From modes: test, ln f, its std, group, unit shape, std of its components."""
-        sizes = [row[4].size for row in rows]
-        start = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.intp) if rows else np.empty(0, int)
-        many = int(sum(sizes))
-        log_f, std, response = np.zeros(many), np.zeros(many), np.zeros(many, dtype=np.intp)
-        for at, n, (_, ln, ln_std, group, _, shape_std) in zip(start, sizes, rows, strict=True):
-            log_f[at], std[at] = ln, ln_std
-            std[at + 1 : at + n], response[at + 1 : at + n] = shape_std, 1 + group
-        return cls(
-            response,
-            log_f,
-            std,
-            np.repeat(np.array([row[0] for row in rows], dtype=np.intp), sizes),
-            start,
-            np.array([row[3] for row in rows], dtype=np.intp),
-            tuple(row[4] for row in rows),
-        )
 
 
 def _any_shape(n: int) -> float:
@@ -381,33 +348,24 @@ class ModeResponses:
     ) -> list[ModalSet]:
         """The sets of now without what is wrong in both states."""
         assert isinstance(roots, ModeRoots)
-        sets, mode = [], 0
+        sets, modes = [], iter(range(now.start.size))
         for each, kept in zip(self.measured, self.numbers, strict=True):
             freq, shapes = [], []
-            dofs: _Dofs = ()
-            for _ in kept:
-                own, group = now.own(mode), int(now.group[mode])
-                dofs = list(self.groups)[group]
+            for _, mode in zip(kept, modes, strict=False):
+                own, group, shape = now.own(mode), int(now.group[mode]), now.shape[mode]
                 freq.append(float(np.exp(now.log_f[own.start] - beside[own.start])))
-                shapes.append(now.shape[mode])
                 if (partner[own] >= 0).all() and own.stop > own.start + 1:
                     at = int(partner[own.start]) // roots.each
-                    facing = -1.0 if roots.shapes[group][at] @ shapes[-1] < 0.0 else 1.0
-                    across = roots.bases[group][at] @ beside[own.start + 1 : own.stop]
-                    shapes[-1] = facing * shapes[-1] - across
-                mode += 1
+                    facing = -1.0 if roots.shapes[group][at] @ shape < 0.0 else 1.0
+                    shape = facing * shape - roots.bases[group][at] @ beside[own.start + 1 : own.stop]
+                shapes.append(shape)
             if freq:
-                order = np.argsort(freq)
-                told = [None if std is None else std[kept][order] for std in (each.std_hz, each.std_shapes)]
-                sets.append(
-                    ModalSet(
-                        np.array(freq)[order],
-                        np.array(shapes)[order],
-                        dofs,
-                        std_hz=told[0],
-                        std_shapes=told[1],
-                    )
+                order, dofs = np.argsort(freq), list(self.groups)[group]
+                std_hz, std_shapes = (
+                    None if std is None else std[kept][order] for std in (each.std_hz, each.std_shapes)
                 )
+                columns = np.array(freq)[order], np.array(shapes)[order], dofs
+                sets.append(ModalSet(*columns, std_hz=std_hz, std_shapes=std_shapes))
         return sets
 
 
@@ -415,7 +373,10 @@ def measured_modes(
     model: StructuralModel, baseline: Sequence[ModalSet], measured: Sequence[ModalSet]
 ) -> tuple[ModeResponses, ModeValues, ModeValues]:
     """The sensors of all sets, the intact modes and those of now."""
-    listed = [[_dofs(model, each) for each in sets] for sets in (baseline, measured)]
+    listed = [
+        [tuple(model_dof(model, "measured dof", dof) for dof in each.dofs) for each in sets]
+        for sets in (baseline, measured)
+    ]
     before, after = ([tuple(sorted(dofs)) for dofs in each] for each in listed)
     for each, dofs in zip(measured, after, strict=True):
         if before and dofs not in before:
@@ -430,72 +391,70 @@ def measured_modes(
     highest = max((float(each.freq_hz.max(initial=0.0)) for each in both), default=0.0)
     if highest <= 0.0:
         reject("measured", "no mode", "at least one", "Identify in a wider band.")
-    unstated = any(each.std_shapes is None for each in both)
-    twice = [same_data([_columns(each) for each in sets]) for sets in (baseline, measured)]
+    twice = [same_data([_column(each) for each in sets]) for sets in (baseline, measured)]
+    notes = [*note_of_same_data("baseline", twice[0]), *note_of_same_data("measured", twice[1])]
+    if any(each.std_shapes is None for each in both):
+        share = f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length"
+        notes.insert(0, f"Components of shapes without standard deviation count as known to {share}.")
     responses = ModeResponses(
         groups,
         tuple(measured),
         tuple(
-            np.flatnonzero(each.freq_hz > 0.0) if nth not in twice[1] else np.empty(0, dtype=np.intp)
-            for nth, each in enumerate(measured)
+            np.flatnonzero((each.freq_hz > 0.0) & (nth not in twice[1])) for nth, each in enumerate(measured)
         ),
         highest,
-        (
-            *(
-                [
-                    "Components of shapes without standard deviation count as known to "
-                    f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length."
-                ]
-                if unstated
-                else []
-            ),
-            *note_of_same_data("baseline", twice[0]),
-            *note_of_same_data("measured", twice[1]),
-        ),
+        tuple(notes),
         any(each.std_hz is None for each in both),
         tuple(groups[dofs] for dofs in before),
     )
-    return (
-        responses,
-        _values("baseline", baseline, listed[0], groups, twice[0]),
-        _values("measured", measured, listed[1], groups, twice[1]),
+    intact, now = (
+        _values(name, sets, dofs, groups, repeated)
+        for name, sets, dofs, repeated in zip(
+            ("baseline", "measured"), (baseline, measured), listed, twice, strict=True
+        )
     )
+    return responses, intact, now
 
 
-def _dofs(model: StructuralModel, each: ModalSet) -> _Dofs:
-    return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
-
-
-def _columns(each: ModalSet) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
+def _column(each: ModalSet) -> dict[Any, Column]:
     """Frequencies and shapes, with the standard deviations of the frequencies, by the sensors."""
     std = np.full(each.freq_hz.size, np.nan) if each.std_hz is None else each.std_hz
-    shapes = each.to_real().shapes
-    return {each.dofs: (np.concatenate([each.freq_hz, shapes.ravel()]), std)}
+    return {each.dofs: Column(np.concatenate([each.freq_hz, each.to_real().shapes.ravel()]), std)}
 
 
 def _values(
     name: str, sets: Sequence[ModalSet], dofs: list[_Dofs], groups: dict[_Dofs, int], twice: Container[int]
 ) -> ModeValues:
-    rows = []
+    response: list[int] = []
+    log_f: list[float] = []
+    std: list[float] = []
+    test: list[int] = []
+    start, group, shape = [], [], []
     for nth, each in enumerate(sets):
         if nth in twice:
             continue
-        order = np.argsort(dofs[nth])
-        shapes = each.to_real().shapes[:, order]
+        own = groups[tuple(sorted(dofs[nth]))]
+        shapes = each.to_real().shapes[:, np.argsort(dofs[nth])]
         for mode in np.flatnonzero(each.freq_hz > 0.0):
-            size = float(np.linalg.norm(shapes[mode]))
+            size, rest = float(np.linalg.norm(shapes[mode])), shapes.shape[1] - 1
             if size == 0.0:
                 reject(name, f"mode {mode} at rest at every dof", "shapes that move", "Leave that mode out.")
-            std = ASSUMED_STD if each.std_hz is None else each.std_hz[mode] / each.freq_hz[mode]
+            of_hz = ASSUMED_STD if each.std_hz is None else each.std_hz[mode] / each.freq_hz[mode]
             of_shape = ASSUMED_SHAPE_STD if each.std_shapes is None else each.std_shapes[mode]
-            rows.append(
-                (
-                    nth,
-                    float(np.log(each.freq_hz[mode])),
-                    max(float(std), LEAST_STD),
-                    groups[tuple(sorted(dofs[nth]))],
-                    np.asarray(shapes[mode] / size, dtype=np.float64),
-                    max(float(of_shape), _LEAST_SHAPE_STD),
-                )
-            )
-    return ModeValues.of(rows)
+            start.append(len(log_f))
+            group.append(own)
+            shape.append(np.asarray(shapes[mode] / size, dtype=np.float64))
+            response += [0] + [1 + own] * rest
+            log_f += [float(np.log(each.freq_hz[mode]))] + [0.0] * rest
+            std += [max(float(of_hz), LEAST_STD)] + [max(float(of_shape), _LEAST_SHAPE_STD)] * rest
+            test += [nth] * (1 + rest)
+    numbers = [np.array(column, dtype=np.intp) for column in (response, test, start, group)]
+    return ModeValues(
+        numbers[0],
+        np.array(log_f),
+        np.array(std),
+        numbers[1],
+        start=numbers[2],
+        group=numbers[3],
+        shape=tuple(shape),
+    )

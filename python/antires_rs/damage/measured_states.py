@@ -6,7 +6,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,8 @@ from ..updating.targets import AntiresonanceTargets, antiresonance_objective
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
-    from ..updating.targets import AntiresonanceTargets
-
 
 # -- The model's roots at one state, and which root of another state each has become
-
 
 #: A root that is shown by less than this share is not seen by the test.
 SHOWN = 0.5
@@ -55,9 +52,8 @@ class Roots:
 
     def only(self, kept: NDArray[np.bool_]) -> Roots:
         """Some of them."""
-        return Roots(
-            self.response[kept], self.log_f[kept], self.slopes[kept] if len(self.slopes) else self.slopes
-        )
+        slopes = self.slopes[kept] if len(self.slopes) else self.slopes
+        return replace(self, response=self.response[kept], log_f=self.log_f[kept], slopes=slopes)
 
     def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
         """These, and which root of ``before`` each has been."""
@@ -82,12 +78,15 @@ def roots_at(
     """The roots at each row of ``candidates`` (m, n); slopes of those in the band, 0 for others."""
     if not isinstance(core, _core.Objective):
         return core.roots(candidates, slopes, threads)
-    found = []
     states = core.states(np.ascontiguousarray(candidates), slopes, threads, *band_hz)
-    for target, hz, shown, slope in states:
-        seen = (shown >= SHOWN) & (hz > 0.0)
-        found.append(Roots(target[seen].astype(np.intp), np.log(hz[seen]), slope[seen] if slopes else slope))
-    return found
+    return [shown_roots(*state[:3], state[3] if slopes else None) for state in states]
+
+
+def shown_roots(target: Any, hz: FloatArray, shown: FloatArray, slopes: FloatArray | None = None) -> Roots:
+    """Those of all roots of a model that a test sees."""
+    seen = (shown >= SHOWN) & (hz > 0.0)
+    own = np.empty((0, 0)) if slopes is None else slopes[seen]
+    return Roots(target[seen].astype(np.intp), np.log(hz[seen]), own)
 
 
 def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
@@ -104,152 +103,20 @@ def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
 # Along a change of the model the roots of one response keep their order, but for pairs that merge, vanish or
 # appear; and so do the values that were measured of them. So the assignment that explains a whole response
 # best is an alignment of two ascending lists: a pair costs its distance, what stays alone costs a price.
-#
-# The prices are those of the likelihood: a root in the band is found with the probability ``FOUND`` (if the
-# other state showed it; else with ``FOUND_ONCE``), and a value is a false one with ``FALSE``, anywhere in the
-# band.
 
-
-#: Index of what has no partner.
-ALONE = -1
+#: Probability that a root in the band is found, if the other state showed it and else; that a value is a
+#: false one, anywhere in the band.
 FOUND, FOUND_ONCE, FALSE = 0.97, 0.5, 0.01
-
-
-def align(cost: FloatArray, alone_row: FloatArray, alone_column: FloatArray) -> NDArray[np.intp]:
-    """Column of each row, ``ALONE`` without one: the order-preserving assignment of least cost.
-
-    ``cost`` is (rows, columns); ``alone_row`` and ``alone_column`` are the prices of staying without partner.
-    """
-    return _core.align(cost, alone_row, alone_column)
-
-
-def associate(
-    value: tuple[NDArray[np.intp], FloatArray, FloatArray],
-    root: tuple[NDArray[np.intp], FloatArray, FloatArray],
-    alone: float,
-    alone_root: FloatArray,
-) -> NDArray[np.intp]:
-    """Root of each value, ``ALONE`` without one: that of the greatest likelihood.
-
-    ``value`` and ``root`` are group, place and standard deviation of each; both ascend within a group.
-    ``alone`` is the price of a value, ``alone_root`` that of each root.
-    """
-    return _core.associate(*value, *root, alone, alone_root)
-
-
-# -- Which responses both states have, and what to say of the others
-
-
-#: So many are named.
-_NAMED = 6
-
-Response = tuple[int, int]
-
-
-def not_in_both(
-    model: StructuralModel, before: Sequence[AntiresonanceTargets], after: Sequence[AntiresonanceTargets]
-) -> list[str]:
-    """Notes on responses with values in one state only."""
-    intact, now = _with_values(before), _with_values(after)
-    if not before or not now:
-        return []
-    if not set(intact) & set(now):
-        reject(
-            "baseline",
-            f"values at {_named(model, intact)}",
-            f"values at some of the dofs of measured: {_named(model, now)}",
-            "Number the dofs of both tests alike, or test the intact structure at these dofs.",
-        )
-    notes = []
-    new, gone = [r for r in now if r not in intact], [r for r in intact if r not in now]
-    if new:
-        notes.append(
-            f"Measured now only: {_named(model, new)} ({_listed_values(new, now)}). Without an intact state "
-            "they are compared with the model alone and count less."
-        )
-    if gone:
-        notes.append(
-            f"Measured intact only: {_named(model, gone)} ({_listed_values(gone, intact)}). They tell of the "
-            "model's errors, not of damage."
-        )
-    return notes
-
-
-def _with_values(targets: Sequence[AntiresonanceTargets]) -> dict[Response, int]:
-    """Responses (dof, force) and how many values they have."""
-    found: dict[Response, int] = {}
-    for target in targets:
-        for dof, force, freq, _, _ in target.parts:
-            if freq.size:
-                found[dof, force] = found.get((dof, force), 0) + freq.size
-    return found
-
-
-def _listed_values(some: Sequence[Response], counts: dict[Response, int]) -> str:
-    total = sum(counts[response] for response in some)
-    return f"{total} value{'s' if total > 1 else ''}"
-
-
-def _named(model: StructuralModel, responses: Sequence[Response] | dict[Response, int]) -> str:
-    forces = {force for _, force in responses}
-    names = [
-        model.dof_label(dof) + (f" (force at {model.dof_label(force)})" if len(forces) > 1 else "")
-        for dof, force in sorted(responses, key=lambda one: (one[1], one[0]))
-    ]
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return ", ".join(names[:_NAMED]) + more
-
-
-# -- Sets that hold the very same data: one record given twice tells no more than once
-#
-# Two tests at the same force are independent, and their scatter counts; no two of them come out with the
-# same numbers at every response. Values and standard deviations that are equal bit by bit at all responses
-# that two sets share are of one record, which would make every error look smaller than it is.
-
-
-#: Of one set by response: values and their standard deviations (NaN: none).
-Columns = Mapping[Hashable, tuple[FloatArray, FloatArray]]
-
-
-def same_data(sets: Sequence[Columns]) -> dict[int, int]:
-    """Which sets repeat an earlier one at every response with values that both have: later to earlier."""
-    found: dict[int, int] = {}
-    for later, own in enumerate(sets):
-        for earlier in range(later):
-            other = sets[earlier]
-            shared = [key for key in own if key in other and own[key][0].size and other[key][0].size]
-            if shared and all(_equal(own[key], other[key]) for key in shared):
-                found[later] = earlier
-                break
-    return found
-
-
-def _equal(one: tuple[FloatArray, FloatArray], other: tuple[FloatArray, FloatArray]) -> bool:
-    return np.array_equal(one[0], other[0]) and np.array_equal(one[1], other[1], equal_nan=True)
-
-
-def note_of_same_data(name: str, found: Mapping[int, int]) -> list[str]:
-    """What was counted once, in words."""
-    return [
-        f"{name}[{later}] repeats the values of {name}[{earlier}] number for number, as no second test does: "
-        "they are counted once."
-        for later, earlier in found.items()
-    ]
-
-
-#: Relative standard deviation of a value that has none, and the least of one from a single curve: its noise
-#: tells little of how another test would come out.
-ASSUMED_STD = 5e-4
-#: No value is known better.
-LEAST_STD = 2e-6
-#: So many repeated values tell how much tests scatter.
-_LEAST_REPEATS = 5
+#: The band has at least this width in ln f.
+_LEAST_BAND = 0.1
 #: In the scan: distance in ln f beyond which a value counts as unexplained; places of the responses on one
 #: line, so that one search in it serves all.
 _FAR, _APART = 0.2, 100.0
 
-#: Response dof, force dof, frequencies (Hz), what they see, number of those measured together.
-Part = tuple[int, int, FloatArray, str | None, int]
+
+def price_alone(low: float, high: float) -> float:
+    """Price of a value without a root, anywhere between two ln f."""
+    return -float(np.log(FALSE / max(high - low, _LEAST_BAND)))
 
 
 @dataclass(frozen=True)
@@ -270,6 +137,11 @@ class Values:
     def size(self) -> int:
         """How many."""
         return int(self.log_f.size)
+
+    @property
+    def kind(self) -> NDArray[np.intp]:
+        """0 for each frequency."""
+        return np.zeros(self.size, dtype=np.intp)
 
     @cached_property
     def tests(self) -> NDArray[np.intp]:
@@ -293,11 +165,6 @@ class Values:
         return replace(self, std=times * self.std)
 
     @property
-    def frequencies(self) -> FloatArray:
-        """ln f of all that have a frequency."""
-        return self.log_f
-
-    @property
     def plain(self) -> Values:
         """Frequencies alone."""
         return self
@@ -311,16 +178,17 @@ class Values:
         price: FloatArray,
         wider: float = 1.0,
     ) -> tuple[NDArray[np.intp], FloatArray, float]:
-        """Root of each value, test by test, the values as seen from there, and what those without one cost.
+        """Root of each value (-1 without one), test by test, the values as seen from there, and what those
+        without one cost.
 
         The roots are expected at ``place`` with errors ``sigma``; ``alone`` is the price of a value without
         root, ``price`` that of each root without value; all errors count ``wider``.
         """
-        found = np.full(self.size, ALONE)
+        found = np.full(self.size, -1)
         for test in self.tests:
             own = np.flatnonzero(self.test == test)
             value = (self.response[own], self.log_f[own], wider * self.std[own])
-            found[own] = associate(value, (roots.response, place, wider * sigma), alone, price)
+            found[own] = _core.associate(*value, roots.response, place, wider * sigma, alone, price)
         return found, self.log_f, alone * int(np.sum(found < 0))
 
     def unexplained(self, roots: Roots, place: FloatArray) -> float:
@@ -333,35 +201,100 @@ class Values:
         return float(np.minimum(near, _FAR).sum())
 
 
-def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -> float:
-    """Scatter of several tests of one state over what their standard deviations say; at least 1.
+# -- What was measured as values; one record given twice tells no more than once
+#
+# Two tests at the same force are independent, and their scatter counts; no two of them come out with the
+# same numbers at every response. Values and standard deviations that are equal bit by bit at all responses
+# that two sets share are of one record, which would make every error look smaller than it is.
 
-    ``root`` tells which values are of one root, ``place`` the values as seen from there. 1 where fewer than
-    ``_LEAST_REPEATS`` repeats tell.
+#: Relative standard deviation of a value that has none, and the least of one from a single curve: its noise
+#: tells little of how another test would come out.
+ASSUMED_STD = 5e-4
+#: No value is known better.
+LEAST_STD = 2e-6
+
+
+class Column(NamedTuple):
+    """Values of one response in one set and their standard deviations (Hz, NaN: none).
+
+    ``single``: identified from one curve; ``asked``: looked for, with or without values.
     """
-    total, spare = 0.0, 0
-    for number in np.unique(root[root >= 0]):
-        own = np.flatnonzero(root == number)
-        weight = values.std[own] ** -2
-        mean = np.sum(weight * place[own]) / weight.sum()
-        total += float(np.sum(weight * (place[own] - mean) ** 2))
-        spare += own.size - 1
-    return float(max(np.sqrt(total / spare), 1.0)) if spare >= _LEAST_REPEATS else 1.0
+
+    freq: FloatArray
+    std: FloatArray
+    single: bool = False
+    asked: bool = True
+
+
+def same_data(sets: Sequence[Mapping[Any, Column]]) -> dict[int, int]:
+    """Which sets repeat an earlier one at every response with values that both have: later to earlier."""
+
+    def repeated(own: Mapping[Hashable, Column], other: Mapping[Hashable, Column]) -> bool:
+        shared = [key for key in own if key in other and own[key].freq.size and other[key].freq.size]
+        return bool(shared) and all(
+            np.array_equal(own[key].freq, other[key].freq)
+            and np.array_equal(own[key].std, other[key].std, equal_nan=True)
+            for key in shared
+        )
+
+    pairs = [(j, i) for i, j in combinations(range(len(sets)), 2) if repeated(sets[j], sets[i])]
+    return {later: earlier for later, earlier in reversed(pairs)}
+
+
+def note_of_same_data(name: str, twice: Mapping[int, int]) -> list[str]:
+    """What was counted once, in words."""
+    return [
+        f"{name}[{later}] repeats the values of {name}[{earlier}] number for number, as no second test does: "
+        "they are counted once."
+        for later, earlier in sorted(twice.items())
+    ]
+
+
+def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) -> Values:
+    """All values, by number of the response; of sets ``twice`` those of the earlier one only."""
+    rows: list[tuple[int, int, float, float]] = []
+    asked: list[tuple[int, int]] = []
+    for nth, columns in enumerate(sets):
+        earlier = sets[twice[nth]] if nth in twice else {}
+        for number, (freq, std, single, was_asked) in columns.items():
+            if number in earlier and earlier[number].freq.size:
+                continue
+            if was_asked:
+                asked.append((number, nth))
+            least = ASSUMED_STD if single else LEAST_STD
+            relative = np.where(np.isfinite(std), std / freq, ASSUMED_STD)
+            rows += [
+                (nth, number, float(np.log(f)), max(float(s), least))
+                for f, s in zip(freq, relative, strict=True)
+            ]
+    table = np.array(sorted(rows), dtype=np.float64).reshape(-1, 4)
+    return Values(
+        table[:, 1].astype(np.intp),
+        table[:, 2].copy(),
+        table[:, 3].copy(),
+        table[:, 0].astype(np.intp),
+        asked=np.array(asked, dtype=np.intp).reshape(-1, 2),
+    )
+
+
+#: Response dof, force dof, frequencies (Hz), what they see, number of those measured together.
+Part = tuple[int, int, FloatArray, str | None, int]
 
 
 @dataclass(frozen=True)
 class Responses:
-    """The responses of all sets, as the core is asked for them."""
+    """The responses of all sets, as the core is asked for them.
+
+    ``labels`` are of each set of now its responses' numbers by label; ``left_out`` sentences on values that
+    are not compared; ``assumed`` whether standard deviations had to be; ``tests`` the force of each intact
+    test.
+    """
 
     parts: list[Part]
-    #: Of each set of now, its responses' numbers by label.
     labels: list[dict[Any, int]]
-    #: Sentences on values that are not compared.
     left_out: tuple[str, ...]
-    #: Whether standard deviations had to be assumed.
     assumed: bool
     measured: tuple[AntiresonanceSet, ...]
-    #: Force of each test of the intact structure.
     tests: tuple[int, ...]
     noun = "antiresonances"
 
@@ -393,149 +326,170 @@ def measured_states(
     model: StructuralModel, baseline: Sequence[AntiresonanceSet], measured: Sequence[AntiresonanceSet]
 ) -> tuple[Responses, Values, Values]:
     """The responses of all sets, the intact values and those of now."""
-    before = [AntiresonanceTargets(model, (each,)) for each in baseline]
-    after = [AntiresonanceTargets(model, (each,)) for each in measured]
-    _same_forces(before, after, measured)
-    numbers: dict[tuple[int, int], int] = {}
-    freq: list[list[FloatArray]] = []
-    sight: dict[int, set[str | None]] = {}
-    for target in (*before, *after):
-        for dof, force, values, sees, _ in target.parts:
-            sight.setdefault(force, set()).add(sees)
-            if numbers.setdefault((dof, force), len(numbers)) == len(freq):
-                freq.append([])
-            freq[numbers[dof, force]].append(values)
-    together = {force: nth for nth, force in enumerate(sight)}
-    twice = [same_data([_columns(target) for target in targets]) for targets in (before, after)]
-    parts: list[Part] = [
-        (dof, force, np.concatenate(freq[nth]), _common(sight[force]), together[force])
-        for (dof, force), nth in numbers.items()
-    ]
-    if not any(part[2].size for part in parts):
-        reject("measured", "no antiresonance", "at least one", "Identify in a wider band, or at more dofs.")
-    responses = Responses(
-        parts,
-        [
-            {
-                label: numbers[dof, target.forces[0]]
-                for label, dof in zip(each, target.dofs_of[0], strict=True)
-            }
-            for each, target in zip(measured, after, strict=True)
-        ],
-        (
-            *(note for target in (*before, *after) for note in target.left_out),
-            *not_in_both(model, before, after),
-            *note_of_same_data("baseline", twice[0]),
-            *note_of_same_data("measured", twice[1]),
-        ),
-        any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
-        tuple(measured),
-        tuple(target.forces[0] for target in before),
-    )
-    return responses, _values(before, numbers, twice[0]), _values(after, numbers, twice[1])
-
-
-def _columns(target: AntiresonanceTargets) -> dict[Hashable, tuple[FloatArray, FloatArray]]:
-    """Values and their standard deviations by response."""
-    parts = zip(target.parts, target.stds, strict=True)
-    return {(dof, force): (freq, std) for (dof, force, freq, _, _), std in parts}
-
-
-def _common(sees: set[str | None]) -> str | None:
-    """What all sets of a force see; not known where they differ."""
-    return next(iter(sees)) if len(sees) == 1 else None
-
-
-def _same_forces(
-    before: list[AntiresonanceTargets],
-    after: list[AntiresonanceTargets],
-    measured: Sequence[AntiresonanceSet],
-) -> None:
-    known = {target.forces[0] for target in before}
+    before, after = ([AntiresonanceTargets(model, (each,)) for each in sets] for sets in (baseline, measured))
+    forces = [target.forces[0] for target in before]
     for target, each in zip(after, measured, strict=True):
-        if known and target.forces[0] not in known:
+        if forces and target.forces[0] not in forces:
             reject(
                 "baseline",
                 f"no set with the force at {each.excitation!r}",
                 "sets of the intact structure with the same forces as measured",
                 "Test the intact structure with the force there too, or leave that set out.",
             )
-
-
-def _values(
-    targets: list[AntiresonanceTargets], numbers: dict[tuple[int, int], int], twice: dict[int, int]
-) -> Values:
-    """All values; of sets ``twice`` (later to earlier) those of the earlier one only."""
-    rows: list[tuple[int, int, float, float]] = []
-    asked: list[tuple[int, int]] = []
-    for nth, target in enumerate(targets):
-        known = _columns(targets[twice[nth]]) if nth in twice else {}
-        parts = zip(target.parts, target.stds, target.single, strict=True)
-        for place, ((dof, force, freq, _, _), std, single) in enumerate(parts):
-            if (dof, force) in known and known[dof, force][0].size:
-                continue
-            if place < len(target.dofs_of[0]):  # behind them come channels that are no responses
-                asked.append((numbers[dof, force], nth))
-            least = ASSUMED_STD if single else LEAST_STD
-            relative = np.where(np.isfinite(std), std / freq, ASSUMED_STD)
-            rows += [
-                (nth, numbers[dof, force], float(np.log(f)), max(float(s), least))
-                for f, s in zip(freq, relative, strict=True)
-            ]
-    rows.sort()
-    return Values(
-        np.array([row[1] for row in rows], dtype=np.intp),
-        np.array([row[2] for row in rows], dtype=np.float64),
-        np.array([row[3] for row in rows], dtype=np.float64),
-        np.array([row[0] for row in rows], dtype=np.intp),
-        asked=np.array(asked, dtype=np.intp).reshape(-1, 2),
+    freq: dict[Response, list[FloatArray]] = {}
+    sight: dict[int, set[str | None]] = {}
+    for target in (*before, *after):
+        for dof, force, values, sees, _ in target.parts:
+            sight.setdefault(force, set()).add(sees)
+            freq.setdefault((dof, force), []).append(values)
+    if not any(values.size for several in freq.values() for values in several):
+        reject("measured", "no antiresonance", "at least one", "Identify in a wider band, or at more dofs.")
+    numbers = {response: nth for nth, response in enumerate(freq)}
+    # What the sets of a force see is not known where they differ.
+    common = {force: next(iter(sees)) if len(sees) == 1 else None for force, sees in sight.items()}
+    together = {force: nth for nth, force in enumerate(sight)}
+    columns = [[_columns(target, numbers) for target in targets] for targets in (before, after)]
+    twice = [same_data(sets) for sets in columns]
+    labels = [
+        {label: numbers[dof, target.forces[0]] for label, dof in zip(each, target.dofs_of[0], strict=True)}
+        for each, target in zip(measured, after, strict=True)
+    ]
+    notes = [
+        *(note for target in (*before, *after) for note in target.left_out),
+        *_not_in_both(model, before, after),
+        *note_of_same_data("baseline", twice[0]),
+        *note_of_same_data("measured", twice[1]),
+    ]
+    responses = Responses(
+        [(*each, np.concatenate(own), common[each[1]], together[each[1]]) for each, own in freq.items()],
+        labels,
+        tuple(notes),
+        any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
+        tuple(measured),
+        tuple(forces),
     )
+    return responses, values_of(columns[0], twice[0]), values_of(columns[1], twice[1])
 
 
-# -- Tests of the intact structure that contradict each other: which one, and by how much
+def _columns(target: AntiresonanceTargets, numbers: Mapping[Response, int]) -> dict[int, Column]:
+    """Values by number of the response; behind the responses come channels that are none."""
+    parts = zip(target.parts, target.stds, target.single, strict=True)
+    n_asked = len(target.dofs_of[0])
+    return {
+        numbers[dof, force]: Column(freq, std, single, place < n_asked)
+        for place, ((dof, force, freq, _, _), std, single) in enumerate(parts)
+    }
+
+
+# -- Which responses both states have, and what to say of the others
+
+#: So many are named.
+_NAMED = 6
+
+#: Dof and force.
+Response = tuple[int, int]
+
+
+def _not_in_both(
+    model: StructuralModel, before: Sequence[AntiresonanceTargets], after: Sequence[AntiresonanceTargets]
+) -> list[str]:
+    """Notes on responses with values in one state only."""
+    counts: tuple[dict[Response, int], dict[Response, int]] = ({}, {})
+    for targets, found in zip((before, after), counts, strict=True):
+        for dof, force, freq, _, _ in (part for target in targets for part in target.parts):
+            if freq.size:
+                found[dof, force] = found.get((dof, force), 0) + freq.size
+    intact, now = counts
+    if not intact or not now:
+        return []
+    if not set(intact) & set(now):
+        reject(
+            "baseline",
+            f"values at {_named(model, intact)}",
+            f"values at some of the dofs of measured: {_named(model, now)}",
+            "Number the dofs of both tests alike, or test the intact structure at these dofs.",
+        )
+    notes = []
+    for when, own, other, meaning in (
+        ("now", now, intact, "Without an intact state they are compared with the model alone and count less"),
+        ("intact", intact, now, "They tell of the model's errors, not of damage"),
+    ):
+        alone = [response for response in own if response not in other]
+        if alone:
+            total = sum(own[response] for response in alone)
+            values = f"{total} value{'s' if total > 1 else ''}"
+            notes.append(f"Measured {when} only: {_named(model, alone)} ({values}). {meaning}.")
+    return notes
+
+
+def _named(model: StructuralModel, responses: Sequence[Response] | Mapping[Response, int]) -> str:
+    forces = {force for _, force in responses}
+    names = [
+        model.dof_label(dof) + (f" (force at {model.dof_label(force)})" if len(forces) > 1 else "")
+        for dof, force in sorted(responses, key=lambda one: (one[1], one[0]))
+    ]
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return ", ".join(names[:_NAMED]) + more
+
+
+# -- How tests of the intact structure scatter, and which of them contradict each other, by how much
 #
-# Values of two tests of the same response are paired in their order; how far two tests are apart is the
-# upper quartile of the differences of ln f, so that a few false values count for nothing. Ordinary scatter
-# from test to test is no contradiction: one test must differ from all others by several times what these
-# differ among themselves. Of two tests that are far apart none can be named.
+# How far two tests are apart is the upper quartile of the differences of ln f, so that a few false values
+# count for nothing. Ordinary scatter from test to test is no contradiction: one test must differ from all
+# others by several times what these differ among themselves. Of two tests that are far apart none can be
+# named.
 
-
+#: So many repeated values tell how much tests scatter.
+_LEAST_REPEATS = 5
 #: Difference of ln f up to which values are paired; what both tests have alone counts as so far apart.
 _PAIRED = 0.1
 #: An odd test differs by so many times what the others differ, and at least by this share and so many
 #: standard deviations.
 _TIMES, _ODD, _DEVIATIONS = 3.0, 0.002, 5.0
 #: Without a third test, or if no single one is odd, so much is more than tests scatter.
-_APART_CONTRADICTION = 0.01
+_CONTRADICTING = 0.01
 _UPPER = 75.0
 
 
-@dataclass(frozen=True)
-class Contradiction:
+def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -> float:
+    """Scatter of several tests of one state over what their standard deviations say; at least 1.
+
+    ``root`` tells which values are of one root, ``place`` the values as seen from there. 1 where fewer than
+    ``_LEAST_REPEATS`` repeats tell.
+    """
+    total, spare = 0.0, 0
+    for number in np.unique(root[root >= 0]):
+        own = np.flatnonzero(root == number)
+        weight = values.std[own] ** -2
+        mean = np.sum(weight * place[own]) / weight.sum()
+        total += float(np.sum(weight * (place[own] - mean) ** 2))
+        spare += own.size - 1
+    return float(max(np.sqrt(total / spare), 1.0)) if spare >= _LEAST_REPEATS else 1.0
+
+
+class Contradiction(NamedTuple):
     """Positions of the tests among all baseline sets, the odd one alone where it is known.
 
     ``apart`` is their relative difference, ``usual`` that of the others (0 where there are none).
     """
 
-    tests: tuple[int, ...]
-    apart: float
-    usual: float
+    tests: tuple[int, ...] = ()
+    apart: float = 0.0
+    usual: float = 0.0
 
 
-def contradiction(values: Values, forces: Sequence[int]) -> Contradiction | None:
+def contradiction(values: Values, forces: Sequence[int]) -> Contradiction:
     """The worst contradiction between tests with the same force; ``forces`` are those of the tests."""
     found = []
     for force in sorted(set(forces)):
         tests = [nth for nth, each in enumerate(forces) if each == force]
         apart = {pair: _apart(values, *pair) for pair in combinations(tests, 2)}
-        known = {pair: one for pair, one in apart.items() if one is not None}
-        one = _worst(tests, known)
-        if one is not None:
-            found.append(one)
-    return max(found, key=lambda one: one.apart, default=None)
+        found.append(_worst(tests, {pair: one for pair, one in apart.items() if one is not None}))
+    return max(found, key=lambda one: one.apart, default=Contradiction())
 
 
-def _worst(tests: list[int], known: dict[tuple[int, int], tuple[float, float]]) -> Contradiction | None:
+def _worst(tests: list[int], known: dict[Response, tuple[float, float]]) -> Contradiction:
+    """The contradiction among tests whose differences and errors are known by pairs."""
     for odd in tests:
         own = [known[pair] for pair in known if odd in pair]
         others = [known[pair][0] for pair in known if odd not in pair]
@@ -545,32 +499,63 @@ def _worst(tests: list[int], known: dict[tuple[int, int], tuple[float, float]]) 
         if least > max(_TIMES * usual, _ODD, _DEVIATIONS * max(std for _, std in own)):
             return Contradiction((odd,), float(np.median([apart for apart, _ in own])), usual)
     far = {
-        pair: apart
-        for pair, (apart, std) in known.items()
-        if apart > max(_APART_CONTRADICTION, _DEVIATIONS * std)
+        pair: apart for pair, (apart, std) in known.items() if apart > max(_CONTRADICTING, _DEVIATIONS * std)
     }
-    if not far:
-        return None
-    return Contradiction(tuple(sorted({nth for pair in far for nth in pair})), max(far.values()), 0.0)
+    every = {nth for pair in far for nth in pair}
+    return Contradiction(tuple(sorted(every)), max(far.values(), default=0.0), 0.0)
 
 
 def _apart(values: Values, one: int, other: int) -> tuple[float, float] | None:
-    """Upper quartile of the differences between two tests, and their usual error; None with nothing in
-    common."""
-    differences: list[FloatArray] = []
-    errors: list[FloatArray] = []
+    """Difference of two tests, and its usual error; None with nothing in common."""
+    differences, errors = [np.empty(0)], [np.empty(0)]
     for number in np.unique(values.response[values.test == one]):
-        a = np.flatnonzero((values.test == one) & (values.response == number))
-        b = np.flatnonzero((values.test == other) & (values.response == number))
+        a, b = (np.flatnonzero((values.test == test) & (values.response == number)) for test in (one, other))
         if not b.size:
             continue
-        cost = np.abs(values.log_f[a][:, None] - values.log_f[b])
-        partner = align(cost, np.full(a.size, 0.5 * _PAIRED), np.full(b.size, 0.5 * _PAIRED))
-        has = np.flatnonzero(partner >= 0)
-        moved = min(a.size, b.size) - has.size
-        differences += [cost[has, partner[has]], np.full(moved, _PAIRED)]
-        errors.append(np.hypot(values.std[a[has]], values.std[b[partner[has]]]))
-    apart, std = (np.concatenate([np.empty(0), *parts]) for parts in (differences, errors))
+        change, error = _changes(values, a, values, b, _PAIRED)
+        differences += [np.abs(change), np.full(min(a.size, b.size) - change.size, _PAIRED)]
+        errors.append(error)
+    apart, std = np.concatenate(differences), np.concatenate(errors)
     if not apart.size:
         return None
     return float(np.percentile(apart, _UPPER)), float(np.median(std)) if std.size else 0.0
+
+
+def _changes(
+    one: Values, a: NDArray[np.intp], other: Values, b: NDArray[np.intp], within: float
+) -> tuple[FloatArray, FloatArray]:
+    """How far values ``a`` lie above values ``b`` of the same response, paired in their order, and errors."""
+    by = one.log_f[a][:, None] - other.log_f[b]
+    alone = 0.5 * within
+    partner = _core.align(np.abs(by), np.full(a.size, alone), np.full(b.size, alone))
+    has = np.flatnonzero(partner >= 0)
+    return by[has, partner[has]], np.hypot(one.std[a[has]], other.std[b[partner[has]]])
+
+
+# -- Values that have risen since the intact state: lost stiffness lowers most of them, so it is something
+#    else
+
+#: Difference of ln f up to which values of both states are paired.
+_PAIRED_STATES = 0.3
+#: A value has moved if it differs by so many standard deviations, and by this share at least.
+_MOVED_DEVIATIONS, _MOVED = 4.0, 1e-3
+#: So many values must have moved, and this share of them upwards.
+_LEAST, _MOST = 3, 0.75
+
+
+def mostly_risen(intact: Values, now: Values) -> tuple[int, int]:
+    """How many values have risen, of how many that have moved; (0, 0) where these are not most of them."""
+    up = moved = 0
+    for number in np.unique(now.response):
+        for test in np.unique(now.test):
+            here = np.flatnonzero((now.response == number) & (now.test == test))
+            for other in np.unique(intact.test):
+                there = np.flatnonzero((intact.response == number) & (intact.test == other))
+                if not here.size or not there.size:
+                    continue
+                change, error = _changes(now, here, intact, there, _PAIRED_STATES)
+                far = np.abs(change) > np.maximum(_MOVED_DEVIATIONS * error, _MOVED)
+                moved += int(far.sum())
+                up += int((far & (change > 0.0)).sum())
+                break  # one intact test is enough
+    return (up, moved) if moved >= _LEAST and up >= _MOST * moved else (0, 0)

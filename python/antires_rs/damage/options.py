@@ -15,6 +15,9 @@ from ..support.options import Options, option
 
 #: Scopes of options: two states that are compared, or one state and the model.
 TWO_STATES, ONE_STATE = "with a baseline", "without a baseline"
+#: More dofs than these are reduced unless told otherwise.
+_LARGE = 2000
+_PRICE: dict[str, Any] = {"kind": "number", "low": 0.0, "scope": ONE_STATE}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,29 +89,16 @@ class SearchOptions(Options):
         scope=TWO_STATES,
     )
     gamma1: float | None = option(
-        None,
-        "Price of a unit of stiffness loss; by default 0.1 for 28 values.",
-        kind="number",
-        low=0.0,
-        scope=ONE_STATE,
+        None, "Price of a unit of stiffness loss; by default 0.1 for 28 values.", **_PRICE
     )
     gamma2: float | None = option(
-        None,
-        "Price of each damaged element; by default 0.1 for 28 values.",
-        kind="number",
-        low=0.0,
-        scope=ONE_STATE,
+        None, "Price of each damaged element; by default 0.1 for 28 values.", **_PRICE
     )
     snap: float = option(1e-3, "Losses below it are exactly 0.", low=0.0, high=1e-3, scope=ONE_STATE)
     weights: Any = option(
         None, '"std", so that what is known badly counts less.', kind="text", scope=ONE_STATE
     )
     x0: Any = option(None, "Guesses that join the initial populations.", kind="value", scope=ONE_STATE)
-
-    @property
-    def alarm_rate(self) -> float | None:
-        """The share of intact tests in which damage may be declared; None where it is left open."""
-        return self.false_alarm_rate
 
     @property
     def prices(self) -> tuple[float | None, float | None, float]:
@@ -124,6 +114,14 @@ class SearchOptions(Options):
                 wanted = "together with a baseline" if said.scope == TWO_STATES else ONE_STATE
                 reject(name, value, f"None: it counts only {wanted}", f"Leave {name} out.")
         return self.checked()
+
+    def reduces(self, n_dof: int, modes: bool) -> bool:
+        """Whether to seek the roots of a model of so many dofs on reduced ones."""
+        if self.reduction == "auto":
+            return n_dof > _LARGE and not modes
+        if self.reduction and modes:
+            reject("reduction", "a reduced model, but modes were measured", "antiresonances", "Leave it out.")
+        return bool(self.reduction)
 
     def held(self, scope: str) -> dict[str, Any]:
         """Every option that counts by name, in plain data."""
@@ -198,18 +196,19 @@ class DamagePrior:
     def log_of(self, n_damaged: int, n_candidates: int) -> float:
         """Log probability of each set of so many candidates."""
         share = (self.nothing, self.one, self.two, self.three)[n_damaged]
-        with np.errstate(divide="ignore"):
-            return float(np.log(share) - np.log(comb(n_candidates, n_damaged)))
+        return _log(share) - float(np.log(comb(n_candidates, n_damaged)))
 
     def log_elsewhere(self, n_others: int) -> float:
         """Log probability of each element that is no candidate."""
-        with np.errstate(divide="ignore"):
-            return float(np.log(self.elsewhere) - np.log(n_others))
+        return _log(self.elsewhere) - float(np.log(n_others))
 
     def log_unknown(self, n_others: int) -> float:
         """Log probability of something else."""
-        with np.errstate(divide="ignore"):
-            return float(np.log(self.unknown + (0.0 if n_others else self.elsewhere)))
+        return _log(self.unknown + (0.0 if n_others else self.elsewhere))
+
+
+def _log(probability: float) -> float:
+    return float(np.log(probability)) if probability else -np.inf
 
 
 def checked_prior(prior: Any, options: SearchOptions) -> DamagePrior:
@@ -218,11 +217,7 @@ def checked_prior(prior: Any, options: SearchOptions) -> DamagePrior:
         reject("prior", prior, "a DamagePrior", "Leave it out for DamagePrior().")
     rate = options.false_alarm_rate
     if rate is not None and prior is not None and not (prior.nothing and prior.one):
-        reject(
-            "false_alarm_rate",
-            rate,
-            "None: by this prior there is "
-            + ("always damage" if prior.nothing == 0.0 else "never damage of one element alone"),
-            "Give prior.nothing and prior.one more than 0.",
-        )
+        always = "always damage" if prior.nothing == 0.0 else "never damage of one element alone"
+        wanted = f"None: by this prior there is {always}"
+        reject("false_alarm_rate", rate, wanted, "Give prior.nothing and prior.one more than 0.")
     return prior or DamagePrior()

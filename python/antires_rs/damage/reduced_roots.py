@@ -6,14 +6,13 @@ Points that were settled have a basis of their own, and their roots were compare
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..exceptions import reject
-from ..measured.modal_set import ModalSet
 from ..models.matrices import Entries
 from ..support.progress import step
 from ..updating.reduced_model import (
@@ -25,12 +24,11 @@ from ..updating.reduced_model import (
     point_basis,
     solved,
 )
-from .measured_states import SHOWN, Roots
+from .measured_states import Roots, shown_roots
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
-    from .. import _core
     from .._core import Model as CoreModel
     from ..models.parameters import Parameter
     from ..models.structural_model import StructuralModel
@@ -49,7 +47,6 @@ if TYPE_CHECKING:
 # Slopes by all parameters come from the null vectors of each root: those of the reduced model are those of
 # the full one, and the terms of the full one are sparse.
 
-
 #: Vectors that an element's damage makes: generations, and the least size of one.
 _GENERATIONS, _LEAST = 4, 1e-4
 #: A direction of several elements together that is smaller is one of them twice.
@@ -57,9 +54,6 @@ _INERTIA = 0.5
 _SAME = 1e-5
 #: Memory of what is kept of sets of elements (bytes), at about so many vectors a set; least number of sets.
 _ROOM, _USUAL, _LEAST_KEPT = 6e8, 120, 16
-
-_Key = TypeVar("_Key")
-_Made = TypeVar("_Made")
 
 
 class NearPoint:
@@ -75,19 +69,16 @@ class NearPoint:
         own = basis.vectors
         self._own = own, self.stiffness @ own, self.mass @ own
         self._square = tuple(own.T @ each for each in self._own[1:])
-        self._local: dict[tuple[int, ...], Local] = {}
-        self._most = max(_LEAST_KEPT, int(_ROOM / (8 * _USUAL * terms.n_dof)))
-        self._alone: dict[int, tuple[FloatArray, FloatArray]] = {}
-
-    def local(self, elements: tuple[int, ...]) -> Local:
-        """The reduced model in which the severities of ``elements`` are free."""
-        return _kept(self._local, elements, lambda key: Local(self, key, self._answering(key)), self._most)
+        most = max(_LEAST_KEPT, int(_ROOM / (8 * _USUAL * terms.n_dof)))
+        #: The reduced model in which the severities of some elements are free.
+        self.local = lru_cache(most)(lambda elements: Local(self, elements, self._answering(elements)))
+        self._alone = lru_cache(most // 2)(self._of_one)
 
     def _answering(self, elements: tuple[int, ...]) -> FloatArray:
         """What answers damage of the elements, beside the basis, (n, k)."""
         if not elements:
             return np.empty((self.terms.n_dof, 0))
-        alone = [_kept(self._alone, e, self._of_one, self._most // 2) for e in elements]
+        alone = [self._alone(e) for e in elements]
         if len(alone) == 1:
             return alone[0][0]
         own = self.basis.vectors
@@ -134,15 +125,6 @@ class NearPoint:
             across = mine.T @ more
             found.append(np.block([[square, across], [across.T, more.T @ (matrix @ more)]]))
         return found[0], found[1]
-
-
-def _kept(cache: dict[_Key, _Made], key: _Key, make: Callable[[_Key], _Made], most: int) -> _Made:
-    """What there is, else what is made; those used last stay."""
-    found = cache.pop(key, None)
-    cache[key] = make(key) if found is None else found
-    while len(cache) > most:
-        cache.pop(next(iter(cache)))
-    return cache[key]
 
 
 class Local:
@@ -201,8 +183,6 @@ class Local:
 _DEPTH, _DEEPEST, TOLERANCE = 3, 7, 1e-6
 #: Roots so far (ln f) beside the measured band are compared too.
 _BESIDE = 0.01
-#: More dofs than these are reduced unless told otherwise.
-_LARGE = 2000
 
 
 class ReducedRoots:
@@ -221,39 +201,28 @@ class ReducedRoots:
     def roots(self, candidates: FloatArray, slopes: bool, threads: int) -> list[Roots]:
         """The roots at each row of ``candidates`` (m, n); all rows have the same factors."""
         n = self.terms.n
-        alike: dict[tuple[int, ...], list[int]] = {}
-        found: list[Roots | None] = [None] * len(candidates)
-        jobs: list[tuple[list[int], Local]] = []
+        found: dict[int, Roots] = {}
+        alike: dict[tuple[NearPoint, tuple[int, ...]], list[int]] = {}
         for nth, row in enumerate(candidates):
             near = self._settled.get(row.tobytes())
-            if near is not None:
-                jobs.append(([nth], near.local(())))
-            else:
-                alike.setdefault(tuple(np.flatnonzero(row[:n]).tolist()), []).append(nth)
-        if alike:
-            base = self._base_at(candidates[0, n:])
-            for elements, rows in alike.items():
-                step("reduced models")
-                local = base.local(elements)
-                for own, one in zip(rows, self._at(local, candidates[rows], slopes, threads), strict=True):
-                    found[own] = one
-        for (nth,), local in jobs:
-            found[nth] = self._at(local, candidates[[nth]], slopes, threads)[0]
-        return [one for one in found if one is not None]
+            elements = () if near else tuple(np.flatnonzero(row[:n]).tolist())
+            alike.setdefault((near or self._base_at(row[n:]), elements), []).append(nth)
+        for (near, elements), rows in alike.items():
+            step("reduced models")
+            own = self._at(near.local(elements), candidates[rows], slopes, threads)
+            found |= dict(zip(rows, own, strict=True))
+        return [found[nth] for nth in range(len(candidates))]
 
     def settle(self, x: FloatArray) -> float:
-        """Give a point a basis of its own, deep enough that its roots are the full model's to ``TOLERANCE``.
-
-        Returns the largest relative difference that is left.
-        """
+        """Give a point a basis of its own, deep enough that its roots are the full model's to ``TOLERANCE``;
+        the largest relative difference that is left."""
         self.full_evaluations += 1
-        target, hz, shown, _ = self._full.states(x[None].copy(), False, 1)[0]
-        exact = _seen(target, hz, shown)
+        exact = shown_roots(*self._full.states(x[None].copy(), False, 1)[0][:3])
         while True:
             near = NearPoint(self.terms, x, self._depth)
             self.bases += 1
             ours = self._at(near.local(()), x[None], False, 1)[0]
-            apart = _largest_difference(ours, exact, self.terms)
+            apart = self._apart(ours, exact)
             if apart <= TOLERANCE or self._depth >= _DEEPEST:
                 break
             self._depth += 1
@@ -261,9 +230,9 @@ class ReducedRoots:
         low, high = self.terms.measured_hz
         ours = ours.only(ours.between(np.log(low) - 1e-9, np.log(high) + 1e-9))
         rows, forces = np.array(self.terms.ends)[ours.response].T
-        full = near.stiffness, near.mass
-        told = expected_errors(full, near.basis, (rows, forces), np.exp(ours.log_f))
-        self.expected = float(told.max(initial=0.0))
+        matrices_here = near.stiffness, near.mass
+        errors = expected_errors(matrices_here, near.basis, (rows, forces), np.exp(ours.log_f))
+        self.expected = float(errors.max(initial=0.0))
         return apart
 
     def _base_at(self, factors: FloatArray) -> NearPoint:
@@ -277,50 +246,25 @@ class ReducedRoots:
         self.largest = max(self.largest, local.size)
         if not slopes:
             states = local.core.states(local.severities(rows), False, threads)
-            return [_seen(*state[:3]) for state in states]
+            return [shown_roots(*state[:3]) for state in states]
+
+        def with_slopes(row: FloatArray) -> Roots:
+            target, hz, shown, *vectors = local.null_vectors(row)
+            return shown_roots(target, hz, shown, self.terms.slopes(row, hz, *vectors))
+
         with ThreadPoolExecutor(max(1, min(threads, len(rows)))) as pool:
-            return list(pool.map(lambda row: self._with_slopes(local, row), rows))
+            return list(pool.map(with_slopes, rows))
 
-    def _with_slopes(self, local: Local, row: FloatArray) -> Roots:
-        target, hz, shown, *vectors = local.null_vectors(row)
-        return _seen(target, hz, shown, self.terms.slopes(row, hz, *vectors))
-
-
-def wanted_reduced(model: StructuralModel, measured: Any, given: Any) -> bool:
-    """Whether to seek the roots on reduced models."""
-    modes = isinstance(measured, ModalSet)
-    if isinstance(given, str) and given == "auto":
-        return model.n_dof > _LARGE and not modes
-    if not isinstance(given, bool):
-        reject(
-            "reduction",
-            given,
-            "'auto', True or False",
-            "Leave it out: large models are reduced where that is sound.",
-        )
-    if given and modes:
-        reject("reduction", "a reduced model, but modes were measured", "antiresonances", "Leave it out.")
-    return given
-
-
-def _seen(target: Any, hz: FloatArray, shown: FloatArray, slopes: FloatArray | None = None) -> Roots:
-    seen = (shown >= SHOWN) & (hz > 0.0)
-    told = np.empty((0, 0)) if slopes is None else slopes[seen]
-    return Roots(target[seen].astype(np.intp), np.log(hz[seen]), told)
-
-
-def _largest_difference(one: Roots, other: Roots, terms: Terms) -> float:
-    """Largest relative difference of the roots where values were measured; infinity where there are not as
-    many."""
-    low, high = np.log(terms.measured_hz) + [-_BESIDE, _BESIDE]
-    inside = [roots.only(roots.between(low, high)) for roots in (one, other)]
-    if not np.array_equal(inside[0].response, inside[1].response):
-        return float("inf")
-    return float(np.abs(np.expm1(inside[0].log_f - inside[1].log_f)).max(initial=0.0))
+    def _apart(self, one: Roots, other: Roots) -> float:
+        """Largest relative difference where values were measured; infinity if there are not as many."""
+        low, high = np.log(self.terms.measured_hz) + [-_BESIDE, _BESIDE]
+        one, other = (roots.only(roots.between(low, high)) for roots in (one, other))
+        if not np.array_equal(one.response, other.response):
+            return float("inf")
+        return float(np.abs(np.expm1(one.log_f - other.log_f)).max(initial=0.0))
 
 
 # -- K and M of a model as sums of terms that severities and factors scale, and how roots move with each
-
 
 #: The model is asked for roots up to this multiple of the highest measured one, as the core does; slopes are
 #: told of those within so much (ln f) of what was measured.

@@ -4,27 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer
 from ..support.progress import one_blas_thread, patient, step
-from ..updating.posterior import Method, ParameterIntervals
-from ..updating.profile import ProfileLikelihood, kind_of, threshold
+from ..updating.posterior import Method, ParameterIntervals, ProfileLikelihood, kind_of, threshold
 from .evidence import FURTHEST, HIGHEST, Fit, Truncated, truncated
 from .hypotheses import Assessment, Hypothesis
 from .inference import LEVEL, settled
-from .likelihood import Likelihood
-from .question import Question
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .evidence import Fit
-    from .likelihood import Likelihood
+from .likelihood import Likelihood, Question
 
 
 @dataclass(frozen=True)
@@ -106,7 +100,7 @@ class SeverityIntervals(ParameterIntervals):
 #
 # Transitional Markov chain Monte Carlo. Reference: J. Ching and Y.-C. Chen, J. Eng. Mech. 133 (2007) 816-832.
 
-
+Density = Callable[[FloatArray], FloatArray]
 #: Share of the particles that must count after a step, and walks of each particle in a step and in the last.
 _COUNTING, _WALKS, _LAST = 0.5, 3, 10
 #: Share of walks that should be accepted, and the least step.
@@ -114,7 +108,7 @@ _ACCEPTED, _SHORTEST = 0.3, 1e-5
 
 
 def stepwise(
-    log_density: Callable[[FloatArray], FloatArray], start: Truncated, count: int, rng: np.random.Generator
+    log_density: Density, start: Truncated, count: int, rng: np.random.Generator
 ) -> tuple[FloatArray, float]:
     """Draws (count, n) of a density within the bounds of ``start``, and the log of its integral."""
     from scipy.special import logsumexp
@@ -129,15 +123,13 @@ def stepwise(
         log_weight = ahead * (target - first)
         total += float(logsumexp(log_weight) - np.log(count))
         weight = np.exp(log_weight - logsumexp(log_weight))
-        mean = weight @ u
-        covariance = (weight[:, None] * (u - mean)).T @ (u - mean)
-        factor = np.linalg.cholesky(covariance + _SHORTEST**2 * np.eye(len(mean)))
-        places = (np.arange(count) + rng.random()) / count
-        chosen = np.minimum(np.searchsorted(np.cumsum(weight), places), count - 1)
+        _, covariance = _moments(weight, u)
+        factor = np.linalg.cholesky(covariance + _SHORTEST**2 * np.eye(len(covariance)))
+        chosen = _evenly_chosen(weight, count, rng)
         u, target, first = u[chosen], target[chosen], first[chosen]
         for _ in range(_LAST if share == 1.0 else _WALKS):
             walked = u + scale * rng.standard_normal(u.shape) @ factor.T
-            inside = np.all((walked >= start.low) & (walked <= start.high), axis=1)
+            inside = np.all((walked >= 0.0) & (walked <= FURTHEST), axis=1)
             walked = np.where(inside[:, None], walked, u)
             new_target, new_first = log_density(walked), start.log_density(walked)
             gain = share * (new_target - target) + (1.0 - share) * (new_first - first)
@@ -164,6 +156,18 @@ def _ahead(gain: FloatArray, most: float) -> float:
     return max(low, 1e-6)
 
 
+def _moments(weight: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean and covariance of weighted points."""
+    mean = weight @ u
+    return mean, (weight[:, None] * (u - mean)).T @ (u - mean)
+
+
+def _evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Numbers of points that have equal weights then, as evenly as can be."""
+    places = (np.arange(count) + rng.random()) / count
+    return np.minimum(np.searchsorted(np.cumsum(weight), places), weight.size - 1)
+
+
 # -- Severities of one set of damaged elements drawn from their posterior, and its evidence, by sampling
 #
 # The density is that of :mod:`~antires_rs.damage.evidence`, p(ln f | u) exp(-sum u), with the model's roots
@@ -172,14 +176,12 @@ def _ahead(gain: FloatArray, most: float) -> float:
 # added, and all points are weighted by the mixture of all Gaussians. Where that does not help either,
 # particles go by steps from the widest Gaussian to the density and walk there.
 #
-# References: J.-M. Cornuet et al., Scand. J. Stat. 39 (2012) 798-812 (adaptive multiple importance sampling);
-# J. Ching and Y.-C. Chen, J. Eng. Mech. 133 (2007) 816-832 (the steps).
-
+# Reference: J.-M. Cornuet et al., Scand. J. Stat. 39 (2012) 798-812 (adaptive multiple importance sampling).
 
 #: Standard deviations of the first Gaussians, in those of the fit, and the shares of the points in them.
 _FIRST = ((1.25, 0.7), (3.0, 0.3))
 #: Widening of Gaussians that were learned, and the least standard deviation of u.
-_LEARNED, _LEAST_SAMPLING = 1.3, 1e-6
+_LEARNED, _LEAST_STD = 1.3, 1e-6
 #: Rounds; the share of the points that should count in the end, and that below which particles walk.
 _ROUNDS, _WANTED, _POOR = 4, 0.4, 0.1
 #: Points that are evaluated at once; Ctrl-C and progress come in between.
@@ -188,28 +190,18 @@ _BATCH = 64
 
 @dataclass(frozen=True)
 class Sampled:
-    """Weighted severities of one set.
-
-    Attributes
-    ----------
-    beta : (k, n) severities.
-    weight : (k,) with the sum one.
-    log_evidence : of the set.
-    effective : how many independent draws the points are worth.
-    stepwise : whether particles had to go by steps.
-    """
+    """Severities (k, n) of one set with weights (k,) of the sum one, its log evidence, and how many
+    independent draws they are worth."""
 
     beta: FloatArray
     weight: FloatArray
     log_evidence: float
     effective: float
-    stepwise: bool
 
     def resampled(self, count: int, rng: np.random.Generator) -> FloatArray:
         """So many severities (count, n) of equal weight, in random order."""
-        places = (np.arange(count) + rng.random()) / count
-        chosen = np.searchsorted(np.cumsum(self.weight), places)
-        return np.asarray(self.beta[rng.permutation(np.minimum(chosen, self.weight.size - 1))])
+        chosen = _evenly_chosen(self.weight, count, rng)
+        return np.asarray(self.beta[rng.permutation(chosen)])
 
     def quantiles(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
         """Quantiles of one severity."""
@@ -221,11 +213,11 @@ class Sampled:
 
 def linear(fit: Fit, count: int, rng: np.random.Generator) -> Sampled:
     """Severities of the Gaussian of ``fit``, without another look at the model."""
-    gaussian = truncated(fit.mean, fit.covariance, 0.0, FURTHEST)
+    gaussian = truncated(fit.mean, fit.covariance)
     u, log_weight = gaussian.draws(_evenly(count, fit.mean.size, rng))
     weight = np.exp(log_weight - log_weight.max())
     weight /= weight.sum()
-    return Sampled(-np.expm1(-u), weight, fit.log_evidence, float(1.0 / np.sum(weight**2)), False)
+    return Sampled(-np.expm1(-u), weight, fit.log_evidence, float(1.0 / np.sum(weight**2)))
 
 
 def sampled(
@@ -247,80 +239,66 @@ def sampled(
         for first in range(0, len(u), _BATCH):
             step(f"severities of {name}")
             part = u[first : first + _BATCH]
-            betas = np.zeros((len(part), likelihood.n))
-            betas[:, list(fit.elements)] = -np.expm1(-part)
-            found += [view.log_likelihood for view in likelihood.views(betas)]
+            views = likelihood.views(likelihood.rows(fit.elements, -np.expm1(-part)))
+            found += [view.log_likelihood for view in views]
         return np.asarray(np.array(found) - u.sum(axis=1) - n * float(np.log(HIGHEST)))
 
     pool = _Pool(n, log_density, rng)
-    sizes = [(truncated(fit.mean, s**2 * fit.covariance, 0.0, FURTHEST), share) for s, share in _FIRST]
+    sizes = [(truncated(fit.mean, s**2 * fit.covariance), share) for s, share in _FIRST]
     round_size = max(40, wanted // 2)
     for gaussian, share in sizes:
         pool.add(gaussian, int(np.ceil(share * round_size)))
     for _ in range(_ROUNDS):
         if pool.effective >= wanted:
             break
-        rate = pool.effective / pool.size
+        rate = pool.effective / len(pool.u)
         if rate < _WANTED:
             pool.add(pool.learned(), round_size)
         else:  # good enough: as many more as are missing
             missing = int(np.ceil(1.2 * (wanted - pool.effective) / rate))
             for gaussian, share in sizes if rate > 0.6 else [(pool.learned(), 1.0)]:
                 pool.add(gaussian, int(np.ceil(share * missing)))
-    if by_steps and pool.effective < _POOR * min(pool.size, 4 * wanted):
+    if by_steps and pool.effective < _POOR * min(len(pool.u), 4 * wanted):
         u, log_evidence = stepwise(log_density, sizes[-1][0], 2 * wanted, rng)
         even = np.full(len(u), 1.0 / len(u))
-        distinct = len(np.unique(u, axis=0))
-        return Sampled(-np.expm1(-u), even, log_evidence, distinct, True)
-    weight = pool.weight
-    return Sampled(-np.expm1(-pool.u), weight, pool.log_evidence, pool.effective, False)
+        return Sampled(-np.expm1(-u), even, log_evidence, len(np.unique(u, axis=0)))
+    return Sampled(-np.expm1(-pool.u), pool.weight, pool.log_evidence, pool.effective)
 
 
 class _Pool:
     """Points of several Gaussians, each with the log density wanted, weighted by the mixture of all."""
 
-    def __init__(
-        self, n: int, log_density: Callable[[FloatArray], FloatArray], rng: np.random.Generator
-    ) -> None:
+    def __init__(self, n: int, log_density: Density, rng: np.random.Generator) -> None:
         self.log_density, self.rng = log_density, rng
         self.u, self.target = np.empty((0, n)), np.empty(0)
         self.gaussians: list[tuple[Truncated, int]] = []
 
-    @property
-    def size(self) -> int:
-        return len(self.u)
-
     def add(self, gaussian: Truncated, count: int) -> None:
         """Points of one Gaussian; evenly spread, from a random start."""
+        from scipy.special import logsumexp
+
         u = gaussian.draws(_evenly(count, self.u.shape[1], self.rng))[0]
         self.u = np.vstack([self.u, u])
         self.target = np.concatenate([self.target, self.log_density(u)])
         self.gaussians.append((gaussian, count))
-        self._weigh()
-
-    def _weigh(self) -> None:
-        from scipy.special import logsumexp
-
-        shares = np.array([count for _, count in self.gaussians]) / self.size
+        shares = np.array([count for _, count in self.gaussians]) / len(self.u)
         drawn = np.array([gaussian.log_density(self.u) for gaussian, _ in self.gaussians])
         log_weight = self.target - logsumexp(drawn, axis=0, b=shares[:, None])
-        self.log_evidence = float(logsumexp(log_weight) - np.log(self.size))
+        self.log_evidence = float(logsumexp(log_weight) - np.log(len(self.u)))
         self.weight = np.exp(log_weight - logsumexp(log_weight))
         self.effective = float(1.0 / np.sum(self.weight**2))
 
     def learned(self) -> Truncated:
         """The Gaussian of what was found so far."""
-        mean = self.weight @ self.u
-        apart = self.u - mean
-        covariance = (self.weight[:, None] * apart).T @ apart
+        mean, covariance = _moments(self.weight, self.u)
         # With few points that count the covariance is too small; with that of the first one it is not.
         trust = min(self.effective / (10.0 * self.u.shape[1]), 1.0)
         first = self.gaussians[0][0]
         rough = np.empty_like(covariance)
         rough[np.ix_(first.order, first.order)] = first.factor @ first.factor.T
         covariance = trust * covariance + (1.0 - trust) * rough
-        covariance = _LEARNED**2 * covariance + _LEAST_SAMPLING**2 * np.eye(len(covariance))
-        return truncated(mean, covariance, 0.0, FURTHEST)
+        covariance = _LEARNED**2 * covariance + _LEAST_STD**2 * np.eye(len(covariance))
+        return truncated(mean, covariance)
 
 
 def _evenly(count: int, n: int, rng: np.random.Generator) -> FloatArray:
@@ -334,7 +312,6 @@ def _evenly(count: int, n: int, rng: np.random.Generator) -> FloatArray:
 
 
 # -- Intervals of severities after an assessment against a baseline: quick ones, and sure ones by sampling
-
 
 #: Hypotheses of at least this probability are sampled, so many of them.
 _NEAR, _MOST = 0.01, 4
@@ -364,45 +341,54 @@ def severity_intervals(
     choice("method", method, ("laplace", "ensemble"))
     finite_scalar("level", level, low=0.5, high=0.999)
     integer("draws", draws, low=50, high=1_000_000)
-    seed, sure = seed_of(rng), method == "ensemble"
+    seed, sure, declared = seed_of(rng), method == "ensemble", found.answer
     prepared = question.prepared(thread_count(workers))
     near = [h for h in found.hypotheses if h.elements and not h.unknown and h.probability >= _NEAR][:_MOST]
-    declared = next((h for h in found.hypotheses if found.declared and h.elements == found.declared), None)
     if declared is not None and declared not in near:
         near.append(declared)
     parts: list[tuple[Fit, Sampled]] = []
     notes: list[str] = []
     for nth, one in enumerate(near):
-        own_numbers = tuple(prepared.numbers.index(e) for e in one.elements)
-        fit, _ = settled(prepared.likelihood, own_numbers, np.array(one.severities))
+        fit, _ = settled(
+            prepared.likelihood, tuple(map(prepared.numbers.index, one.elements)), np.array(one.severities)
+        )
         own = np.random.default_rng([seed, nth])
-        wanted = _WORTH * draws * (1.0 if one is declared else one.probability)
-        few = max(int(wanted), _LEAST)
+        few = max(int(_WORTH * draws * (1.0 if one is declared else one.probability)), _LEAST)
         name, main = found.hypotheses.called(one), one is declared or one.probability >= _MAIN
         part = sampled(prepared.likelihood, fit, few, own, name, main) if sure else linear(fit, draws, own)
         if sure and part.effective < _FEW * few:
             notes.append(f"Draws of {name} are worth {part.effective:.0f} independent ones: take more.")
         parts.append((fit, part))
-    confirmed, nothing = _confirmed(found, near, parts)
+    # Probabilities with the evidence of the draws; the weights of the others as they were.
+    weights = np.array(
+        [
+            h.probability * float(np.exp(p.log_evidence - fit.log_evidence))
+            for h, (fit, p) in zip(near, parts, strict=True)
+        ]
+    )
+    others = sum(one.probability for one in found.hypotheses) - sum(one.probability for one in near)
+    total = float(weights.sum()) + max(others, 0.0)
+    confirmed, nothing = (weights / total).tolist(), found.probability_of_nothing / total
     sets = tuple(
         SampledSet(h.elements, h.candidate, h.probability, c, part.effective, part.weight.size)
         for h, c, (_, part) in zip(near, confirmed, parts, strict=True)
     )
     column = {e: nth for nth, e in enumerate(question.elements)}
     rng = np.random.default_rng([seed, len(near)])
-    shape = (draws, len(column))
-    own_draws, low, high = np.zeros(shape), np.zeros(len(column)), np.zeros(len(column))
+    own_draws, low, high = np.zeros((draws, len(column))), np.zeros(len(column)), np.zeros(len(column))
     words = ["not damaged"] * len(column)
     if declared is not None:
         fit, part = parts[near.index(declared)]
         values = part.resampled(draws, rng)
+        central = 0.5 - 0.5 * level, 0.5 + 0.5 * level
         for nth, e in enumerate(declared.elements):
-            own_draws[:, column[e]] = values[:, nth]
-            words[column[e]], shares = _sides(fit, nth, level)
-            ends = part.quantiles(nth, shares) if sure else fit.interval(nth, _central(level))
+            at, shares = column[e], fit.sides(nth, central)
+            own_draws[:, at] = values[:, nth]
+            upper = f"up to {HIGHEST:g}" if shares[1] == 1.0 else "two-sided"
+            words[at] = "from 0 on" if shares[0] == 0.0 else upper
+            low[at], high[at] = part.quantiles(nth, shares) if sure else fit.interval(nth, central)
             if not sure and level == LEVEL:  # as the assessment has it, from where its search came to rest
-                ends = declared.low[nth], declared.high[nth]
-            low[column[e]], high[column[e]] = ends
+                low[at], high[at] = declared.low[nth], declared.high[nth]
     if sure:
         notes = [*_verdict(found, near, confirmed), *notes]
     return SeverityIntervals(
@@ -419,67 +405,41 @@ def severity_intervals(
         2.0 * found.root_std,
         tuple(notes),
         question.elements,
-        _mixture(near, confirmed, parts, nothing, column, draws, rng),
+        _mixture(near, [nothing, *confirmed], parts, column, draws, rng),
         sets,
     )
 
 
-def _central(level: float) -> tuple[float, float]:
-    return 0.5 - 0.5 * level, 0.5 + 0.5 * level
-
-
-def _sides(fit: Fit, nth: int, level: float) -> tuple[str, tuple[float, float]]:
-    """A word on the interval, and the shares between which it lies."""
-    shares = fit.sides(nth, _central(level))
-    word = "from 0 on" if shares[0] == 0.0 else f"up to {HIGHEST:g}" if shares[1] == 1.0 else "two-sided"
-    return word, shares
-
-
-def _confirmed(
-    found: Assessment, near: list[Hypothesis], parts: list[tuple[Fit, Sampled]]
-) -> tuple[list[float], float]:
-    """Probabilities of the near hypotheses and of no damage, with the evidence of the draws; the weights of
-    the others as they were."""
-    weight = [
-        one.probability * float(np.exp(part.log_evidence - fit.log_evidence))
-        for one, (fit, part) in zip(near, parts, strict=True)
-    ]
-    others = sum(one.probability for one in found.hypotheses) - sum(one.probability for one in near)
-    total = sum(weight) + max(others, 0.0)
-    return [each / total for each in weight], found.probability_of_nothing / total
-
-
 def _verdict(found: Assessment, near: list[Hypothesis], confirmed: list[float]) -> list[str]:
     """What sampling says of the probabilities."""
-    if not near:
+    changes = [abs(each - one.probability) for one, each in zip(near, confirmed, strict=True)]
+    if not changes:
         return []
     changed = [
         f"{found.hypotheses.called(one)} {each:.2f} instead of {one.probability:.2f}"
-        for one, each in zip(near, confirmed, strict=True)
-        if abs(each - one.probability) >= _CHANGED
+        for one, each, by in zip(near, confirmed, changes, strict=True)
+        if by >= _CHANGED
     ]
     if changed:
         return [f"Sampling changes probabilities: {'; '.join(changed)}."]
-    most = max(abs(each - one.probability) for one, each in zip(near, confirmed, strict=True))
-    return [f"Sampling confirms the probabilities to within {max(most, 0.001):.3f}."]
+    return [f"Sampling confirms the probabilities to within {max(*changes, 0.001):.3f}."]
 
 
 def _mixture(
     near: list[Hypothesis],
-    confirmed: list[float],
+    shares: list[float],
     parts: list[tuple[Fit, Sampled]],
-    nothing: float,
     column: dict[int, int],
     draws: int,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Draws of no damage and of the near sets of candidates, by their probabilities."""
+    """Draws of no damage and of the near sets of candidates, by their ``shares``, that of no damage first."""
     mine = [nth for nth, one in enumerate(near) if one.candidate]
-    shares = np.array([nothing, *(confirmed[nth] for nth in mine)])
+    p = np.array([shares[0], *(shares[1 + nth] for nth in mine)])
     drawn = np.zeros((draws, len(column)))
-    if not shares.sum():
+    if not p.sum():
         return drawn
-    which = rng.choice(shares.size, size=draws, p=shares / shares.sum())
+    which = rng.choice(p.size, size=draws, p=p / p.sum())
     for k, nth in enumerate(mine, start=1):
         rows = np.flatnonzero(which == k)
         at = [column[e] for e in near[nth].elements]
@@ -495,9 +455,8 @@ def _mixture(
 #
 # Reference: A. Raue et al., Bioinformatics 25 (2009) 1923-1929.
 
-
 #: Standard deviations within which the points lie, and Newton steps of the other severities at each.
-_REACH, _STEPS_SEVERITY_PROFILE = 4.0, 4
+_REACH, _STEPS = 4.0, 4
 #: Largest step of u.
 _LONGEST = 0.3
 
@@ -519,8 +478,7 @@ def severity_profile(
     integer("points", points, low=5, high=1001)
     if name not in names:
         reject("name", repr(name), "a severity of the result", f"One of {', '.join(names)}.")
-    element = question.elements[names.index(name)]
-    one = next((h for h in found.hypotheses if h.elements == tuple(found.declared)), None)
+    element, one = question.elements[names.index(name)], found.answer
     if one is None or element not in one.elements:
         reject(
             "name",
@@ -531,27 +489,23 @@ def severity_profile(
     prepared = question.prepared(thread_count(None))
     held = one.elements.index(element)
     at = np.array([prepared.numbers.index(e) for e in one.elements])
-    best = _settled_severity_profile(
-        prepared.likelihood, at, -np.log1p(-np.minimum(one.severities, 0.99))[None], None
-    )
-    u, curvature = best[1][0], best[2]
+    start = -np.log1p(-np.minimum(one.severities, HIGHEST))[None]
+    best, (u,), curvature = _fitted_again(prepared.likelihood, at, start, None)
     std = float(np.sqrt(np.linalg.inv(curvature)[held, held]))
-    places = _places(float(u[held]), std, points)
+    around = u[held] + std * _REACH * np.linspace(-1.0, 1.0, points)
+    inside = around[(around > 0.0) & (around < FURTHEST)]
+    places = np.unique(np.concatenate([[0.0], inside, [FURTHEST]]))
     step(f"{name} held at {places.size} points")
     start = np.repeat(u[None], places.size, axis=0)
     start[:, held] = places
-    logs, others, _ = _settled_severity_profile(prepared.likelihood, at, start, held)
-    rise = 2.0 * (max(float(logs.max()), float(best[0][0])) - logs)
+    logs, others, _ = _fitted_again(prepared.likelihood, at, start, held)
+    rise = 2.0 * (max(float(logs.max()), float(best[0])) - logs)
     limit = threshold(level)
     low, low_open = _end(places, rise, limit, -1)
     high, high_open = _end(places, rise, limit, 1)
+    own = [names[question.elements.index(e)] for e in one.elements]
     on_bound = [
-        tuple(
-            names[question.elements.index(e)]
-            for nth, e in enumerate(one.elements)
-            if nth != held and row[nth] <= 0.0
-        )
-        for row in others
+        tuple(own[nth] for nth in range(len(own)) if nth != held and row[nth] <= 0.0) for row in others
     ]
     return ProfileLikelihood(
         name,
@@ -566,17 +520,15 @@ def severity_profile(
     )
 
 
-def _settled_severity_profile(
-    likelihood: Likelihood, at: FloatArray, start: FloatArray, held: int | None
+def _fitted_again(
+    likelihood: Likelihood, at: NDArray[np.intp], start: FloatArray, held: int | None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Log-likelihood at rows of u and the rows, all but the one held fitted; curvature at the first."""
     u = np.clip(start, 0.0, FURTHEST)
     free = np.array([nth for nth in range(at.size) if nth != held], dtype=np.intp)
-    for nth in range(_STEPS_SEVERITY_PROFILE + 1):
-        betas = np.zeros((len(u), likelihood.n))
-        betas[:, at] = -np.expm1(-u)
-        views = likelihood.views(betas)
-        if nth == _STEPS_SEVERITY_PROFILE or not free.size:
+    for nth in range(_STEPS + 1):
+        views = likelihood.views(likelihood.rows(at, -np.expm1(-u)))
+        if nth == _STEPS or not free.size:
             break
         for row, view in zip(u, views, strict=True):
             room = np.exp(-row[free])
@@ -588,17 +540,11 @@ def _settled_severity_profile(
     return np.array([view.log_likelihood for view in views]), u, curvature
 
 
-def _places(center: float, std: float, points: int) -> FloatArray:
-    """Values of u, most within a few standard deviations, and the bounds."""
-    near = center + std * _REACH * np.linspace(-1.0, 1.0, points)
-    return np.unique(np.concatenate([[0.0], near[(near > 0.0) & (near < FURTHEST)], [FURTHEST]]))
-
-
 def _end(places: FloatArray, rise: FloatArray, limit: float, side: int) -> tuple[float, bool]:
     """Where the rise passes the limit on one side of its least, and whether it never does."""
     best = int(np.argmin(rise))
     own = range(best, places.size) if side > 0 else range(best, -1, -1)
-    for before, here in zip(own, list(own)[1:], strict=False):
+    for before, here in pairwise(own):
         if rise[here] > limit:
             first, second = np.sqrt(rise[[before, here]])  # a parabola's root is a line
             share = (np.sqrt(limit) - first) / (second - first)

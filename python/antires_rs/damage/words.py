@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..updating.model_check import few_alone
+from ..updating.model_check import Explained, few_alone
 from ..updating.reduced_search import ReductionReport
-from .hypotheses import Assessment, Hypotheses, Hypothesis, figure, percent, span
-from .inference import together
+from .hypotheses import Assessment, Hypotheses, Hypothesis, figure, percent, span, together
 
 if TYPE_CHECKING:
     from ..updating.tables import FrequencyTable, ModalTable
 
-
 # -- Losses, names and alternatives in words
 
-
-Label = Callable[[int], str]
 #: Alternatives from this probability on are named, so many of them.
 _WORTH_A_WORD, _MOST_WORDS = 0.01, 3
 #: Intervals wider than this tell nothing.
@@ -29,64 +25,43 @@ _UNSEEN = 0.8
 _NO_LOSS = 5e-4
 
 
-def alternatives(found: Assessment, label: Label) -> str:
-    """Every damage worth a word."""
-    return in_words([one for one in found.hypotheses if one.elements], label)
-
-
-def others(found: Assessment, declared: Hypothesis, label: Label) -> str:
-    """Whatever else is worth a word."""
-    return in_words([one for one in found.hypotheses if one is not declared], label)
-
-
-def in_words(hypotheses: list[Hypothesis], label: Label) -> str:
+def _else(found: Assessment, hypotheses: Iterable[Hypothesis], first: str = "What else it may be") -> str:
     """Those worth a word, each with its probability."""
     worth = [one for one in hypotheses if one.probability > _WORTH_A_WORD][:_MOST_WORDS]
-    if not worth:
-        return "many explanations, none of them probable"
-    return "; ".join(
-        (
-            "nothing"
-            if not one.elements
-            else "a change that no element explains"
-            if one.unknown
-            else f"damage of {label(one.elements[0])}, which these values do not show"
-            if unseen(one) or max(one.severities) < _NO_LOSS
-            else loss_of(one, label)
-        )
-        + f" ({percent(one.probability)})"
-        for one in worth
-    )
+    told = "; ".join(f"{_explanation(found, one)} ({percent(one.probability)})" for one in worth)
+    return f"{first}: {told or 'many explanations, none of them probable'}."
 
 
-def unseen(one: Hypothesis) -> bool:
+def _explanation(found: Assessment, one: Hypothesis) -> str:
+    if not one.elements:
+        return "nothing"
+    if one.unknown:
+        return "a change that no element explains"
+    if _unseen(one) or max(one.severities) < _NO_LOSS:
+        return f"damage of {found.hypotheses.named(one.elements[:1])}, which these values do not show"
+    return _loss_of(found, one)
+
+
+def _unseen(one: Hypothesis) -> bool:
     """Whether the values tell nothing of a loss."""
     return not one.unknown and one.high[0] - one.low[0] > _UNSEEN
 
 
-def loss_of(one: Hypothesis, label: Label) -> str:
+def _loss_of(found: Assessment, one: Hypothesis) -> str:
     """Losses in words, without intervals."""
-    first, *rest = (
-        (label(e), f"{100 * severity:.1f} %")
-        for e, severity in zip(one.elements, one.severities, strict=True)
-    )
-    more = [f"{name} {loss}" for name, loss in rest]
-    return " and ".join([f"{first[0]} has lost {first[1]} of its stiffness", *more])
+    names = [found.hypotheses.named((e,)) for e in one.elements]
+    losses = [f"{100 * severity:.1f} %" for severity in one.severities]
+    more = [f"{name} {loss}" for name, loss in zip(names[1:], losses[1:], strict=True)]
+    return " and ".join([f"{names[0]} has lost {losses[0]} of its stiffness", *more])
 
 
-def intervals(one: Hypothesis) -> str:
+def _intervals(one: Hypothesis) -> str:
     """The intervals of all losses."""
     spans = [span(low, high) for low, high in zip(one.low, one.high, strict=True)]
     return f"90 % interval{'s' if len(spans) > 1 else ''} of the loss {' and '.join(spans)} %"
 
 
-def named(elements: tuple[int, ...], label: Label) -> str:
-    """Elements by name."""
-    return " and ".join(label(e) for e in elements)
-
-
 # -- What an assessment against a baseline comes to: damage, nothing, or what no candidate explains
-
 
 #: From this probability on something is said without reserve.
 _SURE, _EVEN = 0.9, 0.5
@@ -101,14 +76,25 @@ _RISEN = (
 )
 
 
-def answer(found: Assessment, label: Label) -> list[str]:
+def _answer(found: Assessment) -> list[str]:
     """Sentences, the first the answer."""
     if found.best.unknown and found.moved_alike:
-        return _shifted(found, label)
-    return [*_without_shift(found, label), *([_RISEN.format(found)] if found.n_risen else [])]
+        return _shifted(found)
+    declared = found.answer
+    if not found.best.candidate:
+        lines = _unexplained(found)
+    elif declared is None:
+        lines = _nothing(found)
+    else:
+        lines = _damage(found, declared)
+        if not found.explained:
+            lines.append(
+                "But it does not explain all of the values; something else may have changed as well."
+            )
+    return [*lines, *([_RISEN.format(found)] if found.n_risen else [])]
 
 
-def _shifted(found: Assessment, label: Label) -> list[str]:
+def _shifted(found: Assessment) -> list[str]:
     """All values have moved alike."""
     way, share = "higher" if found.moved_alike > 0.0 else "lower", found.best.probability
     first = "No damage found" if share >= _SURE else "Probably no damage"
@@ -116,128 +102,105 @@ def _shifted(found: Assessment, label: Label) -> list[str]:
         f"{first}: all values are {figure(abs(found.moved_alike))} {way} than in the intact state, as "
         f"another temperature or sampling clock would have it (probability {percent(share)})."
     ]
-    if share < _SURE:
-        lines.append(f"What else it may be: {others(found, found.best, label)}.")
-    return lines
+    return lines if share >= _SURE else [*lines, _else(found, found.hypotheses[1:])]
 
 
-def _without_shift(found: Assessment, label: Label) -> list[str]:
-    if not found.best.candidate:
-        return _unexplained(found, label)
-    if not found.declared:
-        return _nothing(found, label)
-    declared = next(one for one in found.hypotheses if one.elements == found.declared)
-    lines = _damage(found, declared, label)
-    if not found.explained:
-        lines.append("But it does not explain all of the values; something else may have changed as well.")
-    return lines
-
-
-def _unexplained(found: Assessment, label: Label) -> list[str]:
-    best, share = found.best, percent(found.probability_elsewhere)
-    if found.probability_elsewhere >= _SURE:
-        lines = [f"Something has changed that none of the candidates explains (probability {share})."]
-    else:
+def _unexplained(found: Assessment) -> list[str]:
+    best, share, changed = found.best, found.probability_elsewhere, 1.0 - found.probability_of_nothing
+    if share >= _SURE:
         lines = [
-            f"{_change(found)}, perhaps what none of the candidates explains (probability {share}).",
-            f"What else it may be: {others(found, best, label)}.",
+            f"Something has changed that none of the candidates explains (probability {percent(share)})."
+        ]
+    else:
+        what = "Something" if changed >= _SURE else "It cannot be told whether something"
+        lines = [
+            f"{what} has changed (probability {percent(changed)}), perhaps what none of the candidates "
+            f"explains (probability {percent(share)}).",
+            _else(found, found.hypotheses[1:]),
         ]
     if not best.unknown:
-        lines.append(
-            f"What would explain it, and was no candidate: {loss_of(best, label)} ({intervals(best)})."
-        )
+        explained = f"{_loss_of(found, best)} ({_intervals(best)})"
+        lines.append(f"What would explain it, and was no candidate: {explained}.")
     return lines
 
 
-def _change(found: Assessment) -> str:
-    """Whether something has changed, in as many words as it is sure."""
-    changed = 1.0 - found.probability_of_nothing
-    if changed >= _SURE:
-        return f"Something has changed (probability {percent(changed)})"
-    return f"It cannot be told whether something has changed (probability {percent(changed)})"
-
-
-def _nothing(found: Assessment, label: Label) -> list[str]:
-    none = found.probability_of_nothing
-    left = [] if found.explained or found.best.elements else [_UNEXPLAINED]
+def _nothing(found: Assessment) -> list[str]:
+    none, left = found.probability_of_nothing, []
+    if not found.explained and not found.best.elements:
+        left.append(_UNEXPLAINED)
     # What was no candidate and shows in no value stays as probable as before: no reason to doubt the test.
-    blind = [one for one in found.hypotheses if not one.candidate and one.elements and unseen(one)]
+    blind = [one for one in found.hypotheses if not one.candidate and one.elements and _unseen(one)]
     if found.best.elements:
-        lines = [
+        first = (
             f"No damage declared: it is probable ({percent(1.0 - none)}), but not enough for the rate of "
             "false alarms asked for."
-        ]
+        )
     elif none >= _SURE:
         return [f"No damage found: nothing has changed (probability {percent(none)}).", *left]
     elif none + sum(one.probability for one in blind) >= _SURE:
-        return [
-            f"No damage found: probably nothing has changed (probability {percent(none)}).",
-            f"Not to be excluded: {in_words(blind, label)}.",
-            *left,
-        ]
+        first = f"No damage found: probably nothing has changed (probability {percent(none)})."
+        return [first, _else(found, blind, "Not to be excluded"), *left]
     else:
-        lines = [
+        first = (
             "It cannot be told whether there is damage; probably nothing has changed "
             f"(probability {percent(none)})."
-        ]
-    return [*lines, f"What else it may be: {alternatives(found, label)}.", *left]
+        )
+    return [first, _else(found, (one for one in found.hypotheses if one.elements)), *left]
 
 
-def _damage(found: Assessment, declared: Hypothesis, label: Label) -> list[str]:
+def _damage(found: Assessment, declared: Hypothesis) -> list[str]:
     changed = 1.0 - found.probability_of_nothing
-    sized = f"Probability {percent(declared.probability)}; {intervals(declared)}."
-    lost = loss_of(declared, label)
-    if changed < _EVEN:
-        return [
-            f"Damage is declared for the rate of false alarms asked for, though it is improbable: {lost}.",
-            f"{sized} Probability that nothing has changed: {percent(1.0 - changed)}.",
-        ]
+    sized = f"Probability {percent(declared.probability)}; {_intervals(declared)}."
+    lost = _loss_of(found, declared)
     if changed < _SURE:
         first = f"Perhaps damage ({percent(changed)}): {lost}."
+        if changed < _EVEN:
+            asked = "Damage is declared for the rate of false alarms asked for, though it is improbable"
+            first = f"{asked}: {lost}."
         return [first, f"{sized} Probability that nothing has changed: {percent(1.0 - changed)}."]
     if declared.probability >= _SURE:
-        k = len(declared.elements)
-        if found.n_matched - k < _BARELY:
+        k, matched = len(declared.elements), found.n_matched
+        if matched - k < _BARELY:
             only = "only one element is" if k == 1 else f"no more than {k} elements are"
-            values = f"{found.n_matched} value{'s' if found.n_matched > 1 else ''}"
+            values = f"{matched} value{'s' if matched > 1 else ''}"
             return [f"Damage; if {only} damaged: {lost}.", f"{sized} {values} cannot tell more."]
         return [f"Damage: {lost}.", sized]
     unknown = sum(one.probability for one in found.hypotheses if one.unknown)
     what = "There is damage" if unknown < 1.0 - _SURE else "Something has changed"
     sure = f"{what} (probability {percent(changed)})"
-    surely = _common(found)
-    if not found.group and surely:
-        return [
-            f"{sure}: {_with_share(found, surely, label)}; perhaps others as well, the values cannot tell "
-            "which.",
-            f"First of many: {lost}. {sized}",
-        ]
     if not found.group:
-        return [f"{sure}, but the values cannot tell where.", f"First of many: {lost}. {sized}"]
+        where = ", but the values cannot tell where."
+        if common := _common(found):
+            where = f": {_with_share(found, common)}; perhaps others as well, the values cannot tell which."
+        return [sure + where, f"First of many: {lost}. {sized}"]
     if len(found.group) == 1:
-        return [
-            f"{sure}, probably this: {lost}.",
-            f"{sized} What else it may be: {others(found, declared, label)}.",
-        ]
+        others = (one for one in found.hypotheses if one is not declared)
+        return [f"{sure}, probably this: {lost}.", f"{sized} {_else(found, others)}"]
+    return [f"{sure}: {_alike(found)}", *_shares(found)]
+
+
+def _alike(found: Assessment) -> str:
+    """Where damage is, if several sets explain the values alike."""
     group = sorted(found.group, key=lambda one: one.elements)
-    where = " or ".join(named(one.elements, label) for one in group)
+    named, surely = found.hypotheses.named, _common(found)
+    if not surely:
+        return f"{' or '.join(named(one.elements) for one in group)}. The values cannot tell which."
+    rests = [tuple(e for e in one.elements if e not in surely) for one in group]
+    beside = " or ".join(named(rest) for rest in rests if rest)
+    more = f"and {beside}, the values cannot tell which." if all(rests) else f"perhaps {beside} as well."
+    return f"{_with_share(found, surely)}; {more}"
+
+
+def _shares(found: Assessment) -> list[str]:
+    """How probable each set of the group is, and what it has lost."""
     share = sum(one.probability for one in found.group)
-    first = f"{sure}: {where}. The values cannot tell which."
-    if surely:
-        rests = [named(each, label) for one in group if (each := _less(one.elements, surely))]
-        beside = " or ".join(rests)
-        alone = any(one.elements == surely for one in group)
-        first = f"{sure}: {_with_share(found, surely, label)}; " + (
-            f"perhaps {beside} as well." if alone else f"and {beside}, the values cannot tell which."
-        )
     losses = "; ".join(
-        f"{percent(one.probability)}: {loss_of(one, label)} ({intervals(one)})"
-        for one in sorted(group, key=lambda one: -one.probability)
+        f"{percent(one.probability)}: {_loss_of(found, one)} ({_intervals(one)})"
+        for one in sorted(found.group, key=lambda one: (-one.probability, one.elements))
     )
-    lines = [first, f"Together {percent(share)}. {losses}."]
+    lines = [f"Together {percent(share)}. {losses}."]
     if share < _SURE:
-        beyond = in_words([one for one in found.hypotheses if one not in group], label)
-        lines.append(f"What else it may be: {beyond}.")
+        lines.append(_else(found, (one for one in found.hypotheses if one not in found.group)))
     return lines
 
 
@@ -249,20 +212,15 @@ def _common(found: Assessment) -> tuple[int, ...]:
     return tuple(e for e in every if found.marginal(e) >= _SURE)
 
 
-def _less(elements: tuple[int, ...], some: tuple[int, ...]) -> tuple[int, ...]:
-    return tuple(e for e in elements if e not in some)
-
-
-def _with_share(found: Assessment, elements: tuple[int, ...], label: Label) -> str:
+def _with_share(found: Assessment, elements: tuple[int, ...]) -> str:
     """Elements, and the probability that they are damaged, whatever else is."""
     share = sum(
         one.probability for one in found.hypotheses if one.candidate and {*elements} <= {*one.elements}
     )
-    return f"{named(elements, label)} ({percent(share)})"
+    return f"{found.hypotheses.named(elements)} ({percent(share)})"
 
 
 # -- Sets whose further elements lose next to nothing are the same answer as the smaller set
-
 
 #: A loss below it is none, in words.
 _IDLE = 0.005
@@ -277,14 +235,11 @@ def without_idle(found: Assessment) -> Assessment:
     smaller = [_smaller(one) for one in rows]
     if smaller == rows:
         return found
-    own = {one.elements: one for one in rows}
-    merged: dict[tuple[int, ...], list[Hypothesis]] = {}
+    merged = {less.elements: less for less in reversed(smaller)} | {one.elements: one for one in rows}
+    share: dict[tuple[int, ...], float] = {}
     for one, less in zip(rows, smaller, strict=True):
-        merged.setdefault(less.elements, [own.get(less.elements, less)]).append(one)
-    told = {
-        elements: replace(first, probability=sum(one.probability for one in all_of_it))
-        for elements, (first, *all_of_it) in merged.items()
-    }
+        share[less.elements] = share.get(less.elements, 0.0) + one.probability
+    told = {elements: replace(merged[elements], probability=p) for elements, p in share.items()}
     of = {one.elements: told[less.elements] for one, less in zip(rows, smaller, strict=True)}
     first = of[rows[0].elements]
     ordered = sorted(told.values(), key=lambda one: (one is not first, -one.probability, one.elements))
@@ -299,27 +254,28 @@ def without_idle(found: Assessment) -> Assessment:
 
 def _smaller(one: Hypothesis) -> Hypothesis:
     """The set without the elements that lose next to nothing; itself where all of them do."""
-    kept = [nth for nth, loss in enumerate(one.severities) if loss >= _IDLE]
+    columns = zip(one.elements, one.severities, one.low, one.high, strict=False)
+    kept = [row for row in columns if row[1] >= _IDLE]
     if not kept or len(kept) == len(one.severities):
         return one
-    elements = tuple(one.elements[nth] for nth in kept)
-    severities, low, high = (
-        tuple(column[nth] for nth in kept) for column in (one.severities, one.low, one.high)
-    )
+    elements, severities, low, high = zip(*kept, strict=True)
     return replace(one, elements=elements, severities=severities, low=low, high=high)
 
 
-def headline(found: Assessment, label: Label) -> list[str]:
-    """The first lines of a report: is there damage, where, how sure, how much, and what else it may be."""
+# -- The first lines of a report
+
+
+def headline(found: Assessment) -> list[str]:
+    """Is there damage, where, how sure, how much, and what else it may be."""
     doubts = [_contradiction(found)] if found.odd_baselines else []
     if not found.model_fits:
         doubts.append(_no_model(found))
     elif not found.states_fit:
         doubts.append(_no_partners(found))
-    found, many = without_idle(found), len(found.hypotheses)
+    merged = without_idle(found)
     if found.interrupted:
-        return [*_stopped(found, many, label), *doubts]
-    return [*doubts, _if_trusted(found, label)] if doubts else answer(found, label)
+        return [*_stopped(merged, len(found.hypotheses)), *doubts]
+    return [*doubts, _if_trusted(merged)] if doubts else _answer(merged)
 
 
 def _no_model(found: Assessment) -> str:
@@ -332,38 +288,35 @@ def _no_model(found: Assessment) -> str:
         )
         if found.near:
             why = f"it has {found.n_intact_roots} roots where {found.n_intact} values were measured"
-    hint = f"{found.hint} " if found.hint else ""
-    return (
-        f"The model does not explain the measurement: {why}. {hint}Check its units, dofs, force and supports."
-    )
+    return _not_explained(found, why, "its units, dofs, force and supports")
 
 
 def _no_partners(found: Assessment) -> str:
     """The values of now have nothing to do with those of the intact structure."""
-    hint = f"{found.hint} " if found.hint else ""
     have = "has" if found.n_matched == 1 else "have"
-    return (
-        f"The model does not explain the measurement: {found.n_matched} of {found.n_values} values of now "
-        f"{have} a partner in it, damaged or not. {hint}Check units, dofs, force and band of both tests."
-    )
+    why = f"{found.n_matched} of {found.n_values} values of now {have} a partner in it, damaged or not"
+    return _not_explained(found, why, "units, dofs, force and band of both tests")
 
 
-def _stopped(found: Assessment, many: int, label: Label) -> list[str]:
+def _not_explained(found: Assessment, why: str, check: str) -> str:
+    hint = f"{found.hint} " if found.hint else ""
+    return f"The model does not explain the measurement: {why}. {hint}Check {check}."
+
+
+def _stopped(found: Assessment, many: int) -> list[str]:
     """What was judged before Ctrl-C; without the others no probability holds."""
     judged = f"{many} hypotheses were" if many > 1 else "1 hypothesis was"
+    lost = _loss_of(found, found.best) if found.best.severities else "nothing has changed"
+    best = f"the likeliest of these is that {lost}"
     if found.best.unknown:
         best = "none of these explains the values"
-    elif found.best.elements:
-        best = f"the likeliest of these is that {loss_of(found.best, label)}"
-    else:
-        best = "the likeliest of these is that nothing has changed"
     return [
         f"The search was stopped: {judged} judged, and {best}.",
         "Others may explain the values better, so that the probabilities say little: let it finish.",
     ]
 
 
-def _if_trusted(found: Assessment, label: Label) -> str:
+def _if_trusted(found: Assessment) -> str:
     """The answer in one sentence, where what it rests on is in doubt."""
     trusted = "baseline" if found.odd_baselines else "model"
     if found.best.unknown and found.moved_alike:
@@ -373,14 +326,9 @@ def _if_trusted(found: Assessment, label: Label) -> str:
     elif not found.declared:
         what = "no damage is to be seen"
     else:
-        group = sorted(found.group, key=lambda one: one.elements)
-        alike = found.declared in [one.elements for one in group]
-        where = (
-            " or ".join(named(one.elements, label) for one in group)
-            if alike
-            else named(found.declared, label)
-        )
-        what = f"the values point to damage of {where}"
+        alike = sorted(one.elements for one in found.group)
+        sets = alike if found.declared in alike else [found.declared]
+        what = f"the values point to damage of {' or '.join(map(found.hypotheses.named, sets))}"
     return f"If the {trusted} can be trusted at all, {what}; the table has the figures."
 
 
@@ -400,14 +348,59 @@ def _contradiction(found: Assessment) -> str:
     )
 
 
-# -- What a reader should know before trusting an assessment
+# -- Without a baseline: one state is compared with the model
 
+#: So large a loss in half of the elements, or in so many, is none: the model is another structure.
+_LOST, _MOST_LOST = 0.8, 4
+
+_CAVEAT = (
+    "Without a baseline an error of the model comes out as damage, and the values cannot tell which it is: "
+    "give the values of the intact structure as baseline=."
+)
+_NO_BEFORE = (
+    "Without a baseline it is not known what was there before, and errors of the model may hide damage."
+)
+
+
+def headline_of_one_state(
+    losses: Mapping[int, float],
+    label: Callable[[int], str],
+    fit: Explained | None = None,
+    n_elements: int = 0,
+    *,
+    finished: bool,
+) -> list[str]:
+    """The first lines of a report; ``losses`` are the severities found, the worst first.
+
+    ``fit`` is what the model with these explains; None where that is not known.
+    """
+    found = "; ".join(
+        f"{label(e)} has lost {100.0 * beta:.1f} % of its stiffness" for e, beta in losses.items()
+    )
+    if not finished:
+        best = f"the best so far, if the model is exact, is that {found}" if losses else "no damage so far"
+        return [f"The search was stopped: {best}.", _CAVEAT if losses else _NO_BEFORE]
+    if fit is not None and (not fit.enough or all_lost(losses, n_elements)):
+        so = f"the search came to this, which is no finding: {found}" if losses else "no damage is to be seen"
+        return [fit.sentence, f"If the model can be trusted at all, {so}."]
+    if losses:
+        return [f"{found[0].upper()}{found[1:]}, if the model is exact.", _CAVEAT]
+    return ["No damage found.", _NO_BEFORE]
+
+
+def all_lost(losses: Mapping[int, float], n_elements: int) -> bool:
+    """Whether so many elements have lost nearly all stiffness that it is no damage but a wrong model."""
+    nearly = sum(beta >= _LOST for beta in losses.values())
+    return nearly >= min(_MOST_LOST, max(0.5 * n_elements, 2.0))
+
+
+# -- What a reader should know before trusting an assessment
 
 #: With fewer values to spare a fit says little.
 _FEW = 4
 
 
-def reservations(found: Assessment, label: Label) -> list[str]:
+def reservations(found: Assessment) -> list[str]:
     """What a reader should know before trusting it."""
     notes = list(found.notes)
     if not found.baseline:
@@ -472,7 +465,6 @@ def note_of_reduction(found: ReductionReport) -> str:
 
 
 # -- What the most probable hypothesis leaves unexplained, in words
-
 
 _NAMED = 3
 #: Differences below it, in %, are no news.

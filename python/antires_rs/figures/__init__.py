@@ -1,10 +1,9 @@
 """Pictures, with matplotlib (``pip install "antires-rs[plot]"``).
 
-Every function draws into ``ax`` and returns it. Without ``ax`` it makes a new pyplot figure, so that
-``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Colours are
-those of Okabe and Ito, and no curve, bar or mark is told from another by colour alone. :func:`data_of` gives
-the numbers behind any of them. Uses the values that are drawn, and ``support``; nothing is computed here but
-what a picture needs.
+Every function draws into the matplotlib axes ``ax`` and returns them. Without them it makes a pyplot figure,
+so that ``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Where
+matplotlib is missing ``MissingDependencyError`` says so. Colours are those of Okabe and Ito; no curve, bar
+or mark is told from another by colour alone. :func:`data_of` gives the numbers behind any of them.
 """
 
 from .canvas import data_of

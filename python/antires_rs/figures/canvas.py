@@ -1,9 +1,9 @@
-"""What all pictures share: axes, palette, legends, their numbers, and the way to a PNG without pyplot."""
+"""Panels as pictures: their axes, marks, legends and numbers with matplotlib, and the way to a PNG."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, singledispatch
 from io import BytesIO
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -12,24 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import MissingDependencyError, reject
-from ..support.checks import FloatArray, frequency_band, integer, real_array
+from ..support.checks import FloatArray, frequency_band
+from . import marks
 
 Table = dict[str, NDArray[Any]]
-
-#: Okabe and Ito's palette (2008), told apart by all common kinds of colour vision; yellow, too pale for lines
-#: on white, is left out.
-COLOURS = {
-    "blue": "#0072B2",
-    "vermillion": "#D55E00",
-    "green": "#009E73",
-    "purple": "#CC79A7",
-    "orange": "#E69F00",
-    "sky": "#56B4E9",
-    "black": "#000000",
-}
-GREY = "#8C8C8C"
-#: Dash patterns to go with the colours.
-LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (8, 3)))
 
 
 def _require_matplotlib() -> None:
@@ -54,30 +40,234 @@ def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
 def picture(
     draw: Callable[..., Any], size_in: tuple[float, float], *, rows: int = 1, dpi: int = 160
 ) -> bytes:
-    """PNG of what ``draw`` puts into the axes of a figure of its own (an array of axes if ``rows > 1``).
-
-    Reports and the demo use it: pyplot neither learns of the figure nor has to be told to forget it.
-    """
+    """PNG of what ``draw`` puts into axes of their own, an array for ``rows``; pyplot learns of nothing."""
     _require_matplotlib()
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
     figure = Figure(figsize=size_in, layout="constrained")
     draw(figure.subplots(rows, 1))
-    _names_as_they_are(figure)
+    # Names of channels and sections are no formulas, whatever dollars they have; those of axes stay.
+    for text in figure.findobj(Text):
+        if "$" in text.get_text() and "\\mathdefault" not in text.get_text():
+            text.set_parse_math(False)
     file = BytesIO()
     # Without the version of matplotlib in the file the same picture has the same bytes.
     figure.savefig(file, format="png", dpi=dpi, metadata={"Software": None})
     return file.getvalue()
 
 
-def _names_as_they_are(figure: Any) -> None:
-    """Names of channels and sections are no formulas, whatever dollars they have; those of axes stay."""
-    from matplotlib.text import Text
+# -- A panel drawn into axes
 
-    for text in figure.findobj(Text):
-        if "$" in text.get_text() and "\\mathdefault" not in text.get_text():
-            text.set_parse_math(False)
 
+def draw(panel: marks.Panel, ax: Any, *, drop_pt: float | None = None, legend: bool = True) -> Any:
+    """Draw a panel; its legend stands ``drop_pt`` points under the axes."""
+    draw_marks(ax, panel.marks)
+    _set_axis(ax, "x", panel.x)
+    _set_axis(ax, "y", panel.y)
+    if panel.grid:
+        ax.grid(axis=panel.grid, alpha=0.25)
+        ax.set_axisbelow(True)
+    if panel.equal:
+        ax.set_aspect("equal", adjustable="datalim")
+    if panel.title:
+        ax.set_title(panel.title, fontsize="medium")
+    if panel.behind is not None:
+        _draw_behind(ax, *panel.behind)
+    if drop_pt is None:
+        names = panel.x.names or [""]
+        drop_pt = 34.0 + text_width_pt(max(names, key=len), 10.0) if panel.x.upright else 42.0
+    if legend and ax.get_legend_handles_labels()[1]:
+        below(ax, drop_pt=drop_pt, first=panel.first)
+    offer(ax, **panel.tables)
+    return ax
+
+
+def draw_marks(ax: Any, drawn: Sequence[marks.Mark], zorder: float = 2.0) -> None:
+    """Draw marks on each other, from ``zorder`` on."""
+    for nth, mark in enumerate(drawn):
+        if mark.only != "page":
+            _draw(mark, ax, zorder + 0.05 * nth)
+
+
+def _set_axis(ax: Any, which: str, axis: marks.Axis) -> None:
+    ax.set(**{f"{which}label": axis.label})
+    if axis.log:
+        ax.set(**{f"{which}scale": "log"})
+    if axis.at is not None or axis.names is not None:
+        getattr(ax, f"set_{which}ticks")(
+            axis.places, axis.names, **({"rotation": 90} if axis.upright else {})
+        )
+        ax.tick_params(axis="x", pad=7)  # clear of what stands at 0
+    if axis.limits is not None:
+        ax.set(**{f"{which}lim": axis.limits})
+
+
+def _draw_behind(ax: Any, axis: marks.Axis, curve: marks.Line) -> None:
+    """On a twin axis, but in the legend of the front one."""
+    behind = ax.twinx()
+    behind.plot(curve.x, curve.y, color=curve.colour, lw=curve.width)
+    if np.isfinite(curve.y).any():
+        behind.set_yscale("log")
+    behind.set_ylabel(axis.label, color="#595959")
+    ax.set_zorder(behind.get_zorder() + 1)
+    ax.patch.set_visible(False)
+    ax.plot([], [], color=curve.colour, lw=curve.width, label=curve.label)
+
+
+def dash_of(dash: Any) -> Any:
+    """A dash of the marks as matplotlib has it."""
+    return dash if isinstance(dash, str) else (0, dash)
+
+
+@singledispatch
+def _draw(mark: marks.Mark, ax: Any, zorder: float) -> None:
+    raise TypeError(type(mark).__name__)
+
+
+@_draw.register
+def _points(mark: marks.Points, ax: Any, zorder: float) -> None:
+    look: dict[str, Any] = {"marker": mark.marker, "ms": mark.size, "color": mark.colour, "mew": mark.stroke}
+    look |= {} if mark.face is None else {"mfc": mark.face}
+    look |= {"ls": dash_of(mark.link), "clip_on": not mark.spill, "zorder": zorder, "label": mark.label}
+    if mark.error is None:
+        ax.plot(mark.x, mark.y, **look)
+    else:
+        ax.errorbar(mark.x, mark.y, mark.error, elinewidth=1.0, capsize=2.5, **look)
+
+
+@_draw.register
+def _line(mark: marks.Line, ax: Any, zorder: float) -> None:
+    look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": mark.label}
+    (ax.step if mark.steps else ax.plot)(
+        mark.x, mark.y, zorder=zorder, **look, **({"where": "post"} if mark.steps else {})
+    )
+
+
+@_draw.register
+def _bars(mark: marks.Bars, ax: Any, zorder: float) -> None:
+    look = {"facecolor": mark.face, "edgecolor": mark.edge, "hatch": mark.hatch, "ls": dash_of(mark.dash)}
+    (ax.barh if mark.sideways else ax.bar)(
+        mark.at, mark.length, mark.width, linewidth=0.8, zorder=zorder, label=mark.label, **look
+    )
+
+
+@_draw.register
+def _ticks(mark: marks.Ticks, ax: Any, zorder: float) -> None:
+    x, y = np.asarray(mark.x), np.asarray(mark.y)
+    ends = (y, x - mark.half, x + mark.half)
+    ax.hlines(*ends, color="white", lw=3.0, zorder=zorder - 0.01)
+    ax.hlines(
+        *ends, color=mark.colour, lw=1.5, ls=(0, (3, 1)), zorder=zorder, clip_on=False, label=mark.label
+    )
+
+
+@_draw.register
+def _whiskers(mark: marks.Whiskers, ax: Any, zorder: float) -> None:
+    half = 0.5 * (np.asarray(mark.high) - mark.low)
+    look = {"fmt": "none", "ecolor": "black", "elinewidth": 1.4, "capsize": 5, "capthick": 1.4}
+    ax.errorbar(mark.x, mark.low + half, half, zorder=zorder, label=mark.label, **look)
+
+
+@_draw.register
+def _rules(mark: marks.Rules, ax: Any, zorder: float) -> None:
+    for nth, at in enumerate(np.atleast_1d(mark.at)):
+        label = mark.label if nth == 0 else None
+        look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": label}
+        (ax.axvline if mark.upright else ax.axhline)(at, zorder=zorder, **look)
+
+
+@_draw.register
+def _bands(mark: marks.Bands, ax: Any, zorder: float) -> None:
+    look = {"facecolor": mark.face, "edgecolor": "#BFBFBF", "hatch": mark.hatch, "lw": 0.0, "zorder": 0}
+    for nth, (low, high) in enumerate(zip(mark.low, mark.high, strict=True)):
+        ax.axvspan(low, high, label=mark.label if nth == 0 else f"_{mark.label}", **look)
+
+
+#: Place in points per ``away``, and alignments, of a text beside its place.
+_BESIDE = {
+    "above": ((0, 1), "center", "bottom"),
+    "below": ((0, -1), "center", "top"),
+    "right": ((1, 0), "left", "center"),
+    "centre": ((0, 0), "center", "center"),
+}
+
+
+@_draw.register
+def _words(mark: marks.Words, ax: Any, zorder: float) -> None:
+    way, across, along = _BESIDE[mark.where]
+    look = {"fontsize": mark.size, "color": mark.colour, "fontstyle": "italic" if mark.slanted else "normal"}
+    look |= {"ha": across, "va": along, "rotation": 90 if mark.turned else 0, "zorder": zorder}
+    look |= {"bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.6}} if mark.boxed else {}
+    for x, y, text in zip(mark.x, mark.y, mark.texts, strict=True):
+        offset = (mark.away * way[0], mark.away * way[1])
+        ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", **look)
+
+
+@_draw.register
+def _heads(mark: marks.Heads, ax: Any, zorder: float) -> None:
+    look = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center", "va": "bottom"}
+    for nth, (x, text) in enumerate(zip(mark.x, mark.texts, strict=True)):
+        weight = "bold" if nth < len(mark.bold) and mark.bold[nth] else "normal"
+        ax.annotate(
+            text, (x, 1.0), xycoords=ax.get_xaxis_transform(), fontsize="small", fontweight=weight, **look
+        )
+
+
+@_draw.register
+def _paths(mark: marks.Paths, ax: Any, zorder: float) -> None:
+    if mark.values is not None:
+        _coloured(ax, mark, zorder)
+        return
+    # One line with gaps, so that dashes go on over elements that follow each other.
+    points: list[FloatArray] = []
+    for path in mark.paths:
+        if not points or np.any(points[-1] != path[0]):
+            points += [np.full(2, np.nan), path[0]]
+        points += list(path[1:])
+    whole = np.array(points[1:]).reshape(-1, 2).T
+    look = {"lw": mark.width, "solid_capstyle": "round", "dash_capstyle": "butt"}
+    if mark.dash != "-":  # what is pale underneath keeps the structure in one piece
+        ax.plot(*whole, color="#D5D5D5", zorder=zorder - 0.1, **look)
+    ax.plot(*whole, color=mark.colour, zorder=zorder, ls=dash_of(mark.dash), label=mark.label, **look)
+
+
+def _coloured(ax: Any, mark: marks.Paths, zorder: float) -> None:
+    """Elements, each in the colour of its value, with the scale; thin where there is none."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import LinearSegmentedColormap
+
+    values = np.asarray(mark.values)
+    known = np.isfinite(values)
+    if not known.all():
+        rest = [path for path, one in zip(mark.paths, known, strict=True) if not one]
+        look = {"colors": marks.INKS["grey"], "linewidths": 1.2, "label": "without a value"}
+        ax.add_collection(LineCollection(rest, zorder=zorder, **look))
+    # The largest last, so that it lies on top where elements meet.
+    order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
+    colours = LinearSegmentedColormap.from_list("loss", marks.SCALE)
+    lines = LineCollection([mark.paths[e] for e in order], zorder=zorder, linewidths=mark.width, cmap=colours)
+    lines.set_array(values[order])
+    ax.add_collection(lines)
+    ax.autoscale_view()
+    if not values[known].any():  # a scale from 0 to 0 would say nothing
+        lines.set_clim(0.0, 1.0)
+        nothing = "0 in every element" if known.any() else "none given"
+        ax.set_title(f"{mark.scale}: {nothing}", fontsize="medium")
+        return
+    lines.set_clim(min(0.0, float(values[known].min())), max(0.0, float(values[known].max())))
+    ax.figure.colorbar(lines, ax=ax, label=mark.scale, shrink=0.8)
+
+
+@_draw.register
+def _arrows(mark: marks.Arrows, ax: Any, zorder: float) -> None:
+    look = {"arrowstyle": "-|>", "color": mark.colour, "lw": mark.width, "shrinkA": 0, "shrinkB": 2}
+    for tail, head in zip(mark.tails, mark.heads, strict=True):
+        ax.annotate("", head, xytext=tail, arrowprops=look, zorder=zorder)
+    ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=13, color=mark.colour, label=mark.label)
+
+
+# -- The numbers behind a picture
 
 _offered: WeakKeyDictionary[Any, dict[str, Table]] = WeakKeyDictionary()
 
@@ -175,11 +365,8 @@ def _columns(widths: FloatArray, room: float) -> int:
     return 1
 
 
-def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = (), **options: Any) -> None:
-    """Legend ``drop_pt`` points under the axes, where it can hide nothing; as many columns as fit.
-
-    The labels in ``first`` lead, in that order.
-    """
+def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
+    """Legend ``drop_pt`` points under the axes, in as many columns as fit; ``first`` leads in that order."""
     from matplotlib.transforms import ScaledTranslation
 
     entries = list(zip(*ax.get_legend_handles_labels(), strict=True))
@@ -198,26 +385,7 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = (), **option
         frameon=False,
         borderaxespad=0.0,
         fontsize="small",
-        **options,
     )
-
-
-def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
-    """Ascending positions moved as little as needed to be ``least`` apart and, if they fit, in the limits."""
-    where = np.asarray(positions, dtype=np.float64)
-    if where.size < 2:
-        return where.copy()
-    # With the ideal spacing taken off, "at least apart" reads "not descending": isotonic regression.
-    shift = least * np.arange(where.size)
-    blocks: list[tuple[float, int]] = []
-    for value in where - shift:
-        blocks.append((float(value), 1))
-        while len(blocks) > 1 and blocks[-2][0] > blocks[-1][0]:
-            (b, m), (a, n) = blocks.pop(), blocks.pop()
-            blocks.append(((a * n + b * m) / (n + m), n + m))
-    level = np.concatenate([np.full(count, value) for value, count in blocks])
-    top = high - shift[-1]
-    return np.asarray((np.clip(level, low, top) if top > low else level) + shift)
 
 
 def plain_log(axis: Any, *, narrow: bool) -> None:
@@ -229,175 +397,3 @@ def plain_log(axis: Any, *, narrow: bool) -> None:
     if narrow:
         axis.set_minor_locator(LogLocator(subs=(2.0, 3.0, 5.0, 7.0)))
     axis.set_minor_formatter(plain if narrow else NullFormatter())
-
-
-# -- Where an axis ends when a few values are so far off that they would flatten all others
-
-
-#: A value this many times the next smaller one stands apart.
-APART = 2.5
-#: At most this share of the values is cut off, one in any case, unless the others are next to nothing.
-MOST_CUT, LEAST = 0.15, 0.01
-
-
-def reach(values: Any, margin: float = 1.25) -> float:
-    """Largest absolute value that an axis has to show, with its margin; infinite if it shows all.
-
-    Values are cut off where a gap sets few of them apart: then the axis is made for the others.
-    """
-    size = np.abs(np.asarray(values, dtype=np.float64).ravel())
-    size = np.sort(size[np.isfinite(size)])[::-1]
-    most = min(max(1, int(MOST_CUT * size.size)), size.size - 1)
-    for cut in range(most, 0, -1):
-        if size[cut] > LEAST and size[cut - 1] > APART * size[cut]:
-            return float(margin * size[cut])
-    return float("inf")
-
-
-def clip_bars(ax: Any, x: FloatArray, values: FloatArray, most: float, colour: str) -> None:
-    """Arrows at the edges of the axes over bars that go on beyond them, with their values.
-
-    ``ax`` shows -most to most, or 0 to most.
-    """
-    for at, value in zip(x, values, strict=True):
-        if np.isfinite(value) and abs(value) > most:
-            up = value > 0.0
-            ax.annotate(
-                f"{value:+.0f} %",
-                (at, 1.0 if up else 0.0),
-                xycoords=ax.get_xaxis_transform(),
-                xytext=(0, -24 if up else 24),
-                textcoords="offset points",
-                ha="center",
-                va="top" if up else "bottom",
-                fontsize="x-small",
-                rotation=90,
-                color="black",
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-                arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.4, "shrinkA": 0, "shrinkB": 0},
-                zorder=6,
-            )
-
-
-# -- Where the numbers of elements go: beside the element, clear of arrows, markers and each other
-
-
-#: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
-AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
-#: Shares of the element's length at which a number may stand.
-ALONG = (0.5, 0.3, 0.7)
-
-
-def points_per_unit(ax: Any, points: FloatArray, margin: float) -> float:
-    """Points that one unit of the data will take in these axes, with equal scales."""
-    share, size = ax.get_position(), ax.figure.get_size_inches()
-    room = 72.0 * np.array([share.width * size[0], share.height * size[1]])
-    return float((room / np.maximum(np.ptp(points, axis=0) * (1.0 + 2.0 * margin), 1e-300)).min())
-
-
-def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
-    """Places of the numbers, (n, 2), of elements ``ends`` (n, 2, 2), clear of ``lines``, all in points.
-
-    The middle of the left side is taken unless something is in its way.
-    """
-    placed = np.empty((0, 2))
-    for i, (a, b) in enumerate(ends):
-        across = np.array([a[1] - b[1], b[0] - a[0]])
-        across = across / max(float(np.linalg.norm(across)), 1e-300)
-        options = np.array(
-            [
-                a + share * (b - a) + side * away * across
-                for share in ALONG
-                for away in AWAY
-                for side in (1.0, -1.0)
-            ]
-        )
-        others = np.concatenate([lines, np.delete(ends, i, axis=0), np.stack([placed, placed], axis=1)])
-        clear = _distances(options, others).min(axis=1) if len(others) else np.full(len(options), np.inf)
-        # The first that is clear of all, or else the one that is clearest.
-        best = options[int(np.argmax(np.minimum(clear, ROOM)))]
-        placed = np.vstack([placed, best])
-    return placed
-
-
-def around(points: FloatArray, lines: FloatArray) -> FloatArray:
-    """Places of the numbers of points (n, 2), clear of ``lines`` and of each other, all in points.
-
-    Below to the right is taken unless something is in its way.
-    """
-    angles = np.radians([-45.0, 135.0, 45.0, -135.0, -90.0, 90.0, 180.0, 0.0])
-    ways = np.column_stack([np.cos(angles), np.sin(angles)])
-    placed = np.empty((0, 2))
-    for point in points:
-        options = np.concatenate([point + away * ways for away in (8.0, 11.0, 15.0)])
-        others = np.concatenate([lines, np.stack([placed, placed], axis=1)])
-        clear = _distances(options, others).min(axis=1) if len(others) else np.full(len(options), np.inf)
-        placed = np.vstack([placed, options[int(np.argmax(np.minimum(clear, 0.8 * ROOM)))]])
-    return placed
-
-
-def _distances(points: FloatArray, lines: FloatArray) -> FloatArray:
-    """Of every point from every line, (n_points, n_lines)."""
-    start, span = lines[:, 0], lines[:, 1] - lines[:, 0]
-    square = np.maximum(np.sum(span**2, axis=1), 1e-300)
-    off = points[:, None] - start
-    share = np.clip(np.sum(off * span, axis=2) / square, 0.0, 1.0)
-    return np.asarray(np.linalg.norm(off - share[:, :, None] * span, axis=2))
-
-
-# -- Colours of elements by a value of each
-
-
-#: From nothing, which is to be quiet, to much; lightness falls evenly, so that it reads in grey as well.
-SCALE = ("#DADADA", "#A9BFD6", "#5F8DBD", "#1F5A94", "#0B2C57", "#050B16")
-
-
-def value_by_element(values: Any, count: int) -> FloatArray | None:
-    """A value for each of ``count`` elements, NaN where there is none; None if there are no values at all."""
-    if values is None:
-        return None
-    if isinstance(values, Mapping):
-        given = np.full(count, np.nan)
-        for element, value in values.items():
-            given[integer("values", element, low=0, high=count - 1)] = value
-        return given
-    wanted = f"a mapping from element to value, or an array ({count},)"
-    array = real_array("values", values, ndim=1, wanted=wanted)
-    if array.size != count:
-        reject("values", f"{array.size} values", wanted, "Give a value for each element, in their order.")
-    return array
-
-
-def coloured(ax: Any, paths: list[FloatArray], values: FloatArray, label: str, *, width: float = 5.0) -> None:
-    """Elements, each a path (n, 2), in the colour of its value, with the scale; thin where there is none."""
-    from matplotlib.collections import LineCollection
-    from matplotlib.colors import LinearSegmentedColormap
-
-    known = np.isfinite(values)
-    if not known.all():
-        ax.add_collection(
-            LineCollection(
-                [paths[e] for e in np.flatnonzero(~known)],
-                colors=GREY,
-                linewidths=1.2,
-                zorder=2,
-                label="without a value",
-            )
-        )
-    # The largest last, so that it lies on top where elements meet.
-    order = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
-    lines = LineCollection(
-        [paths[e] for e in order],
-        zorder=2,
-        linewidths=width,
-        cmap=LinearSegmentedColormap.from_list("loss", SCALE),
-    )
-    lines.set_array(values[order])
-    ax.add_collection(lines)
-    ax.autoscale_view()
-    if not values[known].any():  # a scale from 0 to 0 would say nothing
-        lines.set_clim(0.0, 1.0)
-        ax.set_title(f"{label}: {'0 in every element' if known.any() else 'none given'}", fontsize="medium")
-        return
-    lines.set_clim(min(0.0, float(values[known].min())), max(0.0, float(values[known].max())))
-    ax.figure.colorbar(lines, ax=ax, label=label, shrink=0.8)

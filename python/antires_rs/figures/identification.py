@@ -1,4 +1,4 @@
-"""Stabilization diagram: model order against frequency."""
+"""Poles and values of an identification, and what stands behind them: coherence, singular values."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray
-from .canvas import COLOURS, GREY, LINES, band_shown, below, new_axes, offer, plain_log, spread
+from .canvas import band_shown, below, draw, draw_marks, new_axes, offer, plain_log
+from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread, turn
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
@@ -18,13 +19,14 @@ if TYPE_CHECKING:
 
 #: Lighter than every mark, also where colours are lost.
 CURVE = "#B8B8B8"
-#: Look of the antiresonances: accepted as stable, accepted without it, and added by hand.
-LOOKS: dict[str, dict[str, Any]] = {
-    "accepted": {"color": COLOURS["vermillion"], "ls": "--", "lw": 1.1},
-    "accepted: not stable over the orders": {"color": COLOURS["vermillion"], "ls": "-.", "lw": 1.1},
-    "added by hand": {"color": COLOURS["black"], "ls": (0, (8, 3)), "lw": 1.1},
-    "dropped by hand": {"color": COLOURS["black"], "ls": ":", "lw": 1.1},
+#: Colour and dash of each kind of value.
+LOOKS: dict[str, tuple[str, Any]] = {
+    "accepted": (COLOURS["vermillion"], "--"),
+    "accepted, not stable": (COLOURS["vermillion"], "-."),
+    "added by hand": (COLOURS["black"], (8, 3)),
+    "dropped by hand": (COLOURS["black"], ":"),
 }
+STABLE, UNSTABLE, ADDED, DROPPED = LOOKS
 
 
 def plot_stabilization(
@@ -40,20 +42,9 @@ def plot_stabilization(
     ----------
     diagram : StabilizationDiagram
         From :func:`~antires_rs.stabilization`, or ``AntiresonanceSet.diagrams[dof]``.
-    ax : matplotlib.axes.Axes, optional
-        Drawn into; a new figure by default. It gets a twin axis for the curve behind the poles.
     dropped, added : sequence of float, optional
         Values in Hz that were taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows
         them.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    MissingDependencyError
-        matplotlib is not installed.
 
     Examples
     --------
@@ -66,53 +57,57 @@ def plot_stabilization(
     'Frequency (Hz)'
     """
     ax = new_axes(ax, (9.0, 5.2))
-    order, freq, _, stable = pole_table(diagram)
-
-    behind = ax.twinx()
-    size = np.where(np.asarray(diagram.background) > 0.0, diagram.background, np.nan)
-    behind.plot(diagram.background_freq_hz, size, color=CURVE, lw=1.0)
-    if np.isfinite(size).any():
-        behind.set_yscale("log")
-    behind.set_ylabel("Magnitude of the summed curves (unit of the data)", color="#595959")
-    # The poles belong in front of the curve, though its axis was made later.
-    ax.set_zorder(behind.get_zorder() + 1)
-    ax.patch.set_visible(False)
-
-    ax.plot(
-        freq[~stable],
-        order[~stable],
-        ls="",
-        marker="x",
-        ms=3.5,
-        mew=0.7,
-        color=COLOURS["orange"],
-        label="pole, not stable",
-    )
-    ax.plot(
-        freq[stable],
-        order[stable],
-        ls="",
-        marker="o",
-        ms=3.0,
-        mew=0.0,
-        color=COLOURS["blue"],
-        label="stable pole",
-    )
-    ax.set_xlim(*diagram.band_hz)
+    offer(ax, **diagram_tables(diagram, dropped, added))
+    draw(stabilization(diagram), ax, legend=False)
     mark_values(ax, diagram, dropped, added)
-    # In the legend of the front axis, though drawn on the other.
-    ax.plot([], [], color=CURVE, lw=1.0, label="summed curves, which peak at the poles (right axis)")
-    ax.set_ylim(int(diagram.orders[0]) - 1, int(diagram.orders[-1]) + 1)
-    ax.set_xlabel("Frequency (Hz)")
-    ax.set_ylabel("Model order (-)")
     ax.yaxis.get_major_locator().set_params(integer=True)
-    below(ax, markerscale=1.6)
-    offer(
-        ax,
-        **diagram_tables(diagram, dropped, added),
-        curve={"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background},
-    )
+    below(ax)
     return ax
+
+
+def stabilization(diagram: StabilizationDiagram) -> Panel:
+    """Poles of every order, the stable ones, and the summed curve behind them."""
+    order, freq, damping, stable = pole_table(diagram)
+    first, last = float(diagram.orders[0]), float(diagram.orders[-1])
+    says = {"Frequency": "@x{0.000} Hz", "Model order": "@y", "Damping": "@damping{0.00} %"}
+    marks: list[Mark] = [
+        Points(
+            freq[which], order[which], size=3.3, says=says, more={"damping": 100.0 * damping[which]}, **look
+        )
+        for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
+    ]
+    left = diagram.left_out
+    if len(left):
+        why = left.scores.get("why", np.full(len(left), "")).tolist()
+        hovered: dict[str, Any] = {
+            "says": {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"},
+            "more": {"why": why},
+        }
+        edge = np.full(len(left), last + SEEN_ABOVE)
+        seen = Points(
+            left.freq_hz, edge, "v", face="white", only="page", label="seen, not accepted", **hovered
+        )
+        marks.append(seen)
+    size = np.asarray(diagram.background, dtype=np.float64)
+    size = np.where(size > 0.0, size, np.nan)
+    curve = Line(
+        diagram.background_freq_hz, size, CURVE, width=1.0, label="summed curves, peaks at poles (right axis)"
+    )
+    return Panel(
+        "stabilization",
+        Axis("Frequency (Hz)", diagram.band_hz),
+        Axis("Model order (-)", (first - 1.5, last + 1.0)),
+        marks,
+        behind=(Axis("Summed curves (unit of the data)"), curve),
+        tables={"curve": {"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background}},
+    )
+
+
+#: Looks of poles.
+_POLE: dict[str, Any] = {"marker": "x", "stroke": 0.7, "colour": "orange", "label": "pole, not stable"}
+_STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stable pole"}
+#: Orders above the highest at which what was seen and not accepted stands.
+SEEN_ABOVE = 0.2
 
 
 def diagram_tables(
@@ -148,43 +143,27 @@ def mark_values(
     dropped: Sequence[float] | FloatArray,
     added: Sequence[float] | FloatArray,
 ) -> None:
-    """Vertical lines with their frequencies above the axes, pushed apart where they would overlap.
-
-    A dropped antiresonance has its frequency in parentheses.
-    """
+    """Vertical lines, their frequencies above pushed apart; of what was dropped in parentheses."""
     low, high = diagram.band_hz
-    stable, unsteady, by_hand, out = LOOKS
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [
-        (float(f), out if f in gone else stable if how in ("chain", "windows") else unsteady)
+        (float(f), DROPPED if f in gone else STABLE if how in ("chain", "windows") else UNSTABLE)
         for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
     ]
-    marks = sorted(marks + [(float(f), by_hand) for f in added])
+    marks = sorted(marks + [(float(f), ADDED) for f in added])
     transform = ax.get_xaxis_transform()
+    look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small", "annotation_clip": False}
     labels_at = spread([f for f, _ in marks], (high - low) / 50.0, low, high)
-    named: set[str] = set()
     for (freq, kind), label_at in zip(marks, labels_at, strict=True):
-        ax.axvline(freq, zorder=1.5, label=None if kind in named else kind, **LOOKS[kind])
-        named.add(kind)
-        ax.annotate(
-            f"({freq:.2f} Hz)" if kind == out else f"{freq:.2f} Hz",
-            (freq, 1.0),
-            xytext=(label_at, 1.03),
-            xycoords=transform,
-            textcoords=transform,
-            rotation=90,
-            ha="center",
-            va="bottom",
-            fontsize="x-small",
-            annotation_clip=False,
-            arrowprops={
-                "arrowstyle": "-",
-                "lw": 0.6,
-                "color": LOOKS[kind]["color"],
-                "shrinkA": 0.0,
-                "shrinkB": 0.0,
-            },
-        )
+        text = f"({freq:.2f} Hz)" if kind == DROPPED else f"{freq:.2f} Hz"
+        line = {"arrowstyle": "-", "lw": 0.6, "color": LOOKS[kind][0], "shrinkA": 0.0, "shrinkB": 0.0}
+        places = {"xytext": (label_at, 1.03), "xycoords": transform, "textcoords": transform}
+        ax.annotate(text, (freq, 1.0), arrowprops=line, **places, **look)
+    rules = [
+        Rules([f for f, one in marks if one == kind], True, colour, dash, 1.1, label=kind)
+        for kind, (colour, dash) in LOOKS.items()
+    ]
+    draw_marks(ax, rules, 1.5)
     if not marks:
         ax.set_title("no antiresonance accepted in this band", fontsize="medium")
 
@@ -214,22 +193,8 @@ def plot_damping_clusters(
 
     Parameters
     ----------
-    diagram : StabilizationDiagram
-        From :func:`~antires_rs.stabilization`, or ``AntiresonanceSet.diagrams[dof]``.
-    ax : matplotlib.axes.Axes, optional
-        Drawn into; a new figure by default.
-    dropped, added : sequence of float, optional
-        Values in Hz that were taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows
-        them.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    MissingDependencyError
-        matplotlib is not installed.
+    diagram, dropped, added
+        As in :func:`plot_stabilization`.
 
     Notes
     -----
@@ -239,77 +204,41 @@ def plot_damping_clusters(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from antires_rs.figures.identification import plot_damping_clusters
     >>> from matplotlib.figure import Figure
     >>> f = np.linspace(1.0, 20.0, 200)
     >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
     >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=20)
-    >>> plot_damping_clusters(diagram, ax=Figure().subplots()).get_ylabel()
+    >>> ar.figures.plot_damping_clusters(diagram, ax=Figure().subplots()).get_ylabel()
     'Damping ratio (%)'
     """
-    ax = new_axes(ax, (9.0, 5.2))
     _, freq, damping, stable = pole_table(diagram)
     percent = 100.0 * damping
     low = percent < LEAST_PERCENT
-    ax.plot(
-        freq[~stable & ~low],
-        percent[~stable & ~low],
-        ls="",
-        marker="x",
-        ms=4.0,
-        mew=0.8,
-        color=COLOURS["orange"],
-        label="pole, not stable",
-    )
-    ax.plot(
-        freq[stable & ~low],
-        percent[stable & ~low],
-        ls="",
-        marker="o",
-        ms=4.0,
-        mew=0.0,
-        alpha=0.6,
-        color=COLOURS["blue"],
-        label="stable pole",
-    )
+    marks: list[Mark] = [
+        Points(freq[which & ~low], percent[which & ~low], size=4.0, **look)
+        for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
+    ]
     if low.any():
-        ax.plot(
-            freq[low],
-            np.full(int(low.sum()), LEAST_PERCENT),
-            ls="",
-            marker="v",
-            ms=4.0,
-            mew=0.0,
-            color="#595959",
-            clip_on=False,
-            label=f"pole with less than {LEAST_PERCENT:g} %, or none",
-        )
-    mark_values(ax, diagram, dropped, added)
+        label = f"pole with less than {LEAST_PERCENT:g} %, or none"
+        foot = np.maximum(percent[low], LEAST_PERCENT)
+        marks.append(Points(freq[low], foot, "v", 4.0, "#595959", stroke=0.0, spill=True, label=label))
     if diagram.identified.size:
         found = np.maximum(100.0 * diagram.identified_damping, LEAST_PERCENT)
-        ax.plot(
-            diagram.identified,
-            found,
-            ls="",
-            marker="s",
-            ms=9.0,
-            mew=1.4,
-            mfc="none",
-            mec=COLOURS["black"],
-            clip_on=False,
-            zorder=4,
-            label="damping of the value",
-        )
-    ax.set_yscale("log")
-    top = max(float(percent.max(initial=0.0)), 1.0)
-    ax.set_ylim(LEAST_PERCENT, HEADROOM * top)
+        label = "damping of the value"
+        marks.append(Points(diagram.identified, found, "s", 9.0, "black", "none", 1.4, True, label=label))
+    top = HEADROOM * max(float(percent.max(initial=0.0)), 1.0)
+    panel = Panel(
+        "damping_clusters",
+        Axis("Frequency (Hz)", diagram.band_hz),
+        Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True),
+        marks,
+        grid="y",
+        tables=diagram_tables(diagram, dropped, added),
+    )
+    ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
+    mark_values(ax, diagram, dropped, added)
     plain_log(ax.yaxis, narrow=False)
-    ax.set_xlim(*diagram.band_hz)
-    ax.set_xlabel("Frequency (Hz)")
-    ax.set_ylabel("Damping ratio (%)")
-    ax.grid(axis="y", alpha=0.25)
     below(ax)
-    offer(ax, **diagram_tables(diagram, dropped, added))
     return ax
 
 
@@ -327,29 +256,20 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
     ----------
     resp : FrequencyResponse
         With ``coherence``, e.g. from :func:`~antires_rs.frf` or :func:`~antires_rs.transmissibility`.
-    ax : matplotlib.axes.Axes, optional
-        Drawn into; a new figure by default.
     band_hz : (low, high), optional
         Lines drawn; all of the data by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------
     InvalidInputError
         Responses without coherence, or a band outside the data.
-    MissingDependencyError
-        matplotlib is not installed.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures.identification import plot_coherence
     >>> from matplotlib.figure import Figure
     >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> plot_coherence(ar.frf(rec, nperseg=4096), ax=Figure().subplots()).get_ylabel()
+    >>> ar.figures.plot_coherence(ar.frf(rec, nperseg=4096), ax=Figure().subplots()).get_ylabel()
     'Coherence with the force (-)'
     """
     if not isinstance(resp, FrequencyResponse) or resp.coherence is None:
@@ -359,51 +279,29 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
             "a FrequencyResponse with coherence",
             "Estimate it from a record with several averages.",
         )
-    ax = new_axes(ax, (9.0, 4.0))
     low, high = band_shown(resp.freq_hz, band_hz)
-    rows = [p for p, dof in enumerate(resp.dofs) if dof != resp.reference]
-    curves = resp.coherence[rows]
-    if len(rows) <= FEW:
-        for i, (row, curve) in enumerate(zip(rows, curves, strict=True)):
-            ax.plot(
-                resp.freq_hz,
-                curve,
-                lw=1.2,
-                ls=LINES[i % len(LINES)],
-                color=list(COLOURS.values())[i % len(COLOURS)],
-                label=f"dof {resp.dofs[row]}",
-            )
+    freq = resp.freq_hz
+    curves = {dof: row for dof, row in zip(resp.dofs, resp.coherence, strict=True) if dof != resp.reference}
+    rows = np.array(list(curves.values()))
+    if len(curves) <= FEW:
+        marks: list[Mark] = [
+            Line(freq, row, label=f"dof {dof}", **turn(i)) for i, (dof, row) in enumerate(curves.items())
+        ]
     else:
-        for i, curve in enumerate(curves):
-            ax.plot(resp.freq_hz, curve, lw=0.7, color="#B8B8B8", label="each dof" if i == 0 else None)
-        ax.plot(
-            resp.freq_hz, curves.min(axis=0), lw=1.0, ls="--", color=COLOURS["vermillion"], label="lowest"
-        )
-        ax.plot(resp.freq_hz, np.median(curves, axis=0), lw=1.6, color=COLOURS["blue"], label="median")
+        marks = [
+            Line(freq, row, CURVE, width=0.7, label=None if i else "each dof") for i, row in enumerate(rows)
+        ]
+        marks.append(Line(freq, rows.min(axis=0), "vermillion", "--", 1.0, label="lowest"))
+        marks.append(Line(freq, np.median(rows, axis=0), "blue", width=1.6, label="median"))
     if resp.n_averages is not None and resp.n_averages > 1.0:
-        ax.axhline(
-            1.0 / resp.n_averages,
-            color=COLOURS["black"],
-            lw=0.9,
-            ls=":",
-            label=f"noise alone, {resp.n_averages:.0f} averages",
-        )
-    ax.set_xlim(low, high)
-    ax.set_ylim(0.0, 1.04)
-    ax.set_xlabel("Frequency (Hz)")
+        label = f"noise alone, {resp.n_averages:.0f} averages"
+        marks.append(Rules(1.0 / resp.n_averages, dash=":", width=0.9, label=label))
     to = "the force" if resp.reference is None else f"dof {resp.reference}"
-    ax.set_ylabel(f"Coherence with {to} (-)")
-    ax.grid(alpha=0.25)
-    below(ax)
-    shown = (resp.freq_hz >= low) & (resp.freq_hz <= high)
-    offer(
-        ax,
-        coherence={
-            "freq_hz": resp.freq_hz[shown],
-            **{str(resp.dofs[row]): curve[shown] for row, curve in zip(rows, curves, strict=True)},
-        },
-    )
-    return ax
+    shown = (freq >= low) & (freq <= high)
+    table = {"freq_hz": freq[shown]} | {str(dof): row[shown] for dof, row in curves.items()}
+    x, y = Axis("Frequency (Hz)", (low, high)), Axis(f"Coherence with {to} (-)", (0.0, 1.04))
+    panel = Panel("coherence", x, y, marks, grid="both", tables={"coherence": table})
+    return draw(panel, new_axes(ax, (9.0, 4.0)))
 
 
 def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
@@ -417,19 +315,11 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     ----------
     check : DataCheck
         Of a Recording, from :func:`~antires_rs.check_data`.
-    ax : matplotlib.axes.Axes, optional
-        Drawn into; a new figure by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------
     InvalidInputError
         A check of data without averages, which has no spectral matrix.
-    MissingDependencyError
-        matplotlib is not installed.
 
     Examples
     --------
@@ -440,42 +330,43 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     >>> check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
     'Singular value (dB re noise power)'
     """
-    values = getattr(check, "eigenvalues", None)
-    if values is None:
+    if getattr(check, "eigenvalues", None) is None:
         reject(
             "check",
             "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__,
             "the DataCheck of a Recording with several averages",
             "Single impacts and measured responses have no spectral matrix.",
         )
-    ax = new_axes(ax, (9.0, 4.5))
-    level = 10.0 * np.log10(np.maximum(values, 1e-14 * values.max()))
-    for i in range(values.shape[1] - 1, 1, -1):
+    return draw(singular_values(check), new_axes(ax, (9.0, 4.5)))
+
+
+def singular_values(check: DataCheck, most: int | None = None) -> Panel:
+    """Singular values in dB: of ``most`` at most beside the first and the second."""
+    values = np.asarray(check.eigenvalues)
+    least = 1e-14 * values.max()
+    level = 10.0 * np.log10(np.maximum(values, least))
+    table = {"freq_hz": check.freq_hz} | {f"level_{i}_db": column for i, column in enumerate(level.T)}
+    says = {"Frequency": "@x{0.000} Hz", "Level": "@y{0.0} dB"}
+    marks: list[Mark] = []
+    for i in range(min(values.shape[1], most or values.shape[1]) - 1, 1, -1):
         # Rank deficient by construction: rounding, which would only stretch the axis.
         seen = np.where(values[:, i] > 1e-12 * values.max(), level[:, i], np.nan)
-        ax.plot(check.freq_hz, seen, lw=0.5, color="#C4C4C4", label="the others" if i == 2 else None)
-    table = {"freq_hz": check.freq_hz, **{f"level_{i}_db": level[:, i] for i in range(level.shape[1])}}
+        marks.append(Line(check.freq_hz, seen, "#C4C4C4", width=0.5, label="the others" if i == 2 else None))
     if check.second_expected is not None:
-        expected = 10.0 * np.log10(np.maximum(check.second_expected, 1e-14 * values.max()))
-        table["expected_2_db"] = expected
-        ax.plot(
-            check.freq_hz,
-            expected,
-            lw=1.1,
-            ls=":",
-            color=COLOURS["black"],
-            zorder=3.0,
-            label="second expected under one force",
-        )
+        table["expected_2_db"] = 10.0 * np.log10(np.maximum(check.second_expected, least))
+        label = "second expected under one force"
+        marks.append(Line(check.freq_hz, table["expected_2_db"], "black", ":", 1.1, label=label))
     if values.shape[1] > 1:
-        ax.plot(check.freq_hz, level[:, 1], lw=1.1, ls="--", color=COLOURS["vermillion"], label="second")
-    ax.plot(check.freq_hz, level[:, 0], lw=1.5, color=COLOURS["blue"], label="first")
-    ax.set_xlim(*check.band_hz)
-    ax.set_xlabel("Frequency (Hz)")
-    ax.set_ylabel("Singular value (dB re noise power)")
-    ax.grid(alpha=0.25, color=GREY)
+        marks.append(Line(check.freq_hz, level[:, 1], "vermillion", "--", 1.1, label="second", says=says))
+    marks.append(Line(check.freq_hz, level[:, 0], "blue", width=1.5, label="first", says=says))
     found = check.named("one_force")
-    ax.set_title(f"more than one force ({found[0].severity})" if found else "", fontsize="medium")
-    below(ax, first=("first", "second", "second expected under one force", "the others"))
-    offer(ax, singular_values=table)
-    return ax
+    return Panel(
+        "singular_values",
+        Axis("Frequency (Hz)", check.band_hz),
+        Axis("Singular value (dB re noise power)"),
+        marks,
+        title=f"more than one force ({found[0].severity})" if found else "",
+        grid="both",
+        first=("first", "second", "second expected under one force", "the others"),
+        tables={"singular_values": table},
+    )

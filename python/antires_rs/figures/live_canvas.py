@@ -1,26 +1,15 @@
-"""What all figures to be explored share: paper, palette, hover, legends, and the ways into a page.
+"""Panels as figures to be explored, with bokeh: paper, marks, hover, legends, and the ways into a page.
 
-A figure file holds one function, ``NAME_figure(value, ...)``, which returns a figure of Bokeh (or a column of
-them, :func:`stacked`)::
-
-    def losses_figure(result):
-        fig = paper("Element (-)", "Stiffness loss (%)", height=320)
-        table = columns(element=elements, loss=100.0 * losses, name=names)
-        bars = fig.vbar(x="element", top="loss", width=0.8, source=table, color=COLOURS["blue"])
-        hover(fig, [bars], {"Element": "@name", "Loss": "@loss{0.0} %"})
-        below(fig)
-        return fig
-
-Units stand in the labels of axes and in what hover says. Kinds of things differ by marker, dash or hatch as
-well as by colour, so that they are told apart in grey. What stands in ``columns`` goes to the browser in
-single precision. A page takes :func:`item` of a figure and loads :func:`script_files`; a file that stands
-alone takes :func:`parts` and the texts of :func:`script_files`. bokeh is imported in functions only.
+What stands in :func:`columns` goes to the browser in single precision. A page takes :func:`item` of a figure
+and loads :func:`script_files`; a file that stands alone takes :func:`parts` and the texts of those files.
+bokeh is imported in functions only.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from functools import singledispatch
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -28,12 +17,19 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import MissingDependencyError
+from . import marks
 
-#: Dash patterns to go with the colours.
-DASHES: tuple[Any, ...] = ("solid", "dashed", "dashdot", "dotted", [12, 4], [2, 6])
 #: Ink of text and axes, grid lines.
 INK, GRID = "#222222", "#E3E3E3"
 FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
+LEGEND: dict[str, Any] = {
+    "location": "left",
+    "border_line_color": None,
+    "padding": 0,
+    "margin": 0,
+    "spacing": 5,
+}
+LEGEND |= {"label_text_font": FONT, "label_text_font_size": "12px"}
 #: Along an upright axis.
 PX_A_LETTER = 6
 #: Of a text above a figure.
@@ -53,78 +49,17 @@ def require_bokeh() -> None:
         )
 
 
-def paper(
-    x: str,
-    y: str,
-    *,
-    height: int = 320,
-    x_range: Any = None,
-    y_range: Any = None,
-    x_log: bool = False,
-    y_log: bool = False,
-    name: str | None = None,
-    equal: bool = False,
-) -> Any:
-    """An empty figure as wide as its place."""
-    require_bokeh()
-    from bokeh.models import BoxZoomTool, PanTool, ResetTool, SaveTool, WheelZoomTool
-    from bokeh.plotting import figure
-
-    given = {"x_range": x_range, "y_range": y_range}
-    fig = figure(
-        height=height,
-        sizing_mode="stretch_width",
-        x_axis_type="log" if x_log else "auto",
-        y_axis_type="log" if y_log else "auto",
-        x_axis_label=x,
-        y_axis_label=y,
-        tools=[],
-        toolbar_location="above",
-        match_aspect=equal,
-        min_border_left=LEFT_PX,
-        min_border_right=18,
-        name=name,
-        **{key: value for key, value in given.items() if value is not None},
-    )
-    box, wheel = BoxZoomTool(), WheelZoomTool(dimensions="both" if equal else "width")
-    fig.add_tools(box, PanTool(), wheel, ResetTool(), SaveTool())
-    fig.toolbar.active_drag = box
-    fig.toolbar.logo = None
-    fig.outline_line_color = "#9A9A9A"
-    for axis in fig.axis:
-        axis.axis_label_text_font_style = "normal"
-        axis.axis_label_text_font_size = axis.major_label_text_font_size = "12px"
-        axis.axis_label_text_font = axis.major_label_text_font = FONT
-        axis.axis_label_text_color = axis.major_label_text_color = INK
-        axis.minor_tick_line_color = None
-    fig.grid.grid_line_color = GRID
-    if len(y) > height // PX_A_LETTER:
-        said, _, unit = y.rpartition(" (")
-        fig.title.text, fig.title.text_font_style = _shortened(said or y), "normal"
-        fig.title.text_font, fig.title.text_font_size, fig.title.text_color = FONT, "12px", INK
-        fig.yaxis.axis_label = f"({unit}" if said else ""
-    return fig
-
-
-def _shortened(text: str) -> str:
-    """A text without its middle, where it would push the tools out of a narrow window."""
-    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 16]}…{text[-15:]}"
-
-
 def columns(**values: Any) -> Any:
     """A table behind glyphs, ``bokeh.models.ColumnDataSource``: one length, numbers in single precision."""
     require_bokeh()
     from bokeh.models import ColumnDataSource
 
-    return ColumnDataSource({name: _slim(column) for name, column in values.items()})
-
-
-def _slim(column: Any) -> Any:
-    """Numbers as the browser needs them; text stays a list."""
-    array = np.asarray(column)
-    if array.dtype.kind == "f":
-        return array.astype(np.float32)
-    return array.tolist() if array.dtype.kind in "USObiu" else array
+    table = {}
+    for name, column in values.items():
+        array = np.asarray(column)
+        slim = array.astype(np.float32) if array.dtype.kind == "f" else array
+        table[name] = array.tolist() if array.dtype.kind in "USObiu" else slim
+    return ColumnDataSource(table)
 
 
 def hover(fig: Any, renderers: Sequence[Any], says: Mapping[str, str], **options: Any) -> Any:
@@ -137,20 +72,256 @@ def hover(fig: Any, renderers: Sequence[Any], says: Mapping[str, str], **options
 
 
 def below(fig: Any, *, side_by_side: int = 2) -> None:
-    """Move the legend under the figure, where it hides nothing; a click on an entry hides what it is of.
-
-    So many entries stand ``side_by_side``: two fit on a telephone.
-    """
+    """Move the legend under the figure; a click on an entry hides what it is of. Two fit on a telephone."""
     for legend in list(fig.legend):
         fig.add_layout(legend, "below")
-        legend.ncols = side_by_side
-        legend.location = "left"
-        legend.click_policy = "hide"
-        legend.border_line_color = None
-        legend.padding = legend.margin = 0
-        legend.spacing = 5
-        legend.label_text_font, legend.label_text_font_size = FONT, "12px"
-        legend.label_text_color = INK
+        legend.update(ncols=side_by_side, click_policy="hide", label_text_color=INK, **LEGEND)
+
+
+#: Pixels for a point of a line, and of a marker.
+LINE_PX, MARKER_PX = 1.25, 1.6
+#: Names of dashes, markers and hatches, by those of the marks.
+_DASHES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
+_MARKERS = {"o": "circle", ".": "circle", "x": "x", "s": "square", "D": "diamond"}
+_MARKERS |= {"^": "triangle", "v": "inverted_triangle"}
+_HATCHES = {"": " ", "/": "right_diagonal_line", ".": "dot", "x": "cross"}
+
+
+def explored(panel: marks.Panel, *, height: int = 320, x_range: Any = None, side_by_side: int = 2) -> Any:
+    """A panel as a figure as wide as its place; ``x_range`` ties it to another one."""
+    require_bokeh()
+    from bokeh.models import BoxZoomTool, PanTool, ResetTool, SaveTool, WheelZoomTool
+    from bokeh.plotting import figure
+
+    x, y = panel.x, panel.y
+    given = {"x_range": x.limits if x_range is None else x_range, "y_range": y.limits}
+    fig = figure(
+        height=height,
+        sizing_mode="stretch_width",
+        x_axis_type="datetime" if x.dated else "log" if x.log else "auto",
+        y_axis_type="log" if y.log else "auto",
+        x_axis_label=x.label,
+        y_axis_label=y.label,
+        tools=[],
+        toolbar_location="above",
+        match_aspect=panel.equal,
+        min_border_left=LEFT_PX,
+        min_border_right=18,
+        name=panel.name,
+        **{key: value for key, value in given.items() if value is not None},
+    )
+    box, wheel = BoxZoomTool(), WheelZoomTool(dimensions="both" if panel.equal else "width")
+    fig.add_tools(box, PanTool(), wheel, ResetTool(), SaveTool())
+    fig.toolbar.active_drag, fig.toolbar.logo = box, None
+    fig.outline_line_color, fig.grid.grid_line_color = "#9A9A9A", GRID
+    for axis in fig.axis:
+        axis.axis_label_text_font_style, axis.minor_tick_line_color = "normal", None
+        axis.axis_label_text_font_size = axis.major_label_text_font_size = "12px"
+        axis.axis_label_text_font = axis.major_label_text_font = FONT
+        axis.axis_label_text_color = axis.major_label_text_color = INK
+    fig.title.text_font, fig.title.text_font_size, fig.title.text_color = FONT, "12px", INK
+    fig.title.text, fig.title.text_font_style = panel.title, "normal"
+    if len(y.label) > height // PX_A_LETTER and not panel.title:
+        said, _, unit = y.label.rpartition(" (")
+        said = said or y.label  # without its middle, where it would push the tools out of a narrow window
+        fig.title.text = said if len(said) <= MOST_LETTERS else f"{said[: MOST_LETTERS - 16]}…{said[-15:]}"
+        fig.yaxis.axis_label = f"({unit}" if " (" in y.label else ""
+    if panel.behind is not None:
+        _draw_behind(fig, *panel.behind)
+    curves = sum(isinstance(mark, marks.Line) and bool(mark.says) for mark in panel.marks)
+    for mark in panel.marks:
+        if mark.only != "picture":
+            drawn = _draw(mark, fig, {} if mark.label is None else {"legend_label": mark.label})
+            if mark.says:
+                mode = "vline" if isinstance(mark, marks.Line) and curves == 1 else "mouse"
+                hover(fig, drawn, mark.says, mode=mode)
+    for axis, of, grid in ((fig.xaxis, x, fig.xgrid), (fig.yaxis, y, fig.ygrid)):
+        if of.at is not None or of.names is not None:
+            axis.ticker = ticks = [float(place) for place in of.places]
+        if of.names is not None:
+            axis.major_label_overrides = dict(zip(ticks, of.names, strict=True))
+            axis.major_label_orientation = np.pi / 2 if of.upright else "horizontal"
+            grid.grid_line_color = None
+    if fig.legend:
+        below(fig, side_by_side=side_by_side)
+    return fig
+
+
+def _draw_behind(fig: Any, axis: marks.Axis, curve: marks.Line) -> None:
+    """On a logarithmic axis of its own at the right."""
+    from bokeh.models import LogAxis, LogScale, Range1d
+
+    size = np.asarray(curve.y)
+    if not np.isfinite(size).any():
+        return
+    fig.extra_y_ranges = {"behind": Range1d(0.7 * float(np.nanmin(size)), 1.4 * float(np.nanmax(size)))}
+    fig.extra_y_scales = {"behind": LogScale()}
+    look = {"axis_label_text_font_style": "normal", "axis_label_text_font_size": "12px"}
+    grey = {"axis_label_text_color": "#595959", "major_label_text_color": "#595959"}
+    fig.add_layout(LogAxis(y_range_name="behind", axis_label=axis.label, **look, **grey), "right")
+    _draw(curve, fig, {"legend_label": curve.label, "y_range_name": "behind"})
+
+
+def dash_of(dash: Any) -> Any:
+    """A dash of the marks as bokeh names it."""
+    return _DASHES[dash] if isinstance(dash, str) else [2 * length for length in dash]
+
+
+@singledispatch
+def _draw(mark: marks.Mark, fig: Any, label: dict[str, Any]) -> list[Any]:
+    """Draw a mark; what there is to hover over."""
+    raise TypeError(type(mark).__name__)
+
+
+@_draw.register
+def _points(mark: marks.Points, fig: Any, label: dict[str, Any]) -> list[Any]:
+    table = columns(x=mark.x, y=mark.y, **mark.more)
+    share = 0.8 if mark.marker == "." else 1.0
+    look = {"size": share * MARKER_PX * mark.size, "line_color": mark.colour, "line_width": mark.stroke}
+    look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face or mark.colour}
+    stroke = (2, 2, 0.0) if mark.marker == "|" else mark.marker
+    look |= {"angle": np.pi / 2 + np.radians(stroke[2])} if isinstance(stroke, tuple) else {}
+    marker = "dash" if isinstance(stroke, tuple) else _MARKERS.get(stroke, "circle_dot")
+    return [fig.scatter("x", "y", source=table, marker=marker, **look, **label)]
+
+
+@_draw.register
+def _line(mark: marks.Line, fig: Any, label: dict[str, Any]) -> list[Any]:
+    table = columns(x=mark.x, y=mark.y, **mark.more)
+    look = {"color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
+    if mark.steps:
+        return [fig.step("x", "y", source=table, mode="after", **look, **label)]
+    return [fig.line("x", "y", source=table, **look, **label)]
+
+
+@_draw.register
+def _bars(mark: marks.Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
+    table = columns(x=mark.at, y=mark.length, **mark.more)
+    look = {
+        "line_color": mark.edge,
+        "line_dash": dash_of(mark.dash),
+        "hatch_pattern": _HATCHES[mark.hatch[:1]],
+    }
+    look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
+    look |= {"hatch_color": mark.edge, "hatch_scale": 8}
+    if mark.sideways:
+        return [fig.hbar(y="x", right="y", height=mark.width, source=table, **look, **label)]
+    return [fig.vbar(x="x", top="y", width=mark.width, source=table, **look, **label)]
+
+
+@_draw.register
+def _ticks(mark: marks.Ticks, fig: Any, label: dict[str, Any]) -> list[Any]:
+    x = np.asarray(mark.x)
+    table = columns(y=mark.y, low=x - mark.half, high=x + mark.half, **mark.more)
+    return [fig.segment("low", "y", "high", "y", source=table, color=mark.colour, line_width=2, **label)]
+
+
+@_draw.register
+def _whiskers(mark: marks.Whiskers, fig: Any, label: dict[str, Any]) -> list[Any]:
+    look = {"source": columns(x=mark.x, low=mark.low, high=mark.high), "color": "black", "line_width": 1.6}
+    ends = [fig.scatter("x", end, marker="dash", size=13, **look, **label) for end in ("low", "high")]
+    return [fig.segment("x", "low", "x", "high", **look, **label), *ends]
+
+
+@_draw.register
+def _rules(mark: marks.Rules, fig: Any, label: dict[str, Any]) -> list[Any]:
+    table = columns(at=np.atleast_1d(mark.at), **mark.more)
+    look = {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
+    if mark.upright:
+        return [fig.vspan(x="at", source=table, **look, **label)]
+    return [fig.hspan(y="at", source=table, **look, **label)]
+
+
+@_draw.register
+def _bands(mark: marks.Bands, fig: Any, label: dict[str, Any]) -> list[Any]:
+    table = columns(low=mark.low, high=mark.high, **mark.more)
+    look: dict[str, Any] = {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
+    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]], "hatch_color": marks.INKS["pale"], "hatch_scale": 8}
+    return [fig.vstrip(x0="low", x1="high", source=table, line_alpha=0.0, **look, **label)]
+
+
+#: Offset per pixel away and alignments of a text beside its place.
+_BESIDE = {
+    "above": ((0, -1), "center", "bottom"),
+    "below": ((0, 1), "center", "top"),
+    "right": ((1, 0), "left", "middle"),
+    "centre": ((0, 0), "center", "middle"),
+}
+
+
+@_draw.register
+def _words(mark: marks.Words, fig: Any, label: dict[str, Any]) -> list[Any]:
+    (x, y), across, along = _BESIDE[mark.where]
+    look = {"x_offset": 1.3 * x * mark.away, "y_offset": 1.3 * y * mark.away, "text_color": mark.colour}
+    look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across, "text_baseline": along}
+    if mark.turned:  # along the text is across the figure now
+        up = {"above": "left", "below": "right"}.get(mark.where, "center")
+        look |= {"angle": np.pi / 2, "text_align": up, "text_baseline": "middle"}
+    look |= {"text_font_style": "italic"} if mark.slanted else {}
+    look |= {"background_fill_color": "white"} if mark.boxed else {}
+    return [fig.text("x", "y", "text", source=columns(x=mark.x, y=mark.y, text=list(mark.texts)), **look)]
+
+
+@_draw.register
+def _heads(mark: marks.Heads, fig: Any, label: dict[str, Any]) -> list[Any]:
+    edge_labels(fig, columns(x=mark.x, label=list(mark.texts)), text_font_size="10px", text_color="#444444")
+    return []
+
+
+def edge_labels(fig: Any, table: Any, **look: Any) -> None:
+    """Upright texts of a table's column ``label`` at its ``x``, on the lower edge of whatever is shown."""
+    from bokeh.core.properties import value
+    from bokeh.models import LabelSet
+
+    given = {name: value(one) for name, one in {"text_font": FONT, **look}.items()}
+    upright = {"angle": np.pi / 2, "text_baseline": "bottom", "x_offset": -3, "y_units": "screen"}
+    fig.add_layout(LabelSet(x="x", y=value(5), text="label", source=table, **upright, **given))
+
+
+@_draw.register
+def _paths(mark: marks.Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
+    from bokeh.models import ColorBar, LinearColorMapper
+    from bokeh.palettes import interp_palette
+
+    table = columns(**mark.more)
+    for name, column in (("xs", 0), ("ys", 1)):
+        table.data[name] = [path[:, column].tolist() for path in mark.paths]
+    width = LINE_PX * mark.width
+    if mark.values is None:
+        look = {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": width}
+        return [fig.multi_line("xs", "ys", source=table, **look, **label)]
+    value = np.asarray(mark.values)
+    known = np.isfinite(value)
+    table.data["value"] = np.where(known, value, 0.0).astype(np.float32)
+    table.data["width"] = np.where(known, width, 1.5).astype(np.float32)
+    top = float(value[known].max(initial=0.0))
+    mapper = LinearColorMapper(palette=interp_palette(marks.SCALE, 64), low=0.0, high=top or 1.0)
+    colour = {"field": "value", "transform": mapper}
+    if top > 0.0:
+        look = {
+            "width": 10,
+            "title": mark.scale.rpartition("(")[2].rstrip(")"),
+            "padding": 2,
+            "major_label_text_font_size": "11px",
+        }
+        fig.add_layout(ColorBar(color_mapper=mapper, **look), "right")
+    else:
+        fig.title.text, fig.title.text_font_style = f"{mark.scale}: 0 in every element", "normal"
+    return [fig.multi_line("xs", "ys", source=table, line_width="width", line_color=colour)]
+
+
+@_draw.register
+def _arrows(mark: marks.Arrows, fig: Any, label: dict[str, Any]) -> list[Any]:
+    from bokeh.models import Arrow, NormalHead
+
+    (x0, y0), (x1, y1) = np.transpose(mark.tails), np.transpose(mark.heads)
+    ends = {"x_start": "x0", "y_start": "y0", "x_end": "x1", "y_end": "y1"}
+    table = columns(x0=x0, y0=y0, x1=x1, y1=y1, **mark.more)
+    width = LINE_PX * mark.width
+    shaft = fig.segment("x0", "y0", "x1", "y1", source=table, color=mark.colour, line_width=width, **label)
+    head = NormalHead(size=9, fill_color=mark.colour, line_color=mark.colour)
+    fig.add_layout(Arrow(end=head, source=table, line_alpha=0.0, **ends))
+    return [shaft]
 
 
 def stacked(figures: Sequence[Any]) -> Any:

@@ -1,19 +1,158 @@
-"""Opening a page: in the browser of this computer, or inside a notebook."""
+"""The page of a set or of a result: its life, and how it is opened, in a notebook too."""
 
 from __future__ import annotations
 
+import asyncio
 import sys
+import threading
 import time
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..exceptions import AntiresError, reject
+from ..signals.repeats import one_source
 from .live_canvas import item, require_bokeh
-from .page_server import Page, in_notebook
-from .page_session import Arguments, Refused, View
+from .page_session import Session, SetView, View
+
+if TYPE_CHECKING:
+    from .report_parts import Figure
+
+#: A page that is loaded again is gone for less.
+GRACE_S = 3.0
+#: Of what a page may send.
+MOST_BYTES = 100_000
+
+
+class Page:
+    """A page that is served at ``url``, its address with the token: whoever has that may use the page."""
+
+    def __init__(self, view: View | None = None, *, ends_with_page: bool) -> None:
+        require_bokeh()
+        self._view = view
+        self._ends_with_page = ends_with_page
+        self._ready, self._over = threading.Event(), threading.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._stopping: asyncio.Event | None = None
+        self._there: asyncio.Event | None = None
+        self._failed: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="antires-look", daemon=True)
+        self.url = ""
+
+    @property
+    def zeros(self) -> Any:
+        """The set as it is now, with all edits; None for a page that shows a result."""
+        session = getattr(self._view, "session", None)
+        return None if session is None else session.zeros
+
+    def show(self, view: View) -> None:
+        """What is served, where it was not there when the page was opened: browsers are slow to begin too."""
+        self._view = view
+        self._warm()
+        self._tell(self._there)
+
+    def _warm(self) -> None:
+        """Make the first figure, with what has to be imported for it, while the browser begins."""
+
+        def make() -> None:
+            with suppress(AntiresError):  # told when the page asks for it
+                if self._view is not None:
+                    self._view.figure(0)
+
+        threading.Thread(target=make, daemon=True).start()
+
+    async def _viewed(self) -> View:
+        """The view, when it is there."""
+        assert self._there is not None
+        await self._there.wait()
+        assert self._view is not None
+        return self._view
+
+    @property
+    def running(self) -> bool:
+        """Whether the page is still answered."""
+        return not self._over.is_set()
+
+    def start(self) -> None:
+        """Serve in a thread; returns when the page can be opened."""
+        self._thread.start()
+        if self._view is not None:
+            self._warm()
+        self._ready.wait()
+        if self._failed is not None:
+            raise self._failed
+
+    def wait(self) -> None:
+        """Return when the page was closed, or Ctrl-C."""
+        try:
+            while not self._over.wait(0.2):
+                pass
+        finally:
+            self.stop()
+
+    def stop(self) -> None:
+        """End the server; pages that are open say so."""
+        self._tell(self._stopping)
+        self._over.wait(2.0)
+
+    def _tell(self, event: asyncio.Event | None) -> None:
+        """Set an event in the thread of the server, unless that has ended."""
+        if self._loop is not None and event is not None:
+            with suppress(RuntimeError):  # it has
+                self._loop.call_soon_threadsafe(event.set)
+
+    def keep_unsaved(self) -> Path | None:
+        """Write edits that were not saved beside where they belong, so that closing loses nothing."""
+        session = getattr(self._view, "session", None)
+        return None if session is None else session.keep_unsaved()
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except BaseException as exc:  # raised in the thread that started this one
+            self._failed = exc
+        finally:
+            self._over.set()
+            self._ready.set()
+
+    async def _serve(self) -> None:
+        from tornado.httpserver import HTTPServer
+        from tornado.netutil import bind_sockets
+
+        from .page_handlers import ADDRESS, Guard, Presence, application
+
+        self._loop, self._stopping = asyncio.get_running_loop(), asyncio.Event()
+        self._there = asyncio.Event()
+        if self._view is not None:
+            self._there.set()
+        alone = self._stopping.set if self._ends_with_page else (lambda: None)
+        presence = Presence(alone, GRACE_S)
+        sockets = bind_sockets(0, ADDRESS)
+        guard = Guard(sockets[0].getsockname()[1])
+        server = HTTPServer(application(self._viewed, guard, presence), max_body_size=MOST_BYTES)
+        server.add_sockets(sockets)
+        self.url = guard.address
+        self._ready.set()
+        await self._stopping.wait()
+        server.stop()
+        presence.close()
+        await asyncio.sleep(0.05)  # for the sockets to say goodbye
+        await server.close_all_connections()
+
+
+def in_notebook() -> bool:
+    """Whether this is the kernel of a notebook."""
+    shell = sys.modules.get("IPython")
+    found = None if shell is None else shell.get_ipython()
+    return found is not None and "IPKernelApp" in getattr(found, "config", {})
+
+
+# -- Opening it: in the browser of this computer, or inside a notebook
+
 
 #: Height of the page in a notebook, in pixels.
 INLINE_PX = 820
@@ -36,7 +175,9 @@ def opened(
     page.start()
     try:
         if inline:
-            _inline(page.url)
+            from IPython.display import IFrame, display
+
+            display(IFrame(page.url, width="100%", height=INLINE_PX))
         else:
             say(f"looking at {title}: {page.url}")
             if browser and not webbrowser.open(page.url):
@@ -44,7 +185,7 @@ def opened(
         page.show(make())
     except BaseException as exc:
         if isinstance(exc, AntiresError):
-            page.show(Refused(title, exc))
+            page.show(View(title, exc))
             time.sleep(LAST_WORD_S)
         page.stop()
         raise
@@ -65,9 +206,6 @@ def of_set(
 ) -> Page:
     """What :meth:`~antires_rs.AntiresonanceSet.look` does."""
     require_bokeh()
-    from ..signals.repeats import one_source
-    from .page_session import Session, SetView
-
     given = dict(options)
     session = Session(
         zeros,
@@ -81,22 +219,7 @@ def of_set(
     return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)
 
 
-def _inline(url: str) -> None:
-    """The page below the cell of a notebook."""
-    from IPython.display import IFrame, display
-
-    display(IFrame(url, width="100%", height=INLINE_PX))
-
-
 # -- The page of a result: its figures, its answer and its tables; nothing can be changed there
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A figure, made when it is asked for, and what stands under it."""
-
-    make: Callable[[], Any]
-    caption: str
 
 
 @dataclass(frozen=True)
@@ -108,25 +231,15 @@ class Table:
     rows: list[list[str]]
 
 
-class ResultView:
-    """What the server shows of a result.
-
-    Parameters
-    ----------
-    title : str
-    answer : sequence of str
-        Sentences, the first one in large letters.
-    figures : sequence of Drawn
-    tables : sequence of Table
-    """
-
-    slow: frozenset[str] = frozenset()
+class ResultView(View):
+    """A result: its answer, of which the first sentence is large, figures and tables."""
 
     def __init__(
-        self, title: str, answer: Sequence[str], figures: Sequence[Drawn], tables: Sequence[Table]
+        self, title: str, answer: Sequence[str], figures: Sequence[Figure], tables: Sequence[Table]
     ) -> None:
-        self.title, self.answer, self.figures, self.tables = title, answer, figures, tables
-        self._item = cache(lambda shown: item(self.figures[shown].make()))
+        super().__init__(title)
+        self.answer, self.figures, self.tables = answer, figures, tables
+        self._item = cache(lambda shown: item(self.figures[shown].explore()))
 
     def state(self, shown: int) -> dict[str, Any]:
         """Everything but the figures."""
@@ -142,10 +255,3 @@ class ResultView:
         if not 0 <= shown < len(self.figures):
             reject("shown", shown, f"a figure from 0 to {len(self.figures) - 1}", "Load the page again.")
         return dict(self._item(shown))
-
-    def do(self, command: str, arguments: Arguments) -> str:
-        """Nothing: a result follows from its data and its job."""
-        reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
-
-    def file(self) -> None:
-        """There is nothing to download that the folder of the result does not have."""

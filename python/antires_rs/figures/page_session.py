@@ -6,13 +6,12 @@ import math
 import os
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import count
 from pathlib import Path
 from threading import Lock, RLock
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -27,32 +26,14 @@ from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
 from ..support.checks import FloatArray, frequency_band, integer
 from ..support.files import write_atomically
-from .identification import pole_table
+from .identification import SEEN_ABOVE, pole_table
 from .live_canvas import item
 from .live_identification import Curve, curve_of, evidence_figure, mark_columns
-
-# -- What is on the desk at one moment
 
 
 @dataclass(frozen=True)
 class Sight:
-    """What is on the desk at one moment; undo goes back to an earlier one.
-
-    Attributes
-    ----------
-    zeros : AntiresonanceSet
-        With the edits that it can take.
-    asked : tuple of Asked
-        All edits, in order.
-    waits : tuple of str or None
-        For each edit why it waits, None where it was made.
-    band_hz : (low, high) or None
-        None where there is nothing to identify from.
-    max_order : int or None
-        None for the default.
-    warned : tuple of str
-        What the identification warned of.
-    """
+    """A set with the edits that it can take; all edits, and why each waits, None where it was made."""
 
     zeros: AntiresonanceSet
     asked: tuple[Asked, ...] = ()
@@ -75,13 +56,7 @@ TAKEN = "file"
 
 
 class SessionFile:
-    """Where a session is saved.
-
-    Attributes
-    ----------
-    path : pathlib.Path or None
-        None where the set can only be downloaded, or taken from Python.
-    """
+    """Where a session is saved; without a path the set can only be downloaded, or taken from Python."""
 
     def __init__(self, path: Path | None) -> None:
         self.path = path
@@ -114,7 +89,10 @@ class SessionFile:
             return None
         for folder in (self.path.parent, Path(tempfile.gettempdir())):
             with suppress(AntiresError):
-                free = next(path for path in _names(folder, self.path.stem) if not path.exists())
+                # An earlier one is not replaced.
+                ends = ("", *(f"_{i}" for i in range(2, 1000)))
+                names = (folder / f"{self.path.stem}_unsaved{end}.json" for end in ends)
+                free = next(path for path in names if not path.exists())
                 _write(free, text)
                 return free
         reject(
@@ -123,12 +101,6 @@ class SessionFile:
             "a folder for edits that were not saved",
             "Make room there.",
         )
-
-
-def _names(folder: Path, stem: str) -> Iterator[Path]:
-    """Names for what was not saved, so that an earlier one is not replaced."""
-    yield folder / f"{stem}_unsaved.json"
-    yield from (folder / f"{stem}_unsaved_{i}.json" for i in count(2))
 
 
 def _write(path: Path, text: str) -> None:
@@ -158,62 +130,20 @@ def _mark(path: Path) -> tuple[int, int, int] | None:
 Band = tuple[float, float]
 
 
-class Source(Protocol):
-    """A measurement, or several that make one set."""
-
-    @property
-    def dofs(self) -> tuple[Any, ...]:
-        """Those of the set."""
-
-    @property
-    def covered_hz(self) -> Band:
-        """Frequencies of which it can tell."""
-
-    @property
-    def whole_band(self) -> Band:
-        """A band to begin with."""
-
-    @property
-    def response(self) -> FrequencyResponse | None:
-        """Curves of all responses under one force, where it has them."""
-
-    def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
-        """The set, in a band."""
-
-    def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:
-        """What was measured at a dof, on the lines of the band."""
-
-
 class OneMeasurement:
     """A record, or FRFs; repeated ones as one."""
 
     def __init__(self, signal: Recording | FrequencyResponse) -> None:
         self._signal = signal
         self._averages: dict[Band, Averages] = {}
-
-    @property
-    def dofs(self) -> tuple[Any, ...]:
-        """Those of the channels."""
-        return self._signal.dofs
-
-    @property
-    def covered_hz(self) -> Band:
-        """Of records up to half the sampling rate."""
-        return covered_hz(self._signal)
-
-    @property
-    def whole_band(self) -> Band:
-        """All lines of curves; of records up to 80 % of the highest frequency."""
-        signal = self._signal
+        self.dofs: tuple[Any, ...] = signal.dofs
+        self.covered_hz = covered_hz(signal)
+        self.response = signal if isinstance(signal, FrequencyResponse) else None
         if isinstance(signal, FrequencyResponse):
             positive = signal.freq_hz[signal.freq_hz > 0.0]
-            return float(positive[0]), float(signal.freq_hz[-1])
-        return 0.005 * signal.fs_hz, 0.4 * signal.fs_hz
-
-    @property
-    def response(self) -> FrequencyResponse | None:
-        """None of a record."""
-        return self._signal if isinstance(self._signal, FrequencyResponse) else None
+            self.whole_band = float(positive[0]), float(signal.freq_hz[-1])
+        else:
+            self.whole_band = 0.005 * signal.fs_hz, 0.4 * signal.fs_hz
 
     def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
         """As :func:`~antires_rs.identify_antiresonances`."""
@@ -234,9 +164,40 @@ class OneMeasurement:
         return curve_of(signal, averages, dof)
 
 
-def source_of(given: Any) -> Source | None:
-    """What was given, as a source."""
-    return OneMeasurement(given) if isinstance(given, Recording | FrequencyResponse) else given
+class RovingHammer:
+    """A measurement for each place that was hit, and the sensor that stayed: by reciprocity its responses."""
+
+    response: None = None
+
+    def __init__(self, hits: Sequence[Hit], sensor: Any) -> None:
+        self._hits, self._sensor = tuple(hits), sensor
+        self._places: dict[Any, tuple[OneMeasurement, Any]] = {}
+        for hit in hits:
+            one = OneMeasurement(hit.signal)
+            # A hit at the sensor itself shows all responses.
+            own = {dof: dof for dof in one.dofs} if hit.force == sensor else {hit.force: sensor}
+            for dof, channel in own.items():
+                self._places.setdefault(dof, (one, channel))
+        self.dofs = tuple(self._places)
+        measured = [one for one, _ in self._places.values()]
+        self.covered_hz = _common([one.covered_hz for one in measured])
+        self.whole_band = _common([one.whole_band for one in measured])
+
+    def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
+        """Each by itself, joined."""
+        return identify_roving(self._hits, self._sensor, band_hz, progress=False, **options)
+
+    def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:
+        """That of the sensor under the hit there."""
+        one, channel = self._places.get(dof, (None, None))
+        return None if one is None else one.curve(channel, band_hz, options)
+
+
+def _common(bands: Sequence[Band]) -> Band:
+    return max(low for low, _ in bands), min(high for _, high in bands)
+
+
+Source = OneMeasurement | RovingHammer
 
 
 # -- What a click means: the value, pole or dip that is nearest to it
@@ -268,13 +229,9 @@ class Pick:
 
 
 def picked(zeros: AntiresonanceSet, dof: Any, click: Click, curve: Curve | None = None) -> Pick | None:
-    """What a click at a response asks for; None where nothing is near.
-
-    On a pole it adds it, on a value it drops it, on the place of a dropped one it brings that back. On a
-    curve it adds the dip. The line of a value goes before what lies beside it: zoom in to tell them apart.
-    """
-    now, gone = zeros[dof], _gone(zeros, dof)
-    for values, action in ((now, "drop"), (gone, "restore")):
+    """What a click asks for: the line of a value goes before what lies beside it. None: nothing is near."""
+    now, before = zeros[dof], zeros.original()[dof]
+    for values, action in ((now, "drop"), (before[~np.isin(before, now)], "restore")):
         at = _nearest(values, click)
         if at is not None:
             return Pick(action, float(values[at]))
@@ -283,11 +240,6 @@ def picked(zeros: AntiresonanceSet, dof: Any, click: Click, curve: Curve | None 
     if click.figure == "curve" and curve is not None:
         return _dip(curve, click)
     return None
-
-
-def _gone(zeros: AntiresonanceSet, dof: Any) -> FloatArray:
-    before = zeros.original()[dof]
-    return before[~np.isin(before, zeros[dof])]
 
 
 def _nearest(values: FloatArray, click: Click) -> int | None:
@@ -313,7 +265,7 @@ def _seen(zeros: AntiresonanceSet, dof: Any, click: Click) -> Pick | None:
     diagram = zeros.diagrams[dof]
     table = diagram.left_out
     at = _nearest(table.freq_hz, click)
-    if at is None or click.y < float(diagram.orders[-1]) + 0.2 - REACH_PX * click.y_per_px:
+    if at is None or click.y < float(diagram.orders[-1]) + SEEN_ABOVE - REACH_PX * click.y_per_px:
         return None
     damping, std = float(table.damping_ratio[at]), float(table.std_hz[at])
     return Pick(
@@ -336,21 +288,7 @@ def _dip(curve: Curve, click: Click) -> Pick | None:
 
 
 class Session:
-    """A set and what may be done with it. Calls may come from several threads.
-
-    Parameters
-    ----------
-    zeros : AntiresonanceSet or None
-        None: :meth:`identify` makes it, and until then there are curves without values.
-    source : Recording, FrequencyResponse or Source, optional
-        What it was identified from: curves are shown, and band and orders may be changed.
-    excitation : int or str, optional
-        Of a source without a set.
-    band_hz, max_order, options : optional
-        With which the set was identified, and the other options of the identification.
-    save_to : path-like, optional
-        Where :meth:`save` writes.
-    """
+    """A set, what it was identified from, and what may be done, by several threads."""
 
     def __init__(
         self,
@@ -363,7 +301,9 @@ class Session:
         options: Mapping[str, Any] | None = None,
         save_to: str | os.PathLike[str] | None = None,
     ) -> None:
-        self.source, self.options = source_of(source), dict(options or {})
+        if isinstance(source, Recording | FrequencyResponse):
+            source = OneMeasurement(source)
+        self.source, self.options = source, dict(options or {})
         self.identified = zeros is not None
         if zeros is None:
             assert self.source is not None
@@ -375,15 +315,11 @@ class Session:
                 band_hz = self.source.whole_band if diagram is None else diagram.band_hz
             band_hz = _inside(self.source, band_hz)
         asked = asked_of(zeros)
-        self._now = Sight(
-            zeros,
-            asked,
-            (None,) * len(asked),
-            None if band_hz is None else (band_hz[0], band_hz[1]),
-            max_order,
-        )
-        self._past: list[Sight] = []
-        self._future: list[Sight] = []
+        band = None if band_hz is None else (band_hz[0], band_hz[1])
+        self.now = Sight(zeros, asked, (None,) * len(asked), band, max_order)
+        #: What undo and redo go to.
+        self.past: list[Sight] = []
+        self.future: list[Sight] = []
         self._saved: tuple[AntiresonanceSet | None, tuple[Asked, ...]] = (None, asked)
         self.file = SessionFile(None if save_to is None else Path(save_to))
         self._lock = RLock()
@@ -391,36 +327,21 @@ class Session:
         self.turn = 0
 
     @property
-    def now(self) -> Sight:
-        """What is on the desk."""
-        return self._now
-
-    @property
     def zeros(self) -> AntiresonanceSet:
         """The set as it is now."""
-        return self._now.zeros
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is something to undo."""
-        return bool(self._past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is something to do again."""
-        return bool(self._future)
+        return self.now.zeros
 
     @property
     def unsaved(self) -> bool:
         """Whether there are edits that the file does not have, or values that are others than those saved."""
         zeros, asked = self._saved
         other = zeros is not None and self.zeros != zeros
-        return self.identified and (other or self._now.asked != asked)
+        return self.identified and (other or self.now.asked != asked)
 
     @property
     def text(self) -> str:
         """What the file is to hold: the set, and the edits that wait."""
-        now = self._now
+        now = self.now
         waiting = [each for each, why in zip(now.asked, now.waits, strict=True) if why is not None]
         return to_json(now.zeros, waiting)
 
@@ -439,9 +360,9 @@ class Session:
     def drop(self, dof: Any, freq_hz: float, reason: str = "") -> str:
         """Drop a value; one that was added by hand is taken back instead."""
         with self._lock:
-            for i, each in enumerate(self._now.asked):
+            for i, each in enumerate(self.now.asked):
                 same = each.edit.dof == dof and each.edit.freq_hz == freq_hz
-                if same and each.edit.action == "add" and self._now.waits[i] is None:
+                if same and each.edit.action == "add" and self.now.waits[i] is None:
                     return self.take_back(i)
             return self._edited(self.zeros.drop(dof, freq_hz, reason=reason))
 
@@ -456,9 +377,11 @@ class Session:
         """Add a value; one outside the band is told, one that the measurement cannot reach is refused."""
         with self._lock:
             added = self.zeros.add(dof, freq_hz, damping_ratio=damping_ratio, std_hz=std_hz, reason=reason)
-            if self.source is not None:
-                _reached(self.source, freq_hz)
-            band = self._now.band_hz
+            low, high = (0.0, math.inf) if self.source is None else self.source.covered_hz
+            if not low <= freq_hz <= high:
+                wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
+                reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")
+            band = self.now.band_hz
             outside = band is not None and not band[0] <= freq_hz <= band[1]
             seen = f", outside of the band of {band[0]:g} to {band[1]:g} Hz" if band and outside else ""
             return f"{self._edited(added)}{seen}"
@@ -468,8 +391,8 @@ class Session:
         with self._lock:
             off = {
                 i: abs(each.edit.freq_hz / freq_hz - 1.0)
-                for i, each in enumerate(self._now.asked)
-                if (each.edit.dof, each.edit.action, self._now.waits[i]) == (dof, "drop", None)
+                for i, each in enumerate(self.now.asked)
+                if (each.edit.dof, each.edit.action, self.now.waits[i]) == (dof, "drop", None)
             }
             nearest = min(off, key=off.__getitem__, default=None)
             if nearest is not None and off[nearest] < NAMED_WITHIN:
@@ -482,7 +405,7 @@ class Session:
             asked = self._edits(number)
             undone = asked[number].edit
             rest = [each for i, each in enumerate(asked) if i != number]
-            self._step(self._now.on(self.zeros.original(), rest))
+            self._step(self.now.on(self.zeros.original(), rest))
             verb = "brought back" if undone.action == "drop" else "took back"
             return f"{verb} {undone.freq_hz:.2f} Hz at dof {undone.dof}"
 
@@ -493,17 +416,14 @@ class Session:
             if asked[number].edit.reason == reason:
                 return ""
             asked[number] = asked[number].reworded(reason)
-            self._step(self._now.on(self.zeros.original(), asked))
+            self._step(self.now.on(self.zeros.original(), asked))
             return "reason kept"
 
     def identify(self, band_hz: Sequence[float] | None = None, max_order: int | None = None) -> str:
-        """Identify again, and make all edits again; what became of those that wait is told by :attr:`now`.
-
-        It takes as long as it takes; until then the set stays as it was.
-        """
+        """Identify again and make all edits again; until that is done the set stays as it was."""
         if self.source is None:
             reject("source", "a set alone", "the measurement too", "Open the measurement to identify again.")
-        band = self._now.band_hz if band_hz is None else band_hz
+        band = self.now.band_hz if band_hz is None else band_hz
         band = _inside(self.source, band)
         if max_order is not None:
             max_order = integer("max_order", max_order, low=2)
@@ -513,8 +433,8 @@ class Session:
             made = self.source.identify(self.zeros.excitation, band, options)
         with self._lock:
             said = tuple(line for each in heard for line in str(each.message).splitlines())
-            seen = replace(self._now, band_hz=(band[0], band[1]), max_order=max_order, warned=said)
-            seen = seen.on(made, self._now.asked)
+            seen = replace(self.now, band_hz=(band[0], band[1]), max_order=max_order, warned=said)
+            seen = seen.on(made, self.now.asked)
             if self.identified:
                 self._step(seen)
             else:  # the first one is where undo ends
@@ -525,19 +445,19 @@ class Session:
 
     def undo(self) -> str:
         """Go back to what was before the last change, of edits, band or orders."""
-        return self._moved(self._past, self._future, "undone")
+        return self._moved(self.past, self.future, "undone")
 
     def redo(self) -> str:
         """Do again what was undone."""
-        return self._moved(self._future, self._past, "done again")
+        return self._moved(self.future, self.past, "done again")
 
     def save(self, *, replace_file: bool = False) -> str:
         """Write the set, and the edits that wait, where it belongs."""
         with self._lock:
             name = self.file.write(self.text, replace_file=replace_file)
-            self._saved = (self.zeros, self._now.asked)
+            self._saved = (self.zeros, self.now.asked)
             self.turn += 1
-            waiting = sum(why is not None for why in self._now.waits)
+            waiting = sum(why is not None for why in self.now.waits)
             kept = f"; of its edits {waiting} still wait{'s' * (waiting == 1)}" if waiting else ""
             return f"saved {name}{kept}"
 
@@ -548,28 +468,28 @@ class Session:
 
     def opened(self, asked: Sequence[Asked], path: Path | None = None) -> None:
         """Say that the set came from a file with these edits: ``path``, where it may be written back."""
-        self._now = self._now.on(self.zeros.original(), asked)
-        self._saved = (None, self._now.asked)
+        self.now = self.now.on(self.zeros.original(), asked)
+        self._saved = (None, self.now.asked)
         if path is not None:
-            self._saved = (self.zeros, self._now.asked)
+            self._saved = (self.zeros, self.now.asked)
             self.file = SessionFile(path)
             self.file.opened()
 
     def make_again(self, edits: Sequence[Asked]) -> None:
         """Make the edits of another set, as far as this one can take them; the others wait."""
-        now = self._now
+        now = self.now
         if edits and self.identified:
             self._step(now.on(self.zeros.original(), [*now.asked, *edits]))
         elif edits:
-            self._now = replace(now, asked=tuple(edits), waits=("not identified yet",) * len(edits))
+            self.now = replace(now, asked=tuple(edits), waits=("not identified yet",) * len(edits))
 
     def curve(self, dof: Any) -> Curve | None:
         """What was measured at a response, on the lines of the band."""
-        source, band = self.source, self._now.band_hz
+        source, band = self.source, self.now.band_hz
         return None if source is None or band is None else source.curve(dof, band, self.options)
 
     def _edits(self, number: int) -> tuple[Asked, ...]:
-        asked = self._now.asked
+        asked = self.now.asked
         if not 0 <= number < len(asked):
             reject(
                 "number", number, f"an edit from 0 to {len(asked) - 1}", "Look again: the list has changed."
@@ -577,128 +497,33 @@ class Session:
         return asked
 
     def _edited(self, zeros: AntiresonanceSet) -> str:
-        edit = zeros.edits[-1]
-        now = self._now
+        edit, now = zeros.edits[-1], self.now
         asked = (*now.asked, Asked.on(zeros.original(), edit))
         self._step(replace(now, zeros=zeros, asked=asked, waits=(*now.waits, None)))
         return str(edit)
 
     def _step(self, sight: Sight) -> None:
-        self._past.append(self._now)
-        self._future.clear()
+        self.past.append(self.now)
+        self.future.clear()
         self._show(sight)
 
     def _show(self, sight: Sight) -> None:
-        self._now = sight
+        self.now = sight
         self.turn += 1
 
     def _moved(self, source: list[Sight], target: list[Sight], said: str) -> str:
         with self._lock:
             if not source:
                 return f"nothing to be {said}"
-            target.append(self._now)
+            target.append(self.now)
             self._show(source.pop())
             return said
 
 
-def _inside(source: Source, band_hz: Any) -> tuple[float, float]:
+def _inside(source: Source, band_hz: Any) -> Band:
     """A band inside what the source covers."""
     low, high = source.covered_hz
     return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
-
-
-def _reached(source: Source, freq_hz: float) -> None:
-    """Refuse a frequency of which the measurement cannot tell."""
-    low, high = source.covered_hz
-    if not low <= freq_hz <= high:
-        wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
-        reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")
-
-
-# -- The hits of a roving hammer as one source, whose force is at another place for each response
-
-
-class RovingHammer:
-    """A measurement for each place that was hit, and the sensor that stayed: by reciprocity its responses."""
-
-    def __init__(self, hits: Sequence[Hit], sensor: Any) -> None:
-        self._hits, self._sensor = tuple(hits), sensor
-        self._places: dict[Any, tuple[OneMeasurement, Any]] = {}
-        for hit in hits:
-            one = OneMeasurement(hit.signal)
-            # A hit at the sensor itself shows all responses.
-            own = {dof: dof for dof in one.dofs} if hit.force == sensor else {hit.force: sensor}
-            for dof, channel in own.items():
-                self._places.setdefault(dof, (one, channel))
-
-    @property
-    def dofs(self) -> tuple[Any, ...]:
-        """Places that were hit, and responses under a hit at the sensor."""
-        return tuple(self._places)
-
-    @property
-    def covered_hz(self) -> Band:
-        """Of all measurements."""
-        return self._common("covered_hz")
-
-    @property
-    def whole_band(self) -> Band:
-        """That of all measurements."""
-        return self._common("whole_band")
-
-    @property
-    def response(self) -> None:
-        """There is none: each has a force of its own."""
-
-    def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
-        """Each by itself, joined."""
-        return identify_roving(self._hits, self._sensor, band_hz, progress=False, **options)
-
-    def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:
-        """That of the sensor under the hit there."""
-        one, channel = self._places.get(dof, (None, None))
-        return None if one is None else one.curve(channel, band_hz, options)
-
-    def _common(self, name: str) -> Band:
-        bands = [getattr(one, name) for one, _ in self._places.values()]
-        return max(low for low, _ in bands), min(high for _, high in bands)
-
-
-# -- A session as plain data: what the page shows beside its figures
-
-
-def told(session: Session, dof: Any) -> dict[str, Any]:
-    """Table, edits and what may be done, and the marks of the response that is shown."""
-    turn = session.turn  # before what it is of: never newer than that
-    now = session.now
-    zeros, band = now.zeros, now.band_hz
-    shown = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
-    return {
-        "kind": "set",
-        "turn": turn,
-        "excitation": str(zeros.excitation),
-        "dofs": [str(each) for each in zeros],
-        "dof": list(zeros).index(dof),
-        "rows": rows_of(zeros),
-        "edits": [
-            {
-                "text": _said(each.edit.action, each.edit.freq_hz, each.edit.dof),
-                "reason": each.edit.reason,
-                "waits": why,
-            }
-            for each, why in zip(now.asked, now.waits, strict=True)
-        ],
-        "marks": mark_columns(zeros, dof, shown or (0.0, 1.0)),
-        "band_hz": None if band is None else list(band),
-        "max_order": now.max_order,
-        "identified": session.identified,
-        "can_identify": session.source is not None,
-        "can_undo": session.can_undo,
-        "can_redo": session.can_redo,
-        "unsaved": session.unsaved,
-        "file": None if session.file.path is None else str(session.file.path),
-        "warnings": list(now.warned) or _warnings(zeros),
-    }
 
 
 def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
@@ -722,62 +547,38 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
     return rows
 
 
-def _said(action: str, freq_hz: float, dof: Any) -> str:
-    return f"{'dropped' if action == 'drop' else 'added'} {freq_hz:.2f} Hz at dof {dof}"
-
-
-def _warnings(zeros: AntiresonanceSet) -> list[str]:
-    return [] if zeros.data_check is None else [f"data check: {line}" for line in zeros.data_check.warnings]
-
-
 # -- What a server asks of what it shows
 
 
 Arguments = Mapping[str, Any]
 
 
-class View(Protocol):
-    """What the server shows: a set that is edited, or a result."""
+class View:
+    """What the server shows: a set that is edited, a result, or as it is the reason why there is neither."""
 
-    title: str
     #: Commands that take long; the others are answered at once.
-    slow: frozenset[str]
-
-    def state(self, shown: int) -> dict[str, Any]:
-        """What stands beside the figures, as plain data."""
-
-    def figure(self, shown: int) -> dict[str, Any]:
-        """A figure as ``Bokeh.embed.embed_item`` takes it."""
-
-    def do(self, command: str, arguments: Arguments) -> str:
-        """Carry out a command; what was done, in words."""
-
-    def file(self) -> tuple[str, str] | None:
-        """Name and text of what can be downloaded."""
-
-
-class Refused:
-    """In place of a view: why there is none."""
-
     slow: frozenset[str] = frozenset()
 
-    def __init__(self, title: str, why: Exception) -> None:
+    def __init__(self, title: str, why: Exception | None = None) -> None:
         self.title, self._why = title, why
 
     def state(self, shown: int) -> dict[str, Any]:
-        """Says why."""
-        raise self._why
+        """What stands beside the figures, as plain data."""
+        raise self._why or NotImplementedError
 
     def figure(self, shown: int) -> dict[str, Any]:
-        """Says why."""
-        raise self._why
+        """A figure as ``Bokeh.embed.embed_item`` takes it."""
+        raise self._why or NotImplementedError
 
     def do(self, command: str, arguments: Arguments) -> str:
-        """Says why."""
-        raise self._why
+        """Carry out a command; what was done, in words."""
+        if self._why is not None:
+            raise self._why
+        reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
 
-    def file(self) -> None:
-        """There is none."""
+    def file(self) -> tuple[str, str] | None:
+        """Name and text of what can be downloaded, where there is more than the folder of a result has."""
+        return None
 
 
 # -- What the page may ask for: each command by name, its arguments checked, in plain data both ways
@@ -787,13 +588,14 @@ class Refused:
 MOST = 1_000_000
 
 
-class SetView:
+class SetView(View):
     """The page of a set."""
 
     slow = frozenset({"identify"})
 
     def __init__(self, session: Session, title: str) -> None:
-        self.session, self.title = session, title
+        super().__init__(title)
+        self.session = session
         self._drawing = Lock()
         self._drawn: tuple[Sight, int, dict[str, Any]] | None = None
         self._commands: dict[str, Callable[[Arguments], str | None]] = {
@@ -809,25 +611,52 @@ class SetView:
         }
 
     def state(self, shown: int) -> dict[str, Any]:
-        """See :func:`~antires_rs.figures.page_session.told`."""
-        return told(self.session, self._at(shown))
+        """Table, edits and what may be done, and the marks of the response that is shown."""
+        session, dof = self.session, self._at(shown)
+        turn = session.turn  # before what it is of: never newer than that
+        now = session.now
+        zeros, band = now.zeros, now.band_hz
+        verbs = {"drop": "dropped", "add": "added"}
+        checked = () if zeros.data_check is None else zeros.data_check.warnings
+        around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
+        return {
+            "kind": "set",
+            "turn": turn,
+            "excitation": str(zeros.excitation),
+            "dofs": [str(each) for each in zeros],
+            "dof": list(zeros).index(dof),
+            "rows": rows_of(zeros),
+            "edits": [
+                {
+                    "text": f"{verbs[each.edit.action]} {each.edit.freq_hz:.2f} Hz at dof {each.edit.dof}",
+                    "reason": each.edit.reason,
+                    "waits": why,
+                }
+                for each, why in zip(now.asked, now.waits, strict=True)
+            ],
+            "marks": mark_columns(zeros, dof, around or (0.0, 1.0)),
+            "band_hz": None if band is None else list(band),
+            "max_order": now.max_order,
+            "identified": session.identified,
+            "can_identify": session.source is not None,
+            "can_undo": bool(session.past),
+            "can_redo": bool(session.future),
+            "unsaved": session.unsaved,
+            "file": None if session.file.path is None else str(session.file.path),
+            "warnings": list(now.warned) or [f"data check: {line}" for line in checked],
+        }
 
     def figure(self, shown: int) -> dict[str, Any]:
         """Everything that speaks for the values of a response."""
         with self._drawing:
             now = self.session.now
             if self._drawn is None or self._drawn[0] is not now or self._drawn[1] != shown:
-                self._drawn = (now, shown, self._figure(shown))
+                session, dof = self.session, self._at(shown)
+                response = None if session.source is None else session.source.response
+                curve, band = session.curve(dof), now.band_hz
+                made = evidence_figure(session.zeros, dof, curve, response, band, every_kind=True)
+                self._drawn = (now, shown, item(made))
             return self._drawn[2]
-
-    def _figure(self, shown: int) -> dict[str, Any]:
-        session, dof = self.session, self._at(shown)
-        response = None if session.source is None else session.source.response
-        return item(
-            evidence_figure(
-                session.zeros, dof, session.curve(dof), response, session.now.band_hz, every_kind=True
-            )
-        )
 
     def do(self, command: str, arguments: Arguments) -> str:
         """One of the commands above."""

@@ -1,8 +1,7 @@
-"""Reports: one self-contained HTML file for a result (``pip install "antires-rs[report]"``).
+"""Reports: one self-contained HTML file for a result (``pip install "antires-rs[report]"``), or for a watch.
 
 Style and pictures are inside the file and nothing is fetched when it is opened, so it can be mailed, archived
-and printed. Uses results, ``plotting`` and jinja2; ``facts`` finds the words, ``rows`` the tables,
-``figures`` the pictures, ``template.html`` the page.
+and printed.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core import __version__
-from ..damage.result import DamageResult
+from ..damage.assess import DamageResult
 from ..damage.words import without_idle
 from ..exceptions import MissingDependencyError, reject
 from ..signals.frequency_response import FrequencyResponse
@@ -28,30 +27,10 @@ from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..updating.result import UpdateResult
 from ..watch.monitor import alarm_lines, fault_lines, rate_lines
+from . import report_parts as parts
 from .canvas import picture
-from .live_watch import watched_figure
-from .report_parts import (
-    Drawings,
-    Facts,
-    damage_rows,
-    dof_name,
-    drawings_of,
-    fitting,
-    frequency_rows,
-    hypothesis_rows,
-    largest,
-    library,
-    of_model,
-    of_search,
-    of_set,
-    of_signal,
-    packed,
-    parameter_rows,
-    policy,
-    script,
-    states,
-)
-from .watch import draw_monitor, panels, size_in
+from .report_parts import Drawings, Facts
+from .watch import draw_monitor, panels, size_in, watched_figure
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
@@ -81,8 +60,8 @@ def write_report(
     -----
     The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
     figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
-    pictures stand there. Where all stabilization diagrams together would
-    make it larger, the last are left out, and it says how many.
+    pictures stand there. Where all stabilization diagrams together would make it larger, the last are left
+    out, and it says how many.
     """
     if not isinstance(result, UpdateResult):
         reject(
@@ -117,54 +96,53 @@ def write_report(
             "A ModalSet does not tell where the force was, which the model's transmissibilities need.",
         )
     measured = _measured(result, measurement)
-    drawn = drawings_of(result, response, truth, diagrams) if drawn is None else drawn
-    shown, left_out = fitting(drawn)
-    if warnings is None:
-        warnings = [
-            said
-            for each in problem.measured
-            for said in getattr(getattr(each, "data_check", None), "warnings", ())
-        ]
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    what, values = (
+        ("resonance", "resonances and mode shapes") if modal else ("antiresonance", "antiresonances")
     )
-    template = files(__package__).joinpath("assets", "report.html").read_text(encoding="utf-8")
-    html = environment.from_string(template).render(
-        title=title
-        or ("Damage assessment" if damage else "Model updating")
-        + (" with resonances and mode shapes" if modal else " with antiresonances"),
-        answer=damage._headline() if damage else [_answer_update(result)],
+    changes = "{} before, {} after".format(*_largest(result))
+    drawn = parts.drawings_of(result, response, truth, diagrams) if drawn is None else drawn
+    shown, left_out = parts.fitting(drawn)
+    if warnings is None:
+        checks = [getattr(each, "data_check", None) for each in problem.measured]
+        warnings = [line for check in checks if check is not None for line in check.warnings]
+    blocks: dict[str, Any] = {"trim_blocks": True, "lstrip_blocks": True}
+    environment = Environment(autoescape=True, undefined=StrictUndefined, **blocks)
+    html = environment.from_string(_asset("report.html")).render(
+        title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
+        answer=damage._headline() if damage else [f"Largest {what} difference: {changes}."],
         lead=_lead(result),
         result=result,
         damage=damage is not None,
         modal=modal,
-        states=states(result),
-        parameters=damage_rows(damage, truth) if damage else parameter_rows(result),
+        states=parts.states(result),
+        parameters=parts.damage_rows(damage, truth) if damage else parts.parameter_rows(result),
         judged=judged is not None,
-        hypotheses=None if judged is None else hypothesis_rows(without_idle(judged.assessment)),
+        hypotheses=None if judged is None else parts.hypothesis_rows(without_idle(judged.assessment)),
         intact=[_lines(each) for each in baseline or ()],
         known=truth is not None,
-        rows=frequency_rows(result),
+        rows=parts.frequency_rows(result),
         figures=drawn.figures,
         measured=measured,
         diagrams=shown,
         left_out=left_out,
-        library=library(),
-        script=script(),
-        policy=policy(),
+        library=parts.library(),
+        script=parts.script(),
+        policy=parts.policy(),
         warnings=list(warnings),
-        model=of_model(problem.model),
-        run=of_search(result) | _lines(origin or {}) | _versions(),
+        model=parts.of_model(problem.model),
+        run=parts.of_search(result) | _lines(origin or {}) | _versions(),
     )
     return write_atomically(path, html.encode("utf-8"))
 
 
-def _answer_update(result: UpdateResult) -> str:
-    what = "resonance" if result.problem.objective == "modal" else "antiresonance"
-    return (
-        f"Largest {what} difference: {largest(result.table.largest_before_percent)} before, "
-        f"{largest(result.table.largest_after_percent)} after."
-    )
+def _asset(name: str) -> str:
+    return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
+
+
+def _largest(result: UpdateResult) -> list[str]:
+    """The largest differences before and after in words."""
+    table = result.table
+    return [parts.largest(one) for one in (table.largest_before_percent, table.largest_after_percent)]
 
 
 def _lead(result: UpdateResult) -> str:
@@ -175,7 +153,7 @@ def _lead(result: UpdateResult) -> str:
         what, dofs = "resonance", ", ".join(f"{len(each.dofs)} dofs" for each in sets)
         given = f"{count} measured resonances with shapes at {dofs}"
     else:
-        what, names = "antiresonance", [dof_name(problem.model, each.excitation) for each in sets]
+        what, names = "antiresonance", [parts.dof_name(problem.model, each.excitation) for each in sets]
         kind = names[0].split()[0]  # "dof" or "node", once
         forces = ", ".join(name.removeprefix(f"{kind} ") for name in names)
         given = f"{count} measured antiresonances, force at {kind} {forces}"
@@ -191,9 +169,7 @@ def _lead(result: UpdateResult) -> str:
         )
         among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
         return f"{given}, compared with those of the intact structure; {among}.{would}"
-    before, after = (
-        largest(p) for p in (result.table.largest_before_percent, result.table.largest_after_percent)
-    )
+    before, after = _largest(result)
     return (
         f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
         f"damage, {after} with the damage found."
@@ -203,13 +179,8 @@ def _lead(result: UpdateResult) -> str:
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     """Facts about each measured set; what was given leads."""
     sets = result.problem.measured
-    given = (
-        []
-        if measurement is None
-        else [measurement]
-        if isinstance(measurement, Recording | FrequencyResponse | Mapping)
-        else list(measurement)
-    )
+    one = measurement is None or isinstance(measurement, Recording | FrequencyResponse | Mapping)
+    given = ([] if measurement is None else [measurement]) if one else list(measurement)
     if given and len(given) != len(sets):
         reject(
             "measurement",
@@ -225,10 +196,11 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
                 "a Recording, a FrequencyResponse or facts by name",
                 "Pass what was read from the file, or None.",
             )
-    told = [
-        {} if one is None else _lines(one) if isinstance(one, Mapping) else of_signal(one) for one in given
-    ]
-    return [(told[i] if told else {}) | of_set(each, result.problem.model) for i, each in enumerate(sets)]
+    facts: list[Facts] = [parts.of_set(each, result.problem.model) for each in sets]
+    for i, one in enumerate(given):
+        if one is not None:
+            facts[i] = (_lines(one) if isinstance(one, Mapping) else parts.of_signal(one)) | facts[i]
+    return facts
 
 
 def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
@@ -262,12 +234,8 @@ _LATEST = 50
 
 def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:
     """Write the page, whole or not at all."""
-    drawn = picture(
-        lambda axes: draw_monitor(np.atleast_1d(axes), watched),
-        size_in(watched),
-        rows=len(panels(watched)),
-        dpi=130,
-    )
+    rows, size = len(panels(watched)), size_in(watched)
+    drawn = picture(lambda axes: draw_monitor(np.atleast_1d(axes), watched), size, rows=rows, dpi=130)
     image = base64.b64encode(drawn).decode()
     rest = watched.outside_baseline
     count, alarms = int(rest.sum()), int(watched.alarm[rest].sum())
@@ -279,18 +247,23 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
     notes = [*rate_lines(watched), *fault_lines(watched)]
     if watched.failed:
         notes.append(f"failed, not judged: {len(watched.failed)} tests")
+    # The style of the other reports; the charts are explored where bokeh is installed.
+    style = _asset("report.html").split("<style>")[1].split("</style>")[0]
+    block, library = parts.packed(lambda: watched_figure(watched)), parts.library()
+    live = _packed('class="packed"', block, '<div class="live" id="figure-charts"></div>')
+    draw = _packed('id="library"', library) + (f"<script>{parts.script()}</script>" if library else "")
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy()}">
+<meta http-equiv="Content-Security-Policy" content="{parts.policy()}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Watch: {alarms} of {count} tests alarm</title><link rel="icon" href="data:,">
-<style>{_style()}</style></head><body>
+<style>{style}</style></head><body>
 <h1>antires_rs watch</h1>
 <p class="answer">{alarms:,} of {count:,} tests outside the baseline alarm</p>
 <p class="lead">{escape(state)}. Baseline: {watched.baseline.size} tests,
 {watched.dof.size} antiresonances.</p>
 <figure><img alt="Charts of all tests over their limits, and the first condition"
-src="data:image/png;base64,{image}">{_live(watched)}
+src="data:image/png;base64,{image}">{live}
 <figcaption>Each chart over its limit: crosses above 1 are alarms. The baseline is shaded; its tests are
 judged by the others.</figcaption></figure>
 <h2>Alarms</h2>
@@ -299,33 +272,14 @@ judged by the others.</figcaption></figure>
 <h2>Rate and conditions</h2>
 <ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
 <p class="lead">antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC</p>
-{_script()}</body></html>
+{draw}</body></html>
 """
     write_atomically(path, page.encode())
 
 
-def _live(watched: Watched) -> str:
-    """The charts to be explored, where they can be made."""
-    block = packed(lambda: watched_figure(watched))
-    if not block:
-        return ""
-    return (
-        '<div class="live" id="figure-charts"></div>'
-        f'<script type="text/plain" class="packed">{block}</script>'
-    )
-
-
-def _script() -> str:
-    """What draws them."""
-    if not library():
-        return ""
-    return f'<script type="text/plain" id="library">{library()}</script><script>{script()}</script>'
-
-
-def _style() -> str:
-    """That of the other reports."""
-    text = files(__package__).joinpath("assets", "report.html").read_text(encoding="utf-8")
-    return text.split("<style>")[1].split("</style>")[0]
+def _packed(name: str, block: str, place: str = "") -> str:
+    """A block that a script unpacks, behind its place; nothing for nothing."""
+    return f'{place}<script type="text/plain" {name}>{block}</script>' if block else ""
 
 
 def _paragraphs(lines: list[str]) -> str:

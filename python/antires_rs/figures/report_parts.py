@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..damage.assess import DamageResult
 from ..damage.hypotheses import Assessment, loss, span
-from ..damage.result import DamageResult
 from ..damage.words import without_idle
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
@@ -27,20 +27,19 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
 from ..updating.result import UpdateResult
 from ..updating.tables import ModalTable, signed
+from . import responses
 from .canvas import picture
-from .damage import plot_damage, plot_hypotheses
-from .live_canvas import item, script_files
+from .damage import losses, plot_damage, plot_hypotheses, probabilities
+from .live_canvas import LEGEND, explored, item, script_files
 from .live_identification import stabilization_figure
-from .live_results import result_figures
-from .responses import MOST_RESPONSES, plot_responses, plot_transmissibility
-from .structure import plot_chain, plot_frame
-from .updating import plot_convergence, plot_differences
+from .marks import Axis, Line, Panel
+from .structure import chain, frame, plot_chain, plot_frame, seen_points
+from .updating import convergence, differences, plot_convergence, plot_differences
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..measured.modal_set import ModalSet
-    from ..signals.frequency_response import FrequencyResponse
-    from ..updating.result import UpdateResult
+    from ..support.checks import FloatArray
 
 Facts = dict[str, list[str]]
 
@@ -129,11 +128,8 @@ def _spectra(signal: Recording, found: AntiresonanceSet, used: Mapping[str, Any]
     if length is None:
         return f"method {used['method']}"
     overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
-    averages = (
-        ""
-        if checked is None or checked.n_averages is None
-        else (f", {checked.n_averages:.1f} independent averages")
-    )
+    known = checked is not None and checked.n_averages is not None
+    averages = f", {checked.n_averages:.1f} independent averages" if checked and known else ""
     return (
         f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}, window "
         f"{used['window']}{averages}"
@@ -167,32 +163,18 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     return facts | of_evidence(found)
 
 
-def _not_accepted(found: AntiresonanceSet) -> Facts:
-    """What was seen and left out, and peaks that nothing explains."""
-    facts: Facts = {}
-    for name, values in (
-        ("Left out", {dof: table.freq_hz for dof, table in found.left_out.items()}),
-        ("Unexplained peaks", found.unexplained_hz),
-    ):
-        said = [
-            f"dof {dof}: " + ", ".join(f"{f:.2f}" for f in freq) + " Hz"
-            for dof, freq in values.items()
-            if len(freq)
-        ]
-        if said:
-            facts[name] = said
-    return facts
-
-
 def of_evidence(found: AntiresonanceSet) -> Facts:
-    """What was not accepted, and what a set knows only as long as it is not saved."""
-    facts = _not_accepted(found)
+    """What was not accepted, peaks that nothing explains, and what a set knows as long as it is not saved."""
+    left = {dof: table.freq_hz for dof, table in found.left_out.items()}
+    facts: Facts = {}
+    for name, values in (("Left out", left), ("Unexplained peaks", found.unexplained_hz)):
+        some = {dof: ", ".join(f"{f:.2f}" for f in freq) for dof, freq in values.items() if len(freq)}
+        if some:
+            facts[name] = [f"dof {dof}: {freq} Hz" for dof, freq in some.items()]
     if found.diagrams:
-        some = next(iter(found.diagrams.values()))
-        facts["Diagrams"] = [
-            f"orders {some.orders[0]:.0f} to {some.orders[-1]:.0f}, {some.band_hz[0]:g} to "
-            f"{some.band_hz[1]:g} Hz"
-        ]
+        one = next(iter(found.diagrams.values()))
+        low, high = one.band_hz
+        facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     if found.cross_check is not None:
@@ -208,25 +190,21 @@ def of_model(model: StructuralModel) -> Facts:
         springs = -np.diag(stiffness, 1)
         facts["Masses"] = [f"{_span(np.diag(model.mass()), 'kg')}, {model.mass().sum():.4g} kg in all"]
         facts["Springs"] = [_span(springs, "N/m")] if springs.size else ["none"]
-        held = stiffness.sum(axis=1)[[0, -1]]
-        ends = [
-            f"{name} mass {k:.4g} N/m"
-            for name, k in zip(("first", "last"), held, strict=True)
-            if k > 1e-9 * stiffness.max()
-        ]
+        held = zip(("first", "last"), stiffness.sum(axis=1)[[0, -1]], strict=True)
+        ends = [f"{name} mass {k:.4g} N/m" for name, k in held if k > 1e-9 * stiffness.max()]
         facts["To ground"] = ends or ["none, free at both ends"]
     elif isinstance(model, FrameModel):
-        facts["Sections"] = [
-            f"{model.section_label(i)}: {_section(section)}"
-            for i, section in enumerate(model.sections.values())
-        ]
+        sections = enumerate(model.sections.values())
+        facts["Sections"] = [f"{model.section_label(i)}: {_section(section)}" for i, section in sections]
         facts["Carried"] = [
-            _count(len(model.point_masses), "point mass", "point masses"),
-            _count(len(model.ground_springs), "spring to ground", "springs to ground"),
-            _count(len(model.node_springs), "spring between nodes", "springs between nodes"),
+            f"{len(carried) or 'no'} {one if len(carried) == 1 else many}"
+            for carried, one, many in (
+                (model.point_masses, "point mass", "point masses"),
+                (model.ground_springs, "spring to ground", "springs to ground"),
+                (model.node_springs, "spring between nodes", "springs between nodes"),
+            )
         ]
-        held = sorted({node for node, _ in model.fixed})
-        facts["Fixed nodes"] = [_names(held) if held else "none"]
+        facts["Fixed nodes"] = [_names(sorted({node for node, _ in model.fixed})) or "none"]
     facts["Numbers"] = ["all from 0, as in Python and in job files"]
     return facts
 
@@ -288,16 +266,9 @@ def _span(values: Any, unit: str) -> str:
 
 
 def _section(section: Any) -> str:
-    values = ", ".join(
-        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
-        for name, value in asdict(section).items()
-        if value is not None
-    )
-    return f"{type(section).__name__}, {values}"
-
-
-def _count(number: int, one: str, many: str) -> str:
-    return f"{number or 'no'} {one if number == 1 else many}"
+    values = {name: value for name, value in asdict(section).items() if value is not None}
+    said = [f"{name} {f'{v:.6g}' if isinstance(v, float) else v}" for name, v in values.items()]
+    return f"{type(section).__name__}, {', '.join(said)}"
 
 
 # -- Figures to be explored inside a page: packed, unpacked by the browser when they come into sight
@@ -323,10 +294,7 @@ def packed(figure: Callable[[], Any]) -> str:
 
 
 def _with_own_names(figure: dict[str, Any]) -> str:
-    """A figure whose parts are named by their order and what it shows, not by how many were made before.
-
-    So the same report is the same bytes, and no two figures of a page share a name.
-    """
+    """A figure whose parts are named by what it shows: the same report is the same bytes."""
     names: dict[str, str] = {}
     counted = _renamed(figure, lambda name: names.setdefault(name, f"p{len(names)}"))
     mark = sha256(_text(counted).encode("utf-8")).hexdigest()[:8]
@@ -381,31 +349,32 @@ def _packed(text: str) -> str:
     return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
 
 
-# -- The pictures of a result, each drawn once, with the sentences that stand under it and in place of it
+# -- The figures of a result, each made once, with the sentences that stand under it and in place of it
 
 
-#: Colours kept: lines and their soft edges need no more, and a third of the bytes is left.
+#: Colours kept of a picture: lines and their soft edges need no more, and a third of the bytes is left.
 COLOURS_KEPT = 128
 #: Pictures and figures together, so that a report stays below 3 MB: diagrams beyond are left out.
 MOST_BYTES = 2_750_000
-
-Draw = Callable[..., Any]
+#: Of a figure to be explored: elements from which on names stand upright, masses that are numbered, width in
+#: points, roughly, and lines of a curve, more than a screen has pixels.
+UPRIGHT, MOST_NUMBERS, WIDE_PT, MOST_LINES = 7, 24, 600.0, 2500
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One picture, drawn when first asked for; what stands under it, and what is read out in its place."""
+    """One figure, made when first asked for; what stands under it, and what is read out in its place."""
 
-    draw: Draw
+    draw: Callable[..., Any]
     size_in: tuple[float, float]
     caption: str
     alt: str
-    explore: Callable[[], Any] | None = None
+    explore: Callable[[], Any]
 
     @cached_property
     def live(self) -> str:
-        """As a figure to be explored, packed; empty where there is none, or nothing that makes it."""
-        return packed(self.explore) if self.explore is not None else ""
+        """To be explored, packed; empty where nothing makes it."""
+        return packed(self.explore)
 
     @cached_property
     def png(self) -> bytes:
@@ -415,12 +384,17 @@ class Figure:
     @cached_property
     def uri(self) -> str:
         """As it stands in a page, in few colours."""
-        return "data:image/png;base64," + b64encode(_small(self.png)).decode("ascii")
+        from PIL import Image  # matplotlib writes PNG with it, so it is there
+
+        few = Image.open(BytesIO(self.png)).convert("RGB").quantize(COLOURS_KEPT, dither=Image.Dither.NONE)
+        file = BytesIO()
+        few.save(file, "PNG", optimize=True)
+        return "data:image/png;base64," + b64encode(file.getvalue()).decode("ascii")
 
 
 @dataclass(frozen=True)
 class Drawings:
-    """All pictures of a result: by name, and the stabilization diagrams by that of their response."""
+    """All figures of a result: by name, and the stabilization diagrams by that of their response."""
 
     figures: Mapping[str, Figure]
     diagrams: Mapping[Any, Figure]
@@ -432,26 +406,42 @@ def drawings_of(
     truth: Mapping[int, float] | None = None,
     diagrams: Mapping[Any, StabilizationDiagram] | None = None,
 ) -> Drawings:
-    """Pictures of a result; ``diagrams`` are by default those that its measured sets carry."""
-    modal = result.problem.objective == "modal"
-    shown = _carried(result) if diagrams is None else diagrams
-    live = cache(partial(result_figures, result, response, truth))
-    figures = _figures(result, response, truth)
-    return Drawings(
-        {name: replace(one, explore=partial(_one_of, live, name)) for name, one in figures.items()},
-        {name: _diagram(name, diagram, modal) for name, diagram in shown.items()},
+    """Figures of a result; ``diagrams`` are by default those that its measured sets carry."""
+    problem, names, table, history = result.problem, states(result), result.table, result.history
+    modal, sets = problem.objective == "modal", problem.measured
+    what = "resonance" if modal else "antiresonance"
+    figures = _damage(result, truth) if isinstance(result, DamageResult) else {}
+    figures |= _model(result)
+    figures["differences"] = Figure(
+        partial(plot_differences, table, names=names),
+        (9.5, 4.6),
+        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
+        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
+        f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
+        f"{names[1]}",
+        lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
     )
-
-
-def _one_of(live: Callable[[], dict[str, Any]], name: str) -> Any:
-    return live().get(name)
+    if response is not None:
+        figures["response"] = _response(result, response, names)
+    if history.cost.size:  # nothing is searched against a baseline
+        figures["convergence"] = Figure(
+            partial(plot_convergence, result),
+            (9.0, 4.2),
+            "The search: best objective of each island.",
+            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
+            f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
+            lambda: explored(convergence(result), height=340),
+        )
+    if diagrams is None and modal:
+        diagrams = {i: each.diagram for i, each in enumerate(sets) if each.diagram is not None}
+    elif diagrams is None:
+        forces = [each.excitation for each in sets]
+        diagrams = named_diagrams([each.diagrams for each in sets], forces, problem.model)
+    return Drawings(figures, {name: _diagram(name, one, modal) for name, one in diagrams.items()})
 
 
 def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure, str]], int]:
-    """Diagrams for which a page has room, each with its packed figure, and how many were left out.
-
-    What is no diagram comes first; pictures of all come before figures to be explored.
-    """
+    """Diagrams for which a page has room, each with its packed figure if that fits; how many are left out."""
     room -= len(library()) + sum(len(one.uri) + len(one.live) for one in drawn.figures.values())
     kept: list[Figure] = []
     for one in drawn.diagrams.values():
@@ -467,103 +457,70 @@ def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure,
     return shown, len(drawn.diagrams) - len(kept)
 
 
-def _carried(result: UpdateResult) -> dict[Any, StabilizationDiagram]:
-    """Diagrams that the measured sets carry, by the name of the response."""
-    problem = result.problem
-    sets = problem.measured
-    if problem.objective == "modal":
-        return {i: each.diagram for i, each in enumerate(sets) if each.diagram is not None}
-    return named_diagrams([each.diagrams for each in sets], [each.excitation for each in sets], problem.model)
-
-
-def _figures(
-    result: UpdateResult, response: FrequencyResponse | None, truth: Mapping[int, float] | None
-) -> dict[str, Figure]:
-    """All pictures but the diagrams, by name."""
-    problem, names = result.problem, states(result)
-    what = "resonance" if problem.objective == "modal" else "antiresonance"
-    figures: dict[str, Figure] = {}
-    if isinstance(result, DamageResult):
-        figures |= _damage(result, truth)
-    drawn = _model_picture(result)
-    if drawn is not None:
-        figures["model"] = Figure(*drawn)
-    table = result.table
-    figures["differences"] = Figure(
-        lambda ax: plot_differences(table, ax=ax, names=names),
-        (9.5, 4.6),
-        f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
-        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
-        f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
-        f"{names[1]}",
-    )
-    if response is not None:
-        figures["response"] = _response(result, response, names)
-    history = result.history
-    if history.cost.size:  # nothing is searched against a baseline
-        figures["convergence"] = Figure(
-            partial(plot_convergence, result),
-            (9.0, 4.2),
-            "The search: best objective of each island.",
-            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
-            f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
-        )
-    return figures
-
-
-def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
-    """Measured curves beside those of the models."""
-    model, force = result.problem.model, result.problem.measured[0].excitation
-    if response.kind == "frf":
-        dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
-        shown = dofs[:MOST_RESPONSES]
-        some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
-        return Figure(
-            lambda ax: plot_responses(
-                response, model, result.model, excitation=force, dofs=shown, ax=ax, names=names
-            ),
-            (9.0, 2.0 + 1.2 * len(shown)),
-            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of the dips in the "
-            "models follows from an assumed damping of 1 %.",
-            f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
-        )
-    over = dof_name(model, response.reference)
-    return Figure(
-        lambda ax: plot_transmissibility(
-            response, model, result.model, dof=None, excitation=force, ax=ax, names=names
-        ),
-        (9.0, 4.4),
-        f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
-        "height in the models follows from an assumed damping of 1 %.",
-        f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
-        f"{names[0]} and {names[1]}",
-    )
-
-
 def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
     """Losses by element, and where they were judged the hypotheses."""
     label, judged = result.problem.model.element_label, result.has_baseline
-    width = max(7.0, 0.32 * len(result.x) + 1.5)
     more = ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead"
-    losses = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
+    found = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
+    upright = len(result.elements) > UPRIGHT
     figures = {
         "damage": Figure(
             partial(plot_damage, result, truth=truth),
-            (width, 4.7 if judged else 4.4),
+            (max(7.0, 0.32 * len(result.x) + 1.5), 4.7 if judged else 4.4),
             f"Stiffness loss by element{more if judged else ''}. Ticks: the smallest that would be seen.",
-            "Bar chart: " + (losses or "no damage in any element"),
+            "Bar chart: " + (found or "no damage in any element"),
+            lambda: explored(losses(result, truth, upright), height=400 if upright else 360),
         )
     }
     if judged:
         hypotheses = without_idle(result.assessment).hypotheses
-        rows = min(len(hypotheses), 9)
         figures["hypotheses"] = Figure(
             partial(plot_hypotheses, hypotheses),
-            (8.0, 1.3 + 0.5 * rows),
+            (8.0, 1.3 + 0.5 * min(len(hypotheses), 9)),
             "Probabilities of what may explain the measurement, with losses and their 90 % intervals.",
             "Bar chart of the table above",
+            lambda: explored(probabilities(hypotheses), height=110 + 40 * min(len(hypotheses), 12)),
         )
     return figures
+
+
+def _model(result: UpdateResult) -> dict[str, Figure]:
+    """The model with its losses, sensors and force; none of matrices, which have no shape."""
+    model, first = result.problem.model, result.problem.measured[0]
+    seen = first if isinstance(first, AntiresonanceSet) else None
+    sensors, force = ([], None) if seen is None else (list(seen), seen.excitation)
+    label, loss, caption = "Stiffness loss (%)", None, "The model"
+    if isinstance(result, DamageResult):
+        loss = {e: 100.0 * beta for e, beta in result.severity.items()}
+        caption = "The model with the stiffness losses found"
+    caption += "." if seen is None else "; sensors as arrows, the force as a heavier one."
+    at: dict[str, Any] = {"sensors": sensors, "excitation": force, "label": label}
+    if isinstance(model, MassSpringChain):
+        every = -(-model.n_dof // MOST_NUMBERS)
+        return {
+            "model": Figure(
+                partial(plot_chain, model, loss, **at),
+                (9.0, 2.9),
+                caption,
+                f"Drawing of a chain of {model.n_dof} masses",
+                lambda: explored(chain(model, loss, sensors, force, label, WIDE_PT, every), height=260),
+            )
+        }
+    if not isinstance(model, FrameModel):
+        return {}
+    beams = None if loss is None else {e: beta for e, beta in loss.items() if e < len(model.elements)}
+    extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
+    height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
+    room = np.array([WIDE_PT, 0.7 * height])
+    return {
+        "model": Figure(
+            partial(plot_frame, model, beams, **at),
+            (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6),
+            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
+            f"Drawing of a frame of {len(model.elements)} elements",
+            lambda: explored(frame(model, beams, sensors, force, label, room), height=height),
+        )
+    }
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
@@ -580,66 +537,94 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
     )
 
 
-def _model_picture(result: UpdateResult) -> tuple[Draw, tuple[float, float], str, str] | None:
-    """How to draw the model, its size, caption and alternative; None for matrices, which have no shape."""
-    problem, model = result.problem, result.problem.model
-    first = problem.measured[0]
-    at: dict[str, Any] = {}
-    if isinstance(first, AntiresonanceSet):
-        at = {"sensors": list(first), "excitation": first.excitation}
-    loss = None
-    said = "sensors as arrows, the force as a heavier one"
-    caption = f"The model; {said}." if at else "The model."
-    if isinstance(result, DamageResult):
-        loss = {e: 100.0 * beta for e, beta in result.severity.items()}
-        at |= {"label": "Stiffness loss (%)"}
-        caption = "The model with the stiffness losses found" + (f"; {said}." if "sensors" in at else ".")
-    if isinstance(model, MassSpringChain):
-        return (
-            partial(_drawn, plot_chain, model, loss, at),
-            (9.0, 2.9),
-            caption,
-            f"Drawing of a chain of {model.n_dof} masses",
+def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
+    """Measured curves beside those of the models."""
+    model, after, force = result.problem.model, result.model, result.problem.measured[0].excitation
+    explore = partial(_explored_response, result, response, names)
+    given: dict[str, Any] = {"excitation": force, "names": names}
+    damping = "in the models follows from an assumed damping of 1 %."
+    if response.kind == "frf":
+        dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
+        shown = dofs[: responses.MOST_RESPONSES]
+        some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
+        return Figure(
+            partial(responses.plot_responses, response, model, after, dofs=shown, **given),
+            (9.0, 2.0 + 1.2 * len(shown)),
+            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}",
+            f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
+            explore,
         )
-    if isinstance(model, FrameModel):
-        beams = None if loss is None else {e: v for e, v in loss.items() if e < len(model.elements)}
-        points = np.ptp(model.nodes_m, axis=0)
-        height = 6.5 if points[1:].max() > 0.6 * points[0] else 4.6
-        return (
-            partial(_drawn, plot_frame, model, beams, at),
-            (9.0, height),
-            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
-            f"Drawing of a frame of {len(model.elements)} elements",
-        )
-    return None
+    over = dof_name(model, response.reference)
+    return Figure(
+        partial(responses.plot_transmissibility, response, model, after, dof=None, **given),
+        (9.0, 4.4),
+        f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
+        f"height {damping}",
+        f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
+        f"{names[0]} and {names[1]}",
+        explore,
+    )
 
 
-def _drawn(plot: Any, model: Any, loss: Any, at: dict[str, Any], ax: Any) -> Any:
-    return plot(model, loss, ax, **at)
+def _explored_response(result: UpdateResult, measured: FrequencyResponse, names: tuple[str, str]) -> Any:
+    """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
+    from bokeh.models import ColumnDataSource
+
+    before, after, excitation = result.problem.model, result.model, result.problem.measured[0].excitation
+    if measured.kind == "transmissibility":
+        panel = responses.transmissibilities(measured, before, after, None, excitation, names=names)
+        # Of lines that share a pixel the peak counts.
+        return explored(replace(panel, marks=[_thinned(mark, np.max) for mark in panel.marks]), height=340)
+    freq, levels = responses.curves_db(measured, (before, after), excitation)
+    called = responses.curve_names(names, both=True)
+    says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
+    marks = []
+    for row in range(len(measured.dofs)):
+        lines = [Line(freq, level[row], **look) for level, look in zip(levels, responses.LOOKS, strict=True)]
+        more = {f"level_{i}": level[row] for i, level in enumerate(levels)}
+        lines[0] = replace(lines[0], says=says, more=more)
+        marks += [_thinned(line, np.min) for line in lines]  # the dip counts
+    x, y = Axis("Frequency (Hz)", (freq[0], freq[-1])), Axis("FRF (dB re unit of the data)")
+    fig = explored(Panel("response", x, y, marks), height=380)
+    drawn = [fig.renderers[3 * row : 3 * row + 3] for row in range(len(measured.dofs))]
+    for line in fig.renderers[3:]:
+        line.visible = False
+    empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
+    samples = [fig.add_glyph(empty, line.glyph.clone()) for line in drawn[0]]
+    _legend(fig, dict(zip(called, ([one] for one in samples), strict=True)), ncols=2)
+    by_dof = dict(zip(map(before.dof_label, measured.dofs), drawn, strict=True))
+    _legend(fig, by_dof, ncols=4, click_policy="hide", title="click to show or hide")
+    return fig
+
+
+def _thinned(line: Any, how: Any) -> Any:
+    """A line of no more points than can be seen, the one that counts of those that share a pixel."""
+    step = max(1, -(-len(line.x) // MOST_LINES))
+
+    def few(values: FloatArray, how: Any) -> FloatArray:
+        return np.asarray(how(values[: len(values) // step * step].reshape(-1, step), axis=1))
+
+    more = {name: few(column, how) for name, column in line.more.items()}
+    return replace(line, x=few(line.x, np.mean), y=few(line.y, how), more=more)
+
+
+def _legend(fig: Any, entries: Mapping[str, list[Any]], **look: Any) -> None:
+    """A legend whose entries stand for several lines each."""
+    from bokeh.models import Legend, LegendItem
+
+    items = [LegendItem(label=name, renderers=lines) for name, lines in entries.items()]
+    fig.add_layout(Legend(items=items, **LEGEND | look), "below")
 
 
 def states(result: UpdateResult) -> tuple[str, str]:
     """What the model is called before and after."""
-    return (
-        ("without damage", "with the damage found")
-        if isinstance(result, DamageResult)
-        else ("before updating", "after updating")
-    )
+    damage = isinstance(result, DamageResult)
+    return ("without damage", "with the damage found") if damage else ("before updating", "after updating")
 
 
 def largest(percent: float) -> str:
     """The largest difference in words."""
     return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
-
-
-def _small(png: bytes) -> bytes:
-    """The same picture in few colours."""
-    from PIL import Image  # matplotlib writes PNG with it, so it is there
-
-    few = Image.open(BytesIO(png)).convert("RGB").quantize(COLOURS_KEPT, dither=Image.Dither.NONE)
-    file = BytesIO()
-    few.save(file, "PNG", optimize=True)
-    return file.getvalue()
 
 
 # -- The tables of a report, cell by cell
@@ -652,9 +637,8 @@ _LEAST_ROWS, _WORTH_A_ROW, _MOST_ROWS = 3, 0.005, 12
 def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
     """Value, standard deviation, change and bounds of each parameter."""
     on_bound = set(result.at_bound)
-    columns = zip(
-        result.problem.names, result.x, result.std, result.problem.nominal, result.problem.bounds, strict=True
-    )
+    problem = result.problem
+    columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
     return [
         {
             "name": name,
@@ -673,15 +657,9 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     """Loss, standard deviation, truth, smallest visible and bounds of each candidate, in percent."""
 
     def percent(value: float | None) -> str:
-        if value is None:
-            return ""
-        return (
-            "none"
-            if not np.isfinite(value)
-            else "0"
-            if value == 0.0
-            else f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}"
-        )
+        if value is None or value == 0.0:
+            return "" if value is None else "0"
+        return f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}" if np.isfinite(value) else "none"
 
     label, judged = result.problem.model.element_label, result.has_baseline
     on_bound = set() if judged else set(result.at_bound)
@@ -706,15 +684,13 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     # Elements that were no candidates, and would explain the change.
     others = [one for one in result.hypotheses if one.elements and not one.candidate] if judged else []
     return rows + [
-        {
+        dict.fromkeys(("std", "visible", "bounds"), "")
+        | {
             "name": f"{label(one.elements[0])}, no candidate",
             "value": percent(one.severities[0]),
-            "std": "",
             "interval": _interval(one.low[0], one.high[0]),
             "probability": _probability(one.probability),
-            "visible": "",
             "truth": percent((truth or {}).get(one.elements[0])),
-            "bounds": "",
             "damaged": one is result.hypotheses[0],
             "on_bound": False,
         }
@@ -735,10 +711,7 @@ def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
 
 
 def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
-    """Probability, name and losses of the hypotheses worth a row, and a sentence on the others.
-
-    The first is the answer, and so are those of its group, which the values cannot tell from it.
-    """
+    """Rows of the hypotheses worth one, the answer and its like as hits, and a sentence on the others."""
     hypotheses, alike = found.hypotheses, found.group
     answer = alike if hypotheses[0] in alike else hypotheses[:1]
     rows = [
@@ -762,46 +735,27 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
     """Each measured value with the model's before and after; the response is named once."""
     table: Any = result.table
 
-    def number(value: float, form: str) -> str:
+    modal = isinstance(table, ModalTable)
+    columns = {"measured": "measured_hz", "before": "before_hz", "after": "after_hz"}
+    columns |= {name: name for name in ("before_percent", "after_percent")}
+    columns |= {name: name for name in ("before_mac", "after_mac")} if modal else {}
+
+    def cell(name: str, value: float) -> str:
         if not np.isfinite(value):
             return "no partner"
-        return format(value, form) if form else signed(value)
+        return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
+    cells = {name: [cell(name, one) for one in getattr(table, of)] for name, of in columns.items()}
     rows: list[dict[str, Any]] = [
-        {
-            "group": False,
-            "measured": f"{measured:.3f}",
-            "before": number(before, ".3f"),
-            "before_percent": number(db, ""),
-            "after": number(after, ".3f"),
-            "after_percent": number(da, ""),
-        }
-        for measured, before, db, after, da in zip(
-            table.measured_hz,
-            table.before_hz,
-            table.before_percent,
-            table.after_hz,
-            table.after_percent,
-            strict=True,
-        )
+        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
     ]
-    if isinstance(table, ModalTable):
-        columns = zip(table.mode, table.before_mac, table.after_mac, strict=True)
-        for row, (mode, before, after) in zip(rows, columns, strict=True):
-            row.update(
-                mode=mode,
-                group=mode == table.mode[0],
-                before_mac=number(before, ".3f"),
-                after_mac=number(after, ".3f"),
-            )
+    if modal:
+        for row, mode in zip(rows, table.mode, strict=True):
+            row.update(mode=mode, group=mode == table.mode[0])
         return rows
-    last = None
+    last, names = None, table.dof_names
     for row, dof, force in zip(rows, table.dof.tolist(), table.excitation.tolist(), strict=True):
-        row.update(
-            group=(dof, force) != last,
-            dof=table.dof_names.get(dof, dof),
-            force=table.dof_names.get(force, force),
-        )
+        row.update(group=(dof, force) != last, dof=names.get(dof, dof), force=names.get(force, force))
         last = (dof, force)
     return rows
 

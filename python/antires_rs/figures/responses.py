@@ -1,8 +1,9 @@
-"""Measured FRFs, response by response, with those of the model before and after."""
+"""Measured FRFs and transmissibilities, with those of the model before and after."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.transfer_functions import transmissibility_sum
 from ..support.checks import FloatArray
-from .canvas import COLOURS, band_shown, below, new_axes, offer
+from .canvas import band_shown, draw, new_axes
+from .marks import Axis, Line, Mark, Panel, Rules
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -19,6 +21,12 @@ if TYPE_CHECKING:
 #: Responses that a picture has room for.
 MOST_RESPONSES = 6
 KINDS = ("accelerance", "mobility", "receptance")
+#: Of the measured curve, and of the model before and after.
+LOOKS: tuple[dict[str, Any], ...] = (
+    {"colour": "#BDBDBD", "width": 3.2},
+    {"colour": "vermillion", "dash": "--"},
+    {"colour": "blue"},
+)
 
 
 def plot_responses(
@@ -35,6 +43,10 @@ def plot_responses(
 ) -> Any:
     """Draw ``abs(H_ik)`` in dB, as measured and as the models have it; antiresonances are the dips.
 
+    Responses one above the other, the first on top, shifted so that they do not overlap; lines across
+    are 20 dB apart. Whether acceleration, velocity or displacement was measured, and in which unit, is
+    taken from what fits the model's curves best.
+
     Parameters
     ----------
     measured : FrequencyResponse
@@ -48,36 +60,26 @@ def plot_responses(
     dofs : sequence of int, optional
         Responses drawn, each with a level of its own; by default the first six.
     damping_ratio : float or array_like, (n_modes,)
-        Modal damping of the models, which sets the depth of the dips, not their place.
+        Modal damping of the models, which an updating does not find. It sets the depth of dips and the height
+        of peaks, not their place.
     band_hz : (low, high), optional
         Lines drawn; all of the data by default.
-    ax : matplotlib.axes.Axes, optional
-        Drawn into; a new figure by default.
     names : (str, str)
         What the two models are called.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Responses one above the other, the first on top, shifted so that they do not overlap; lines across
-        are 20 dB apart. Whether acceleration, velocity or displacement was measured, and in which unit, is
-        taken from what fits the model's curves best.
 
     Raises
     ------
     InvalidInputError
         Transmissibilities instead of FRFs, a dof that was not measured.
-    MissingDependencyError
-        matplotlib is not installed.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_responses
     >>> from matplotlib.figure import Figure
     >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> rec = chain.simulate(excitation=0, fs_hz=20.0, duration_s=60.0, damping_ratio=0.01, rng=0)
-    >>> plot_responses(ar.frf(rec, nperseg=256), chain, excitation=0, ax=Figure().subplots()).get_xlabel()
+    >>> h = ar.frf(rec, nperseg=256)
+    >>> ar.figures.plot_responses(h, chain, excitation=0, ax=Figure().subplots()).get_xlabel()
     'Frequency (Hz)'
     """
     chosen = list(measured.dofs)[:MOST_RESPONSES] if dofs is None else list(dofs)
@@ -86,37 +88,38 @@ def plot_responses(
         reject("dofs", unknown, f"some of {list(measured.dofs)}", "Name dofs that were measured.")
     models = [before] + ([] if after is None else [after])
     freq, levels = curves_db(measured, models, excitation, damping_ratio=damping_ratio, band_hz=band_hz)
-    ax = new_axes(ax, (9.0, 2.0 + 1.2 * len(chosen)))
-    looks: list[tuple[str, dict[str, Any]]] = [
-        ("measured", {"color": "#BDBDBD", "lw": 3.2, "solid_joinstyle": "round"}),
-        ("model" if after is None else f"model {names[0]}", {"ls": "--", "color": COLOURS["vermillion"]}),
-        (f"model {names[1]}", {"color": COLOURS["blue"]}),
-    ]
+    called = curve_names(names, after is not None)
     table: dict[str, Any] = {"freq_hz": freq}
+    marks: list[Mark] = []
     places, top = [], 0.0
     for nth, dof in enumerate(chosen):
-        row = list(measured.dofs).index(dof)
-        own = [level[row] for level in levels]
+        own = [level[list(measured.dofs).index(dof)] for level in levels]
         low, high = float(np.min(own[0])), float(np.max(own[0]))
         shift = -high if nth == 0 else top - high
-        places.append((0.5 * (low + high) + shift, before.dof_label(dof)))
-        for level, (name, look) in zip(own, looks, strict=False):
+        places.append(0.5 * (low + high) + shift)
+        for level, name, look in zip(own, called, LOOKS, strict=False):
             # What goes far below the measured curve would run through the response underneath.
-            shown = np.where(level < low - 15.0, np.nan, level)
-            ax.plot(freq, shown + shift, label=name if nth == 0 else None, **({"lw": 1.2} | look))
+            shown = np.where(level < low - 15.0, np.nan, level) + shift
+            marks.append(Line(freq, shown, label=name if nth == 0 else None, **look))
             table[f"{name.replace(' ', '_')}_{dof}_db"] = level
         top = low + shift - 12.0
-    ax.set_yticks([at for at, _ in places], [name for _, name in places])
-    ax.set_xlim(freq[0], freq[-1])
+    rules = Rules(np.arange(0.0, top, -20.0), colour="#EBEBEB", width=0.6)
+    panel = Panel(
+        "response",
+        Axis("Frequency (Hz)", (freq[0], freq[-1])),
+        Axis("FRF, each shifted (dB)", names=[before.dof_label(dof) for dof in chosen], at=places),
+        [rules, *marks],
+        grid="x",
+        tables={"responses": table},
+    )
+    ax = draw(panel, new_axes(ax, (9.0, 2.0 + 1.2 * len(chosen))))
     ax.set_ylim(top - 4.0, None)
-    ax.set_xlabel("Frequency (Hz)")
-    ax.set_ylabel("FRF, each shifted (dB)")
-    for level in np.arange(0.0, top, -20.0):
-        ax.axhline(level, color="#EBEBEB", lw=0.6, zorder=0)
-    ax.grid(axis="x", alpha=0.25)
-    below(ax)
-    offer(ax, responses=table)
     return ax
+
+
+def curve_names(names: tuple[str, str], both: bool) -> list[str]:
+    """What the curves are called, of ``both`` models or one."""
+    return ["measured", *(f"model {name}" for name in names)] if both else ["measured", "model"]
 
 
 def curves_db(
@@ -127,11 +130,7 @@ def curves_db(
     damping_ratio: Any = 0.01,
     band_hz: Sequence[float] | None = None,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Lines in Hz, and levels in dB of the measured FRFs and of each model's, (n_dofs, n_freq).
-
-    The models take the quantity (acceleration, velocity or displacement) in which the last of them is
-    closest to the measurement, and its level where units differ.
-    """
+    """Lines in Hz, and levels in dB of the measured FRFs and of each model, (n_dofs, n_freq)."""
     if not isinstance(measured, FrequencyResponse) or measured.kind != "frf":
         reject(
             "measured",
@@ -182,46 +181,41 @@ def plot_transmissibility(
     ----------
     measured : FrequencyResponse
         Of ``kind="transmissibility"``, its dofs being dofs of the models.
-    before : MassSpringChain or MatrixModel
-        The nominal model.
-    after : MassSpringChain or MatrixModel, optional
-        The updated model.
     dof : int or None
         Response p; None draws the sum over all of them (:func:`~antires_rs.transmissibility_sum`).
-    excitation : int
-        Dof of the force in the models.
-    damping_ratio : float or array_like, (n_modes,)
-        Modal damping of the models, which an updating of stiffness and mass does not find. It sets the
-        height of the peaks, not their place.
-    band_hz : (low, high), optional
-        Lines drawn; all of the data by default.
-    ax : matplotlib.axes.Axes, optional
-        Drawn into; a new figure by default.
-    names : (str, str)
-        What the two models are called.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    before, after, excitation, damping_ratio, band_hz, names
+        As in :func:`plot_responses`.
 
     Raises
     ------
     InvalidInputError
         FRFs instead of transmissibilities, a dof that was not measured or is the reference itself.
-    MissingDependencyError
-        matplotlib is not installed.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.figures import plot_transmissibility
     >>> from matplotlib.figure import Figure
     >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> rec = chain.simulate(excitation=0, fs_hz=20.0, duration_s=60.0, damping_ratio=0.01, rng=0)
     >>> t = ar.transmissibility(rec, 0, nperseg=256)
-    >>> plot_transmissibility(t, chain, dof=2, excitation=0, ax=Figure().subplots()).get_ylabel()
+    >>> ar.figures.plot_transmissibility(t, chain, dof=2, excitation=0, ax=Figure().subplots()).get_ylabel()
     '|T| of dof 2 over dof 0 (dB re 1)'
     """
+    panel = transmissibilities(measured, before, after, dof, excitation, damping_ratio, band_hz, names)
+    return draw(panel, new_axes(ax, (9.0, 4.5)))
+
+
+def transmissibilities(
+    measured: FrequencyResponse,
+    before: StructuralModel,
+    after: StructuralModel | None,
+    dof: int | None,
+    excitation: int,
+    damping_ratio: Any = 0.01,
+    band_hz: Sequence[float] | None = None,
+    names: tuple[str, str] = ("before updating", "after updating"),
+) -> Panel:
+    """One of them, or the sum over all dofs."""
     if not isinstance(measured, FrequencyResponse) or measured.kind != "transmissibility":
         reject(
             "measured",
@@ -231,54 +225,41 @@ def plot_transmissibility(
         )
     others = [d for d in measured.dofs if d != measured.reference]
     if dof is not None and dof not in others:
-        reject(
-            "dof",
-            dof,
-            f"one of {others}, or None for their sum",
-            "The reference over itself is one everywhere.",
-        )
-    ax = new_axes(ax, (9.0, 4.5))
+        wanted = f"one of {others}, or None for their sum"
+        reject("dof", dof, wanted, "The reference over itself is one everywhere.")
     freq = measured.freq_hz
     low, high = band_shown(freq, band_hz)
     # A free structure moves without bound at 0 Hz.
     keep = (freq >= low) & (freq <= high) & (freq > 0.0)
-    shown = FrequencyResponse(
-        freq[keep], measured.values[:, keep], measured.dofs, "transmissibility", measured.reference
-    )
-    level = _decibel(shown, dof)
-    table = {"freq_hz": shown.freq_hz, "measured_db": level}
-    ax.plot(shown.freq_hz, level, color="#BDBDBD", lw=3.6, solid_joinstyle="round", label="measured")
-    models = [
-        ("model" if after is None else f"model {names[0]}", before, "--", "vermillion", "before_db"),
-        (f"model {names[1]}", after, "-", "blue", "after_db"),
-    ]
-    for name, model, dashes, colour, column in models:
+    freq, dofs, reference = freq[keep], measured.dofs, measured.reference
+    curves = [measured.values[:, keep]]
+    for model in (before, after):
         if model is not None:
-            level = _decibel(_of_model(model, shown, excitation, damping_ratio), dof)
-            table[column] = level
-            ax.plot(shown.freq_hz, level, ls=dashes, lw=1.2, color=COLOURS[colour], label=name)
-    ax.set_xlim(low, high)
-    ax.set_xlabel("Frequency (Hz)")
-    what = "Sum of T" if dof is None else f"|T| of {named(before, dof)}"
-    ax.set_ylabel(f"{what} over {named(before, measured.reference)} (dB re 1)")
-    ax.grid(alpha=0.25)
-    below(ax)
-    offer(ax, transmissibility=table)
-    return ax
-
-
-def summed_db(
-    measured: FrequencyResponse, models: Sequence[StructuralModel], excitation: int
-) -> tuple[FloatArray, list[FloatArray]]:
-    """Lines above 0 Hz, and the summed transmissibility of the measurement and of each model in dB."""
-    keep = measured.freq_hz > 0.0
-    freq = measured.freq_hz[keep]
-    shown = FrequencyResponse(
-        freq, measured.values[:, keep], measured.dofs, "transmissibility", measured.reference
-    )
-    return freq, [
-        _decibel(one, None) for one in (shown, *(_of_model(m, shown, excitation, 0.01) for m in models))
+            h = model.frf(list(dofs), excitation, freq, damping_ratio=damping_ratio)
+            curves.append(h / h[dofs.index(reference)])
+    levels = [
+        _decibel(FrequencyResponse(freq, one, dofs, "transmissibility", reference), dof) for one in curves
     ]
+    called = curve_names(names, after is not None)
+    columns = {f"level_{i}": level for i, level in enumerate(levels)}
+    says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
+    marks = [
+        Line(freq, level, label=name, **look)
+        for level, name, look in zip(levels, called, LOOKS, strict=False)
+    ]
+    marks[0] = replace(marks[0], says=says, more=columns)
+    what = "Sum of T" if dof is None else f"|T| of {named(before, dof)}"
+    return Panel(
+        "response",
+        Axis("Frequency (Hz)", (low, high)),
+        Axis(f"{what} over {named(before, reference)} (dB re 1)"),
+        marks,
+        grid="both",
+        tables={
+            "transmissibility": {"freq_hz": freq}
+            | dict(zip(("measured_db", "before_db", "after_db"), levels, strict=False))
+        },
+    )
 
 
 def named(model: StructuralModel, dof: Any) -> str:
@@ -286,15 +267,6 @@ def named(model: StructuralModel, dof: Any) -> str:
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
 
 
-def _of_model(
-    model: StructuralModel, like: FrequencyResponse, excitation: int, damping_ratio: Any
-) -> FrequencyResponse:
-    """The model's transmissibilities at the same dofs, reference and lines."""
-    h = model.frf(list(like.dofs), excitation, like.freq_hz, damping_ratio=damping_ratio)
-    reference = h[like.dofs.index(like.reference)]
-    return FrequencyResponse(like.freq_hz, h / reference, like.dofs, "transmissibility", like.reference)
-
-
 def _decibel(response: FrequencyResponse, dof: int | None) -> FloatArray:
     values = transmissibility_sum(response) if dof is None else response.values[response.dofs.index(dof)]
-    return np.asarray(20.0 * np.log10(np.maximum(np.abs(values), 1e-15)))
+    return _level(values)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..support.checks import choice
-from .canvas import COLOURS, GREY, below, new_axes, offer
+from .canvas import draw, new_axes
+from .live_canvas import explored, stacked
+from .marks import Axis, Bands, Line, Mark, Panel, Points, Rules
 
 if TYPE_CHECKING:
     from ..watch.monitor import Watched
@@ -17,10 +18,15 @@ PANELS = ("charts", "T2", "EWMA", "events", "condition")
 #: Tests above the limit by more than this are drawn at the top.
 HIGHEST, LOWEST = 100.0, 0.05
 LABELS = {"T2": "Single tests", "EWMA": "Mean of tests", "events": "Lost and new"}
+#: So many tests at most are on a page: of more, the alarms and the latest of the others.
+MOST_TESTS = 20_000
 
 
 def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> Any:
     """Draw the charts of a watch over its tests, each over its limit, and the first condition.
+
+    The topmost; the others are in ``.figure.axes``. Alarms are crosses, the baseline is shaded, tests
+    with a sensor at fault are triangles at the lower edge, failed ones ticks there.
 
     Parameters
     ----------
@@ -29,20 +35,12 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
     panel : {"charts", "T2", "EWMA", "events", "condition"}
         All below one another, or one of them.
     ax : matplotlib.axes.Axes, optional
-        Drawn into; then "charts" is "T2". A new figure by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The topmost; the others are in ``.figure.axes``. Alarms are crosses, the baseline is shaded, tests
-        with a sensor at fault are triangles at the lower edge, failed ones ticks there.
+        With it "charts" is "T2".
 
     Raises
     ------
     InvalidInputError
         An unknown panel.
-    MissingDependencyError
-        matplotlib is not installed.
 
     Examples
     --------
@@ -59,11 +57,10 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
         ax = new_axes(ax, (9.0, 3.0))
         _one(ax, watched, "T2" if panel == "charts" else panel, last=True)
         return ax
-    names = panels(watched)
     top = new_axes(None, size_in(watched))
     figure = top.figure
     top.remove()
-    axes = figure.subplots(len(names), 1, sharex=True)
+    axes = figure.subplots(len(panels(watched)), 1, sharex=True)
     draw_monitor(axes, watched)
     return axes[0]
 
@@ -91,108 +88,78 @@ def draw_monitor(axes: Any, watched: Watched) -> None:
 
 
 def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> None:
-    x, label = _when(watched)
-    _shade(ax, watched, x)
-    if name == "condition":
-        _condition(ax, watched, x)
-    else:
-        _chart(ax, watched, name, x)
+    draw(chart(watched, name), ax, drop_pt=34.0 if last else 8.0, legend=last or name == "T2")
     ax.margins(x=0.01)
-    ax.grid(axis="y", color="#E6E6E6", lw=0.6)
-    ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
-    if last:
-        ax.set_xlabel(label)
-        ax.tick_params(labelbottom=True)
-    if last or name == "T2":
-        below(ax, drop_pt=34.0 if last else 8.0)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.tick_params(labelbottom=last)
+    if not last:
+        ax.set_xlabel("")
 
 
-def _chart(ax: Any, watched: Watched, name: str, x: NDArray[Any]) -> None:
-    chart = watched.charts[name]
-    ratio = np.where(np.isnan(chart.statistic), np.nan, np.clip(chart.ratio, LOWEST, HIGHEST))
-    above = chart.ratio > 1.0
+def watched_figure(watched: Watched) -> Any:
+    """All panels below one another, to be explored; zooming one zooms all."""
+    kept = np.arange(len(watched))
+    if kept.size > MOST_TESTS:
+        loud = np.flatnonzero(watched.alarm)[-MOST_TESTS // 2 :]
+        kept = np.sort(np.r_[loud, np.flatnonzero(~watched.alarm)[loud.size - MOST_TESTS :]])
+    figures: list[Any] = []
+    for name in panels(watched):
+        x_range = figures[0].x_range if figures else None
+        figures.append(explored(chart(watched, name, kept), height=240, x_range=x_range))
+    return stacked(figures)
+
+
+def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
+    """One of the panels, of the tests that are ``kept``."""
+    count = len(watched)
+    kept = np.arange(count) if kept is None else kept
+    times = watched.times
+    dated = times is not None and not np.isnat(times).any()
+    x = times if times is not None and dated else np.arange(count, dtype=np.float64)
+    size = float(np.clip(160.0 / np.sqrt(max(count, 1)), 2.0, 6.0))
+    # The baseline, as the stretches in which its tests follow each other; failed tests end none.
+    own = watched.baseline
+    breaks = np.flatnonzero(np.diff(own) > 2 + len(watched.failed))
+    marks: list[Mark] = [
+        Bands(x[own[np.r_[0, breaks + 1]]], x[own[np.r_[breaks, own.size - 1]]], "#EDEDED", label="baseline")
+    ]
+    axis = Axis("Time" if dated else "Test", dated=dated)
+    tables: dict[str, dict[str, Any]]
+
+    def hovered(some: Any, **says: str) -> dict[str, Any]:
+        names = [watched.names[i] for i in some]
+        why = [", ".join(watched.why(int(i))) if watched.statistic[i] > 1.0 else "-" for i in some]
+        return {"says": {"Test": "@name"} | says, "more": {"name": names, "why": why}}
+
+    if name == "condition":
+        called = next(iter(watched.used), next(iter(watched.conditions)))
+        column = np.asarray(watched.conditions[called])
+        out = np.asarray(watched.outside) & (called in watched.used)
+        for which, label, colour in ((~out, "test", "grey"), (out, "not in the baseline", "orange")):
+            some = kept[which[kept]]
+            if which.any():
+                look = {"label": label, "colour": colour} | hovered(some, **{called: "@y{0.00}"})
+                marks.append(Points(x[some], column[some], ".", size, **look))
+        tables = {name: {"test": np.arange(count), called: column}}
+        return Panel("chart_condition", axis, Axis(called), marks, grid="y", tables=tables)
+    of = watched.charts[name]
+    ratio = np.where(np.isnan(of.statistic), np.nan, np.clip(of.ratio, LOWEST, HIGHEST))
+    above = np.asarray(of.ratio > 1.0)
+    says = {"Statistic / limit": "@y{0.00}", "Alarm by": "@why"}
+    loud, calm = kept[above[kept]], kept[~above[kept]]
     if name == "EWMA":
-        ax.plot(x, ratio, color=COLOURS["blue"], lw=1.2, zorder=2)
+        marks.append(Line(x[kept], ratio[kept], "blue", **hovered(kept, **says)))
     else:
-        ax.plot(
-            x[~above], ratio[~above], ls="", marker=".", ms=_size(x.size), color=GREY, zorder=2, label="test"
-        )
-    ax.plot(
-        x[above],
-        ratio[above],
-        ls="",
-        marker="x",
-        ms=_size(x.size) + 2.0,
-        mew=1.3,
-        color=COLOURS["vermillion"],
-        zorder=3,
-        label="above the limit",
-    )
-    ax.axhline(1.0, color=COLOURS["black"], lw=1.1, ls="--", zorder=1, label="limit")
-    ax.set_yscale("log")
-    ax.set_ylim(LOWEST, max(3.0, 1.3 * float(np.nanmax(ratio, initial=1.0))))
-    for tests, mark, what in ((watched.faults, "^", "sensor at fault"), (watched.failed, "|", "failed")):
+        marks.append(Points(x[calm], ratio[calm], ".", size, "grey", label="test", **hovered(calm, **says)))
+    look = {"label": "above the limit", "stroke": 1.3} | hovered(loud, **says)
+    marks.append(Points(x[loud], ratio[loud], "x", size + 2.0, "vermillion", **look))
+    marks.append(Rules(1.0, dash="--", width=1.1, label="limit"))
+    for tests, marker, label in ((watched.faults, "^", "sensor at fault"), (watched.failed, "|", "failed")):
         at = np.array(sorted(tests), dtype=int)
         if at.size and name == "T2":
-            ax.plot(
-                x[at],
-                np.full(at.size, LOWEST * 1.15),
-                ls="",
-                marker=mark,
-                ms=5,
-                mfc="none",
-                color=COLOURS["black"],
-                clip_on=False,
-                label=what,
-            )
-    ax.set_ylabel(f"{LABELS[name]} / limit")
-    offer(ax, **{name: {"test": np.arange(x.size), "statistic": chart.statistic, "limit": chart.limit}})
-
-
-def _condition(ax: Any, watched: Watched, x: NDArray[Any]) -> None:
-    name = next(iter(watched.used), next(iter(watched.conditions)))
-    column = watched.conditions[name]
-    ax.plot(x, column, ls="", marker=".", ms=_size(x.size), color=GREY, label="test")
-    out = watched.outside
-    if out.any() and name in watched.used:
-        ax.plot(
-            x[out],
-            column[out],
-            ls="",
-            marker=".",
-            ms=_size(x.size),
-            color=COLOURS["orange"],
-            label="not in the baseline",
-        )
-    ax.set_ylabel(name)
-    offer(ax, condition={"test": np.arange(x.size), name: column})
-
-
-def _shade(ax: Any, watched: Watched, x: NDArray[Any]) -> None:
-    """The baseline, as the stretches in which its tests follow each other."""
-    own = watched.baseline
-    breaks = np.flatnonzero(np.diff(own) > _gap(watched))
-    for i, (a, b) in enumerate(zip([0, *(breaks + 1)], [*breaks, own.size - 1], strict=True)):
-        ax.axvspan(
-            x[own[a]], x[own[b]], color="#EDEDED", lw=0, zorder=0, label="baseline" if i == 0 else "_baseline"
-        )
-
-
-def _gap(watched: Watched) -> int:
-    """Failed tests do not end a stretch."""
-    return 2 + len(watched.failed)
-
-
-def _when(watched: Watched) -> tuple[NDArray[Any], str]:
-    """Where the tests are on the axis."""
-    times = watched.times
-    if times is not None and not np.isnat(times).any():
-        return times, "Time"
-    return np.arange(len(watched), dtype=np.float64), "Test"
-
-
-def _size(count: int) -> float:
-    """Of a dot, in points."""
-    return float(np.clip(160.0 / np.sqrt(max(count, 1)), 2.0, 6.0))
+            foot = np.full(at.size, LOWEST * 1.15)
+            marks.append(Points(x[at], foot, marker, 5.0, face="none", spill=True, label=label))
+    limits = LOWEST, max(3.0, 1.3 * float(np.nanmax(ratio, initial=1.0)))
+    tables = {name: {"test": np.arange(count), "statistic": of.statistic, "limit": of.limit}}
+    y_axis = Axis(f"{LABELS[name]} / limit", limits, log=True)
+    return Panel(f"chart_{name}", axis, y_axis, marks, grid="y", tables=tables)

@@ -6,44 +6,32 @@ packages (h5py, pyuff, pandas, xarray, npTDMS, openpyxl, ObsPy) and ``scipy.io``
 used.
 """
 
-from .csv_files import read_csv, write_csv
-from .frf_files import read_frf_files
-from .hdf5 import read_hdf5, write_hdf5
-from .lvm import read_lvm
-from .mat import mat_arrays, read_mat, write_mat
-from .matrices import read_dof_map, read_matrices, write_matrices
-from .miniseed import read_miniseed
-from .npz import read_npz, write_npz
-from .sep005 import from_sep005, to_sep005
-from .table_files import read_excel, read_parquet
-from .tdms import read_tdms
-from .uff import list_uff, read_uff
-from .uff_write import write_uff
-from .wav import read_wav
-
-__all__ = [
-    "from_sep005",
-    "list_uff",
-    "mat_arrays",
-    "read_csv",
-    "read_dof_map",
-    "read_excel",
-    "read_frf_files",
-    "read_hdf5",
-    "read_lvm",
-    "read_mat",
-    "read_matrices",
-    "read_miniseed",
-    "read_npz",
-    "read_parquet",
-    "read_tdms",
-    "read_uff",
-    "read_wav",
-    "to_sep005",
-    "write_csv",
-    "write_hdf5",
-    "write_mat",
-    "write_matrices",
-    "write_npz",
-    "write_uff",
-]
+from .frf_files import read_frf_files as read_frf_files
+from .hdf5_mat import (
+    mat_arrays as mat_arrays,
+    read_hdf5 as read_hdf5,
+    read_mat as read_mat,
+    write_hdf5 as write_hdf5,
+    write_mat as write_mat,
+)
+from .matrix_files import (
+    read_dof_map as read_dof_map,
+    read_matrices as read_matrices,
+    write_matrices as write_matrices,
+)
+from .npz import read_npz as read_npz, write_npz as write_npz
+from .recorders import (
+    read_lvm as read_lvm,
+    read_miniseed as read_miniseed,
+    read_tdms as read_tdms,
+    read_wav as read_wav,
+)
+from .sep005 import from_sep005 as from_sep005, to_sep005 as to_sep005
+from .table_files import (
+    read_csv as read_csv,
+    read_excel as read_excel,
+    read_parquet as read_parquet,
+    write_csv as write_csv,
+)
+from .uff import list_uff as list_uff, read_uff as read_uff
+from .uff_write import write_uff as write_uff

@@ -66,9 +66,13 @@ def limit_memory(gigabytes: float) -> None:
 
 
 def function_of(source: str, name: str) -> Callable[[str, dict[str, Any]], Answer]:
-    """The function of a module, which sees this one in place of the package."""
+    """The function of a module, which sees this one in place of the package; its readers are left out."""
     tree = ast.parse(Path(source).read_text(encoding="utf-8"), source)
-    tree.body = [node for node in tree.body if not (isinstance(node, ast.ImportFrom) and node.level)]
+    tree.body = [
+        node
+        for node in tree.body
+        if not (isinstance(node, ast.ImportFrom) and node.level) and not getattr(node, "decorator_list", ())
+    ]
     space = dict(globals())
     exec(compile(tree, source, "exec"), space)
     found: Callable[[str, dict[str, Any]], Answer] = space[name]

@@ -11,7 +11,6 @@ import json
 import math
 import os
 import platform
-from collections.abc import Callable
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -20,15 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import __version__
-from ..damage import assessor_plan, hypotheses, inference, options, question
+from ..damage import assessor_plan, hypotheses, inference, likelihood, options
+from ..damage.assess import DamageResult
 from ..damage.assessor import Assessor
 from ..damage.assessor_plan import LEVELS, Plan, Tables
 from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 from ..damage.inference import Learned
+from ..damage.likelihood import Question
 from ..damage.options import DamagePrior, SearchOptions
-from ..damage.question import Question
-from ..damage.result import DamageResult
-from ..exceptions import AntiresError, reject
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models import frame_parts, recipes, structural_model
@@ -45,8 +44,10 @@ from ..optimize.island_ga import History, OptimizeResult
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
-from .common import existing_file, unsuitable
-from .npz import TEXT, read_archive, write_archive
+from .common import existing_file, parts_of, unsuitable
+from .npz import read_archive, write_archive
+from .own_format import TEXT
+from .reading import PathLike
 
 
 class Store:
@@ -62,7 +63,7 @@ class Store:
         return {"array": name}
 
 
-def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store) -> Path:
+def write_store(path: PathLike, data: dict[str, Any], store: Store) -> Path:
     """Write text, arrays and their hashes, whole or not at all."""
     hashes = {name: _digest(array) for name, array in store.arrays.items()}
     text = json.dumps({**data, "sha256": hashes}, allow_nan=False, indent=1)
@@ -71,7 +72,7 @@ def write_store(path: str | os.PathLike[str], data: dict[str, Any], store: Store
 
 
 def read_store(
-    path: str | os.PathLike[str],
+    path: PathLike,
     form: str,
     version: int,
     wanted: str,
@@ -84,32 +85,22 @@ def read_store(
     file = existing_file(path)
     arrays = read_archive(file, wanted, remedy)
     if TEXT not in arrays or "text_sha256" not in arrays:
-        unsuitable(
-            file, "an archive of another kind", wanted, "It was cut, or is another file: name the right one."
-        )
+        got = "an archive of another kind"
+        unsuitable(file, got, wanted, "It was cut, or is another file: name the right one.")
     text = bytes(arrays[TEXT])
     if _sha256(text) != bytes(arrays["text_sha256"]).hex():
         unsuitable(file, "whose text does not have its checksum", wanted, "It was damaged or edited.")
     data = json.loads(text)
     if data.get("format") != form:
-        unsuitable(
-            file,
-            f"which holds {data.get('format')!r}",
-            wanted,
-            "It is another file of antires_rs: name the right one.",
-        )
+        found = f"which holds {data.get('format')!r}"
+        unsuitable(file, found, wanted, "It is another file of antires_rs: name the right one.")
     if not isinstance(data.get("version"), int) or data["version"] > version:
-        unsuitable(
-            file, f"of version {data.get('version')!r}", f"version {version} or older", "Update antires_rs."
-        )
+        got = f"of version {data.get('version')!r}"
+        unsuitable(file, got, f"version {version} or older", "Update antires_rs.")
     for name, digest in data["sha256"].items():
         if name not in arrays or _digest(arrays[name]) != digest:
-            unsuitable(
-                file,
-                f"whose array {name} is missing or does not have its checksum",
-                wanted,
-                "It was damaged or edited.",
-            )
+            found = f"whose array {name} is missing or does not have its checksum"
+            unsuitable(file, found, wanted, "It was damaged or edited.")
     return file, _filled(data, arrays)
 
 
@@ -134,7 +125,6 @@ def _sha256(data: bytes) -> str:
 
 # -- Values of our classes as plain data and arrays, and made again from them, bit-identical
 
-
 _MODELS: dict[type[Recipe], type[StructuralModel]] = {
     ChainRecipe: MassSpringChain,
     MatrixRecipe: MatrixModel,
@@ -148,23 +138,14 @@ _FIELDS: dict[type, tuple[str, ...]] = {
     Entries: Entries._fields,
 }
 _HOMES = (
-    assessor_plan,
-    inference,
-    hypotheses,
-    question,
-    options,
-    frame_parts,
-    recipes,
-    structural_model,
-    island_ga,
+    *(assessor_plan, inference, hypotheses, likelihood, options),
+    *(frame_parts, recipes, structural_model, island_ga),
 )
 #: Classes by the names that stand in files: our dataclasses, as these modules know them, and those above.
 _CLASSES: dict[str, Any] = {
     **{name: each for home in _HOMES for name, each in vars(home).items() if is_dataclass(each)},
-    **{
-        each.__name__: each
-        for each in (*_FIELDS, *_MODELS.values(), AntiresonanceSet, Parameter, DamagePenalty)
-    },
+    **{each.__name__: each for each in (*_FIELDS, *_MODELS.values())},
+    **{each.__name__: each for each in (AntiresonanceSet, Parameter, DamagePenalty)},
 }
 
 
@@ -181,12 +162,8 @@ def encoded(value: Any, store: Store) -> Any:
         return {"class": kind.__name__, "json": value.to_json()}
     if isinstance(value, StructuralModel):
         if kind is not _MODELS[type(value.description.recipe)]:
-            reject(
-                "model",
-                kind.__name__,
-                "a MassSpringChain, FrameModel or MatrixModel",
-                "Build the model as one of these first.",
-            )
+            wanted = "a MassSpringChain, FrameModel or MatrixModel"
+            reject("model", kind.__name__, wanted, "Build the model as one of these first.")
         return {"class": kind.__name__, "description": encoded(value.description, store)}
     if kind in _FIELDS or is_dataclass(value):
         names = _FIELDS.get(kind) or tuple(each.name for each in fields(value) if each.init)
@@ -225,28 +202,17 @@ def decoded(data: Any, name: str) -> Any:
     return made(**parts)
 
 
-def _in_npz(path: str | os.PathLike[str]) -> None:
+def _in_npz(path: PathLike) -> None:
     if isinstance(path, str | os.PathLike) and Path(path).suffix != ".npz":
         reject("path", str(path), "a file that ends in .npz", "Append .npz to the name.")
 
 
-def _whole(file: Path, wanted: str, remedy: str, make: Callable[[], Any]) -> Any:
-    """What is made of the parts of a file; one that is missing is told."""
-    try:
-        return make()
-    except AntiresError:
-        raise
-    except (KeyError, TypeError, IndexError, ValueError) as exc:
-        unsuitable(file, f"which is damaged ({type(exc).__name__}: {exc})", wanted, remedy)
-
-
 # -- Assessors as files: question, tables, and what was learned
-
 
 FORMAT, VERSION = "antires_rs.assessor", 2
 
 
-def save_assessor(assessor: Assessor, path: str | os.PathLike[str]) -> Path:
+def save_assessor(assessor: Assessor, path: PathLike) -> Path:
     """Write an assessor, whole or not at all; see :meth:`Assessor.save`."""
     _in_npz(path)
     store, plan = Store(), assessor._plan
@@ -255,42 +221,34 @@ def save_assessor(assessor: Assessor, path: str | os.PathLike[str]) -> Path:
     return write_store(path, {"format": FORMAT, "version": VERSION, **data}, store)
 
 
-def load_assessor(path: str | os.PathLike[str]) -> Assessor:
+def load_assessor(path: PathLike) -> Assessor:
     """Read what :func:`save_assessor` wrote; see :meth:`Assessor.load`."""
-    wanted, remedy = (
-        f"a file written by Assessor.save, version {VERSION} or older",
-        "Make and save the assessor anew.",
-    )
+    wanted = f"a file written by Assessor.save, version {VERSION} or older"
+    remedy = "Make and save the assessor anew."
     file, data = read_store(path, FORMAT, VERSION, wanted)
-
-    def make() -> Plan:
+    with parts_of(file, wanted, remedy):
         if not np.array_equal(data["levels"], LEVELS):
             unsuitable(file, "with tables of another version", wanted, remedy)
         if data["version"] == 1:
-            return _plan_1(data, str(file))
-        return Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
-
-    return Assessor._of(_whole(file, wanted, remedy, make))
+            plan = _plan_1(data, str(file))
+        else:
+            plan = Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
+    return Assessor._of(plan)
 
 
 # -- Results of updating and damage assessment: what was asked, how it went, what came out, by which versions
 
-
 FORMAT_RESULTS, VERSION_RESULTS = "antires_rs.result", 4
+_PARTS = ("problem", "search", "assessment", "question", "options")
 _RESULTS = {"UpdateResult": UpdateResult, "DamageResult": DamageResult}
 
 
-def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
+def save_result(result: UpdateResult, path: PathLike) -> Path:
     """Write a result, whole or not at all; see :meth:`UpdateResult.save`."""
     _in_npz(path)
     store = Store()
-    parts = {
-        "problem": result.problem,
-        "search": result.search,
-        "assessment": getattr(result, "_assessment", None),
-        "question": getattr(result, "_question", None),
-        "options": dict(result.options),
-    }
+    assessed = [getattr(result, name, None) for name in ("_assessment", "_question")]
+    parts = dict(zip(_PARTS, (result.problem, result.search, *assessed, dict(result.options)), strict=True))
     data = {
         "format": FORMAT_RESULTS,
         "version": VERSION_RESULTS,
@@ -307,26 +265,21 @@ def save_result(result: UpdateResult, path: str | os.PathLike[str]) -> Path:
     return write_store(path, data, store)
 
 
-def load_result(path: str | os.PathLike[str], kind: type[UpdateResult] = UpdateResult) -> Any:
+def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
     """Read what :func:`save_result` wrote; see :meth:`UpdateResult.load`."""
     wanted = f"a file written by {kind.__name__}.save, version {VERSION_RESULTS} or older"
     remedy = "It was cut, or is another file: name the result.npz of a run."
     file, data = read_store(path, FORMAT_RESULTS, VERSION_RESULTS, wanted, remedy)
 
-    def make() -> tuple[type[UpdateResult], list[Any]]:
+    with parts_of(file, wanted, "Copy it again, or save the result anew."):
         made = _RESULTS[data["class"]]
         if not issubclass(made, kind):
             unsuitable(file, f"which holds an {made.__name__}", wanted, f"Use {made.__name__}.load.")
         if data["version"] < 4:
-            return made, _result_3(data, str(file))
-        return made, [
-            decoded(data[name], str(file))
-            for name in ("problem", "search", "assessment", "question", "options")
-        ]
-
-    made, (problem, search, *assessed, held) = _whole(
-        file, wanted, "Copy it again, or save the result anew.", make
-    )
+            parts = _result_3(data, str(file))
+        else:
+            parts = [decoded(data[name], str(file)) for name in _PARTS]
+        problem, search, *assessed, held = parts
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
         maker = data["made_with"]["antires_rs"]
@@ -442,12 +395,8 @@ def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
     elif data["kind"] == "frame":
         recipe = _frame_3(data)
     else:
-        reject(
-            "path",
-            f"{name!r} with a model of kind {data['kind']!r}",
-            "a kind that this version knows",
-            "Update antires_rs.",
-        )
+        got = f"{name!r} with a model of kind {data['kind']!r}"
+        reject("path", got, "a kind that this version knows", "Update antires_rs.")
     applied = tuple(
         AppliedParameters(_parameters_3(one["parameters"]), one["values"])
         for one in data.get("applied", ())  # version 1 has none

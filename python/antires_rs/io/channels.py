@@ -1,80 +1,35 @@
-"""From channels as a file has them to a signal: options of the readers, roles, units, rates and names."""
+"""From channels as a file has them to a signal: roles, units, rates and names."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
-from ..support.checks import finite_scalar, shape_of
+from ..support.checks import shape_of
 from ..support.messages import LeftOut, Passed, Wording, warn
 from .common import rate_of, refuse_real, simplest_rate, unsuitable
+from .reading import Dofs, Reading
 from .units import Unit, named_unit, parse_unit
 
-#: How a user names dofs: in the order of the channels, by the channel's own name, or by a function of it.
-Dofs = Iterable[Any] | Mapping[Any, Any] | Callable[[Any], Any] | None
 #: Names of a channel that holds the instants of the others.
 _TIME = ("time", "t", "time_s", "x_value", "zeit")
 _SAME_RATE = 1e-6
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What a caller says of a file: each reader has some of these options, see ``read_npz``."""
-
-    dofs: Dofs = None
-    force: Any = "auto"
-    unit: str | None = None
-    fs_hz: float | None = None
-    kind: str | None = None
-    reference: Any = None
-    responses: Any = None
-    time: str | None = None
-    freq: str | None = None
-    freq_hz: Any = None
-    df_hz: float | None = None
-    first: str | None = None
-    pairs: str | None = None
-
-    @classmethod
-    def of(cls, arguments: Mapping[str, Any]) -> Self:
-        """Of the arguments of a reader, ``locals()``, which may have others too."""
-        return cls(**{each.name: arguments[each.name] for each in fields(cls) if each.name in arguments})
-
-    @property
-    def rate_hz(self) -> float | None:
-        """The sampling rate that is given, checked."""
-        if self.fs_hz is None:
-            return None
-        return finite_scalar("fs_hz", self.fs_hz, low=0.0, low_open=True, unit="Hz")
-
-
-@dataclass(frozen=True)
 class Channel:
-    """A channel with what its file says of it.
+    """A channel with what its file says of it; the unit is '' and the step None where it is silent.
 
-    Attributes
-    ----------
-    name : str or int
-        As the file has it.
-    values : (n_samples,) or (n_freq,)
-    unit : str
-        As the file has it; ``''`` where it is silent.
-    step_s : float or None
-        Sampling interval; None where the file is silent.
-    start : str
-        When the record began, as the file writes it; channels of one record agree.
-    offset_s : float
-        Its first sample after that.
-    role : {"", "force", "response"}
-        Where the file states it.
+    ``start`` is when the record began, as the file writes it, ``offset_s`` its first sample after that;
+    ``role`` is "force" where the file states it.
     """
 
     name: Any
@@ -92,43 +47,33 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
     A channel is a force where the file says so, by role or unit. ``given.force`` is "auto" (the only one),
     None (left out) or the name of a channel.
     """
-    # The unit that a user names is that of the responses.
     units = {id(c): _unit(path, c) for c in channels}
     forces = [c for c in channels if c.role == "force" or units[id(c)].quantity == "force"]
     if given.force not in ("auto", None) and all(c.name != given.force for c in forces):
         forces += [c for c in channels if c.name == given.force]  # the user knows better than a silent file
     responses = [c for c in channels if not any(c is f for f in forces)]
     if not responses:
-        unsuitable(
-            path,
-            f"with {len(forces)} force and no response",
-            "at least one response channel",
-            "Export the response channels too.",
-        )
-    chosen = _force(forces, given.force)
+        found = f"with {len(forces)} force and no response"
+        unsuitable(path, found, "at least one response channel", "Export the response channels too.")
+    force = _force(forces, given.force)
     labels = renamed("dofs", [c.name for c in responses], given.dofs)
-    # What is left out need not fit the rest.
-    rows = kept(labels)
+    rows = kept(labels)  # what is left out need not fit the rest
     used = [responses[i] for i in rows]
-    lengths = {c.values.size for c in (*used, *([] if chosen is None else [chosen]))}
+    lengths = {c.values.size for c in (*used, *([] if force is None else [force]))}
     if len(lengths) > 1:
-        unsuitable(
-            path,
-            f"with channels of {sorted(lengths)} samples",
-            "channels of one length",
-            Wording("Leave out those of other lengths by {}.", Passed("dofs")),
-        )
-    if given.unit is not None:
+        remedy = Wording("Leave out those of other lengths by {}.", Passed("dofs"))
+        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
+    if given.unit is not None:  # which is that of the responses
         units |= {id(c): named_unit("unit", given.unit) for c in used}
     else:
-        for odd in sorted({c.unit for c in used}):
-            unit_or_warning(path, odd)
+        for unit in sorted({c.unit for c in used}):
+            unit_or_warning(path, unit)
     one_quantity(path, [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used])
     return Recording(
         np.stack([in_si(c.values, units[id(c)]) for c in used]),
         fs_hz,
         [labels[i] for i in rows],
-        None if chosen is None else in_si(chosen.values, units[id(chosen)]),
+        None if force is None else in_si(force.values, units[id(force)]),
     )
 
 
@@ -139,10 +84,8 @@ def response_of(
     labels = renamed("dofs", [c.name for c in columns], given.dofs)
     chosen = kept(labels)
     named = None if given.unit is None else named_unit("unit", given.unit)
-    values = [
-        in_si(columns[i].values, unit_or_warning(path, columns[i].unit) if named is None else named)
-        for i in chosen
-    ]
+    units = [named or unit_or_warning(path, columns[i].unit) for i in chosen]
+    values = [in_si(columns[i].values, unit) for i, unit in zip(chosen, units, strict=True)]
     refuse_real(path, values)
     return FrequencyResponse(
         freq_hz,
@@ -162,12 +105,8 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
     chosen = rest if given.responses is None else [*_named(file, rest, given.responses), *forces]
     chosen = list({id(c): c for c in chosen}.values())
     if not chosen:
-        unsuitable(
-            file,
-            "without a channel of numbers",
-            "at least one channel of samples",
-            "Export the channels of the record.",
-        )
+        found = "without a channel of numbers"
+        unsuitable(file, found, "at least one channel of samples", "Export the channels of the record.")
     rate = _rate(file, chosen, instants, given)
     _together(file, chosen)
     if given.unit is None and not any(c.unit for c in chosen):
@@ -176,10 +115,7 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
             f"path: {str(file)!r} does not say in which unit its channels are; the values are as in "
             "the file. Name it by unit=.",
         )
-    made = [
-        Channel(c.name, c.values, c.unit, role="force" if c in forces and given.force is not None else "")
-        for c in chosen
-    ]
+    made = [replace(c, role="force" if c in forces and given.force is not None else "") for c in chosen]
     return recording_of(file, made, rate, given)
 
 
@@ -189,12 +125,8 @@ def _named(file: Path, channels: Sequence[Channel], responses: Any) -> list[Chan
         hits = [c for c in channels if isinstance(pattern, str) and matches(c.name, pattern)]
         if not hits:
             shown = ", ".join(repr(c.name) for c in channels[:20]) or "none of that name"
-            reject(
-                "responses",
-                repr(pattern),
-                f"channels of {str(file)!r}: {shown}",
-                "Correct the name or pattern.",
-            )
+            got = repr(pattern)
+            reject("responses", got, f"channels of {str(file)!r}: {shown}", "Correct the name or pattern.")
         found += hits
     return found
 
@@ -210,20 +142,13 @@ def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], 
     if rate is None and not rates:
         if len(instants) == 1:
             return rate_of(file, instants[0].values)
-        unsuitable(
-            file,
-            f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval",
-            "a sampling rate",
-            Wording("Give it by {}.", Passed("fs_hz")),
-        )
+        found = f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval"
+        unsuitable(file, found, "a sampling rate", Wording("Give it by {}.", Passed("fs_hz")))
     if rates and max(rates.values()) - min(rates.values()) > _SAME_RATE * max(rates.values()):
         low, high = (f(rates, key=lambda name: rates[name]) for f in (min, max))
-        unsuitable(
-            file,
-            f"with {low!r} at {rates[low]:.6g} Hz and {high!r} at {rates[high]:.6g} Hz",
-            "channels of one rate",
-            Wording("Name the {} of one rate.", Passed("responses")),
-        )
+        found = f"with {low!r} at {rates[low]:.6g} Hz and {high!r} at {rates[high]:.6g} Hz"
+        wanted = "channels of one rate"
+        unsuitable(file, found, wanted, Wording("Name the {} of one rate.", Passed("responses")))
     own = next(iter(rates.values()), rate)
     if rate is not None:
         warn_other_rate(file, "has channels at", own, rate)
@@ -252,12 +177,8 @@ def _together(file: Path, channels: Sequence[Channel]) -> None:
     other = next((c for c in channels if (c.start, round(c.offset_s, 9)) != begun), None)
     if other is not None:
         names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
-        unsuitable(
-            file,
-            f"with {' and '.join(names)}",
-            "channels that begin together",
-            Wording("Name the {} of one record.", Passed("responses")),
-        )
+        remedy = Wording("Name the {} of one record.", Passed("responses"))
+        unsuitable(file, f"with {' and '.join(names)}", "channels that begin together", remedy)
 
 
 def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
@@ -280,23 +201,15 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
     if isinstance(dofs, Mapping):
         lost = [name for name in names if name not in dofs]
         if lost:
-            reject(
-                argument,
-                f"no dof for {lost}",
-                f"a dof for each of {list(names)}",
-                Wording("{}.", LeftOut("channel")),
-            )
+            got = f"no dof for {lost}"
+            reject(argument, got, f"a dof for each of {list(names)}", Wording("{}.", LeftOut("channel")))
         return [dofs[name] for name in names]
     if callable(dofs):
         return [dofs(name) for name in names]
     labels = list(dofs) if shape_of(dofs) != () else [dofs]
     if len(labels) != len(names):
-        reject(
-            argument,
-            f"{len(labels)} dofs",
-            f"{len(names)}, one for each of {list(names)}",
-            "Name a dof for each channel, in their order, or map channels to dofs.",
-        )
+        remedy = "Name a dof for each channel, in their order, or map channels to dofs."
+        reject(argument, f"{len(labels)} dofs", f"{len(names)}, one for each of {list(names)}", remedy)
     return labels
 
 
@@ -316,12 +229,8 @@ def in_si(values: Any, unit: Unit) -> Any:
 def _unit(path: Path, channel: Channel) -> Unit:
     unit = parse_unit(channel.unit) or Unit()
     if unit.per:
-        unsuitable(
-            path,
-            f"with the unit {channel.unit!r} of channel {channel.name!r}",
-            "a unit of a record",
-            "Export time records, or read the file as frequency responses.",
-        )
+        found, wanted = f"with the unit {channel.unit!r} of channel {channel.name!r}", "a unit of a record"
+        unsuitable(path, found, wanted, "Export time records, or read the file as frequency responses.")
     return unit
 
 
@@ -343,17 +252,9 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
         return None
     names = [c.name for c in forces]
     if automatic and len(forces) > 1:
-        reject(
-            "force",
-            f"'auto' for a file with {len(forces)} force channels, {names}",
-            "the name of one, or None",
-            "The theory is that of one force.",
-        )
+        got = f"'auto' for a file with {len(forces)} force channels, {names}"
+        reject("force", got, "the name of one, or None", "The theory is that of one force.")
     if not automatic and force not in names:
-        reject(
-            "force",
-            repr(force),
-            f"'auto', None or a channel of the file, {names or 'it has no force'}",
-            "Name a channel of the file, or pass None for no force.",
-        )
+        wanted = f"'auto', None or a channel of the file, {names or 'it has no force'}"
+        reject("force", repr(force), wanted, "Name a channel of the file, or pass None for no force.")
     return forces[0 if automatic else names.index(force)]

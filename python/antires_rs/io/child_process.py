@@ -6,7 +6,6 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,15 +15,18 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
 from ._child import Answer
-from .channels import Reading, matches
-from .common import missing_package, unsuitable
+from .channels import matches
+from .common import unsuitable
 from .npz import read_archive
 from .raw_arrays import ROLES, array_of
+from .reading import Reading
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3
 #: The program of the child.
 READER = Path(__file__).with_name("_child.py")
+#: What reads in the child: its path and the request give arrays, texts and what was listed.
+Function = Callable[[str, dict[str, Any]], Answer]
 
 
 class Limits(NamedTuple):
@@ -41,23 +43,8 @@ class Found(NamedTuple):
     texts: dict[str, str]
 
 
-def require(reader: str, module: str, extra: str, package: str = "") -> None:
-    """Raise where the package is not installed that reads in the child."""
-    try:
-        there = find_spec(module) is not None
-    except ModuleNotFoundError:  # of a package above it
-        there = False
-    if not there:
-        raise missing_package(reader, package or module, extra, ImportError(module))
-
-
 def channels_of_child(
-    function: Callable[[str, dict[str, Any]], Answer],
-    file: Path,
-    wanted: str,
-    limits: Limits,
-    given: Reading | None = None,
-    **more: Any,
+    function: Function, file: Path, wanted: str, limits: Limits, given: Reading | None = None, **more: Any
 ) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """What the child makes of a file: the entries of its channels, with their values, and further texts."""
     found = in_a_child(function, file, wanted, limits, given, **more)
@@ -68,12 +55,7 @@ def channels_of_child(
 
 
 def in_a_child(
-    function: Callable[[str, dict[str, Any]], Answer],
-    file: Path,
-    wanted: str,
-    limits: Limits,
-    given: Reading | None = None,
-    **more: Any,
+    function: Function, file: Path, wanted: str, limits: Limits, given: Reading | None = None, **more: Any
 ) -> Found:
     """What ``function`` makes of the file in the child, handed over as an archive of plain arrays.
 
@@ -81,18 +63,18 @@ def in_a_child(
     """
     import tempfile
 
-    checked = Limits(
-        finite_scalar("time_limit_s", limits.time_limit_s, low=0.0, low_open=True, unit="s"),
-        finite_scalar("memory_limit_gb", limits.memory_limit_gb, low=0.0, low_open=True, unit="GB"),
-    )
+    time_limit_s = finite_scalar("time_limit_s", limits.time_limit_s, low=0.0, low_open=True, unit="s")
+    memory_gb = finite_scalar("memory_limit_gb", limits.memory_limit_gb, low=0.0, low_open=True, unit="GB")
+    limits = Limits(time_limit_s, memory_gb)
+    asked = [] if given is None else list(_texts(given.responses))
     only = None
-    if given is not None and any(_texts(given.responses)):
-        roles = (given.responses, given.time, given.freq, None if given.force == "auto" else given.force)
-        names = [name for each in roles for name in _texts(each)]
+    if given is not None and asked:
+        roles = (given.time, given.freq, None if given.force == "auto" else given.force)
+        names = [*asked, *(name for each in roles for name in _texts(each))]
         only = list(dict.fromkeys(each for name in names for each in (name, array_of(name))))
     request = {
-        "memory_gb": checked.memory_limit_gb,
-        "most_bytes": int(_SHARE * checked.memory_limit_gb * 2**30),
+        "memory_gb": memory_gb,
+        "most_bytes": int(_SHARE * memory_gb * 2**30),
         "only": only,
         "roles": sorted(ROLES),
         **more,
@@ -101,22 +83,23 @@ def in_a_child(
         out = Path(folder) / "arrays.npz"
         source = function.__code__.co_filename
         arguments = [source, function.__name__, str(file.resolve()), str(out), json.dumps(request)]
-        _run(file, wanted, arguments, checked, out)
+        _run(file, wanted, arguments, limits, out)
         arrays = read_archive(out)
     about = json.loads(bytes(arrays.pop("names")).decode())
+    texts, listed = about["texts"], about["listed"]
     found = {name: np.asarray(arrays[key]) for key, name in about["arrays"].items()}
-    if (
-        only is not None
-        and given is not None
-        and "channels" not in about["texts"]
-        and "antires_rs" not in about["texts"]
-    ):
-        _check_names(file, given.responses, about["listed"])  # a file of ours is judged as a whole
-    _check_room(file, about["listed"], checked.memory_limit_gb)
-    for name, shape, _ in about["listed"]:
+    if only is not None and "channels" not in texts and "antires_rs" not in texts:
+        _check_names(file, asked, listed)  # a file of ours is judged as a whole
+    large = [(name, shape) for name, shape, whole in listed if not whole]
+    if large:
+        name, shape = max(large, key=lambda each: float(np.prod([float(n) for n in each[1]])))
+        problem = f"with {name} of {'x'.join(map(str, shape))} values"
+        remedy = "Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb."
+        unsuitable(file, problem, f"arrays that fit into {_SHARE * memory_gb:.3g} GB twice", remedy)
+    for name, shape, _ in listed:
         if name not in found and len(shape) > 2:  # told of, never filled
             found[name] = np.broadcast_to(np.float64(0.0), shape)
-    return Found(found, about["texts"])
+    return Found(found, texts)
 
 
 def _texts(given: Any) -> Iterator[str]:
@@ -148,51 +131,25 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
             check=False,
         )
     except subprocess.TimeoutExpired:
-        unsuitable(
-            file,
-            f"which was not read within {limits.time_limit_s:g} s",
-            wanted,
-            "Raise time_limit_s if it is large; otherwise it is damaged.",
-        )
+        found = f"which was not read within {limits.time_limit_s:g} s"
+        unsuitable(file, found, wanted, "Raise time_limit_s if it is large; otherwise it is damaged.")
     if done.returncode == 0 and out.is_file():
         return
     said = (done.stderr.strip().splitlines() or [f"the reader ended with code {done.returncode}"])[-1]
     if said.startswith("MemoryError"):
-        unsuitable(
-            file,
-            f"which takes more than {limits.memory_limit_gb:.3g} GB",
-            wanted,
-            "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged.",
-        )
+        remedy = "Name the responses= to be read, or raise memory_limit_gb, if it is not damaged."
+        unsuitable(file, f"which takes more than {limits.memory_limit_gb:.3g} GB", wanted, remedy)
     if said.startswith("Unfit: "):
         unsuitable(file, f"in which {said[7:400]}", wanted, "Correct the file, or the names you gave.")
-    unsuitable(
-        file, f"which cannot be read ({said[:300]})", wanted, "It was cut or damaged, or is no such file."
-    )
+    got = f"which cannot be read ({said[:300]})"
+    unsuitable(file, got, wanted, "It was cut or damaged, or is no such file.")
 
 
-def _check_names(file: Path, responses: Any, listed: list[Any]) -> None:
+def _check_names(file: Path, patterns: list[str], listed: list[Any]) -> None:
     """Refuse names of responses that the file lacks."""
-    there = {name.replace("/", ".") for name, _, _ in listed} | {name for name, _, _ in listed}
+    there = {spelled for name, _, _ in listed for spelled in (name, name.replace("/", "."))}
     shown = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape, _ in listed[:20])
-    for pattern in _texts(responses):
+    for pattern in patterns:
         if not any(name == array_of(pattern) or matches(name, pattern) for name in there):
-            reject(
-                "responses",
-                repr(pattern),
-                f"arrays of {str(file)!r}: {shown}",
-                "Correct the name or pattern.",
-            )
-
-
-def _check_room(file: Path, listed: list[Any], memory_limit_gb: float) -> None:
-    """Refuse arrays that are too large to be read."""
-    large = [(name, shape) for name, shape, whole in listed if not whole]
-    if large:
-        name, shape = max(large, key=lambda each: float(np.prod([float(n) for n in each[1]])))
-        unsuitable(
-            file,
-            f"with {name} of {'x'.join(map(str, shape))} values",
-            f"arrays that fit into {_SHARE * memory_limit_gb:.3g} GB twice",
-            "Name the responses= to be read, which leaves the others alone, or raise memory_limit_gb.",
-        )
+            wanted = f"arrays of {str(file)!r}: {shown}"
+            reject("responses", repr(pattern), wanted, "Correct the name or pattern.")

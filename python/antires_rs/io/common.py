@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
-from ..exceptions import MissingDependencyError, UnsuitableDataError, reject
+from ..exceptions import AntiresError, MissingDependencyError, UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.messages import Passed, Wording, warn
 
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
 _PARTS, _DRIFT = 32, 1e-3
-
 
 Signal = Recording | FrequencyResponse
 
@@ -56,6 +58,23 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     unsuitable(path, found, wanted, remedy)
 
 
+@contextmanager
+def parts_of(path: Path, wanted: str, remedy: str, found: str = "which is damaged") -> Iterator[None]:
+    """Where a signal or a result is made of the parts of a file; one that is missing or odd is told."""
+    try:
+        yield
+    except AntiresError:
+        raise
+    except (KeyError, TypeError, AttributeError, IndexError, ValueError) as exc:
+        unsuitable(path, f"{found} ({type(exc).__name__}: {exc})", wanted, remedy)
+
+
+def choose_run(count: int) -> Wording:
+    """What to do with a file of several runs."""
+    text = "Choose one by {} to {}, and give them together as repeats of one test."
+    return Wording(text, Passed("run", 1), Passed("run", count))
+
+
 def refuse_real(path: Path, rows: Any) -> None:
     """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
     made = [np.asarray(row) for row in rows]
@@ -78,16 +97,14 @@ def missing_package(what: str, package: str, extra: str, cause: ImportError) -> 
     return error
 
 
-def signal_given(signal: Any) -> Signal:
-    """What a writer takes."""
-    if not isinstance(signal, Signal):
-        reject(
-            "signal",
-            type(signal).__name__,
-            "a Recording or a FrequencyResponse",
-            "Make one of the arrays first: Recording(responses, fs_hz).",
-        )
-    return signal
+def require(reader: str, module: str, extra: str, package: str = "") -> None:
+    """Raise where a package is not installed, without importing it."""
+    try:
+        there = find_spec(module) is not None
+    except ModuleNotFoundError:  # of a package above it
+        there = False
+    if not there:
+        raise missing_package(reader, package or module, extra, ImportError(module))
 
 
 def simplest_rate(low: float, high: float) -> float:
@@ -144,21 +161,13 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """
     wanted = "instants in s, evenly spaced and ascending"
     if times.size < 2 or not np.isfinite(times).all():
-        unsuitable(
-            path,
-            f"whose {times.size} instants are too few or not finite",
-            wanted,
-            "Correct the instants, or leave them out and pass the rate.",
-        )
+        found = f"whose {times.size} instants are too few or not finite"
+        unsuitable(path, found, wanted, "Correct the instants, or leave them out and pass the rate.")
     span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
     step = span / (times.size - 1)
     if span <= 0.0:
-        unsuitable(
-            path,
-            "whose time does not ascend",
-            wanted,
-            "Sort the rows by time, or leave the instants out and pass the rate.",
-        )
+        found = "whose time does not ascend"
+        unsuitable(path, found, wanted, "Sort the rows by time, or leave the instants out and pass the rate.")
     # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:

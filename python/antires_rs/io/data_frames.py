@@ -1,7 +1,8 @@
-"""Signals and antiresonances for pandas and xarray."""
+"""Signals, antiresonances and what is computed from them for pandas and xarray."""
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -17,38 +18,39 @@ from ..updating.posterior import ParameterIntervals
 from .common import missing_package
 
 
+def _pandas() -> Any:
+    return _package("to_dataframe", "pandas")
+
+
+def _xarray() -> Any:
+    return _package("to_xarray", "xarray")
+
+
+def _package(method: str, name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError as exc:
+        raise missing_package(method, name, "tables", exc) from exc
+
+
 def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
     """A pandas.DataFrame: a column a channel over time or frequency, or a row an antiresonance."""
+    if isinstance(source, AntiresonanceSet):
+        names, rows = rows_of(source)
+        return frame_of(rows, names)
     pd = _pandas()
-    if isinstance(source, Recording):
-        index = pd.Index(_instants(source), name="time_s")
-        frame = pd.DataFrame(
-            source.responses.T, index=index, columns=pd.Index(list(source.dofs), dtype=object)
-        )
-        if source.force is not None:
-            frame["force"] = source.force
-        return frame
+    columns = pd.Index(list(source.dofs), dtype=object)
     if isinstance(source, FrequencyResponse):
-        return pd.DataFrame(
-            source.values.T,
-            index=pd.Index(source.freq_hz, name="freq_hz"),
-            columns=pd.Index(list(source.dofs), dtype=object),
-        )
-    names, rows = rows_of(source)
-    return frame_of(rows, names)
+        return pd.DataFrame(source.values.T, pd.Index(source.freq_hz, name="freq_hz"), columns)
+    frame = pd.DataFrame(source.responses.T, pd.Index(_instants(source), name="time_s"), columns)
+    if source.force is not None:
+        frame["force"] = source.force
+    return frame
 
 
 def frame_of(rows: list[dict[str, Any]], names: list[str]) -> Any:
     """A pandas.DataFrame of rows with some of these columns."""
     return _pandas().DataFrame(rows, columns=names)
-
-
-def _pandas() -> Any:
-    try:
-        import pandas as pd
-    except ImportError as exc:
-        raise missing_package("to_dataframe", "pandas", "tables", exc) from exc
-    return pd
 
 
 def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
@@ -75,108 +77,67 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
 
 def to_xarray(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:
     """An xarray.Dataset with dofs and time, frequency or rank as coordinates."""
-    try:
-        import xarray as xr
-    except ImportError as exc:
-        raise missing_package("to_xarray", "xarray", "tables", exc) from exc
+    xr = _xarray()
+    dofs = list(source if isinstance(source, AntiresonanceSet) else source.dofs)
+    labels = np.empty(len(dofs), dtype=object)  # whole numbers and text, which numpy would make text
+    labels[:] = dofs
     if isinstance(source, Recording):
-        labels = _labels(source.dofs)
         data: dict[str, Any] = {"responses": (("dof", "time_s"), np.array(source.responses))}
         if source.force is not None:
             data["force"] = (("time_s",), np.array(source.force))
         return xr.Dataset(data, {"dof": labels, "time_s": _instants(source)}, {"fs_hz": source.fs_hz})
     if isinstance(source, FrequencyResponse):
-        labels = _labels(source.dofs)
-        data = {
-            name: (("dof", "freq_hz"), np.array(getattr(source, name)))
-            for name in ("values", "coherence", "std")
-            if getattr(source, name) is not None
-        }
+        held = {name: getattr(source, name) for name in ("values", "coherence", "std")}
+        data = {name: (("dof", "freq_hz"), np.array(v)) for name, v in held.items() if v is not None}
         # Attributes that netCDF can hold: what is not known is left out.
-        known = {"kind": source.kind, "reference": source.reference, "n_averages": source.n_averages}
-        return xr.Dataset(
-            data,
-            {"dof": labels, "freq_hz": np.array(source.freq_hz)},
-            {name: value for name, value in known.items() if value is not None},
-        )
-    labels = _labels(source)
+        stated = {name: getattr(source, name) for name in ("kind", "reference", "n_averages")}
+        known = {name: value for name, value in stated.items() if value is not None}
+        return xr.Dataset(data, {"dof": labels, "freq_hz": np.array(source.freq_hz)}, known)
     longest = max(freq.size for freq in source.values())
-    padded = {
-        name: np.full((len(source), longest), np.nan) for name in ("freq_hz", "damping_ratio", "std_hz")
-    }
+    names = ("freq_hz", "damping_ratio", "std_hz")
+    padded = {name: np.full((len(source), longest), np.nan) for name in names}
     for i, dof in enumerate(source):
         for name, column in source.columns(dof).items():
             padded[name][i, : column.size] = column
-    return xr.Dataset(
-        {name: (("dof", "rank"), rows) for name, rows in padded.items()},
-        {"dof": labels, "rank": np.arange(longest)},
-        {"excitation": source.excitation},
-    )
-
-
-def _labels(dofs: Any) -> Any:
-    """Whole numbers and text side by side, which numpy would make text."""
-    labels = np.empty(len(dofs), dtype=object)
-    labels[:] = list(dofs)
-    return labels
+    data = {name: (("dof", "rank"), rows) for name, rows in padded.items()}
+    return xr.Dataset(data, {"dof": labels, "rank": np.arange(longest)}, {"excitation": source.excitation})
 
 
 def _instants(rec: Recording) -> Any:
     return np.arange(rec.n_samples) / rec.fs_hz
 
 
-# -- Comparisons, tracks, hypotheses of damage and intervals for pandas and xarray
-
-
-#: Columns of a comparison, in the order in which they are read.
-COLUMNS = (
-    "dof",
-    "a_hz",
-    "b_hz",
-    "difference_hz",
-    "difference_percent",
-    "std_hz",
-    "std_percent",
-    "z",
-    "p",
-    "changed",
+#: Columns of a comparison, in the order in which they are read, and what it says of all pairs.
+_PAIRS = (
+    *("dof", "a_hz", "b_hz", "difference_hz", "difference_percent", "std_hz", "std_percent"),
+    *("z", "p", "changed"),
 )
+_ALL_PAIRS = ("excitation", "chi_square", "freedom", "p_all", "alpha")
 
 
 def comparison_frame(compared: Comparison) -> Any:
     """A pandas.DataFrame, one row a pair."""
-    return _pandas_compared().DataFrame({name: np.array(getattr(compared, name)) for name in COLUMNS})
+    return _pandas().DataFrame({name: np.array(getattr(compared, name)) for name in _PAIRS})
 
 
 def comparison_dataset(compared: Comparison) -> Any:
     """An xarray.Dataset over the pairs."""
-    return _xarray().Dataset(
-        {name: (("pair",), np.array(getattr(compared, name))) for name in COLUMNS[1:]},
-        {"dof": (("pair",), np.array(compared.dof))},
-        {
-            "excitation": compared.excitation,
-            "chi_square": compared.chi_square,
-            "freedom": compared.freedom,
-            "p_all": compared.p_all,
-            "alpha": compared.alpha,
-        },
-    )
+    columns = {name: (("pair",), np.array(getattr(compared, name))) for name in _PAIRS}
+    over = {"dof": columns.pop("dof")}
+    return _xarray().Dataset(columns, over, {name: getattr(compared, name) for name in _ALL_PAIRS})
 
 
 def intervals_frame(found: ParameterIntervals) -> Any:
     """A pandas.DataFrame, one row a parameter."""
-    columns = ("low", "high", "center", "std", "words")
-    index = _pandas_compared().Index(found.names, name="parameter")
-    return _pandas_compared().DataFrame(
-        {name: np.array(getattr(found, name)) for name in columns}, index=index
-    )
+    columns = {name: np.array(getattr(found, name)) for name in ("low", "high", "center", "std", "words")}
+    return _pandas().DataFrame(columns, index=_pandas().Index(found.names, name="parameter"))
 
 
 def tracks_frame(tracks: Tracks) -> Any:
     """A pandas.DataFrame, one row a test and track."""
-    told = {(event.test, event.track): event.kind for event in tracks.events}
+    events = {(event.test, event.track): event.kind for event in tracks.events}
     change = tracks.change_percent
-    return _pandas_compared().DataFrame(
+    return _pandas().DataFrame(
         [
             {
                 "test": test,
@@ -186,7 +147,7 @@ def tracks_frame(tracks: Tracks) -> Any:
                 "freq_hz": tracks.freq_hz[test, i],
                 "std_hz": tracks.std_hz[test, i],
                 "change_percent": change[test, i],
-                "event": told.get((test, i), ""),
+                "event": events.get((test, i), ""),
             }
             for test, condition in enumerate(tracks.conditions)
             for i in range(len(tracks))
@@ -196,9 +157,9 @@ def tracks_frame(tracks: Tracks) -> Any:
 
 def tracks_dataset(tracks: Tracks) -> Any:
     """An xarray.Dataset over test and track."""
-    over = ("test", "track")
+    names = ("freq_hz", "std_hz", "change_percent")
     return _xarray().Dataset(
-        {name: (over, np.array(getattr(tracks, name))) for name in ("freq_hz", "std_hz", "change_percent")},
+        {name: (("test", "track"), np.array(getattr(tracks, name))) for name in names},
         {
             "test": np.arange(len(tracks.conditions)),
             "condition": (("test",), np.array(tracks.conditions)),
@@ -208,25 +169,7 @@ def tracks_dataset(tracks: Tracks) -> Any:
     )
 
 
-def _pandas_compared() -> Any:
-    try:
-        import pandas as pd
-    except ImportError as exc:
-        raise missing_package("to_dataframe", "pandas", "tables", exc) from exc
-    return pd
-
-
-def _xarray() -> Any:
-    try:
-        import xarray as xr
-    except ImportError as exc:
-        raise missing_package("to_xarray", "xarray", "tables", exc) from exc
-    return xr
-
-
 def hypotheses_frame(hypotheses: Hypotheses) -> Any:
     """A pandas.DataFrame, one row a hypothesis."""
     columns = ("elements", "probability", "severities", "low", "high", "candidate")
-    return _pandas_compared().DataFrame(
-        {name: [getattr(one, name) for one in hypotheses] for name in columns}
-    )
+    return _pandas().DataFrame({name: [getattr(one, name) for one in hypotheses] for name in columns})

@@ -14,10 +14,11 @@ import numpy as np
 
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
-from ..support.checks import FloatArray, choice, shape_of
+from ..support.checks import choice, shape_of
 from ..support.messages import Passed, Wording
-from .channels import Dofs, kept, renamed
+from .channels import kept, renamed
 from .common import existing_file, unsuitable
+from .reading import Dofs, PathLike
 from .registry import READERS, format_by_ending
 
 _TOKEN = re.compile(r"\d+|[^\W\d_]+|[\W_]+")
@@ -26,7 +27,7 @@ SAME_LINE = 1e-6
 
 
 def read_frf_files(
-    files: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    files: PathLike | Iterable[PathLike],
     *,
     dofs: Dofs = None,
     pattern: str = "*",
@@ -87,12 +88,9 @@ def read_frf_files(
         formats = Counter(format_by_ending(path.name) for path in paths)
         if len(formats) > 1 or None in formats:
             counts = ", ".join(f"{n} {kind or 'of unknown ending'}" for kind, n in formats.items())
-            reject(
-                "files",
-                f"files of several formats ({counts})",
-                "files of one format that is known",
-                Wording("Choose them by {}, or name the {}.", Passed("pattern"), Passed("format")),
-            )
+            got = f"files of several formats ({counts})"
+            remedy = Wording("Choose them by {}, or name the {}.", Passed("pattern"), Passed("format"))
+            reject("files", got, "files of one format that is known", remedy)
         format = next(iter(formats)) or ""
     choice("format", format, tuple(READERS))
     if kind is not None:
@@ -109,25 +107,20 @@ def read_frf_files(
     chosen = [read[i] for i in rows]
     kinds = {each.kind for each in chosen}
     if len(kinds) > 1:
-        reject(
-            "kind", f"files of {' and '.join(sorted(kinds))}", "files of one kind", "Read them one by one."
-        )
+        found = f"files of {' and '.join(sorted(kinds))}"
+        reject("kind", found, "files of one kind", "Read them one by one.")
     averages = {each.n_averages for each in chosen}
+    parts = {name: [getattr(each, name) for each in chosen] for name in ("coherence", "std")}
+    stacked = {name: np.vstack(each) for name, each in parts.items() if all(row is not None for row in each)}
     return FrequencyResponse(
         chosen[0].freq_hz,
         np.vstack([each.values for each in chosen]),
         [labels[i] for i in rows],
         chosen[0].kind if kind is None else kind,  # type: ignore[arg-type]
         reference,
-        _stacked([each.coherence for each in chosen]),
-        averages.pop() if len(averages) == 1 else None,
-        _stacked([each.std for each in chosen]),
+        n_averages=averages.pop() if len(averages) == 1 else None,
+        **stacked,
     )
-
-
-def _stacked(rows: list[FloatArray | None]) -> FloatArray | None:
-    there = [row for row in rows if row is not None]
-    return np.vstack(there) if len(there) == len(rows) else None
 
 
 def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
@@ -161,12 +154,8 @@ def _one(path: Path, format: str, options: dict[str, Any]) -> FrequencyResponse:
         found = (
             f"{len(signal.dofs)} responses" if isinstance(signal, FrequencyResponse) else "a record over time"
         )
-        unsuitable(
-            path,
-            f"with {found}",
-            "one response over frequency in each file",
-            "Read it alone by its own reader, or name the response that is meant.",
-        )
+        remedy = "Read it alone by its own reader, or name the response that is meant."
+        unsuitable(path, f"with {found}", "one response over frequency in each file", remedy)
     return signal
 
 
@@ -188,12 +177,9 @@ def _check_axes(paths: list[Path], read: list[FrequencyResponse]) -> None:
     most = max(groups, key=len)
     odd = next((i for i in range(len(read)) if i not in most), None)
     if odd is not None:
-        unsuitable(
-            paths[odd],
-            f"with {_axis(read[odd])}",
-            f"{_axis(read[most[0]])}, as {len(most)} of {len(read)} files have ({paths[most[0]].name})",
-            "Export all files over the same frequencies, or leave that one out.",
-        )
+        wanted = f"{_axis(read[most[0]])}, as {len(most)} of {len(read)} files have ({paths[most[0]].name})"
+        remedy = "Export all files over the same frequencies, or leave that one out."
+        unsuitable(paths[odd], f"with {_axis(read[odd])}", wanted, remedy)
 
 
 def _axis(response: FrequencyResponse) -> str:

@@ -3,84 +3,36 @@
 from __future__ import annotations
 
 import io
-import os
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import AntiresError
 from ..support.files import write_atomically
-from .channels import Dofs, Reading
-from .common import Signal, brief, existing_file, signal_given, unsuitable
-from .own_format import own_signal, pack, unpack
+from .common import Signal, brief, unsuitable
+from .own_format import TEXT, own_signal, pack
 from .raw_arrays import signal_of_arrays
+from .reading import OfArrays, PathLike, opened, reader, writer
 
-#: The member that holds the JSON text, as bytes.
-TEXT = "antires_rs"
+#: The first bytes of a .npy file; the dtype stands within those of its head.
+_NPY, _HEAD_BYTES = b"\x93NUMPY", 512
 
 
-def read_npz(
-    path: str | os.PathLike[str],
-    *,
-    responses: Any = None,
-    time: str | None = None,
-    freq: str | None = None,
-    force: Any = "auto",
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
-) -> Signal:
+@reader
+def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
     """Read a NumPy archive (.npz) or array (.npy): ours as it was, any other by the names of its arrays.
 
     A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
     drops its force, and any other option that does not agree with it is refused.
-
-    Parameters
-    ----------
-    path : path-like
-    responses : str or sequence of str, optional
-        Names of the response arrays, ``*`` for any text; those that no other role takes by default. A matrix
-        gives one channel for each row, the longer axis being time or frequency.
-    time, freq : str, optional
-        Name of the time or the frequency; by default the array called so.
-    force : str or None
-        Name of the force; "auto" takes the array called so, None leaves it out.
-    fs_hz : float, optional
-        Sampling rate, where the file has neither time nor rate.
-    dofs : sequence, mapping or callable, optional
-        Dof of each response: in order, by name, or a function of the name; None leaves one out. Default: the
-        arrays' names.
-    unit : str, optional
-        Unit of the responses, which are converted to SI: ``'m/s2'``, ``'g'``, ``'g/N'`` and the like. SI by
-        default.
-    kind, reference
-        Of responses over frequency: as in :class:`FrequencyResponse`; "frf" by default.
-    freq_hz : (n_freq,), optional
-        Frequencies of the responses, where the file does not hold them. Of a matrix the axis of that length
-        is frequency.
-    df_hz : float, optional
-        Their spacing from 0 Hz on, in place of ``freq_hz``.
-
-    Returns
-    -------
-    Recording or FrequencyResponse
 
     Raises
     ------
     UnsuitableDataError
         A damaged or cut file (the archive's directory is its end, and every member has a checksum), objects
         that would need pickle, or arrays whose role is not clear.
-    InvalidInputError
-        Options that do not fit the file.
-    FileNotFoundError
-        There is none.
 
     Examples
     --------
@@ -90,32 +42,18 @@ def read_npz(
     ...     ar.read_npz(folder + "/a.npz", unit="g")
     Recording(1 channels, 2 s at 50 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
-    with file.open("rb") as opened:
-        alone = opened.read(len(_NPY)) == _NPY
+    file, given = opened(read_npz, path, options)
+    with file.open("rb") as stream:
+        alone = stream.read(len(_NPY)) == _NPY
     arrays = _array(file) if alone else read_archive(file)
     if TEXT in arrays:
-        return own_signal(file, unpack(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays), given)
+        return own_signal(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays, given)
     return signal_of_arrays(file, arrays, given)
 
 
-def write_npz(path: str | os.PathLike[str], signal: Signal) -> Path:
+@writer
+def write_npz(path: PathLike, signal: Signal) -> Path:
     """Write a signal as a NumPy archive, whole or not at all; every float comes back bit for bit.
-
-    Parameters
-    ----------
-    path : path-like
-        Replaced if it exists.
-    signal : Recording or FrequencyResponse
-
-    Returns
-    -------
-    pathlib.Path
-
-    Raises
-    ------
-    InvalidInputError
-        The folder does not exist, or dofs that are neither integers nor strings.
 
     Examples
     --------
@@ -125,11 +63,10 @@ def write_npz(path: str | os.PathLike[str], signal: Signal) -> Path:
     ...     ar.read_npz(file).responses
     array([[1., 2., 4.]])
     """
-    text, arrays = pack(signal_given(signal))
-    return write_archive(path, text, arrays)
+    return write_archive(path, *pack(signal))
 
 
-def write_archive(path: str | os.PathLike[str], text: str, arrays: dict[str, NDArray[Any]]) -> Path:
+def write_archive(path: PathLike, text: str, arrays: dict[str, NDArray[Any]]) -> Path:
     """Arrays and a text in one archive."""
     buffer = io.BytesIO()
     members: dict[str, Any] = {TEXT: np.frombuffer(text.encode(), dtype=np.uint8), **arrays}
@@ -158,15 +95,10 @@ def read_archive(
         raise
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
         if _holds_objects(file):
-            unsuitable(
-                file,
-                "which holds objects, which only pickle reads",
-                wanted,
-                "A pickle can run any code. Save arrays of numbers alone.",
-            )
-        unsuitable(
-            file, f"which cannot be read ({brief(exc)})", wanted, "It was cut or damaged: copy it again."
-        )
+            found = "which holds objects, which only pickle reads"
+            unsuitable(file, found, wanted, "A pickle can run any code. Save arrays of numbers alone.")
+        got = f"which cannot be read ({brief(exc)})"
+        unsuitable(file, got, wanted, "It was cut or damaged: copy it again.")
 
 
 def _array(file: Path) -> dict[str, NDArray[Any]]:
@@ -174,12 +106,8 @@ def _array(file: Path) -> dict[str, NDArray[Any]]:
     try:
         return {file.stem: np.load(file, allow_pickle=False)}
     except Exception as exc:  # numpy parses the header as Python, with the errors of Python's own parser
-        unsuitable(
-            file,
-            f"which cannot be read ({brief(exc)})",
-            "a whole array of numbers (.npy)",
-            "It was cut, or holds objects, which only pickle reads: save numbers alone.",
-        )
+        remedy = "It was cut, or holds objects, which only pickle reads: save numbers alone."
+        unsuitable(file, f"which cannot be read ({brief(exc)})", "a whole array of numbers (.npy)", remedy)
 
 
 def _holds_objects(file: Path) -> bool:
@@ -189,12 +117,6 @@ def _holds_objects(file: Path) -> bool:
     with suppress(Exception), zipfile.ZipFile(file) as archive:
         for name in archive.namelist():
             with archive.open(name) as member:
-                if b"'|O'" in member.read(_HEADER_BYTES):
+                if b"'|O'" in member.read(_HEAD_BYTES):
                     return True
     return False
-
-
-#: The first bytes of a .npy file.
-_NPY = b"\x93NUMPY"
-#: The dtype stands at the beginning of a .npy file.
-_HEADER_BYTES = 512

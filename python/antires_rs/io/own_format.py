@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -23,26 +22,29 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
-from .channels import Reading, kept, renamed
-from .common import Signal, unsuitable
+from .channels import kept, renamed
+from .common import Signal, parts_of, unsuitable
+from .reading import Reading
 from .units import named_unit
 
 FORMAT, VERSION = "antires_rs.signal", 1
-_OPTIONAL = {"recording": ("force",), "response": ("coherence", "std")}
-WANTED = f"a file written by antires_rs, version {VERSION} or older"
+#: The name of the JSON text in a file.
+TEXT = "antires_rs"
+#: Arrays, those that may be missing, and other parts.
+_RECORDING = ("responses",), ("force",), ("fs_hz",)
+_RESPONSE = ("freq_hz", "values"), ("coherence", "std"), ("kind", "reference", "n_averages")
+_WANTED = f"a file written by antires_rs, version {VERSION} or older"
 
 
-def pack(signal: Signal) -> tuple[str, dict[str, NDArray[Any]]]:
+def pack(signal: Any) -> tuple[str, dict[str, NDArray[Any]]]:
     """The text and the arrays of a signal."""
     text: dict[str, Any] = {"format": FORMAT, "version": VERSION, "dofs": check_dofs(signal)}
-    arrays: dict[str, NDArray[Any]]
+    needed, optional, values = _RECORDING if isinstance(signal, Recording) else _RESPONSE
     if isinstance(signal, Recording):
-        text |= {"kind": "recording", "fs_hz": signal.fs_hz}
-        arrays, optional = {"responses": signal.responses}, _OPTIONAL["recording"]
-    else:
-        text |= {"kind": signal.kind, "reference": signal.reference, "n_averages": signal.n_averages}
-        arrays, optional = {"freq_hz": signal.freq_hz, "values": signal.values}, _OPTIONAL["response"]
-    arrays |= {name: getattr(signal, name) for name in optional if getattr(signal, name) is not None}
+        text["kind"] = "recording"
+    text |= {name: getattr(signal, name) for name in values}
+    arrays = {name: getattr(signal, name) for name in (*needed, *optional)}
+    arrays = {name: array for name, array in arrays.items() if array is not None}
     text["arrays"] = {name: [str(array.dtype), *array.shape] for name, array in arrays.items()}
     text["crc32"] = {name: _checksum(array) for name, array in arrays.items()}
     text["text_crc32"] = crc32(json.dumps(text, allow_nan=False).encode())
@@ -53,91 +55,68 @@ def _checksum(array: NDArray[Any]) -> int:
     return crc32(np.ascontiguousarray(array).view(np.uint8).reshape(-1))  # type: ignore[arg-type]
 
 
+def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
+    """The signal of text and arrays; what is missing or cut is refused."""
+    with parts_of(path, _WANTED, "Copy it again, or write it anew."):
+        data = json.loads(text)
+        if data["format"] != FORMAT:
+            found = f"which holds {data['format']!r}"
+            unsuitable(path, found, f"{FORMAT!r}", "Read it by the function for such files.")
+        if not isinstance(data["version"], int) or data["version"] > VERSION:
+            unsuitable(path, f"of version {data['version']!r}", _WANTED, "Update antires_rs.")
+        lost = [name for name in data["arrays"] if name not in arrays]
+        if lost:
+            found = f"without {', '.join(lost)} of its {len(data['arrays'])} arrays"
+            unsuitable(path, found, _WANTED, "It was cut: copy it again.")
+        made = {name: np.asarray(arrays[name]) for name in data["arrays"]}
+        for name, (dtype, *shape) in data["arrays"].items():
+            if made[name].dtype != np.dtype(dtype) or made[name].shape != tuple(shape):
+                got = f"whose {name} has shape {made[name].shape} of {made[name].dtype}"
+                wanted = f"{tuple(shape)} of {dtype}, as the file itself states"
+                unsuitable(path, got, wanted, "It was damaged.")
+        _check_sums(path, data, made)
+        is_recording = data["kind"] == "recording"
+        needed, optional, values = _RECORDING if is_recording else _RESPONSE
+        held: dict[str, Any] = {name: made[name] for name in needed} | {
+            name: made.get(name) for name in optional
+        }
+        held |= {name: data[name] for name in ("dofs", *values)}
+        return Recording(**held) if is_recording else FrequencyResponse(**held)
+
+
 def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]]) -> None:
     """Compare the checksums, which files of versions before do not have."""
     if "text_crc32" in data:
         text = {key: value for key, value in data.items() if key != "text_crc32"}
         if crc32(json.dumps(text).encode()) != data["text_crc32"]:
-            unsuitable(path, "whose text does not have its checksum", WANTED, "It was damaged or edited.")
+            unsuitable(path, "whose text does not have its checksum", _WANTED, "It was damaged or edited.")
     for name, stated in data.get("crc32", {}).items():
         if name not in made or _checksum(made[name]) != stated:
-            unsuitable(
-                path,
-                f"whose {name} does not have its checksum",
-                WANTED,
-                "It was damaged or edited: copy it again.",
-            )
+            found = f"whose {name} does not have its checksum"
+            unsuitable(path, found, _WANTED, "It was damaged or edited: copy it again.")
 
 
-def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
-    """The signal of text and arrays; what is missing or cut is refused."""
-    try:
-        data = json.loads(text)
-        if data["format"] != FORMAT:
-            unsuitable(
-                path,
-                f"which holds {data['format']!r}",
-                f"{FORMAT!r}",
-                "Read it by the function for such files.",
-            )
-        if not isinstance(data["version"], int) or data["version"] > VERSION:
-            unsuitable(path, f"of version {data['version']!r}", WANTED, "Update antires_rs.")
-        lost = [name for name in data["arrays"] if name not in arrays]
-        if lost:
-            unsuitable(
-                path,
-                f"without {', '.join(lost)} of its {len(data['arrays'])} arrays",
-                WANTED,
-                "It was cut: copy it again.",
-            )
-        made = {name: np.asarray(arrays[name]) for name in data["arrays"]}
-        for name, (dtype, *shape) in data["arrays"].items():
-            if made[name].dtype != np.dtype(dtype) or made[name].shape != tuple(shape):
-                unsuitable(
-                    path,
-                    f"whose {name} has shape {made[name].shape} of {made[name].dtype}",
-                    f"{tuple(shape)} of {dtype}, as the file itself states",
-                    "It was damaged.",
-                )
-        _check_sums(path, data, made)
-        if data["kind"] == "recording":
-            return Recording(made["responses"], data["fs_hz"], data["dofs"], made.get("force"))
-        return FrequencyResponse(
-            made["freq_hz"],
-            made["values"],
-            data["dofs"],
-            data["kind"],
-            data["reference"],
-            made.get("coherence"),
-            data["n_averages"],
-            made.get("std"),
-        )
-    except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as exc:
-        unsuitable(
-            path,
-            f"which is damaged ({type(exc).__name__}: {exc})",
-            WANTED,
-            "Copy it again, or write it anew.",
-        )
-
-
-def check_dofs(signal: Signal) -> list[Any]:
-    """Labels as a file can hold them: whole numbers and text."""
+def check_dofs(signal: Any) -> list[Any]:
+    """Labels of a signal as a file can hold them: whole numbers and text."""
+    if not isinstance(signal, Signal):
+        remedy = "Make one of the arrays first: Recording(responses, fs_hz)."
+        reject("signal", type(signal).__name__, "a Recording or a FrequencyResponse", remedy)
     for dof in signal.dofs:
         if isinstance(dof, bool) or not isinstance(dof, int | str):
-            reject(
-                "signal",
-                f"the dof {dof!r}, a {type(dof).__name__}",
-                "dofs that are integers or strings",
-                "Rename the dof.",
-            )
+            got = f"the dof {dof!r}, a {type(dof).__name__}"
+            reject("signal", got, "dofs that are integers or strings", "Rename the dof.")
     return list(signal.dofs)
 
 
 # -- Options of a reader for a file of our own, which states itself what they would say
 
 
-def own_signal(path: Path, signal: Signal, given: Reading) -> Signal:
+def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading) -> Signal:
+    """The signal of text and arrays, as the options say."""
+    return as_asked(path, unpack(path, text, arrays), given)
+
+
+def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     """A signal of ours with the channels that are kept, by their new names, and with its force or without.
 
     Every other option is refused, unless it says what the file says: an option that is passed over in silence
@@ -147,25 +126,34 @@ def own_signal(path: Path, signal: Signal, given: Reading) -> Signal:
     if given.dofs is not None:
         labels = renamed("dofs", signal.dofs, given.dofs)
         made = relabelled(signal, kept(labels), [labels[i] for i in kept(labels)])
-    _check_force(path, signal, given.force)
+    has_force = isinstance(signal, Recording) and signal.force is not None
+    allowed = ("auto", *["force"] * has_force)
+    if given.force is not None and not (isinstance(given.force, str) and given.force in allowed):
+        there = "with" if has_force else "without"
+        got = f"{given.force!r} for {str(path)!r}, a file of antires_rs {there} a force"
+        wanted = "'auto', 'force' or None" if has_force else "'auto' or None"
+        reject("force", got, wanted, "The file states itself which channel is its force; leave it out.")
     if isinstance(made, Recording) and given.force is None:
         made = Recording(made.responses, made.fs_hz, made.dofs)
-    # Our files hold SI, and any SI unit leaves values as they are.
-    in_si = given.unit is not None and named_unit("unit", given.unit).factor == 1.0
     stated: dict[str, Any] = {
-        **{each.name: getattr(given, each.name) for each in fields(given)},
-        "fs_hz": None if given.fs_hz is None else finite_scalar("fs_hz", given.fs_hz),
-        "freq_hz": None if given.freq_hz is None else "an axis",
-        **dict.fromkeys(("dofs", "force", *["unit"] * in_si)),
+        name: value for name, value in vars(given).items() if name not in ("dofs", "force")
     }
+    if given.freq_hz is not None:
+        stated["freq_hz"] = "an axis"
+    if given.fs_hz is not None:
+        stated["fs_hz"] = finite_scalar("fs_hz", given.fs_hz)
+    # Our files hold SI, and any SI unit leaves values as they are.
+    if given.unit is not None and named_unit("unit", given.unit).factor == 1.0:
+        del stated["unit"]
+    same: dict[str, tuple[Any, ...]]
     if isinstance(signal, Recording):
-        same: dict[str, tuple[Any, ...]] = {"responses": ("responses", ["responses"]), "first": ("time",)}
-        if stated["fs_hz"] is not None and np.isclose(stated["fs_hz"], signal.fs_hz, rtol=1e-9, atol=0.0):
-            stated["fs_hz"] = None
-        said = f"a recording at {signal.fs_hz:g} Hz"
+        same = {"responses": ("responses", ["responses"]), "first": ("time",)}
+        if given.fs_hz is not None and np.isclose(stated["fs_hz"], signal.fs_hz, rtol=1e-9, atol=0.0):
+            del stated["fs_hz"]
+        content = f"a recording at {signal.fs_hz:g} Hz"
     else:
-        said = f"kind {signal.kind!r}"
-        said += "" if signal.reference is None else f", reference {signal.reference!r}"
+        content = f"kind {signal.kind!r}"
+        content += "" if signal.reference is None else f", reference {signal.reference!r}"
         same = {
             "responses": ("values", ["values"]),
             "first": ("freq",),
@@ -174,16 +162,15 @@ def own_signal(path: Path, signal: Signal, given: Reading) -> Signal:
             "reference": (signal.reference, getattr(made, "reference", None)),
         }
     for name, value in stated.items():
-        if value is not None and not any(
-            type(value) is type(own) and value == own for own in same.get(name, ())
-        ):
-            reject(
-                name,
-                f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else said})",
-                "it with files of other programs alone",
-                "This file states it itself; leave it out."
-                + (" To leave channels out, name them by dofs." if name == "responses" else ""),
-            )
+        if value is None or any(type(value) is type(own) and value == own for own in same.get(name, ())):
+            continue
+        reject(
+            name,
+            f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else content})",
+            "it with files of other programs alone",
+            "This file states it itself; leave it out."
+            + (" To leave channels out, name them by dofs." if name == "responses" else ""),
+        )
     return made
 
 
@@ -199,14 +186,3 @@ def relabelled(signal: Signal, rows: list[int], dofs: list[Any]) -> Signal:
     return FrequencyResponse(
         signal.freq_hz, signal.values[rows], dofs, signal.kind, reference, coherence, signal.n_averages, std
     )
-
-
-def _check_force(path: Path, signal: Signal, force: Any) -> None:
-    there = isinstance(signal, Recording) and signal.force is not None
-    if force is not None and not (isinstance(force, str) and force in ("auto", *["force"] * there)):
-        reject(
-            "force",
-            f"{force!r} for {str(path)!r}, a file of antires_rs {'with' if there else 'without'} a force",
-            "'auto', 'force' or None" if there else "'auto' or None",
-            "The file states itself which channel is its force; leave it out.",
-        )

@@ -6,43 +6,28 @@ from collections.abc import Callable
 from pathlib import PurePath
 
 from .common import Signal
-from .csv_files import read_csv
-from .hdf5 import read_hdf5
-from .lvm import read_lvm
-from .mat import read_mat
-from .miniseed import read_miniseed
+from .hdf5_mat import read_hdf5, read_mat
 from .npz import read_npz
-from .table_files import read_excel, read_parquet
-from .tdms import read_tdms
+from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
+from .table_files import read_csv, read_excel, read_parquet
 from .uff import read_uff
-from .wav import read_wav
 
-READERS: dict[str, Callable[..., Signal]] = {
-    "uff": read_uff,
-    "mat": read_mat,
-    "hdf5": read_hdf5,
-    "csv": read_csv,
-    "npz": read_npz,
-    "tdms": read_tdms,
-    "lvm": read_lvm,
-    "wav": read_wav,
-    "excel": read_excel,
-    "parquet": read_parquet,
-    "miniseed": read_miniseed,
+#: Each format with its reader and the endings of its files.
+_FORMATS: dict[str, tuple[Callable[..., Signal], str]] = {
+    "uff": (read_uff, ".uff .unv .uf .u58"),
+    "mat": (read_mat, ".mat"),
+    "hdf5": (read_hdf5, ".h5 .hdf5 .hdf"),
+    "csv": (read_csv, ".csv .tsv .txt"),
+    "npz": (read_npz, ".npz .npy"),
+    "tdms": (read_tdms, ".tdms"),
+    "lvm": (read_lvm, ".lvm"),
+    "wav": (read_wav, ".wav"),
+    "excel": (read_excel, ".xlsx .xlsm"),
+    "parquet": (read_parquet, ".parquet .pq"),
+    "miniseed": (read_miniseed, ".mseed .miniseed"),
 }
-ENDINGS = {
-    "uff": (".uff", ".unv", ".uf", ".u58"),
-    "mat": (".mat",),
-    "hdf5": (".h5", ".hdf5", ".hdf"),
-    "csv": (".csv", ".tsv", ".txt"),
-    "npz": (".npz", ".npy"),
-    "tdms": (".tdms",),
-    "lvm": (".lvm",),
-    "wav": (".wav",),
-    "excel": (".xlsx", ".xlsm"),
-    "parquet": (".parquet", ".pq"),
-    "miniseed": (".mseed", ".miniseed"),
-}
+READERS = {name: reader for name, (reader, _) in _FORMATS.items()}
+ENDINGS = {name: tuple(endings.split()) for name, (_, endings) in _FORMATS.items()}
 
 
 def format_by_ending(name: str) -> str | None:
@@ -52,7 +37,6 @@ def format_by_ending(name: str) -> str | None:
 
 
 # -- Formats that are not read, by the endings of their files: whose they are, and what converts them
-
 
 _EXPORT = "Export it there as a universal file (58), MAT, HDF5 or CSV"
 _SEVERAL = f"Several programs write that ending. {_EXPORT}, or name the format if it is one that is read"
@@ -89,4 +73,4 @@ _KNOWN: dict[tuple[str, ...], str] = {
 def conversion(name: str) -> str:
     """A sentence on the file of that name, with a blank before it; '' where its ending says nothing."""
     suffix = PurePath(name).suffix.lower()
-    return next((f" {said}." for endings, said in _KNOWN.items() if suffix in endings), "")
+    return next((f" {text}." for endings, text in _KNOWN.items() if suffix in endings), "")

@@ -11,8 +11,9 @@ import numpy as np
 from ..exceptions import part, reject
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array
-from .channels import Channel, Dofs, Reading, recording_of
+from .channels import Channel, recording_of
 from .common import rate_of
+from .reading import Dofs, Reading
 from .units import named_unit
 
 _COMPULSORY = ("data", "name", "unit_str")
@@ -63,17 +64,12 @@ def from_sep005(
     """
     given = [channels] if isinstance(channels, Mapping) else channels
     if not isinstance(given, Iterable) or isinstance(given, str):
-        reject(
-            "channels",
-            type(channels).__name__,
-            "a sequence of dicts, one for each channel",
-            "Put a single channel in a list.",
-        )
+        wanted = "a sequence of dicts, one for each channel"
+        reject("channels", type(channels).__name__, wanted, "Put a single channel in a list.")
     rows = list(given)
     if not rows:
-        reject(
-            "channels", "none", "at least one dict", "Pass the dicts that the reader of the file returned."
-        )
+        found = "none"
+        reject("channels", found, "at least one dict", "Pass the dicts that the reader of the file returned.")
     made, rates = [], []
     for i, row in enumerate(rows):
         _check_keys(i, row)
@@ -84,25 +80,16 @@ def from_sep005(
         rates.append(_rate(i, row, data.size))
     names = [c.name for c in made]
     if len(set(names)) != len(names):
-        reject(
-            "channels",
-            f"the name {next(n for n in names if names.count(n) > 1)!r} twice",
-            "names that differ",
-            "Rename one of the channels.",
-        )
+        got = f"the name {next(n for n in names if names.count(n) > 1)!r} twice"
+        reject("channels", got, "names that differ", "Rename one of the channels.")
     if max(rates) - min(rates) > 1e-9 * max(rates):
-        reject(
-            "channels", f"rates from {min(rates):g} to {max(rates):g} Hz", "one rate", "Resample them first."
-        )
+        found = f"rates from {min(rates):g} to {max(rates):g} Hz"
+        reject("channels", found, "one rate", "Resample them first.")
     starts = {row["start_timestamp"] for row in rows if row.get("start_timestamp")}
     if len(starts) > 1:
-        reject(
-            "channels",
-            f"{len(starts)} different start_timestamp",
-            "channels recorded together",
-            "Pass the channels of one record only.",
-        )
-    return recording_of(Path("SEP-005 channels"), made, rates[0], Reading(dofs, force, unit))
+        got = f"{len(starts)} different start_timestamp"
+        reject("channels", got, "channels recorded together", "Pass the channels of one record only.")
+    return recording_of(Path("SEP-005 channels"), made, rates[0], Reading(dofs=dofs, force=force, unit=unit))
 
 
 def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
@@ -131,23 +118,15 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     'm/s2'
     """
     if not isinstance(rec, Recording):
-        reject(
-            "rec",
-            type(rec).__name__,
-            "a Recording",
-            "Make one of the arrays first: Recording(responses, fs_hz).",
-        )
+        got = type(rec).__name__
+        reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
     if named_unit("unit", unit).factor != 1.0:
         reject("unit", repr(unit), "an SI unit: recordings are in SI", "Name the SI unit, or leave unit out.")
     names = [str(dof) for dof in rec.dofs]
     taken = [*names, "force"] if rec.force is not None else names
     if len(set(taken)) != len(taken):
-        reject(
-            "rec",
-            f"dofs {rec.dofs}",
-            "dofs that differ as text, and from 'force' where there is one",
-            "Rename the dofs.",
-        )
+        wanted = "dofs that differ as text, and from 'force' where there is one"
+        reject("rec", f"dofs {rec.dofs}", wanted, "Rename the dofs.")
     out = [
         {"name": name, "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
         for name, row, dof in zip(names, rec.responses, rec.dofs, strict=True)
@@ -160,71 +139,43 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
 def _check_keys(i: int, row: Any) -> None:
     here = part("channels", i)
     if not isinstance(row, Mapping):
-        reject(
-            here,
-            type(row).__name__,
-            "a dict",
-            "Each channel is a dict with data, name, unit_str and fs or time.",
-        )
+        remedy = "Each channel is a dict with data, name, unit_str and fs or time."
+        reject(here, type(row).__name__, "a dict", remedy)
     for key in row:
-        near = [k for k in _SPELLED if k.replace("_", "") == str(key).lower().replace("_", "") and k != key]
+        plain = str(key).lower().replace("_", "")
+        near = [k for k in _SPELLED if k.replace("_", "") == plain and k != key]
         if near:
             reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it", "Rename the key.")
-        if str(key).lower().replace("_", "") in (k.replace("_", "") for k in _PROHIBITED):
-            reject(
-                here,
-                f"the key {key!r}, which SEP 5 prohibits",
-                "'unit_str', 'start_timestamp', 'data' or 'fs'",
-                "Rename the key.",
-            )
+        if plain in (k.replace("_", "") for k in _PROHIBITED):
+            wanted = "'unit_str', 'start_timestamp', 'data' or 'fs'"
+            reject(here, f"the key {key!r}, which SEP 5 prohibits", wanted, "Rename the key.")
     for key in _COMPULSORY:
         if key not in row:
-            reject(
-                here,
-                f"no {key!r}",
-                f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'",
-                "Add the key.",
-            )
+            wanted = f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'"
+            reject(here, f"no {key!r}", wanted, "Add the key.")
     if not isinstance(row["name"], str):
         reject(here.item("name"), row["name"], "a text", "Give the channel its name in quotes.")
-    if row["unit_str"] is not None and not isinstance(row["unit_str"], str):
-        reject(
-            here.item("unit_str"),
-            row["unit_str"],
-            "a text or None",
-            "Name the unit in quotes, such as 'm/s2', or None where it is not known.",
-        )
+    if not isinstance(row["unit_str"], str | None):
+        remedy = "Name the unit in quotes, such as 'm/s2', or None where it is not known."
+        reject(here.item("unit_str"), row["unit_str"], "a text or None", remedy)
 
 
 def _rate(i: int, row: Mapping[str, Any], size: int) -> float:
-    fs = row.get("fs")
+    here, fs = part("channels", i), row.get("fs")
     if fs is not None:
-        fs = finite_scalar(part("channels", i).item("fs"), fs, low=0.0, low_open=True, unit="Hz")
-        if row.get("time") is None:
-            return fs
+        fs = finite_scalar(here.item("fs"), fs, low=0.0, low_open=True, unit="Hz")
     if row.get("time") is None:
-        reject(
-            part("channels", i),
-            "neither 'fs' nor 'time'",
-            "one of them",
-            "Add the sampling rate, fs in Hz, or the instants, time in s.",
-        )
-    time = real_array(
-        part("channels", i).item("time"), row["time"], ndim=1, wanted=f"a real array ({size},) in s"
-    )
+        if fs is None:
+            remedy = "Add the sampling rate, fs in Hz, or the instants, time in s."
+            reject(here, "neither 'fs' nor 'time'", "one of them", remedy)
+        return fs
+    at = here.item("time")
+    time = real_array(at, row["time"], ndim=1, wanted=f"a real array ({size},) in s")
     if time.size != size:
-        reject(
-            part("channels", i).item("time"),
-            f"{time.size} instants",
-            f"{size}, as the data",
-            "Give an instant for each sample, or the rate alone.",
-        )
+        remedy = "Give an instant for each sample, or the rate alone."
+        reject(at, f"{time.size} instants", f"{size}, as the data", remedy)
     rate = rate_of(Path(f"SEP-005 channels[{i}]"), time)
     if fs is not None and abs(rate / fs - 1.0) > 1e-3:
-        reject(
-            part("channels", i).item("fs"),
-            f"{fs:g} Hz beside a 'time' of {rate:g} Hz",
-            "one rate",
-            "Correct one of them, or leave it out.",
-        )
+        got = f"{fs:g} Hz beside a 'time' of {rate:g} Hz"
+        reject(here.item("fs"), got, "one rate", "Correct one of them, or leave it out.")
     return rate if fs is None else fs

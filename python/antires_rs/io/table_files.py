@@ -1,39 +1,197 @@
-"""Tables of other programs, Excel and Parquet, read as the columns of a CSV file are."""
+"""Tables: rows are samples or frequencies, columns are channels. CSV and TSV, Excel, Parquet.
+
+A CSV file of ours begins with comment lines ``# name: JSON``, which hold kind, dofs, rate and the number of
+rows, so that a file that was cut between two rows is noticed too.
+"""
 
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
+from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..support.checks import choice
+from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
-from .channels import Dofs, Reading
-from .child_process import Limits, channels_of_child, require
-from .common import Signal, existing_file, unsuitable
-from .text_table import Table, named, signal_of_table
+from .channels import Channel, in_si, recording_of
+from .child_process import Limits, channels_of_child
+from .common import Signal, missing_part, parts_of, require, unsuitable
+from .own_format import as_asked, check_dofs
+from .reading import OfColumns, PathLike, Reading, opened, reader, writer
+from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
+from .units import named_unit, si_unit
 
 
+@reader
+def read_csv(
+    path: PathLike,
+    *,
+    delimiter: str | None = None,
+    decimal: str | None = None,
+    partial: bool = False,
+    **options: Unpack[OfColumns],
+) -> Signal:
+    """Read columns of text: one of our files as it was, any other by the names of its columns.
+
+    Options for a file of ours: as in :func:`read_npz`.
+
+    Parameters
+    ----------
+    path : path-like
+        Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
+        a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
+        Time may be in ms, us, min or h too, in ms, us or ns since 1970, or instants such as
+        ``2026-05-04 12:30:00.001``; frequency in kHz. A first column that counts the rows is left out.
+        Complex columns are ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``;
+        or, over frequency, ``Magnitude [g/N]`` (``[dB]``), ``Phase [deg]`` (``[rad]``). UTF-8, UTF-16 or
+        Latin-1.
+    delimiter, decimal : str, optional
+        Between columns, and the decimal sign ("." or ","). By default what the numbers show.
+
+    Raises
+    ------
+    UnsuitableDataError
+        A row that is cut or not numeric, fewer rows than the file states, gaps in time.
+
+    Warns
+    -----
+    AntiresWarning
+        The last line has no end, so that its last number may be cut; a unit that is not known; a
+        column of time that says another rate than ``fs_hz``.
+
+    Notes
+    -----
+    A file of another program that was cut exactly between two rows shows no sign of it.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "run.csv")
+    ...     _ = file.write_text("time [s];tip [g];hammer [N]\\n0;1,0;5\\n0,5;-0,5;0\\n1;0,25;0\\n")
+    ...     record = ar.read_csv(file)
+    >>> record, record.responses[0].tolist()
+    (Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), with force), [9.80665, -4.903325, 2.4516625])
+    """
+    file, given = opened(read_csv, path, options)
+    table = table_of(file, delimiter, decimal)
+    found, stated = len(table.values), table.header.get("rows")
+    if table.problem:
+        missing_part(file, table.problem, "a line end after the last row and every row whole", partial, found)
+    elif stated is not None and found != stated:
+        got, wanted = f"{found} of {stated} rows are there", f"{stated} rows, as its header states"
+        missing_part(file, got, wanted, partial, found if found < stated else 0)
+    if found < 2:
+        remedy = "Export more of the record; a single row is no signal."
+        unsuitable(file, f"with {found} rows of numbers", "at least two", remedy)
+    if "kind" in table.header:
+        return as_asked(file, _own(file, table), given)
+    return signal_of_table(file, table, given)
+
+
+def _own(file: Path, table: Table) -> Signal:
+    """A file of ours: the header tells everything."""
+    head, columns = table.header, table.values.real.T
+    remedy = "Write it again; leave the lines at the top as they are."
+    with parts_of(file, "a file of write_csv", remedy, "whose header is damaged"):
+        dofs, n = list(head["dofs"]), len(head["dofs"])
+        if head["kind"] == "recording":
+            rows = zip(dofs, columns[1 : n + 1], strict=True)
+            channels = [Channel(dof, column, head["unit"]) for dof, column in rows]
+            if head["force"]:
+                channels.append(Channel("force", columns[n + 1], "N", role="force"))
+            return recording_of(file, channels, float(head["fs_hz"]), Reading())
+        values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
+        rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
+        return FrequencyResponse(
+            columns[0],
+            in_si(values, named_unit("unit", head["unit"])),
+            dofs,
+            head["kind"],
+            head["reference"],
+            n_averages=head["n_averages"],
+            **dict(zip(head["more"], rest, strict=True)),
+        )
+
+
+@writer
+def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimiter: str = ",") -> Path:
+    """Write columns of text, whole or not at all; every float comes back bit for bit.
+
+    Parameters
+    ----------
+    unit : str, optional
+        Unit of the values, which are in SI and stay as they are: ``'m/s2'`` (default), ``'m/s'``, ``'m'``
+        for a recording, ``'m/s2/N'`` and the like for FRFs; any other is an InvalidInputError.
+    delimiter : {",", ";", "\\\\t"}
+
+    Examples
+    --------
+    >>> import tempfile, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = ar.write_csv(folder + "/a.csv", ar.Recording([[1.0, 2.5, 4.0]], 8.0, dofs=["tip"]))
+    ...     print(file.read_text())
+    # antires_rs csv 1
+    # kind: "recording"
+    # dofs: ["tip"]
+    # rows: 3
+    # unit: "m/s2"
+    # fs_hz: 8.0
+    # force: false
+    time [s],tip [m/s2]
+    0.0,1.0
+    0.125,2.5
+    0.25,4.0
+    <BLANKLINE>
+    """
+    dofs = check_dofs(signal)
+    choice("delimiter", delimiter, (",", ";", "\t"))
+    head: dict[str, object]
+    if isinstance(signal, Recording):
+        unit = "m/s2" if unit is None else unit
+        forces = [] if signal.force is None else [signal.force]
+        head = {"kind": "recording", "dofs": dofs, "rows": signal.n_samples, "unit": unit}
+        head |= {"fs_hz": signal.fs_hz, "force": bool(forces)}
+        columns = [np.arange(signal.n_samples) / signal.fs_hz, *signal.responses, *forces]
+        names = ["time [s]", *(f"{dof} [{unit}]" for dof in dofs), *["force [N]"] * len(forces)]
+    else:
+        unit = ("m/s2/N" if signal.kind == "frf" else "1") if unit is None else unit
+        more = [name for name in ("coherence", "std") if getattr(signal, name) is not None]
+        head = {"kind": signal.kind, "dofs": dofs, "rows": signal.n_freq, "unit": unit}
+        head |= {"reference": signal.reference, "n_averages": signal.n_averages, "more": more}
+        columns = [signal.freq_hz, *(part for row in signal.values for part in (row.real, row.imag))]
+        names = ["freq [Hz]", *(f"{part}({dof})" for dof in dofs for part in ("re", "im"))]
+        for name in more:
+            columns += list(getattr(signal, name))
+            names += [f"{name}({dof})" for dof in dofs]
+    si_unit("unit", unit)
+    # The names are for the eye; the header has the dofs in full.
+    shown = ("".join("_" if c in (delimiter, "\n", "\r", '"') else c for c in name) for name in names)
+    lines = [
+        f"{MARK} {VERSION}",
+        *(f"# {name}: {json.dumps(value)}" for name, value in head.items()),
+        delimiter.join(shown),
+        *(delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist()),
+    ]
+    return write_atomically(path, ("\n".join(lines) + "\n").encode())
+
+
+@reader
 def read_excel(
-    path: str | os.PathLike[str],
+    path: PathLike,
     *,
     sheet: str | None = None,
-    first: str | None = None,
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-    pairs: str | None = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
     time_limit_s: float = 120.0,
     memory_limit_gb: float = 8.0,
+    **options: Unpack[OfColumns],
 ) -> Signal:
     """Read a sheet of an Excel workbook (.xlsx), one row a sample or a frequency.
+
+    Days and times, or those of a clock, in the first column are the time.
 
     Parameters
     ----------
@@ -41,26 +199,13 @@ def read_excel(
         Lines of text above the numbers: the last names the columns, ``tip [g]``; a line of units may follow.
     sheet : str, optional
         By default the first.
-    first, fs_hz, dofs, force, unit, kind, reference, pairs, freq_hz, df_hz
-        As in :func:`read_csv`. Days and times, or those of a clock, in the first column are the time.
-    time_limit_s, memory_limit_gb : float
-        Limits of the child process that reads (the memory's where the system has such limits).
-
-    Returns
-    -------
-    Recording or FrequencyResponse
-        In SI.
 
     Raises
     ------
     UnsuitableDataError
         A damaged file, empty cells or texts between numbers, gaps in time.
-    InvalidInputError
-        Options that do not fit the file.
     MissingDependencyError
         openpyxl is not installed.
-    FileNotFoundError
-        There is none.
 
     Examples
     --------
@@ -74,7 +219,7 @@ def read_excel(
     ...     ar.read_excel(folder + "/a.xlsx")
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_excel, path, options)
     require("read_excel", "openpyxl", "excel")
     wanted, limits = "an Excel workbook (.xlsx) with rows of numbers", Limits(time_limit_s, memory_limit_gb)
     entries, texts = channels_of_child(columns_of_excel, file, wanted, limits, sheet=sheet)
@@ -82,48 +227,25 @@ def read_excel(
     return signal_of_table(file, _table(file, entries, head), given)
 
 
+@reader
 def read_parquet(
-    path: str | os.PathLike[str],
-    *,
-    first: str | None = None,
-    fs_hz: float | None = None,
-    dofs: Dofs = None,
-    force: Any = "auto",
-    unit: str | None = None,
-    kind: str | None = None,
-    reference: Any = None,
-    pairs: str | None = None,
-    freq_hz: Any = None,
-    df_hz: float | None = None,
-    time_limit_s: float = 60.0,
-    memory_limit_gb: float = 8.0,
+    path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0, **options: Unpack[OfColumns]
 ) -> Signal:
     """Read a Parquet table, as pandas writes it, one row a sample or a frequency.
+
+    The index of pandas comes first; a column of timestamps is the time.
 
     Parameters
     ----------
     path : path-like
         Columns are named ``tip [g]``, or have their unit in the field's metadata, ``unit``.
-    first, fs_hz, dofs, force, unit, kind, reference, pairs, freq_hz, df_hz
-        As in :func:`read_csv`. The index of pandas comes first; a column of timestamps is the time.
-    time_limit_s, memory_limit_gb : float
-        Limits of the child process that reads (the memory's where the system has such limits).
-
-    Returns
-    -------
-    Recording or FrequencyResponse
-        In SI.
 
     Raises
     ------
     UnsuitableDataError
         A damaged file, empty cells, columns that are no numbers, gaps in time.
-    InvalidInputError
-        Options that do not fit the file.
     MissingDependencyError
         pyarrow is not installed.
-    FileNotFoundError
-        There is none.
 
     Examples
     --------
@@ -135,7 +257,7 @@ def read_parquet(
     ...     ar.read_parquet(folder + "/a.parquet")
     Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), no force)
     """
-    file, given = existing_file(path), Reading.of(locals())
+    file, given = opened(read_parquet, path, options)
     require("read_parquet", "pyarrow", "series")
     wanted, limits = "a whole Parquet file with columns of numbers", Limits(time_limit_s, memory_limit_gb)
     entries, _ = channels_of_child(columns_of_parquet, file, wanted, limits)
@@ -150,20 +272,13 @@ def read_parquet(
 def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> Table:
     """The columns as those of a text."""
     if not entries or entries[0]["values"].size < 2:
-        unsuitable(
-            file,
-            f"with {len(entries)} columns of {entries[0]['values'].size if entries else 0} rows",
-            "columns of two rows or more",
-            "Export more of the record; a single row is no signal.",
-        )
+        found = f"with {len(entries)} columns of {entries[0]['values'].size if entries else 0} rows"
+        wanted = "columns of two rows or more"
+        unsuitable(file, found, wanted, "Export more of the record; a single row is no signal.")
     table = Table(values=np.column_stack([entry["values"] for entry in entries]))
     if not np.isfinite(table.values).all():
-        unsuitable(
-            file,
-            "with values that are not finite",
-            "finite numbers",
-            "Fill or cut out the cells without one.",
-        )
+        remedy = "Fill or cut out the cells without one."
+        unsuitable(file, "with values that are not finite", "finite numbers", remedy)
     named(table, head)
     units = table.units or [""] * len(entries)
     table.units = [entry["unit"] or unit for entry, unit in zip(entries, units, strict=True)]
@@ -173,7 +288,6 @@ def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> 
 
 
 # -- In the child process
-
 
 #: More columns or rows than these, and a sheet is no record of a test.
 MOST_CHANNELS, MOST_CELLS = 10_000, 100_000_000
@@ -212,9 +326,10 @@ def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
 
     book = load_workbook(path, read_only=True, data_only=True)
     names = book.sheetnames
-    sheet = book[request.get("sheet") or names[0]] if (request.get("sheet") or names[0]) in names else None
-    if sheet is None:
+    chosen = request["sheet"] or names[0]
+    if chosen not in names:
         raise Unfit(f"the sheets are {called(names)}")
+    sheet = book[chosen]
     head: list[list[str]] = []
     rows: list[list[Any]] = []
     cells = before = 0
@@ -246,15 +361,12 @@ def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
         if all(isinstance(v, datetime.datetime) for v in each):
             made.append(column(name, np.array(each, dtype="datetime64[ns]")))
         elif all(isinstance(v, datetime.time) for v in each):
-            made.append(column(name, np.array([of_day(v) for v in each], dtype="timedelta64[us]")))
+            day = datetime.datetime.min
+            seconds = [datetime.datetime.combine(day, at.replace(tzinfo=None)) - day for at in each]
+            made.append(column(name, np.array(seconds, dtype="timedelta64[us]")))
         else:
             made.append(column(name, np.array(each, dtype=object)))
     return answer(made, head=head[-3:])
-
-
-def of_day(at: Any) -> int:
-    """Microseconds of a clock since midnight."""
-    return int(((at.hour * 60 + at.minute) * 60 + at.second) * 1_000_000 + at.microsecond)
 
 
 def complex_row(values: list[Any]) -> bool:
@@ -273,12 +385,8 @@ def column(name: str, values: Any, unit: str = "") -> dict[str, Any]:
         whole = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")
         if np.isnat(whole).any():
             raise Unfit(f"the column {name!r} has instants that are missing")
-        return {
-            "name": name,
-            "values": (whole - whole[0]) / np.timedelta64(1, "s"),
-            "unit": "s",
-            "instants": 1,
-        }
+        seconds = (whole - whole[0]) / np.timedelta64(1, "s")
+        return {"name": name, "values": seconds, "unit": "s", "instants": 1}
     if values.dtype.kind == "O":
         values = np.array([number(name, each) for each in values])
         values = values if np.iscomplexobj(values) else values.astype(np.float64)

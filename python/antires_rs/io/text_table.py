@@ -17,13 +17,13 @@ from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, Reading, recording_of, response_of, warn_other_rate
+from .channels import Channel, recording_of, response_of, warn_other_rate
 from .common import Signal, rate_of, unsuitable
-from .raw_arrays import GivenAxis
+from .raw_arrays import FrequencyAxis
+from .reading import Reading
 from .units import abscissa_factor, is_abscissa, is_frequency, parse_unit
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
-
 
 #: What two neighbouring columns may be.
 PAIRS = ("real_imag", "magnitude_deg", "magnitude_rad", "db_deg", "db_rad")
@@ -71,10 +71,8 @@ def part_of(name: str, unit: str = "") -> Part | None:
     return Part(_PART[(match["w1"] or match["w2"]).lower()], base, unit)
 
 
-def joined(
-    file: Path, names: list[str], units: list[str], columns: list[Any], pairs: str | None, over_freq: bool
-) -> tuple[list[str], list[str], list[Any]]:
-    """Names, units and values with every pair made one column; its name is '' where the pair has none.
+def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: bool) -> list[Channel]:
+    """The columns with every pair made one; its name is '' where the pair has none.
 
     ``pairs``, one of ``PAIRS``, says what all columns but the first are. Without it the names have to; a
     magnitude and a phase are one response only ``over_freq``.
@@ -82,58 +80,45 @@ def joined(
     if pairs is not None:
         choice("pairs", pairs, PAIRS)
         if len(columns) % 2 == 0:
-            unsuitable(
-                file,
-                f"with {len(columns) - 1} columns beside the first",
-                Wording("two for each response, as {} says", Passed("pairs", pairs)),
-                "Export both parts of every response.",
-            )
-    out: tuple[list[str], list[str], list[Any]] = ([], [], [])
-    i = 0
-    while i < len(columns):
-        here, after = (part_of(names[j], units[j]) if j < len(names) else None for j in (i, i + 1))
+            found = f"with {len(columns) - 1} columns beside the first"
+            wanted = Wording("two for each response, as {} says", Passed("pairs", pairs))
+            unsuitable(file, found, wanted, "Export both parts of every response.")
+    out: list[Channel] = []
+    rest = list(columns)
+    while rest:
+        column = rest.pop(0)
+        here, after = (part_of(c.name, c.unit) for c in (column, rest[0] if rest else Channel("", ())))
         named = here is not None and after is not None and here.base == after.base
         kinds = (here.part, after.part) if named and here and after else None
-        name, unit, column, step = names[i], units[i], columns[i], 1
-        if pairs is not None and i > 0:
-            made = pairs
+        kind = ""
+        if pairs is not None and out:
+            kind = pairs
         elif kinds == ("re", "im"):
-            made = "real_imag"
+            kind = "real_imag"
         elif kinds == ("mag", "phase") and over_freq and here and after:
-            made = _said(file, names[i : i + 2], here.unit, after.unit)
-        else:
-            made = ""
-        if made:
-            name = here.base if here is not None and named else ("" if here else names[i])
+            kind = _pair_of(file, column.name, here.unit, rest[0].name, after.unit)
+        if kind:
             plain = here is not None and (is_part_unit(here.unit) or here.unit.lower() in _LINEAR)
-            unit = "" if made.startswith("db") or plain else unit
-            column, step = _complex(made, columns[i], columns[i + 1]), 2
-        for one, value in zip(out, (name, unit, column), strict=True):
-            one.append(value)
-        i += step
+            unit = "" if kind.startswith("db") or plain else column.unit
+            name = column.name if here is None else here.base if named else ""
+            column = Channel(name, _complex(kind, column.values, rest.pop(0).values), unit)
+        out.append(column)
     return out
 
 
-def _said(file: Path, names: list[str], level: str, angle: str) -> str:
+def _pair_of(file: Path, level_name: str, level: str, angle_name: str, angle: str) -> str:
     """Which of ``PAIRS`` a magnitude and a phase are, by their units."""
     turn = _ANGLES.get(angle.strip().lower())
     unit = parse_unit(level)
-    if _is_level(level):
-        size = "db"
-    elif level.strip().lower() in _LINEAR or (unit is not None and unit.quantity):
+    size = "db" if _is_level(level) else ""
+    if not size and (level.strip().lower() in _LINEAR or (unit is not None and unit.quantity)):
         size = "magnitude"
-    else:
-        size = ""
     if not turn or not size:
-        lacks = [f"the unit of {names[1]!r}"] * (not turn) + [f"whether {names[0]!r} is in dB"] * (not size)
-        unsuitable(
-            file,
-            f"which does not tell {' nor '.join(lacks)}",
-            "headers such as 'Magnitude [g/N]' or 'Magnitude [dB]' and 'Phase [deg]' or 'Phase [rad]'",
-            Wording(
-                "Pass {}, {}, {} or {}.", *(Passed("pairs", kind) for kind in PAIRS if kind != "real_imag")
-            ),
-        )
+        lacks = [f"the unit of {angle_name!r}"] * (not turn)
+        lacks += [f"whether {level_name!r} is in dB"] * (not size)
+        wanted = "headers such as 'Magnitude [g/N]' or 'Magnitude [dB]' and 'Phase [deg]' or 'Phase [rad]'"
+        remedy = Wording("Pass {}, {}, {} or {}.", *(Passed("pairs", kind) for kind in PAIRS[1:]))
+        unsuitable(file, f"which does not tell {' nor '.join(lacks)}", wanted, remedy)
     return f"{size}_{turn}"
 
 
@@ -150,7 +135,6 @@ def _is_level(text: str) -> bool:
 
 
 # -- Rows of text that begin with an instant, or with a count before it
-
 
 #: Lines in which the first row of numbers is looked for.
 _HEAD = 200
@@ -177,17 +161,17 @@ def without_count(body: list[str], between: str | None) -> list[str]:
     width = body[start].count(between or " ")
     headed = [line.count(between or " ") == width for line in body[:start]]
     return [
-        _bare_instants(rest, between) if i >= start or headed[i] else line
+        _bare(rest, between) if i >= start or headed[i] else line
         for i, (line, (_, rest)) in enumerate(zip(body, split, strict=True))
     ]
 
 
 def _second_is_instant(line: str, between: str | None) -> bool:
     field, rest = _first_field(line, between)
-    return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare_instants(rest, between), between)[0]))
+    return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare(rest, between), between)[0]))
 
 
-def _bare_instants(rest: str, between: str | None) -> str:
+def _bare(rest: str, between: str | None) -> str:
     """What follows a field, without its delimiter."""
     return rest.lstrip() if between is None else rest[len(between) :]
 
@@ -205,12 +189,8 @@ def without_instants(file: Path, body: list[str], between: str | None) -> tuple[
     there = {i for i, _, _ in found}
     odd = next((i for i in range(start, len(body) - 1) if i not in there), None)
     if odd is not None:
-        unsuitable(
-            file,
-            f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant",
-            "instants in the first column",
-            "Correct or remove that row.",
-        )
+        got = f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant"
+        unsuitable(file, got, "instants in the first column", "Correct or remove that row.")
     digits = max(len(match[7] or "") for _, match, _ in found)
     unit, per_s = next((u, n) for u, n in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9)) if digits <= n)
     made, first = list(body), None
@@ -218,9 +198,8 @@ def without_instants(file: Path, body: list[str], between: str | None) -> tuple[
         try:
             at = _instant(match)
         except ValueError:
-            unsuitable(
-                file, f"with the instant {match[0]!r}", "days and times that exist", "Correct that row."
-            )
+            wanted = "days and times that exist"
+            unsuitable(file, f"with the instant {match[0]!r}", wanted, "Correct that row.")
         first = at if first is None else first
         made[i] = f"{int((at - first) / np.timedelta64(1, 'ns')) // 10 ** (9 - per_s)}{rest}"
     return made, unit
@@ -248,29 +227,18 @@ def _instant(match: re.Match[str]) -> np.datetime64:
 #: First line of our files.
 MARK, VERSION = "# antires_rs csv", 1
 _COMMENT = ("#", "%", "//")
+_MANTISSA = re.compile(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?")
 _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
-
-
 #: The sign of an imaginary part between blanks, 1 + 2i, or its unit after one.
 _SPACED = re.compile(r"[ \t]*([+-])[ \t]*([0-9.,]+(?:[eE][+-]?\d+)?[ij])\b")
 
 
 @dataclass
 class Table:
-    """Numbers of a file, one row a line.
+    """Numbers of a file, one row a line, real or complex; what is not stated is empty.
 
-    Attributes
-    ----------
-    header : dict
-        The JSON values of ``# name: value`` lines; empty for files of other programs.
-    names, units : list of str
-        By column; ``names`` is empty where the file has none.
-    values : (n_rows, n_columns)
-        Real or complex.
-    problem : str
-        What is cut; empty for a whole file.
-    digits : (float, float)
-        Relative rounding of the first two columns, by their digits.
+    ``header`` has the values of our ``# name: JSON`` lines, ``problem`` what is cut, ``digits`` the relative
+    rounding of the first two columns.
     """
 
     header: dict[str, Any] = field(default_factory=dict)
@@ -280,31 +248,27 @@ class Table:
     problem: str = ""
     digits: tuple[float, float] = (1e-9, 1e-9)
 
-    def columns(self) -> tuple[list[str], list[str], list[Any]]:
-        """Names, units and values of the columns as they stand."""
-        n = self.values.shape[1]
-        columns = [c if np.any(c.imag) else c.real for c in self.values.T]
-        if np.iscomplexobj(self.values):
-            # A column of complex text is complex even where its imaginary part vanishes; the first is not.
-            columns = [columns[0], *self.values.T[1:]]
-        return self.names or [f"column {i + 1}" for i in range(n)], self.units or [""] * n, columns
+    def columns(self) -> list[Channel]:
+        """The columns as they stand; those of complex text are complex even if real, but for the first."""
+        first, *rest = self.values.T
+        values = [first if np.any(first.imag) else first.real, *rest]
+        names = self.names or [f"column {i + 1}" for i in range(len(values))]
+        return list(map(Channel, names, values, self.units or [""] * len(values)))
 
 
 def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     """Comments, names and numbers; a last row that is cut is left out and told of."""
     text = decoded(file)
     if "\x00" in text:
-        unsuitable(
-            file, "with bytes that are no text", "a text file", "Export it as text: numbers in columns."
-        )
+        remedy = "Export it as text: numbers in columns."
+        unsuitable(file, "with bytes that are no text", "a text file", remedy)
     table, ended = Table(), text.endswith(("\n", "\r"))
     lines = text.splitlines()
     if text.startswith(MARK):
         _header(file, lines, table)
     body = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
-    trailing = (
-        delimiter is None and len(body) > 1 and all(map(_trails, body[len(body) // 2 : -1] or body[:1]))
-    )
+    later = body[len(body) // 2 : -1] or body[:1]
+    trailing = delimiter is None and len(body) > 1 and all(map(_trails, later))
     if trailing:  # some programs end every row with a delimiter, and with it the names or not
         whole = _trails(body[-1])
         body = [line.rstrip()[:-1] if _trails(line) else line for line in body]
@@ -314,30 +278,23 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
-        unsuitable(
-            file,
-            f"without a row of numbers{_first_odd(body, between, point)}",
-            "columns of numbers",
-            Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal")),
-        )
+        found = f"without a row of numbers{_first_odd(body, between, point)}"
+        remedy = Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal"))
+        unsuitable(file, found, "columns of numbers", remedy)
     rows = body[start:]
     width = len(_split(rows[0], between))
     for line in body[:start]:
         parts = _split(line, between)
         if len(parts) == width > 1 and _numeric(parts[0], None, point):  # a row, not names
-            unsuitable(
-                file,
-                f"whose row {line.strip()[:60]!r} is not numeric throughout",
-                "numbers in every column",
-                "Mend or remove that row.",
-            )
+            found = f"whose row {line.strip()[:60]!r} is not numeric throughout"
+            unsuitable(file, found, "numbers in every column", "Mend or remove that row.")
     _names(table, body[:start] or _commented_names(lines, between, width), between)
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
         cut = len(_split(rows[-1], between)) != width or "rows" in table.header or trailing
-        stated = f" of {table.header['rows']}" if "rows" in table.header else ""
         if cut:
             rows.pop()
+            stated = f" of {table.header['rows']}" if "rows" in table.header else ""
             table.problem = f"row {len(rows) + 1}{stated} is cut, {len(rows)} are whole"
         else:
             warn(
@@ -354,22 +311,15 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
 
 def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:
     if table.names and len(table.names) != width:
-        unsuitable(
-            file,
-            f"with {len(table.names)} names over {width} columns",
-            "a name for each column",
-            "Put names that hold the delimiter in double quotes.",
-        )
+        found, wanted = f"with {len(table.names)} names over {width} columns", "a name for each column"
+        unsuitable(file, found, wanted, "Put names that hold the delimiter in double quotes.")
     for i, row in enumerate(rows):
         got = len(_split(row, between))
         if got != width:
             missing = ", ".join(map(repr, table.names[got : got + 5]))
-            unsuitable(
-                file,
-                f"whose row {i + 1} of numbers, {row.strip()[:60]!r}, has {got} columns",
-                f"{width}, as the first row" + (f", with {missing}" if missing else ""),
-                "It was cut or damaged: complete or remove that row.",
-            )
+            found = f"whose row {i + 1} of numbers, {row.strip()[:60]!r}, has {got} columns"
+            wanted = f"{width}, as the first row" + (f", with {missing}" if missing else "")
+            unsuitable(file, found, wanted, "It was cut or damaged: complete or remove that row.")
     if not rows:
         table.values = np.empty((0, width))
         return
@@ -382,20 +332,11 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
             plain = _SPACED.sub(r"\1\2", plain)
         plain = re.sub(r"(?<=[0-9.])i\b", "j", plain)
     try:
-        values = np.loadtxt(
-            plain.splitlines(),
-            delimiter=between,
-            ndmin=2,
-            comments=None,
-            dtype=np.complex128 if is_complex else np.float64,
-        )
+        kind = np.complex128 if is_complex else np.float64
+        values = np.loadtxt(plain.splitlines(), kind, comments=None, delimiter=between, ndmin=2)
     except ValueError as exc:
-        unsuitable(
-            file,
-            f"with a value that is no number ({exc})",
-            "numbers in every column",
-            "Correct or remove that value.",
-        )
+        found = f"with a value that is no number ({exc})"
+        unsuitable(file, found, "numbers in every column", "Correct or remove that value.")
     table.values = values
     digits = [_rounding(rows, c, table.values[:, c], between, point) for c in range(min(width, 2))]
     table.digits = (digits[0], digits[-1])
@@ -403,16 +344,13 @@ def _fill(file: Path, table: Table, rows: list[str], between: str | None, point:
 
 def _rounding(rows: list[str], c: int, values: NDArray[Any], between: str | None, point: str) -> float:
     """Half a unit in the last decimal place that a column ever shows, relative to its largest number."""
-    places = max(_places(_split(row, between)[c], point) for row in rows[:1000])
+    places = []
+    for row in rows[:1000]:
+        match = _MANTISSA.match(_split(row, between)[c].strip())  # of the real part of a complex one
+        mantissa, exponent = match.groups() if match else ("", None)
+        places.append(len(mantissa.partition(point)[2]) - int(exponent or 0))
     largest = float(np.abs(values).max()) or 1.0
-    return max(0.5 * 10.0**-places / largest, 1e-15)
-
-
-def _places(number: str, point: str) -> int:
-    """Decimal places of a number; of the real part of a complex one."""
-    match = re.match(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?", number.strip())
-    mantissa, exponent = (match[1], match[2]) if match else ("", None)
-    return len(mantissa.partition(point)[2]) - int(exponent or 0)
+    return max(0.5 * 10.0 ** -max(places) / largest, 1e-15)
 
 
 def _header(file: Path, lines: list[str], table: Table) -> None:
@@ -427,12 +365,8 @@ def _header(file: Path, lines: list[str], table: Table) -> None:
         try:
             table.header[name] = json.loads(value)
         except ValueError:
-            unsuitable(
-                file,
-                f"whose header is damaged at {name!r}",
-                "a whole file of write_csv",
-                "Write it again; leave the lines at the top as they are.",
-            )
+            remedy = "Write it again; leave the lines at the top as they are."
+            unsuitable(file, f"whose header is damaged at {name!r}", "a whole file of write_csv", remedy)
     if not isinstance(table.header.get("rows"), int):
         unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
 
@@ -448,13 +382,12 @@ def _delimiter(body: list[str]) -> str | None:
 def decoded(file: Path) -> str:
     """The text: UTF-8, UTF-16 by its mark (Excel's "Unicode text"), or else Latin-1."""
     raw = file.read_bytes()
-    names = ("utf-16",) if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8-sig",)
-    for name in (*names, "latin-1"):
-        try:
-            return raw.decode(name).replace("\r\n", "\n").replace("\r", "\n")
-        except UnicodeDecodeError:
-            continue
-    raise AssertionError("Latin-1 has every byte")
+    marked = raw.startswith((b"\xff\xfe", b"\xfe\xff"))
+    try:
+        text = raw.decode("utf-16" if marked else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _trails(line: str) -> bool:
@@ -509,27 +442,19 @@ def named(table: Table, rows: list[list[str]]) -> None:
         return
     names = rows[-1]
     second = rows[-2] if len(rows) > 1 else []
-    bracketed = [_UNIT.match(part) for part in names]
-    # A line of units under the names: every part is one, in brackets or not.
-    if (
-        second
-        and len(second) == len(names)
-        and (
-            is_abscissa(names[0])  # the others may be in V or in units that are not known
-            or all(parse_unit(part) is not None or is_abscissa(part) for part in names)
-        )
-    ):
-        table.names, table.units = second, [_bare(part) for part in names]
+    # A line of units under the names: every part is one, in brackets or not; those beside a time or frequency
+    # may be in V or in units that are not known.
+    known = [parse_unit(part) is not None or is_abscissa(part) for part in names]
+    if second and len(second) == len(names) and (is_abscissa(names[0]) or all(known)):
+        table.names, table.units = second, [part.strip("[]() ") for part in names]
         return
-    # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
-    has_unit = [
-        bool(m and m[1]) and (part_of(part) is None or "[" in part or _is_unit(m[2] if m else ""))
-        for m, part in zip(bracketed, names, strict=True)
-    ]
-    table.names = [
-        m[1] if m and has else part for m, has, part in zip(bracketed, has_unit, names, strict=True)
-    ]
-    table.units = [m[2] if m and has else "" for m, has in zip(bracketed, has_unit, strict=True)]
+    table.names, table.units = [], []
+    for part in names:
+        match = _UNIT.match(part)
+        # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
+        has_unit = match and match[1] and (part_of(part) is None or "[" in part or _is_unit(match[2]))
+        table.names.append(match[1] if match and has_unit else part)
+        table.units.append(match[2] if match and has_unit else "")
 
 
 def _is_unit(text: str) -> bool:
@@ -545,15 +470,11 @@ def _commented_names(lines: list[str], between: str | None, width: int) -> list[
     return [above] if fits and not any(_numeric(part, None, ".") for part in _split(above, between)) else []
 
 
-def _bare(part: str) -> str:
-    return part.strip("[]() ")
-
-
 # -- Columns of a table by their names: a record over time, or responses over frequency
-
 
 _FREQ = ("freq", "f", "hz", "frequency", "freq_hz")
 _TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
+_ROLES = {"force": "force"}
 #: What programs call the number of a row.
 _INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
 #: First instants from which on they are in ns, us or ms since 1970.
@@ -564,132 +485,116 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     """The signal that the columns of a table are."""
     if given.first is not None:
         choice("first", given.first, ("time", "freq", "channel"))
-    axis = GivenAxis.of(given)
+    axis = FrequencyAxis.of(given)
     if axis is not None:
         return _response_without_axis(file, table, axis, given)
-    names, units, columns = table.columns()
+    columns, named = table.columns(), bool(table.names)
     digits, first = table.digits[0], given.first
-    if first is None and _counts(columns[0]) and (names[0].lower() in _INDEX or not table.names):
-        timed = len(names) > 1 and (names[1].lower() in _TIME or _says_frequency(table, names[1], units[1]))
+    name = columns[0].name
+    if first is None and _counts(columns[0].values) and (name.lower() in _INDEX or not named):
+        after = columns[1] if len(columns) > 1 else None
+        timed = after and (after.name.lower() in _TIME or _says_frequency(after, named))
         if not timed and given.fs_hz is None:
-            unsuitable(
-                file,
-                f"whose first column, {names[0]!r}, counts the rows, and no column is a time or a frequency",
-                "a sampling rate or a column of time",
-                Wording("Pass {}, or {} if it is the time in s.", Passed("fs_hz"), Passed("first", "time")),
-            )
-        names, units, columns = names[1:], units[1:], columns[1:]
+            found = f"whose first column, {name!r}, counts the rows, and no column is a time or a frequency"
+            ways = (Passed("fs_hz"), Passed("first", "time"))
+            remedy = Wording("Pass {}, or {} if it is the time in s.", *ways)
+            unsuitable(file, found, "a sampling rate or a column of time", remedy)
+        columns = columns[1:]
         digits, first = table.digits[1], None if timed else "channel"
-    hertz = first == "freq" or given.pairs is not None or _says_frequency(table, names[0], units[0])
-    names, units, columns = joined(file, names, units, columns, given.pairs, hertz)
-    named = bool(table.names)
+    hertz = first == "freq" or given.pairs is not None or _says_frequency(columns[0], named)
+    columns = joined(file, columns, given.pairs, hertz)
     if first is None:
-        first = _what_first(file, names[0], units[0], hertz, columns, named and given.fs_hz is not None)
-    skip = 0 if first == "channel" else 1
-    if len(columns) <= skip:
-        unsuitable(
-            file,
-            "with no column of values",
-            "at least one beside the first",
-            "Export the channels beside the first column.",
-        )
+        first = _what_first(file, columns, hertz, named and given.fs_hz is not None)
+    lead, rest = columns[0], columns if first == "channel" else columns[1:]
+    if not rest:
+        wanted = "at least one beside the first"
+        unsuitable(file, "with no column of values", wanted, "Export the channels beside the first column.")
     channels = [
-        Channel(name if named and name else i, values, its, role="force" if name.lower() == "force" else "")
-        for i, (name, values, its) in enumerate(zip(names[skip:], columns[skip:], units[skip:], strict=True))
+        Channel(c.name if named and c.name else i, c.values, c.unit, role=_ROLES.get(c.name.lower(), ""))
+        for i, c in enumerate(rest)
     ]
     if first == "freq":
-        return _response(file, columns[0].real * _into_si(file, names[0], units[0]), channels, given)
-    if any(np.iscomplexobj(c) for c in columns):
-        unsuitable(
-            file, "with complex columns over time", "real ones", Wording("Pass {}.", Passed("first", "freq"))
-        )
-    instants = columns[0] * _into_si(file, names[0], units[0], columns[0]) if first == "time" else None
+        return _response(file, lead.values.real * _into_si(file, lead), channels, given)
+    if any(np.iscomplexobj(c.values) for c in columns):
+        remedy = Wording("Pass {}.", Passed("first", "freq"))
+        unsuitable(file, "with complex columns over time", "real ones", remedy)
     rate = given.rate_hz
-    if instants is None:
+    if first == "channel":
         rate = finite_scalar("fs_hz", given.fs_hz, low=0.0, low_open=True, unit="Hz")
-    elif rate is not None:
-        with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
-            warn_other_rate(file, "has instants at", rate_of(file, instants, digits=digits), rate)
-    return recording_of(file, channels, rate or rate_of(file, instants, digits=digits), given)
+        return recording_of(file, channels, rate, given)
+    instants = lead.values * _into_si(file, lead, lead.values)
+    if rate is None:
+        return recording_of(file, channels, rate_of(file, instants, digits=digits), given)
+    with suppress(UnsuitableDataError):  # instants that say nothing are why a rate was given
+        warn_other_rate(file, "has instants at", rate_of(file, instants, digits=digits), rate)
+    return recording_of(file, channels, rate, given)
 
 
-def _what_first(file: Path, name: str, unit: str, hertz: bool, columns: list[Any], rated: bool) -> str:
+def _what_first(file: Path, columns: list[Channel], hertz: bool, rated: bool) -> str:
     """What the first column is."""
-    if name.lower() in _TIME or (not hertz and is_abscissa(unit)):
+    lead = columns[0]
+    if lead.name.lower() in _TIME or (not hertz and is_abscissa(lead.unit)):
         return "time"
-    if hertz or any(np.iscomplexobj(c) for c in columns):
+    if hertz or any(np.iscomplexobj(c.values) for c in columns):
         return "freq"
     if rated:
         return "channel"
-    unsuitable(
-        file,
-        f"whose first column, {name!r}, is neither called time nor frequency",
-        "to know what it is",
-        Wording(
-            "Pass {}, {} or, with {}, {}.",
-            Passed("first", "time"),
-            Passed("first", "freq"),
-            Passed("fs_hz"),
-            Passed("first", "channel"),
-        ),
-    )
+    ways = (Passed("first", "time"), Passed("first", "freq"), Passed("fs_hz"), Passed("first", "channel"))
+    found = f"whose first column, {lead.name!r}, is neither called time nor frequency"
+    unsuitable(file, found, "to know what it is", Wording("Pass {}, {} or, with {}, {}.", *ways))
 
 
-def _says_frequency(table: Table, name: str, unit: str) -> bool:
+def _says_frequency(column: Channel, named: bool) -> bool:
     """Whether name or unit of a column say that it is a frequency."""
-    return (bool(table.names) and name.lower() in _FREQ) or is_frequency(unit)
+    return (named and column.name.lower() in _FREQ) or is_frequency(column.unit)
 
 
 def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) -> FrequencyResponse:
     if not all(np.iscomplexobj(c.values) for c in columns):
-        unsuitable(
-            file,
-            "with real columns over frequency",
-            "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'",
-            Wording(
-                "Pass {} or another of its kinds if two columns are one response; magnitudes alone have lost "
-                "the phase.",
-                Passed("pairs", PAIRS[0]),
-            ),
+        wanted = "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'"
+        remedy = Wording(
+            "Pass {} or another of its kinds if two columns are one response; magnitudes alone have lost the "
+            "phase.",
+            Passed("pairs", PAIRS[0]),
         )
+        unsuitable(file, "with real columns over frequency", wanted, remedy)
     return response_of(file, lines, columns, given)
 
 
-def _response_without_axis(file: Path, table: Table, axis: GivenAxis, given: Reading) -> FrequencyResponse:
+def _response_without_axis(
+    file: Path, table: Table, axis: FrequencyAxis, given: Reading
+) -> FrequencyResponse:
     """All columns as responses over a given axis."""
-    names, units, columns = table.columns()
+    columns, named = table.columns(), bool(table.names)
     wanted = "it where no column is an axis"
     option = "freq_hz" if axis.size is not None else "df_hz"
     if given.first not in (None, "channel"):
         reject(option, f"it beside first={given.first!r}", wanted, "Leave one of them out.")
-    if _says_frequency(table, names[0], units[0]):
-        reject(option, f"it for a file with the column {names[0]!r}", wanted, "Leave it out.")
-    # An empty column in front: every one of the file is a value.
-    names, units, columns = joined(
-        file, ["", *names], ["", *units], [np.zeros(len(columns[0])), *columns], given.pairs, True
-    )
+    if _says_frequency(columns[0], named):
+        reject(option, f"it for a file with the column {columns[0].name!r}", wanted, "Leave it out.")
+    count = columns[0].values.size
+    # An empty column in front: every one of the file is a value, also where the first is real.
+    joint = joined(file, [Channel("", np.zeros(count)), *columns], given.pairs, True)[1:]
+    values = [c.values for c in joint]
     if np.iscomplexobj(table.values):
-        columns = [columns[0], *(np.asarray(c, dtype=np.complex128) for c in columns[1:])]
+        values = [np.asarray(each, dtype=np.complex128) for each in values]
     channels = [
-        Channel(name if table.names and name else i, values, unit)
-        for i, (name, values, unit) in enumerate(zip(names[1:], columns[1:], units[1:], strict=True))
+        Channel(c.name if named and c.name else i, each, c.unit)
+        for i, (c, each) in enumerate(zip(joint, values, strict=True))
     ]
-    return _response(file, axis.lines(file, len(columns[0])), channels, given)
+    return _response(file, axis.lines(file, count), channels, given)
 
 
-def _into_si(file: Path, name: str, unit: str, instants: Any = None) -> float:
+def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:
     """Factor of the first column into s or Hz; a unit that is not known would move every frequency."""
-    text = unit.strip()
+    text = lead.unit.strip()
     if is_abscissa(text):
         return abscissa_factor(text)
     known = parse_unit(text)
     if known is None or known.quantity:
-        unsuitable(
-            file,
-            f"whose first column, {name!r}, is in {text!r}",
-            "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s",
-            "Correct the unit in the header.",
-        )
+        found = f"whose first column, {lead.name!r}, is in {text!r}"
+        wanted = "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s"
+        unsuitable(file, found, wanted, "Correct the unit in the header.")
     # Seconds since 1970 stay below 1e11 for 3,000 years, so that larger ones are in a smaller unit.
     largest = 0.0 if instants is None else float(np.abs(instants[0]))
     return next((factor for least, factor in _SINCE_1970 if largest >= least), 1.0)

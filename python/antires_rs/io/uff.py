@@ -6,7 +6,6 @@ The format is documented by the Structural Dynamics Research Laboratory, Univers
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -24,17 +23,19 @@ from ..signals.recording import Recording
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.messages import LeftOut, Passed, Wording, warn
-from .channels import Channel, Reading, one_quantity, recording_of
+from .channels import Channel, one_quantity, recording_of
 from .common import (
     Signal,
+    choose_run,
     existing_file,
-    missing_package,
     missing_part,
     rate_of,
     refuse_real,
+    require,
     simplest_rate,
     unsuitable,
 )
+from .reading import PathLike, Reading, reader
 from .units import Unit, abscissa_factor, named_unit, parse_unit
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
@@ -43,13 +44,12 @@ from .units import Unit, abscissa_factor, named_unit, parse_unit
 # notice that one is short; so each dataset 58 is measured here against the number of points in its
 # own header.
 
-
 #: A line of its own: ``-1`` in the first six columns and nothing else.
 _MARKER = re.compile(rb"(?:\A|(?<=[\r\n])) {4}-1[ ]*(?=[\r\n]|\Z)")
+_LINE_END = re.compile(rb"\r?\n|\r")
 _HEADER_LINES = 11
 #: By ordinate type: numbers per point, width in text, bytes in binary form.
 _FORMS = {2: (1, 13, 4), 4: (1, 20, 8), 5: (2, 13, 4), 6: (2, 20, 8)}
-
 
 #: The exponent of a Fortran double, 1.5D+03.
 _FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
@@ -57,27 +57,12 @@ _FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
 
 @dataclass(frozen=True)
 class Dataset:
-    """One dataset of a file.
-
-    Attributes
-    ----------
-    number : int
-        Type of the dataset, 58 for functions; 0 where it cannot be read.
-    start, stop : int
-        Bytes from the first marker to the end of the second.
-    points : int
-        Of a 58: points its header states.
-    found : int
-        Of a 58: points that are there, by their space in the file.
-    problem : str
-        What is wrong; empty for a whole one.
-    """
+    """One dataset: type (0 if unreadable), bytes with both markers, stated points of a 58, what is wrong."""
 
     number: int
     start: int
     stop: int
     points: int = 0
-    found: int = 0
     problem: str = ""
 
 
@@ -119,24 +104,25 @@ def plain_exponents(data: bytes, dataset: Dataset) -> bytes:
         return b"".join(lines)
     body = lines[numbers:-1]
     if _to_the_left(body, width if even or width == 13 else 0):  # pyuff would lose the last of each line
-        ends = [line[len(line.rstrip()) :].lstrip(b" ") for line in body]
-        whole = [line.rstrip() for line in body]
-        lines[numbers:-1] = [
-            line.ljust(-(-len(line) // width) * width) + end for line, end in zip(whole, ends, strict=True)
-        ]
+        for i, line in enumerate(body, start=numbers):
+            whole = line.rstrip()
+            end = line[len(whole) :].lstrip(b" ")
+            lines[i] = whole.ljust(-(-len(whole) // width) * width) + end
     return b"".join(lines)
 
 
 def _dataset(data: bytes, start: int, after: int) -> Dataset:
-    at, identity = _line(data, _next_line(data, after))
+    while data[after : after + 1] == b" ":
+        after += 1
+    at, _ = _line(data, after)
+    at, identity = _line(data, at)
     try:
         number, binary = int(identity[:6]), identity[6:7].lower() == b"b"
     except ValueError:
         number, binary = 0, False
     if number != 58:
-        end = _MARKER.search(data, at)
-        problem = "" if end and number else "it has no end" if number else "its type cannot be read"
-        return Dataset(number, start, end.end() if end else len(data), problem=problem)
+        problem = "its type cannot be read" if not number else ""
+        return _up_to_marker(data, number, start, at, problem, "it has no end")
     lines: list[bytes] = []
     for _ in range(_HEADER_LINES):
         at, line = _line(data, at)
@@ -145,20 +131,27 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
         kind, points, even = (int(lines[6][i : i + 10]) for i in (0, 10, 20))
         form = _FORMS[kind]
     except (ValueError, KeyError):
-        end = _MARKER.search(data, min(at, len(data)))
-        return Dataset(58, start, end.end() if end else len(data), problem="its header is cut or damaged")
+        problem = "its header is cut or damaged"
+        return _up_to_marker(data, 58, start, min(at, len(data)), problem, problem)
     numbers = form[0] + (0 if even else 1)
     if binary:
         return _binary(data, start, at, points, numbers, form[2])
     end = _MARKER.search(data, at)
-    body = data[at : end.start() if end else len(data)]
     # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
     width = form[1] * form[0] + (0 if even else 13)
-    rows = body.splitlines()
+    rows = data[at : end.start() if end else len(data)].splitlines()
     there = sum(len(line.rstrip()) for line in rows) // width
     if there != points and _to_the_left(rows, form[1] if even or form[1] == 13 else 0):
         there = sum(len(line.split()) for line in rows) // numbers
     return _judged(start, end, len(data), points, there)
+
+
+def _up_to_marker(data: bytes, number: int, start: int, at: int, problem: str, endless: str) -> Dataset:
+    """A dataset that is not measured, as far as the next marker."""
+    end = _MARKER.search(data, at)
+    if end is None:
+        return Dataset(number, start, len(data), problem=problem or endless)
+    return Dataset(number, start, end.end(), problem=problem)
 
 
 def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
@@ -182,7 +175,7 @@ def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: i
         if at + length <= len(data):
             end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at + length)
             if end:
-                return Dataset(58, start, end.end(), points, points)
+                return Dataset(58, start, end.end(), points)
     marker = re.compile(rb" {4}-1[ ]*(?=[\r\n]|\Z)").search(data, at)
     there = ((marker.start() if marker else len(data)) - at) // (numbers * size)
     return _judged(start, marker, len(data), points, min(there, points), short=True)
@@ -196,27 +189,16 @@ def _judged(
         problem = f"it has no end and {min(there, points)} of {points} points"
     elif short or there != points:
         problem = f"it has {there} points, not the {points} that its header states"
-    return Dataset(58, start, end.end() if end else size, points, there, problem)
-
-
-def _next_line(data: bytes, at: int) -> int:
-    while data[at : at + 1] == b" ":
-        at += 1
-    at += data[at : at + 1] == b"\r"
-    return at + (data[at : at + 1] == b"\n")
+    return Dataset(58, start, end.end() if end else size, points, problem)
 
 
 def _line(data: bytes, at: int) -> tuple[int, bytes]:
     """Where the next line begins, and this one without its end."""
-    ends = [i for i in (data.find(b"\n", at), data.find(b"\r", at)) if i >= 0]
-    if not ends:
-        return len(data), data[at:]
-    stop = min(ends)
-    return stop + (2 if data[stop : stop + 2] == b"\r\n" else 1), data[at:stop]
+    end = _LINE_END.search(data, at)
+    return (end.end(), data[at : end.start()]) if end else (len(data), data[at:])
 
 
 # -- Names of the universal file's points: node and direction, ``12+Z``, and back
-
 
 _LABEL = re.compile(r"^(\d+)(S|[+-]R?[XYZ])$")
 
@@ -241,12 +223,8 @@ def as_point(argument: str, value: Any) -> Point:
                     return value[0], CODES[name]
         elif direction in DIRECTIONS:
             return value[0], int(direction)
-    reject(
-        argument,
-        repr(value),
-        "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'",
-        "Directions are +X to -Z, or 1 to 6 with a sign.",
-    )
+    wanted = "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'"
+    reject(argument, repr(value), wanted, "Directions are +X to -Z, or 1 to 6 with a sign.")
 
 
 def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
@@ -266,22 +244,14 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
             opposite = (point[0], -point[1])
             if opposite in table:
                 return table[opposite], -1.0
-            reject(
-                "dofs",
-                f"no dof for {label_of(point)}",
-                "a dof for every response of the file",
-                Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point")),
-            )
+            remedy = Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point"))
+            reject("dofs", f"no dof for {label_of(point)}", "a dof for every response of the file", remedy)
 
         return look_up
     if callable(dofs):
         return lambda point: (dofs(point[0], DIRECTIONS.get(point[1], "?")), 1.0)
-    reject(
-        "dofs",
-        type(dofs).__name__,
-        "a mapping {(node, direction): dof} or a function of the two",
-        "List the points with antires_rs.io.list_uff.",
-    )
+    wanted = "a mapping {(node, direction): dof} or a function of the two"
+    reject("dofs", type(dofs).__name__, wanted, "List the points with antires_rs.io.list_uff.")
 
 
 def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
@@ -290,34 +260,25 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     for dof in dofs:
         if isinstance(given, Mapping):
             if dof not in given:
-                reject(
-                    "dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}", "Add it to dofs."
-                )
+                got = f"no node and direction for {dof!r}"
+                reject("dofs", got, f"one for each of {dofs}", "Add it to dofs.")
             points[dof] = as_point("dofs", given[dof])
         elif callable(given):
             points[dof] = as_point("dofs", given(dof))
         elif given is not None:
-            reject(
-                "dofs",
-                type(given).__name__,
-                "a mapping {dof: (node, direction)} or a function of the dof",
-                "Or name the dofs so: '12+Z'.",
-            )
-        elif isinstance(dof, str) and (match := _LABEL.match(dof)):
-            points[dof] = int(match[1]), CODES[match[2]]
+            wanted = "a mapping {dof: (node, direction)} or a function of the dof"
+            reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
+        elif isinstance(dof, str) and _LABEL.match(dof):
+            points[dof] = as_point("dofs", dof)
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:
             points[dof] = dof + 1, 0
     free = max((node for node, _ in points.values()), default=0) + 1
-    for dof in (d for d in dofs if d not in points):
-        points[dof], free = (free, 0), free + 1
-    if len(set(points.values())) != len(points):
-        twice = [p for p in points.values() if list(points.values()).count(p) > 1][0]
-        reject(
-            "dofs",
-            f"{label_of(twice)} for two dofs",
-            "a point of its own for each",
-            "Give one of them another node or direction.",
-        )
+    unnamed = [dof for dof in dofs if dof not in points]
+    points |= {dof: (free + i, 0) for i, dof in enumerate(unnamed)}
+    twice = next((point for point, n in Counter(points.values()).items() if n > 1), None)
+    if twice is not None:
+        got = f"{label_of(twice)} for two dofs"
+        reject("dofs", got, "a point of its own for each", "Give one of them another node or direction.")
     return points
 
 
@@ -325,7 +286,6 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
 #
 # One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in
 # it, is believed: the checksum of the numbers counts only below a header that is as we wrote it.
-
 
 _LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
 #: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
@@ -362,7 +322,6 @@ def _hex(data: bytes) -> str:
 
 # -- The functions of a universal file, read through pyuff and counted by ourselves
 
-
 #: Function types of record 6 that are read.
 FUNCTIONS = {
     1: "time",
@@ -385,112 +344,88 @@ WANTED = "a whole universal file with datasets 58"
 
 @dataclass(frozen=True)
 class Function:
-    """One dataset 58.
-
-    Attributes
-    ----------
-    what : str
-        One of ``FUNCTIONS``, or "function type n".
-    response, reference : (int, int)
-        Node and direction code.
-    x, values : (n_points,)
-    unit, reference_unit : str
-        Of the ordinate and its denominator.
-    role : {"force", ""}
-    scale : float
-        Into SI by the units of dataset 164, for functions without a unit of their own.
-    x_unit : float
-        Unit of the abscissa in the file, in s or Hz.
-    own : dict
-        What our writer adds: dof, exact rate or abscissa, averages.
-    """
+    """One dataset 58, ``what`` being one of ``FUNCTIONS`` or "function type n"."""
 
     what: str
     response: Point
     reference: Point
     x: NDArray[np.float64]
     values: NDArray[Any]
+    #: Of the ordinate and its denominator.
     unit: str
     reference_unit: str
     role: str
     even: bool
     step: float
+    #: Into SI by the units of dataset 164, for functions without a unit of their own.
     scale: float = 1.0
+    #: Unit of the abscissa in the file, in s or Hz.
     x_unit: float = 1.0
+    #: What our writer adds: dof, exact rate or abscissa, averages.
     own: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def at(self) -> str:
+        """``'12+Z'``, the point of the response."""
+        return label_of(self.response)
+
+    @property
+    def place(self) -> str:
+        """``'12+Z / 1+X'``, response and reference; of a record the point alone."""
+        return self.at + ("" if self.what == "time" else f" / {label_of(self.reference)}")
+
     def __str__(self) -> str:
-        over = "" if self.what == "time" else f" / {label_of(self.reference)}"
         unit = self.unit + (f" / {self.reference_unit}" if self.reference_unit else "") or "no unit"
-        return f"{self.what:<16} {label_of(self.response)}{over}, {self.values.size} points, {unit}"
+        return f"{self.what:<16} {self.place}, {self.values.size} points, {unit}"
 
 
 def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Function]:
     """Every dataset 58 of a file, none lost in silence."""
-    try:
-        import pyuff
-    except ImportError as exc:
-        raise missing_package(reader, "pyuff", "uff", exc) from exc
+    require(reader, "pyuff", "uff")
     data = file.read_bytes()
     datasets = [checked(data, dataset) for dataset in scan(data)]
     if not datasets or all(d.number == 0 for d in datasets):
-        unsuitable(
-            file, "without a dataset between lines '    -1'", WANTED, "It is no universal file, or was cut."
-        )
+        got = "without a dataset between lines '    -1'"
+        unsuitable(file, got, WANTED, "It is no universal file, or was cut.")
     whole = [d for d in datasets if not d.problem]
     kept = sum(d.number == 58 for d in whole)
-    functions = _read(pyuff, file, data, datasets, whole)
+    functions = _read(file, data, datasets, whole)
     bad = [(i, d) for i, d in enumerate(datasets) if d.problem]
     if bad:
         i, first = bad[0]
         of = next((f" of {f.own['of']}" for f in functions if "of" in f.own), "")
-        missing_part(
-            file,
-            f"dataset {i + 1} ({first.number or 'unknown'}) is damaged: {first.problem}; "
-            f"{kept}{of} functions are whole",
-            WANTED,
-            partial,
-            kept,
-        )
+        problem = f"dataset {i + 1} ({first.number or 'unknown'}) is damaged: {first.problem}"
+        missing_part(file, f"{problem}; {kept}{of} functions are whole", WANTED, partial, kept)
     else:
         _check_marks(file, functions, partial)
     if not functions:
-        unsuitable(
-            file,
-            f"with {len(datasets)} datasets and no 58 among them",
-            WANTED,
-            "Export the measured functions as dataset 58.",
-        )
+        found = f"with {len(datasets)} datasets and no 58 among them"
+        unsuitable(file, found, WANTED, "Export the measured functions as dataset 58.")
     return functions
 
 
-def _read(
-    pyuff: Any, file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset]
-) -> list[Function]:
-    parts = [plain_exponents(data, d) for d in whole]
-    if len(whole) == len(datasets) and all(
-        part == data[d.start : d.stop] for part, d in zip(parts, whole, strict=True)
-    ):
-        return _through_pyuff(pyuff, file, file, whole)
+def _read(file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset]) -> list[Function]:
     import tempfile
 
+    parts = [plain_exponents(data, d) for d in whole]
+    as_it_is = all(part == data[d.start : d.stop] for part, d in zip(parts, whole, strict=True))
+    if as_it_is and len(whole) == len(datasets):
+        return _through_pyuff(file, file, whole)
     with tempfile.TemporaryDirectory(prefix="antires_uff_") as folder:
         # pyuff pairs markers by their order, so that a damaged set would shift all that follow.
         only = Path(folder) / "whole.uff"
         only.write_bytes(b"\n".join(parts) + b"\n")
-        return _through_pyuff(pyuff, file, only, whole)
+        return _through_pyuff(file, only, whole)
 
 
-def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -> list[Function]:
+def _through_pyuff(file: Path, source: Path, whole: list[Dataset]) -> list[Function]:
+    import pyuff
+
     opened = pyuff.UFF(str(source))
     types = [int(t) for t in opened.get_set_types()] if opened.get_n_sets() else []
     if types != [d.number for d in whole]:
-        unsuitable(
-            file,
-            f"in which pyuff sees {len(types)} datasets and we {len(whole)}",
-            WANTED,
-            "Its markers are damaged.",
-        )
+        found = f"in which pyuff sees {len(types)} datasets and we {len(whole)}"
+        unsuitable(file, found, WANTED, "Its markers are damaged.")
     functions, factors = [], (1.0, 1.0)
     for i, dataset in enumerate(whole):
         if dataset.number not in (58, 164):
@@ -499,46 +434,25 @@ def _through_pyuff(pyuff: Any, file: Path, source: Path, whole: list[Dataset]) -
             made = opened.read_sets(i)
         except Exception as exc:  # pyuff raises nothing more precise
             unsuitable(file, f"whose dataset {i + 1} pyuff cannot read ({exc})", WANTED, "It was damaged.")
-        if dataset.number == 164:
-            factors = _factors(file, made)
+        if dataset.number == 164:  # what SI is to be multiplied by
+            length, force = float(made["length"]), float(made["force"])
+            if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
+                found = f"whose units (dataset 164) have the factors {length:g} and {force:g}"
+                unsuitable(file, found, WANTED, "Export it again in SI units.")
+            factors = (1.0 / length, 1.0 / force)
             continue
         got = np.asarray(made["data"])
         if got.size != dataset.points or len(made["x"]) != dataset.points:
-            unsuitable(
-                file,
-                f"whose dataset {i + 1} has {got.size} points of the {dataset.points} that its header states",
-                WANTED,
-                "It was damaged.",
-            )
+            found = f"{got.size} points of the {dataset.points} that its header states"
+            unsuitable(file, f"whose dataset {i + 1} has {found}", WANTED, "It was damaged.")
         if not (np.isfinite(got).all() and np.isfinite(made["x"]).all()):
-            unsuitable(
-                file,
-                f"whose dataset {i + 1} has values that are not finite",
-                WANTED,
-                "Export it again, or correct that dataset.",
-            )
+            found = f"whose dataset {i + 1} has values that are not finite"
+            unsuitable(file, found, WANTED, "Export it again, or correct that dataset.")
         functions.append(_function(made, got, factors))
         if functions[-1].even and not functions[-1].step > 0.0:
-            unsuitable(
-                file,
-                f"whose dataset {i + 1} has a step of {functions[-1].step:g}",
-                "a positive step",
-                "Correct the abscissa of that dataset.",
-            )
+            found = f"whose dataset {i + 1} has a step of {functions[-1].step:g}"
+            unsuitable(file, found, "a positive step", "Correct the abscissa of that dataset.")
     return functions
-
-
-def _factors(file: Path, made: dict[str, Any]) -> tuple[float, float]:
-    """Length and force of the file's units in SI; dataset 164 has what SI is to be multiplied by."""
-    length, force = float(made["length"]), float(made["force"])
-    if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
-        unsuitable(
-            file,
-            f"whose units (dataset 164) have the factors {length:g} and {force:g}",
-            WANTED,
-            "Export it again in SI units.",
-        )
-    return 1.0 / length, 1.0 / force
 
 
 def _si(data_type: int, factors: tuple[float, float]) -> float:
@@ -593,32 +507,26 @@ def _own(made: dict[str, Any], step: float) -> dict[str, Any]:
         except (ValueError, TypeError):
             return own
     numbers = [own.get(name, 0.0) for name in ("start", "step", "rate_hz", "n_averages")]
+    header = {"start": float(made["abscissa_min"]), "step": step}
     agree = all(isinstance(n, int | float) for n in numbers) and all(
-        f"{own.get(name, stated):.5e}" == f"{stated:.5e}"
-        for name, stated in (("start", float(made["abscissa_min"])), ("step", step))
+        f"{own.get(name, stated):.5e}" == f"{stated:.5e}" for name, stated in header.items()
     )
-    exact = ("start", "step", "rate_hz")
-    return (
-        own
-        if agree and ("start" in own) == ("step" in own) == (step > 0.0)
-        else {name: value for name, value in own.items() if name not in (*exact, "n_averages")}
-    )
+    if agree and ("start" in own) == ("step" in own) == (step > 0.0):
+        return own
+    return {name: value for name, value in own.items() if name in ("set", "of", "dof")}
 
 
 def _check_marks(file: Path, functions: list[Function], partial: bool) -> None:
     """Files of ours state how many sets were written together."""
-    expected = 1
-    for f in functions:
-        if "set" in f.own:
-            if f.own["set"] != expected:
-                missing_part(
-                    file, f"set {expected} of {f.own['of']} is missing", WANTED, partial, len(functions)
-                )
-            expected = 1 if f.own["set"] == f.own["of"] else f.own["set"] + 1
-    marked = [f for f in functions if "set" in f.own]
-    if marked and expected != 1:
-        last = marked[-1].own
-        missing_part(file, f"{last['set']} of {last['of']} sets are there", WANTED, partial, len(functions))
+    expected, kept = 1, len(functions)
+    marks = [(f.own["set"], f.own["of"]) for f in functions if "set" in f.own]
+    for number, count in marks:
+        if number != expected:
+            missing_part(file, f"set {expected} of {count} is missing", WANTED, partial, kept)
+        expected = 1 if number == count else number + 1
+    if expected != 1:
+        number, count = marks[-1]
+        missing_part(file, f"{number} of {count} sets are there", WANTED, partial, kept)
 
 
 def _label(text: str) -> str:
@@ -627,7 +535,6 @@ def _label(text: str) -> str:
 
 
 # -- FRFs, transmissibilities and spectra of a universal file as a FrequencyResponse
-
 
 Named = Callable[[Point], tuple[Any, float]]
 
@@ -642,7 +549,7 @@ def response_of(
         unsuitable(
             file,
             f"with {len(wanted)} auto spectra (power spectral densities), the first of "
-            f"{label_of(wanted[0].response)}, and no cross spectrum",
+            f"{wanted[0].at}, and no cross spectrum",
             "time records, FRFs, or cross spectra with the auto spectrum of their reference",
             "Power spectra have lost the phase between channels, from which antiresonances are found: export "
             "one of these instead.",
@@ -657,63 +564,36 @@ def response_of(
     lines = frequencies(wanted[0])
     for f in (*wanted, *beside):
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
-            unsuitable(
-                file,
-                f"with other frequencies at {label_of(f.response)} than at {label_of(wanted[0].response)}",
-                "one frequency axis for all",
-                "Export all functions over the same lines.",
-            )
+            found = f"with other frequencies at {f.at} than at {wanted[0].at}"
+            unsuitable(file, found, "one frequency axis for all", "Export all functions over the same lines.")
     for f in wanted:
         if not np.iscomplexobj(f.values):
-            unsuitable(
-                file,
-                f"whose {f.what} of {label_of(f.response)} is real",
-                "complex functions",
-                "Magnitudes alone have lost the phase; export real and imaginary part.",
-            )
-    if unit is None:
-        _check_kinds(file, [f for f in wanted if named(f.response)[0] is not None])
+            remedy = "Magnitudes alone have lost the phase; export real and imaginary part."
+            unsuitable(file, f"whose {f.what} of {f.at} is real", "complex functions", remedy)
+    if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
+        kept_ones = [f for f in wanted if named(f.response)[0] is not None]
+        kinds = [(f.at, (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
+        one_quantity(file, [(label, each, each or "in no known unit") for label, each in kinds])
     rows = {f.response: _values(file, f, unit) for f in wanted}
     refuse_real(file, list(rows.values()))
     coherence = _coherence(file, rows, beside)
     if kind == "transmissibility" and point not in rows:
         rows[point] = np.ones(lines.size, dtype=np.complex128)
         if coherence is not None:
-            coherence = {**coherence, point: np.ones(lines.size)}
-    return _response(
-        rows,
-        lines,
-        kind,
-        point,
-        coherence,
-        named,
-        next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None),
-    )
-
-
-def _response(
-    rows: dict[Point, NDArray[Any]],
-    lines: FloatArray,
-    kind: str,
-    point: Point,
-    coherence: dict[Point, FloatArray] | None,
-    named: Named,
-    averages: float | None,
-) -> FrequencyResponse:
-    labelled = [(p, *named(p)) for p in rows]
-    kept = [(p, dof, sign) for p, dof, sign in labelled if dof is not None]
-    turn = 1.0
-    if kind == "transmissibility":  # the reference itself may point the other way
-        turn = next((sign for p, _, sign in kept if p == point), 1.0)
-    made: Literal["frf", "transmissibility"] = "frf" if kind == "frf" else "transmissibility"
+            coherence[point] = np.ones(lines.size)
+    labels = {p: named(p) for p in rows}
+    kept = [p for p, (dof, _) in labels.items() if dof is not None]
+    is_frf = kind == "frf"
+    # The reference of transmissibilities may itself point the other way.
+    turn = 1.0 if is_frf or point not in kept else labels[point][1]
     return FrequencyResponse(
         lines,
-        np.stack([rows[p] * (sign * turn) for p, _, sign in kept]),
-        [dof for _, dof, _ in kept],
-        made,
-        named(point)[0] if kind == "transmissibility" else None,
-        None if coherence is None else np.stack([coherence[p] for p, _, _ in kept]),
-        averages,
+        np.stack([rows[p] * (labels[p][1] * turn) for p in kept]),
+        [labels[p][0] for p in kept],
+        "frf" if is_frf else "transmissibility",
+        None if is_frf else named(point)[0],
+        None if coherence is None else np.stack([coherence[p] for p in kept]),
+        next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None),
     )
 
 
@@ -741,35 +621,27 @@ def half_digit(value: float, unit: float = 1.0) -> float:
 
 def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     points = list(dict.fromkeys(f.reference for f in functions))
-    shown = ", ".join(map(label_of, points)) or "none"
+    found = f"with the references {', '.join(map(label_of, points)) or 'none'}"
     if given is not None:
         point = as_point("reference", given)
         if point not in points:
-            unsuitable(
-                file,
-                f"with the references {shown}",
-                Wording("{}", Passed("reference", label_of(point))),
-                "Pass one of them.",
-            )
+            wanted = Wording("{}", Passed("reference", label_of(point)))
+            unsuitable(file, found, wanted, "Pass one of them.")
         return point
-    if len(points) != 1:
-        unsuitable(file, f"with the references {shown}", "one", _remedy(functions))
-    return points[0]
-
-
-def _remedy(functions: list[Function]) -> str | Wording:
-    """What to do about several references, or none."""
-    if not functions:
-        return "Export the functions with their references."
+    if len(points) == 1:
+        return points[0]
     responses = {f.response for f in functions}
-    if len(responses) > 1:
-        return Wording("Choose it by {}.", Passed("reference"))
-    stayed = Passed("roving", label_of(responses.pop()))
-    return Wording(
-        "If the hammer roved and this sensor stayed, pass {}; else choose one by {}.",
-        stayed,
-        Passed("reference"),
-    )
+    remedy: str = Wording("Choose it by {}.", Passed("reference"))
+    if not responses:
+        remedy = "Export the functions with their references."
+    elif len(responses) == 1:
+        stayed = Passed("roving", label_of(responses.pop()))
+        remedy = Wording(
+            "If the hammer roved and this sensor stayed, pass {}; else choose one by {}.",
+            stayed,
+            Passed("reference"),
+        )
+    unsuitable(file, found, "one", remedy)
 
 
 def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
@@ -782,7 +654,7 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
             odd = f.unit if above is None else f.reference_unit
             warn(
                 "unknown_unit",
-                f"path: {str(file)!r} has {label_of(f.response)} in {odd!r}, which is no unit known here; "
+                f"path: {str(file)!r} has {f.at} in {odd!r}, which is no unit known here; "
                 "its values are as in the file. Name unit= to convert them.",
             )
         above, below = above or Unit(), below or Unit()
@@ -792,12 +664,6 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
     return values if factor == 1.0 else values * factor
 
 
-def _check_kinds(file: Path, wanted: list[Function]) -> None:
-    """Refuse receptances beside accelerances: their quotients are no transmissibilities."""
-    kinds = [(label_of(f.response), (parse_unit(f.unit) or Unit()).quantity) for f in wanted]
-    one_quantity(file, [(point, kind, kind or "in no known unit") for point, kind in kinds])
-
-
 def _beside(file: Path, functions: list[Function], point: Point, responses: set[Point]) -> list[Function]:
     """Coherences with the reference; a warning names those that may have been meant to be."""
     coherences = [f for f in functions if f.what == "coherence"]
@@ -805,19 +671,16 @@ def _beside(file: Path, functions: list[Function], point: Point, responses: set[
     near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
     turned = {(node, -way) for node, way in responses} - responses
     odd = [
-        f
+        f.place
         for f in coherences
-        if f.response in responses | turned
-        and f.reference in near
-        or f.response in turned
-        and f.reference == point
+        if (f.response in responses | turned and f.reference in near)
+        or (f.response in turned and f.reference == point)
     ]
     if odd:
         warn(
             "coherence_left_out",
-            f"path: {str(file)!r} has coherences of other points than its functions, "
-            f"{', '.join(f'{label_of(f.response)} / {label_of(f.reference)}' for f in odd)}; they are left "
-            f"out. Wanted are the directions of the functions and the reference {label_of(point)}.",
+            f"path: {str(file)!r} has coherences of other points than its functions, {', '.join(odd)}; they "
+            f"are left out. Wanted are the directions of the functions and the reference {label_of(point)}.",
         )
     return [f for f in coherences if f.reference == point]
 
@@ -838,48 +701,29 @@ def _over_auto(
     file: Path, spectra: list[Function], point: Point, unit: str | None
 ) -> tuple[list[Function], bool]:
     """Cross spectra over the auto spectrum of their reference."""
-    autos = [
-        f
-        for f in spectra
-        if f.response == point and f.reference in (point, (0, 0)) and f.what == "auto spectrum"
-    ]
-    crosses = [
-        f for f in spectra if f.reference == point and f.response != point and f.what == "cross spectrum"
-    ]
+    auto = [f for f in spectra if f.what == "auto spectrum" and f.response == point]
+    autos = [f for f in auto if f.reference in (point, (0, 0))]
+    cross = [f for f in spectra if f.what == "cross spectrum" and f.reference == point]
+    crosses = [f for f in cross if f.response != point]
     if len(autos) != 1 or not crosses:
-        unsuitable(
-            file,
-            f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference "
-            f"{label_of(point)}",
-            "cross spectra, and one auto spectrum of their reference",
-            "Export the auto spectrum of the reference with its cross spectra.",
-        )
+        found = f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference"
+        wanted = "cross spectra, and one auto spectrum of their reference"
+        remedy = "Export the auto spectrum of the reference with its cross spectra."
+        unsuitable(file, f"{found} {label_of(point)}", wanted, remedy)
     power = autos[0].values.real
     if power.min() <= 0.0:
-        unsuitable(
-            file,
-            f"with an auto spectrum of {label_of(point)} that is not positive everywhere",
-            "a positive one",
-            "Check the reference channel: it was dead at some lines.",
-        )
+        found = f"with an auto spectrum of {label_of(point)} that is not positive everywhere"
+        unsuitable(file, found, "a positive one", "Check the reference channel: it was dead at some lines.")
     single = autos[0].unit or crosses[0].reference_unit
     is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
     if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
-        unsuitable(
-            file,
-            "with spectra without units where dataset 164 names others than SI",
-            "the unit of their quotient",
-            "Pass unit=, such as 'mm/s2/N'.",
-        )
+        found = "with spectra without units where dataset 164 names others than SI"
+        unsuitable(file, found, "the unit of their quotient", "Pass unit=, such as 'mm/s2/N'.")
     made = []
     for f in crosses:
         if f.values.shape != power.shape:
-            unsuitable(
-                file,
-                f"with {f.values.size} lines at {label_of(f.response)} and {power.size} of the reference",
-                "one frequency axis",
-                "Export all spectra over the same lines.",
-            )
+            found = f"with {f.values.size} lines at {f.at} and {power.size} of the reference"
+            unsuitable(file, found, "one frequency axis", "Export all spectra over the same lines.")
         made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
     return made, is_force
 
@@ -896,37 +740,30 @@ def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
     curves = [f for f in functions if f.what in ("frf", "coherence")]
     chosen = [f for f in curves if f.response == point]
     if not any(f.what == "frf" for f in chosen):
-        there = ", ".join(dict.fromkeys(label_of(f.response) for f in curves if f.what == "frf")) or "none"
-        unsuitable(
-            file,
-            f"with FRFs at the responses {there}",
-            Wording("FRFs of {}", Passed("roving", label_of(point))),
-            "Name the sensor that stayed while the hammer roved.",
-        )
-    return [
-        replace(
-            f,
-            response=f.reference,
-            reference=f.response,
-            own={name: value for name, value in f.own.items() if name != "dof"},
-        )
-        for f in chosen
-    ]
+        there = ", ".join(dict.fromkeys(f.at for f in curves if f.what == "frf")) or "none"
+        found = f"with FRFs at the responses {there}"
+        wanted = Wording("FRFs of {}", Passed("roving", label_of(point)))
+        unsuitable(file, found, wanted, "Name the sensor that stayed while the hammer roved.")
+    turned = [replace(f, response=f.reference, reference=f.response, own=dict(f.own)) for f in chosen]
+    for f in turned:
+        f.own.pop("dof", None)
+    return turned
 
 
 # -- Universal files in which points were recorded several times
 
 
-_Key = tuple[str, Point, Point, str]
+def _key(f: Function) -> tuple[str, Point, Point, str]:
+    return (f.what, f.response, f.reference if f.what != "time" else (0, 0), f.role)
 
 
-def _runs_of(functions: list[Function]) -> list[int]:
-    """Which run each function is of: 1 where its point comes first, 2 where it comes again, ..."""
-    seen: Counter[_Key] = Counter()
+def _runs_of(functions: list[Function]) -> list[tuple[Function, int]]:
+    """The functions with their run: 1 where a point comes first, 2 where it comes again, ..."""
+    seen: Counter[tuple[str, Point, Point, str]] = Counter()
     runs = []
     for f in functions:
         seen[_key(f)] += 1
-        runs.append(seen[_key(f)])
+        runs.append((f, seen[_key(f)]))
     return runs
 
 
@@ -938,51 +775,35 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
     if run is not None and (isinstance(run, bool) or not isinstance(run, int) or run < 1):
         reject("run", run, "a whole number from 1", "Number the runs from 1, in their order in the file.")
     runs = _runs_of(functions)
-    most = max((n for f, n in zip(functions, runs, strict=True) if f.what != "coherence"), default=1)
-    if run is None and most > 1:
-        again = next(f for f, n in zip(functions, runs, strict=True) if n == 2 and f.what != "coherence")
-        over = "" if again.what == "time" else f" / {label_of(again.reference)}"
-        unsuitable(
-            file,
-            f"with several functions ({again.what}) of {label_of(again.response)}{over}: {most} runs",
-            "one for each point",
-            Wording(
-                "Choose one by {} to {}, and give them together as repeats of one test.",
-                Passed("run", 1),
-                Passed("run", most),
-            ),
-        )
+    again = [(f, n) for f, n in runs if n > 1 and f.what != "coherence"]
+    most = max((n for _, n in again), default=1)
+    if run is None and again:
+        f = again[0][0]
+        found = f"with several functions ({f.what}) of {f.place}: {most} runs"
+        unsuitable(file, found, "one for each point", choose_run(most))
     if run is not None and run > most:
         reject("run", run, f"1 to {most}, the runs of {str(file)!r}", "Number the runs from 1.")
-    if most == 1:
+    if not again:
         return functions
-    there = {_key(f) for f, number in zip(functions, runs, strict=True) if number == run}
-    lost = dict.fromkeys(label_of(f.response) for f in functions if _key(f) not in there)
+    chosen = [f for f, n in runs if n == run]
+    there = set(map(_key, chosen))
+    lost = dict.fromkeys(f.at for f in functions if _key(f) not in there)
     if lost:
         warn(
             "points_without_run",
             f"path: {str(file)!r} has no run {run} of {', '.join(lost)}, which is left out.",
         )
-    return [f for f, number in zip(functions, runs, strict=True) if number == run]
-
-
-def _key(f: Function) -> _Key:
-    return (f.what, f.response, f.reference if f.what != "time" else (0, 0), f.role)
-
-
-def listed(functions: list[Function]) -> list[str]:
-    """A line for each function, with its run where there are several."""
-    runs = _runs_of(functions)
-    several = max(runs, default=1) > 1
-    return [f"{f}, run {run}" if several else str(f) for f, run in zip(functions, runs, strict=True)]
+    return chosen
 
 
 Kind = Literal["time", "frf", "transmissibility", "spectra"]
+#: Kinds by what a function is, where they differ.
 _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 
 
+@reader
 def read_uff(
-    path: str | os.PathLike[str],
+    path: PathLike,
     *,
     kind: Kind | None = None,
     dofs: Any = None,
@@ -997,7 +818,6 @@ def read_uff(
 
     Parameters
     ----------
-    path : path-like
     kind : {"time", "frf", "transmissibility", "spectra"}, optional
         What to read, where a file holds several. Spectra: cross spectra S_jp (mean of X_p times the
         conjugate of X_j) over the auto spectrum S_jj of their reference become FRFs where that is a force,
@@ -1021,13 +841,6 @@ def read_uff(
     roving : str or (int, str), optional
         The sensor that stayed while the hammer roved, ``'5+Z'``: its FRFs to all references become, by
         reciprocity, those of the references to a force at that sensor. Name it as the excitation then.
-    partial : bool
-        Read the whole sets of a file that was cut, with a warning that counts what is missing.
-
-    Returns
-    -------
-    Recording or FrequencyResponse
-        In SI.
 
     Raises
     ------
@@ -1036,8 +849,6 @@ def read_uff(
         references to choose from.
     MissingDependencyError
         pyuff is not installed.
-    FileNotFoundError
-        There is none.
 
     Notes
     -----
@@ -1060,42 +871,28 @@ def read_uff(
     functions = functions_of(file, partial)
     if roving is not None:
         functions = roved(file, functions, roving)
-    there = list(
-        dict.fromkeys(
-            _KIND_OF.get(f.what, f.what)
-            for f in functions
-            if f.what != "coherence" and not f.what.startswith("function type")
-        )
-    )
-    found = ", ".join(there) or "no function that can be read"
-    if kind is None:
-        if len(there) != 1:
-            unsuitable(
-                file,
-                f"with {found}",
-                "one kind of function",
-                Wording("Pass {} or another of them.", Passed("kind", there[0]))
-                if there
-                else _listed(functions),
-            )
-        kind = there[0]  # type: ignore[assignment]
-    elif kind not in there:
-        unsuitable(
-            file,
-            f"with {found}",
-            Wording("{}", Passed("kind", kind)),
-            "Pass the kind that the file holds, or leave it out.",
-        )
-    wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (kind, "coherence")]
+    kinds = (_KIND_OF.get(f.what, f.what) for f in functions)
+    there = [k for k in dict.fromkeys(kinds) if k != "coherence" and not k.startswith("function type")]
+    found = f"with {', '.join(there) or 'no function that can be read'}"
+    if kind is None and len(there) != 1:
+        remedy = f"It holds {'; '.join(map(str, functions[:10]))}."
+        if there:
+            remedy = Wording("Pass {} or another of them.", Passed("kind", there[0]))
+        unsuitable(file, found, "one kind of function", remedy)
+    chosen = there[0] if kind is None else kind
+    if chosen not in there:
+        remedy = "Pass the kind that the file holds, or leave it out."
+        unsuitable(file, found, Wording("{}", Passed("kind", chosen)), remedy)
+    wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (chosen, "coherence")]
     functions = one_run(file, wanted, run)
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
     named = dof_of(dofs, own)
-    if kind == "time":
+    if chosen == "time":
         return _recording(file, [f for f in functions if f.what == "time"], named, force, unit)
-    return response_of(file, functions, str(kind), named, reference, unit)
+    return response_of(file, functions, chosen, named, reference, unit)
 
 
-def list_uff(path: str | os.PathLike[str], *, partial: bool = False) -> list[str]:
+def list_uff(path: PathLike, *, partial: bool = False) -> list[str]:
     """One line for each function of a universal file: what it is, where, how long, in which unit, which run.
 
     Parameters
@@ -1123,45 +920,38 @@ def list_uff(path: str | os.PathLike[str], *, partial: bool = False) -> list[str
     ...     print(*ar.io.list_uff(file))
     time             12+Z, 3 points, m/s2
     """
-    return listed(functions_of(existing_file(path), partial, "list_uff"))
+    runs = _runs_of(functions_of(existing_file(path), partial, "list_uff"))
+    several = max((run for _, run in runs), default=1) > 1
+    return [f"{f}, run {run}" if several else str(f) for f, run in runs]
 
 
 def _recording(file: Path, functions: list[Function], named: Any, force: Any, unit: str | None) -> Recording:
     rates = {_rate(file, f) for f in functions}
     starts = {round(float(f.x[0]), 9) for f in functions}
     if len(rates) > 1 or len(starts) > 1:
-        unsuitable(
-            file,
-            f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s",
-            "channels recorded together",
-            "Read them one by one.",
-        )
-    channels, signs = [], {}
+        found = f"with records of rates {sorted(rates)} Hz that begin at {sorted(starts)} s"
+        unsuitable(file, found, "channels recorded together", "Read them one by one.")
+    channels = []
     for f in functions:
         if np.iscomplexobj(f.values):
-            unsuitable(
-                file,
-                f"with a complex time record of {label_of(f.response)}",
-                "real ones",
-                "Export the record as real numbers.",
-            )
+            found = f"with a complex time record of {f.at}"
+            unsuitable(file, found, "real ones", "Export the record as real numbers.")
         named_by_user = unit is not None and f.role != "force"
         values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
         channels.append(Channel(f.response, values, f.unit, role=f.role))
     if force not in ("auto", None):
         force = as_point("force", force)
+    signs: dict[Any, float] = {}
 
     def dof(point: Point) -> Any:
-        label, signs[point] = named(point)
+        label, sign = named(point)
+        signs[label] = sign
         return label
 
-    made = recording_of(file, channels, rates.pop(), Reading(dof, force, unit))
-    kept = [s for (p, s) in signs.items()]
-    if all(s == 1.0 for s in kept):
+    made = recording_of(file, channels, rates.pop(), Reading(dofs=dof, force=force, unit=unit))
+    if all(sign == 1.0 for sign in signs.values()):
         return made
-    signed = {named(p)[0]: s for p, s in signs.items()}
-    turned = made.responses * np.array([[signed[d]] for d in made.dofs])
-    return Recording(turned, made.fs_hz, made.dofs, made.force)
+    return Recording(made.responses * [[signs[d]] for d in made.dofs], made.fs_hz, made.dofs, made.force)
 
 
 def _rate(file: Path, f: Function) -> float:
@@ -1173,14 +963,7 @@ def _rate(file: Path, f: Function) -> float:
     return simplest_rate(1.0 / (f.step + half), 1.0 / (f.step - half))
 
 
-def _listed(functions: list[Function]) -> str:
-    return "It holds " + "; ".join(map(str, functions[:10])) + "."
-
-
-# -- Where the force acted, as a universal file states it
-
-
-def force_of(path: str | os.PathLike[str]) -> str | None:
+def force_of(path: PathLike) -> str | None:
     """Point of the force, ``'12+Z'``: the one reference of the FRFs, or the channel of a force.
 
     None where the file does not tell, or states several.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +17,45 @@ from ..signals.recording import Recording
 from ..signals.spectra import std_of_coherence
 from ..support.files import write_atomically
 from ..support.messages import warn
-from .common import Signal, signal_given
+from .common import Signal
 from .own_format import check_dofs
+from .reading import PathLike, writer
 from .uff import VERSION, Point, as_point, checksum_line, label_of, points_of
-from .units import named_unit
+from .units import si_unit
 
+#: Function types of record 6, and the titles in ID line 1.
 _TIME, _FRF, _TRANSMISSIBILITY, _COHERENCE = 1, 4, 5, 6
+_TITLES = {
+    _TIME: "Time Response",
+    _FRF: "Frequency Response Function",
+    _TRANSMISSIBILITY: "Transmissibility",
+    _COHERENCE: "Coherence",
+}
 #: Specific data types of records 8 to 10.
 _DATA = {"": 0, "displacement": 8, "velocity": 11, "acceleration": 12, "force": 13}
 _OF_TIME, _OF_FREQUENCY = 17, 18
 
 
+@dataclass
+class _Set:
+    """One dataset 58 to be written; ``even`` has the first abscissa and the step, unless ``x`` is uneven."""
+
+    kind: int
+    dof: Any
+    response: Point
+    values: NDArray[Any]
+    types: tuple[int, int]
+    units: tuple[str, str, str]
+    abscissa: int
+    even: tuple[float, float] | None
+    line4: dict[str, Any]
+    reference: Point = (0, 0)
+    x: Any = None
+
+
+@writer
 def write_uff(
-    path: str | os.PathLike[str],
+    path: PathLike,
     signal: Signal,
     *,
     binary: bool = True,
@@ -41,9 +67,6 @@ def write_uff(
 
     Parameters
     ----------
-    path : path-like
-        Replaced if it exists.
-    signal : Recording or FrequencyResponse
     binary : bool
         Double precision in binary form (58b), bit for bit; otherwise text of 12 digits.
     unit : str, optional
@@ -53,10 +76,6 @@ def write_uff(
         other dofs become scalars of nodes of their own. The dofs themselves are kept in the ID lines.
     excitation : int or str or (int, str), optional
         Point of the force: one of the dofs, or a node and direction. Not known by default.
-
-    Returns
-    -------
-    pathlib.Path
 
     Raises
     ------
@@ -83,119 +102,64 @@ def write_uff(
     ...     print(file.read_text().splitlines()[-2].split())
     ['1.00000000000e+00', '2.00000000000e+00', '4.00000000000e+00']
     """
-    signal_given(signal)
     check_dofs(signal)
     points = points_of(signal.dofs, dofs)
-    force = _excitation(excitation, points)
-    sets = (
-        _recorded(signal, points, force, unit)
-        if isinstance(signal, Recording)
-        else _responses(signal, points, force, unit)
-    )
-    blocks = [
-        _block(fields, values, number + 1, len(sets), binary) for number, (fields, values) in enumerate(sets)
-    ]
+    if excitation is None:
+        force = None
+    elif isinstance(excitation, int | str) and excitation in points:
+        force = points[excitation]
+    else:
+        force = as_point("excitation", excitation)
+    make = _recorded if isinstance(signal, Recording) else _responses
+    sets = make(signal, points, force, unit)  # type: ignore[arg-type]
+    blocks = [_block(each, f"{i} of {len(sets)}", binary) for i, each in enumerate(sets, start=1)]
     return write_atomically(path, b"".join(blocks))
 
 
-def _recorded(
-    rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None
-) -> list[tuple[dict[str, Any], NDArray[Any]]]:
+def _recorded(rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None) -> list[_Set]:
     unit = "m/s2" if unit is None else unit
-    quantity = _quantity(unit)
-    axis = {
-        "abscissa": _OF_TIME,
-        "units": ("s", unit, ""),
-        "even": (0.0, 1.0 / rec.fs_hz),
-        "line4": {"start": 0.0, "step": 1.0 / rec.fs_hz, "rate_hz": rec.fs_hz},
-    }
-    sets: list[tuple[dict[str, Any], NDArray[Any]]] = [
-        (
-            {
-                "kind": _TIME,
-                "response": points[dof],
-                "types": (_DATA[quantity], 0),
-                "line5": {"dof": dof},
-                **axis,
-            },
-            row,
-        )
+    types = (_DATA[si_unit("unit", unit).quantity], 0)
+    even = (0.0, 1.0 / rec.fs_hz)
+    line4 = {"start": 0.0, "step": 1.0 / rec.fs_hz, "rate_hz": rec.fs_hz}
+    sets = [
+        _Set(_TIME, dof, points[dof], row, types, ("s", unit, ""), _OF_TIME, even, line4)
         for dof, row in zip(rec.dofs, rec.responses, strict=True)
     ]
     if rec.force is not None:
         at = force or (max(node for node, _ in points.values()) + 1, 0)
-        sets.append(
-            (
-                {
-                    "kind": _TIME,
-                    "response": at,
-                    "types": (_DATA["force"], 0),
-                    "line5": {},
-                    **axis,
-                    "units": ("s", "N", ""),
-                },
-                rec.force,
-            )
-        )
+        types = (_DATA["force"], 0)
+        sets.append(_Set(_TIME, None, at, rec.force, types, ("s", "N", ""), _OF_TIME, even, line4))
     return sets
 
 
 def _responses(
     resp: FrequencyResponse, points: dict[Any, Point], force: Point | None, unit: str | None
-) -> list[tuple[dict[str, Any], NDArray[Any]]]:
+) -> list[_Set]:
     is_frf = resp.kind == "frf"
     unit = ("m/s2/N" if is_frf else "1") if unit is None else unit
-    above, below = (_quantity(unit), named_unit("unit", unit).per)
+    parsed = si_unit("unit", unit)
+    above, _, below = unit.rpartition("/") if parsed.per else (unit, "", "")
     reference = (force or (0, 0)) if is_frf else points[resp.reference]
-    step = (resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1)
-    ideal = resp.freq_hz[0] + step * np.arange(resp.n_freq)
+    start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
+    gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
+    even = (start, step) if gap <= 1e-12 * resp.freq_hz[-1] else None
     if resp.std is not None and not _follows(resp):
         warn(
             "errors_not_written",
             "signal: its standard deviations are not those of coherence and averages, and a universal file "
             "has no place for them; they are left out.",
         )
-    even = bool(np.abs(ideal - resp.freq_hz).max() <= 1e-12 * resp.freq_hz[-1])
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
-    if even:
-        line4 |= {"start": float(resp.freq_hz[0]), "step": float(step)}
-    axis = {
-        "abscissa": _OF_FREQUENCY,
-        "reference": reference,
-        "line4": line4,
-        "even": (float(resp.freq_hz[0]), float(step)) if even else None,
-        "x": resp.freq_hz,
-    }
-    numerator, _, denominator = unit.rpartition("/") if below else (unit, "", "")
-    types = (_DATA[above], _DATA[below] if below else 0)
-    sets: list[tuple[dict[str, Any], NDArray[Any]]] = [
-        (
-            {
-                "kind": _FRF if is_frf else _TRANSMISSIBILITY,
-                "response": points[dof],
-                "types": types,
-                "units": ("Hz", numerator if unit != "1" else "", denominator),
-                "line5": {"dof": dof},
-                **axis,
-            },
-            row,
-        )
-        for dof, row in zip(resp.dofs, resp.values, strict=True)
-    ]
-    for dof, row in zip(resp.dofs, () if resp.coherence is None else resp.coherence, strict=False):
-        sets.append(
-            (
-                {
-                    "kind": _COHERENCE,
-                    "response": points[dof],
-                    "types": (0, 0),
-                    "units": ("Hz", "", ""),
-                    "line5": {"dof": dof},
-                    **axis,
-                },
-                row,
-            )
-        )
+    line4 |= {} if even is None else {"start": start, "step": step}
+    axis = (_OF_FREQUENCY, even, line4, reference, resp.freq_hz)
+    types = (_DATA[parsed.quantity], _DATA[parsed.per])
+    units = ("Hz", above if unit != "1" else "", below)
+    kind = _FRF if is_frf else _TRANSMISSIBILITY
+    rows = zip(resp.dofs, resp.values, strict=True)
+    sets = [_Set(kind, dof, points[dof], row, types, units, *axis) for dof, row in rows]
+    if resp.coherence is not None:
+        rows = zip(resp.dofs, resp.coherence, strict=True)
+        sets += [_Set(_COHERENCE, dof, points[dof], row, (0, 0), ("Hz", "", ""), *axis) for dof, row in rows]
     return sets
 
 
@@ -206,82 +170,47 @@ def _follows(resp: FrequencyResponse) -> bool:
     return bool(np.array_equal(resp.std, std_of_coherence(resp.values, resp.coherence, resp.n_averages)))
 
 
-def _quantity(unit: str) -> str:
-    parsed = named_unit("unit", unit)
-    if parsed.factor != 1.0:
-        reject(
-            "unit",
-            repr(unit),
-            "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI",
-            "Convert the values to SI first, or leave unit out.",
-        )
-    return parsed.quantity
-
-
-def _excitation(excitation: Any, points: dict[Any, Point]) -> Point | None:
-    if excitation is None:
-        return None
-    if isinstance(excitation, int | str) and excitation in points:
-        return points[excitation]
-    return as_point("excitation", excitation)
-
-
-def _block(fields: dict[str, Any], values: NDArray[Any], number: int, total: int, binary: bool) -> bytes:
+def _block(given: _Set, place: str, binary: bool) -> bytes:
     """One dataset, from marker to marker."""
+    values, uneven = given.values, given.even is None
     is_complex = np.iscomplexobj(values)
     numbers = values.astype(np.complex128).view(np.float64) if is_complex else values.astype(np.float64)
-    if fields["even"] is None:  # abscissa before each value
-        numbers = np.column_stack([fields["x"], numbers.reshape(values.size, -1)]).ravel()
-    body = numbers.astype("<f8").tobytes() if binary else _text(numbers, fields["even"] is None, is_complex)
+    if uneven:  # abscissa before each value
+        numbers = np.column_stack([given.x, numbers.reshape(values.size, -1)]).ravel()
     identity = f"{58:6d}"
     if binary:  # little endian, IEEE 754, 11 lines of header
+        body = numbers.astype("<f8").tobytes()
         identity += f"b{1:6d}{2:6d}{11:12d}{len(body):12d}{0:6d}{0:6d}{0:12d}{0:12d}"
-    lines = [f"{-1:6d}", identity, *_header(fields, values.size, is_complex, number, total)]
-    body += b"\n" if binary else b""  # the marker is on a line of its own: text ends with one already
+        body += b"\n"  # the marker is on a line of its own
+    else:
+        body = _text(numbers, uneven, is_complex)
+    lines = [f"{-1:6d}", identity, *_header(given, is_complex, place)]
     lines[4] = checksum_line(lines, body)
     head = "".join(f"{line:<80}\n" for line in lines)
     return head.encode("ascii") + body + f"{-1:6d}\n".encode()
 
 
-def _header(fields: dict[str, Any], points: int, is_complex: bool, number: int, total: int) -> list[str]:
-    response, reference = fields["response"], fields.get("reference", (0, 0))
-    start, step = fields["even"] or (0.0, 0.0)
-    title = {
-        _TIME: "Time Response",
-        _FRF: "Frequency Response Function",
-        _TRANSMISSIBILITY: "Transmissibility",
-        _COHERENCE: "Coherence",
-    }[fields["kind"]]
+def _header(given: _Set, is_complex: bool, place: str) -> list[str]:
+    response, reference = given.response, given.reference
+    start, step = given.even or (0.0, 0.0)
     over = f" / {label_of(reference)}" if reference != (0, 0) else ""
-    line5 = json.dumps(fields["line5"])
+    line5 = json.dumps({} if given.dof is None else {"dof": given.dof})
     if len(line5) > 80:
-        reject(
-            "dofs",
-            repr(fields["line5"]["dof"]),
-            "labels of at most 70 letters in a universal file",
-            "Shorten the label.",
-        )
-    units = [text or "NONE" for text in fields["units"]]
-    types = fields["types"]
+        wanted = "labels of at most 70 letters in a universal file"
+        reject("dofs", repr(given.dof), wanted, "Shorten the label.")
+    points = [f" {'NONE':<10}{node:10d}{direction:4d}" for node, direction in (response, reference)]
+    axes = zip((given.abscissa, *given.types, 0), (*given.units, ""), strict=True)
     return [
-        f"{title} {label_of(response)}{over}",
-        f"antires_rs uff {VERSION} set {number} of {total}",
+        f"{_TITLES[given.kind]} {label_of(response)}{over}",
+        f"antires_rs uff {VERSION} set {place}",
         "NONE",
-        json.dumps(fields["line4"]),
+        json.dumps(given.line4),
         line5,
-        f"{fields['kind']:5d}{0:10d}{0:5d}{0:10d} {'NONE':<10}{response[0]:10d}{response[1]:4d}"
-        f" {'NONE':<10}{reference[0]:10d}{reference[1]:4d}",
-        f"{6 if is_complex else 4:10d}{points:10d}{int(fields['even'] is not None):10d}"
+        f"{given.kind:5d}{0:10d}{0:5d}{0:10d}{points[0]}{points[1]}",
+        f"{6 if is_complex else 4:10d}{given.values.size:10d}{int(given.even is not None):10d}"
         f"{start:13.5e}{step:13.5e}{0.0:13.5e}",
-        _axis(fields["abscissa"], units[0]),
-        _axis(types[0], units[1]),
-        _axis(types[1], units[2]),
-        _axis(0, "NONE"),
+        *(f"{data:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit or 'NONE':<20}" for data, unit in axes),
     ]
-
-
-def _axis(data_type: int, unit: str) -> str:
-    return f"{data_type:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit:<20}"
 
 
 def _text(numbers: NDArray[Any], uneven: bool, is_complex: bool) -> bytes:

@@ -19,17 +19,10 @@ INCH, POUND_FORCE = 0.0254, 4.4482216152605
 
 _SI = {
     "acceleration": {
-        "m/s2": 1.0,
-        "m/s/s": 1.0,
-        "ms-2": 1.0,
-        "g": STANDARD_GRAVITY,
-        "gn": STANDARD_GRAVITY,
-        "mg": 1e-3 * STANDARD_GRAVITY,
-        "mm/s2": 1e-3,
-        "cm/s2": 1e-2,
-        "gal": 1e-2,
-        "in/s2": INCH,
-        "ft/s2": 12.0 * INCH,
+        **dict.fromkeys(("m/s2", "m/s/s", "ms-2"), 1.0),
+        **dict.fromkeys(("g", "gn"), STANDARD_GRAVITY),
+        **{"mg": 1e-3 * STANDARD_GRAVITY, "mm/s2": 1e-3, "cm/s2": 1e-2, "gal": 1e-2},
+        **{"in/s2": INCH, "ft/s2": 12.0 * INCH},
     },
     "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": INCH, "ft/s": 12.0 * INCH},
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
@@ -50,21 +43,12 @@ _ABSCISSA = {
 }
 _INVERSE = re.compile(r"^\(?1/(\w+)\)?[*.](.+)$")
 _NONE = {"", "1", "-", "none", "unknown", "[]"}
+_SPELLED = str.maketrans({"²": "2", "µ": "u", "μ": "u", "^": "", "·": "", " ": ""})
 
 
 @dataclass(frozen=True)
 class Unit:
-    """What a channel measures, per what, and its value in SI.
-
-    Attributes
-    ----------
-    quantity : str
-        ``'acceleration', 'velocity', 'displacement', 'force'``; ``''`` where the unit is not stated.
-    per : str
-        Quantity of the denominator; ``''`` without one.
-    factor : float
-        Multiplies values into SI.
-    """
+    """What a channel measures, per what ('' where that is not stated), and the factor into SI."""
 
     quantity: str = ""
     per: str = ""
@@ -78,9 +62,8 @@ def parse_unit(text: str) -> Unit | None:
         return Unit()
     if inverse := _INVERSE.match(name):  # (1/N)*(m/s2)
         name = f"{inverse[2].strip('()')}/{inverse[1]}"
-    simple = _simple(name)
-    if simple:
-        return Unit(*simple[:1], "", simple[1])
+    if simple := _simple(name):
+        return Unit(simple[0], "", simple[1])
     for cut in (i for i, letter in enumerate(name) if letter == "/"):
         above, below = _simple(_plain(name[:cut])), _simple(_plain(name[cut + 1 :]))
         if above and below:
@@ -93,12 +76,17 @@ def named_unit(name: str, value: Any) -> Unit:
     unit = parse_unit(value) if isinstance(value, str) else None
     if unit is None:
         known = ", ".join(repr(u) for units in _SI.values() for u in list(units)[:4])
-        reject(
-            name,
-            repr(value),
-            f"a unit such as {known}, or a quotient such as 'g/N'",
-            "Correct the unit, or convert the values to SI and leave it out.",
-        )
+        wanted = f"a unit such as {known}, or a quotient such as 'g/N'"
+        reject(name, repr(value), wanted, "Correct the unit, or convert the values to SI and leave it out.")
+    return unit
+
+
+def si_unit(name: str, value: Any) -> Unit:
+    """The unit in which a user writes values, which stay as they are."""
+    unit = named_unit(name, value)
+    if unit.factor != 1.0:
+        wanted = "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI"
+        reject(name, repr(value), wanted, "Convert the values to SI first, or leave unit out.")
     return unit
 
 
@@ -119,17 +107,7 @@ def is_frequency(text: str) -> bool:
 
 def _plain(text: str) -> str:
     # What is left of a Latin-1 ² where a package read it as UTF-8.
-    for old, new in (
-        ("/s\ufffd", "/s2"),
-        ("²", "2"),
-        ("^", ""),
-        ("**", ""),
-        ("·", ""),
-        (" ", ""),
-        ("µ", "u"),
-        ("μ", "u"),
-    ):
-        text = text.replace(old, new)
+    text = text.replace("/s\ufffd", "/s2").replace("**", "").translate(_SPELLED)
     while len(text) > 1 and (text[0], text[-1]) in (("(", ")"), ("[", "]")):
         text = text[1:-1]
     return text

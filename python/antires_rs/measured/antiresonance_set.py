@@ -19,13 +19,14 @@ from ..support.checks import FloatArray, choice
 from ..support.files import write_atomically
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
-from .edits import Edit, added, dropped, edit_of, marked
+from .edits import BY_HAND, Edit, added, dropped, edit_of, marked
 from .response_table import (
     LEAST_DOMINANCE,
     LEAST_PROMINENCE_DB,
     MORE_ROWS,
     MOST_RESIDUAL,
     MOST_SPREAD,
+    NUMBERS,
     SURE_DEPTH_DB,
     SURE_SHARE,
     SURE_SPREAD,
@@ -51,23 +52,21 @@ class CrossCheck(Protocol):
 
 # -- Why an antiresonance asks for a look: a few words for each
 
-
+Tests = tuple[tuple[str, Callable[[ResponseTable], NDArray[np.bool_]]], ...]
 #: What a grade's tests are called where they fail: of the sweep over orders, and of fits over windows.
-_TESTS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
-    ("few orders", lambda table, i: table.rows[i] > MORE_ROWS),
-    ("unsteady", lambda table, i: table.spread[i] <= MOST_SPREAD),
-    ("owns little of its curve", lambda table, i: table.dominance[i] >= LEAST_DOMINANCE),
-    ("poor fit", lambda table, i: table.residual[i] <= MOST_RESIDUAL),
-    ("no clear peak", lambda table, i: table.prominence_db[i] >= LEAST_PROMINENCE_DB),
+_TESTS: Tests = (
+    ("few orders", lambda table: table.rows > MORE_ROWS),
+    ("unsteady", lambda table: table.spread <= MOST_SPREAD),
+    ("owns little of its curve", lambda table: table.dominance >= LEAST_DOMINANCE),
+    ("poor fit", lambda table: table.residual <= MOST_RESIDUAL),
+    ("no clear peak", lambda table: table.prominence_db >= LEAST_PROMINENCE_DB),
 )
-_OF_WINDOWS: tuple[tuple[str, Callable[[ResponseTable, int], Any]], ...] = (
-    ("not in all fits", lambda table, i: table.scores["share"][i] >= SURE_SHARE),
-    ("unsteady", lambda table, i: table.spread[i] <= SURE_SPREAD),
+_OF_WINDOWS: Tests = (
+    ("not in all fits", lambda table: table.scores["share"] >= SURE_SHARE),
+    ("unsteady", lambda table: table.spread <= SURE_SPREAD),
     (
         "shallow dip",
-        lambda table, i: (
-            np.fmin(table.scores["depth_db"][i], table.scores["own_depth_db"][i]) >= SURE_DEPTH_DB
-        ),
+        lambda table: np.fmin(table.scores["depth_db"], table.scores["own_depth_db"]) >= SURE_DEPTH_DB,
     ),
 )
 #: How a value was accepted, where that is a doubt.
@@ -76,18 +75,20 @@ _HOW = {"persistent": "does not stand still", "likeliest order": "one order only
 
 def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = None) -> list[list[str]]:
     """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed."""
-    tests = _OF_WINDOWS if "share" in table.scores else _TESTS
-    found = []
-    for i in range(len(table)):
-        words = []
-        if "how" in table.scores and str(table.how[i]) in _HOW:
-            words.append(_HOW[str(table.how[i])])
-        if "grade" in table.scores and str(table.scores["grade"][i]) != "sure":
-            words += [word for word, passed in tests if not passed(table, i)]
-        if cross_check is not None and cross_check.is_confirmed(dof, float(table.freq_hz[i])) is False:
+    found: list[list[str]] = [[] for _ in range(len(table))]
+    for words, how in zip(found, table.scores.get("how", ()), strict=False):
+        words += [_HOW[how]] if how in _HOW else []
+    if "grade" in table.scores:
+        sure = table.scores["grade"].astype(str) == "sure"
+        for word, passed in _OF_WINDOWS if "share" in table.scores else _TESTS:
+            for row in np.flatnonzero(~sure & ~passed(table)):
+                found[row].append(word)
+    for words, freq in zip(found, table.freq_hz.tolist(), strict=True):
+        if cross_check is not None and cross_check.is_confirmed(dof, freq) is False:
             words.append("not confirmed")
-        found.append(["added by hand"] if table.by_hand[i] else words)
-    return found
+    return [
+        ["added by hand"] if by_hand else words for words, by_hand in zip(found, table.by_hand, strict=True)
+    ]
 
 
 # -- Tables as text, in columns that stand under each other
@@ -115,7 +116,7 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[s
 PLAIN, MOST = 3, 6
 
 
-def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck | None = None) -> list[str]:
+def _rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck | None) -> list[str]:
     """Lines of the table; deviations, grades and doubts only where there are any."""
     std = np.concatenate([np.empty(0), *(table.std_hz for table in tables.values())])
     known = std[std > 0.0]
@@ -125,19 +126,20 @@ def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck | 
     for dof, table in tables.items():
         words = doubts_of(dof, table, cross_check)
         grades = table.scores.get("grade", [""] * len(table))
-        for i in range(len(table)):
+        for i, freq in enumerate(table.freq_hz):
             # A score of another kind stands in the place of one that is not known.
-            grade = "" if str(grades[i]) == "by hand" else str(grades[i])
-            numbers = [number(table.freq_hz[i], digits), number(table.std_hz[i], digits)]
-            rows.append(["" if i else str(dof), *numbers, grade, ", ".join(words[i])])
+            grade = "" if str(grades[i]) == BY_HAND else str(grades[i])
+            deviation = number(table.std_hz[i], digits)
+            rows.append(["" if i else str(dof), number(freq, digits), deviation, grade, ", ".join(words[i])])
         if not len(table):
             rows.append([str(dof), "-", "", "", ""])
-    there = [True, True, not np.isnan(std).all() if std.size else False]
-    chosen = [k for k in range(5) if (there[k] if k < 3 else any(row[k] for row in rows))]
-    head = ["dof", "freq_hz", "std_hz", "grade", "doubts"]
-    return aligned(
-        [head[k] for k in chosen], [[row[k] for k in chosen] for row in rows], left=("grade", "doubts")
-    )
+    there = [True, True, bool(std.size and not np.isnan(std).all())]
+    there += [any(row[k] for row in rows) for k in (3, 4)]
+    head, *kept = ([cell for cell, shown in zip(row, there, strict=True) if shown] for row in (_HEAD, *rows))
+    return aligned(head, kept, left=_HEAD[3:])
+
+
+_HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
 
 
 # -- A set as JSON
@@ -148,10 +150,8 @@ def rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck | 
 # "unexplained_hz" (what was seen and not accepted); older versions of the package read such files too. What
 # is not known is null.
 
-
 FORMAT = "antires_rs.AntiresonanceSet"
 VERSION = 2
-COLUMNS = ("freq_hz", "damping_ratio", "std_hz")
 _WANTED = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
 _ANOTHER = "It was cut, or is another file: save the set again, or name the file that holds it."
 
@@ -161,28 +161,32 @@ def damaged(path: str, exc: Exception) -> InvalidInputError:
     return InvalidInputError("path", f"{path!r}, which is damaged ({exc})", _WANTED, _ANOTHER)
 
 
+def _unknown(column: FloatArray) -> bool:
+    return bool(column.size and np.isnan(column).all())
+
+
 def _row(table: ResponseTable) -> dict[str, Any]:
-    """A table as a file has it."""
-    row: dict[str, Any] = {}
-    for name in COLUMNS:
-        values = getattr(table, name)
-        # A column of which nothing is known is left out.
-        if not values.size or not np.isnan(values).all():
-            row[name] = _plain(values)
+    """A table as a file has it; a column of which nothing is known is left out, NaN becomes null."""
+    columns = {name: getattr(table, name) for name in NUMBERS}
+    row: dict[str, Any] = {name: _plain(column) for name, column in columns.items() if not _unknown(column)}
     if table.scores:
         row["scores"] = {name: _plain(values) for name, values in table.scores.items()}
     return row
 
 
+def _plain(values: NDArray[Any]) -> list[Any]:
+    return [None if value != value else value for value in values.tolist()]
+
+
 def _read(rows: Any) -> dict[Any, ResponseTable]:
     """Tables by dof."""
-    out: dict[str, dict[Any, Any]] = {name: {} for name in (*COLUMNS, "scores")}
+    out: dict[str, dict[Any, Any]] = {name: {} for name in (*NUMBERS, "scores")}
     for row in rows:
         dof = row["dof"]
         if dof in out["freq_hz"]:
             raise ValueError(f"dof {dof!r} more than once")
         out["freq_hz"][dof] = row["freq_hz"]
-        for name in COLUMNS[1:]:
+        for name in NUMBERS[1:]:
             if name in row:
                 out[name][dof] = [np.nan if v is None else v for v in row[name]]
         if "scores" in row:
@@ -198,12 +202,7 @@ def _column(values: list[Any]) -> NDArray[Any]:
     return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
 
 
-def _plain(values: NDArray[Any]) -> list[Any]:
-    """NaN becomes null."""
-    return [None if value != value else value for value in values.tolist()]
-
-
-def channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
+def _channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any, ...]:
     """All responses measured together, those with a table among them; empty if not all are known."""
     if given is None:
         return dofs
@@ -212,12 +211,8 @@ def channels_of(given: Iterable[Any] | None, dofs: tuple[Any, ...]) -> tuple[Any
     named = tuple(dict.fromkeys(label("channels", dof) for dof in given))
     missing = [dof for dof in dofs if dof not in named]
     if named and missing:
-        reject(
-            "channels",
-            f"{named} without {missing[0]!r}",
-            "every dof of freq_hz among them",
-            "Add it: it was measured too. Leave channels out if there were no others.",
-        )
+        remedy = "Add it: it was measured too. Leave channels out if there were no others."
+        reject("channels", f"{named} without {missing[0]!r}", "every dof of freq_hz among them", remedy)
     return named
 
 
@@ -239,13 +234,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     channels : iterable of dof, optional
         All responses that were measured together, with or without antiresonances here. Default: those of
         ``freq_hz``.
-    scores, diagrams, data_check, cross_check : optional
-        See Attributes.
+    scores, diagrams, data_check, cross_check, options : optional
+        See Attributes. All arguments are attributes.
 
     Attributes
     ----------
-    excitation : int or str
-    sees : str or None
     channels : tuple of dof
         Empty where some of them have no name here, see :meth:`relabelled`.
     options : dict
@@ -265,12 +258,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         By dof, where curves were identified: what fits saw and did not accept, with the score "why".
     unexplained_hz : dict
         By dof, where it was identified: peaks of its curve beside which nothing was seen.
-    diagrams : dict
-        Stabilization diagram by dof where the set was identified; not saved.
-    cross_check, second_opinion : CrossCheck or None
-        What another method says of the antiresonances, where it was asked (one thing, two names); not saved.
-    data_check : DataCheck or None
-        Whether the data were fit for it; not saved.
+    diagrams, cross_check, data_check
+        Not saved. Where the set was identified: the stabilization diagram by dof, what another method says of
+        the antiresonances (``second_opinion`` is its older name), and whether the data were fit for it.
 
     Raises
     ------
@@ -339,7 +329,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             excitation=label("excitation", excitation),
             tables=FrozenDict(tables),
             sees=sees,
-            channels=channels_of(channels, tuple(tables)),
+            channels=_channels_of(channels, tuple(tables)),
             options=FrozenDict(options or {}),
             diagrams=FrozenDict(diagrams or {}),
             left_out=FrozenDict({dof: one.left_out for dof, one in drawn.items()}),
@@ -377,7 +367,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     @property
     def damping_ratio(self) -> Mapping[Any, FloatArray]:
-        """By dof, in the order of the frequencies: NaN where not known, without the dofs with none known."""
+        """By dof: NaN where not known, without the dofs with none known."""
         return self._known("damping_ratio")
 
     @property
@@ -397,7 +387,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     def columns(self, dof: Any) -> dict[str, FloatArray]:
         """Frequency, damping ratio and standard deviation of a dof, (n,) each; NaN where not known."""
-        return {name: getattr(self.tables[dof], name) for name in COLUMNS}
+        return {name: getattr(self.tables[dof], name) for name in NUMBERS}
 
     def by_hand(self) -> set[tuple[Any, float]]:
         """(dof, frequency in Hz) of what is there because it was added by hand."""
@@ -429,11 +419,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return f"{type(self).__name__}(excitation={self.excitation!r}, values by dof {{{counts}}})"
 
     def _known(self, name: str) -> FrozenDict[Any, FloatArray]:
-        """A column by dof, without the dofs that have antiresonances and nothing known of any."""
         columns = {dof: getattr(table, name) for dof, table in self.tables.items()}
-        return FrozenDict(
-            {dof: values for dof, values in columns.items() if not values.size or not np.isnan(values).all()}
-        )
+        return FrozenDict({dof: column for dof, column in columns.items() if not _unknown(column)})
 
     def _dof(self, dof: Any) -> Any:
         """One of the set's dofs."""
@@ -486,7 +473,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         damping_ratio, std_hz : float or array_like, (n,), optional
             One for all, or one each. Not known by default.
         reason : str
-            Kept with the record of what was done, ``edits``.
+            As for :meth:`drop`.
 
         Raises
         ------
@@ -552,12 +539,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         kept = [dofs[dof] for dof in self if dof in dofs]
         twice = [dof for dof in kept if kept.count(dof) > 1]
         if twice:
-            reject(
-                "dofs",
-                f"{twice[0]!r} for two of {tuple(self)}",
-                "each dof once",
-                "Name one otherwise, or leave it out.",
-            )
+            got = f"{twice[0]!r} for two of {tuple(self)}"
+            reject("dofs", got, "each dof once", "Name one otherwise, or leave it out.")
 
         def moved(tables: Mapping[Any, Any]) -> dict[Any, Any]:
             return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}
@@ -579,13 +562,13 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         lines = [f"antiresonances, force at {self.excitation}"]
         if self.data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
-        lines += rows_printed(self.tables, self.cross_check)
+        lines += _rows_printed(self.tables, self.cross_check)
         count = sum(len(table) for table in self.left_out.values())
         if count:
-            said = [
+            whys = (
                 str(why) for table in self.left_out.values() for why in table.scores.get("why", ()) if why
-            ]
-            reasons = "; ".join(f"{n} {why}" for why, n in Counter(said).most_common())
+            )
+            reasons = "; ".join(f"{n} {why}" for why, n in Counter(whys).most_common())
             lines.append(f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out")
         unexplained = sum(len(one) for one in self.unexplained_hz.values())
         if unexplained:
@@ -614,15 +597,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         """
         choice("kind", kind, ("stabilization", "damping_clusters"))
         if self._dof(dof) not in self.diagrams:
-            reject(
-                "dof",
-                f"{dof!r}, which has no stabilization diagram",
-                "a dof of a set that was identified, not made by hand or loaded",
-                "Identify it from the measurement to have its diagram.",
-            )
-        draw = self._view(f"plot {kind}")
+            wanted = "a dof of a set that was identified, not made by hand or loaded"
+            remedy = "Identify it from the measurement to have its diagram."
+            reject("dof", f"{dof!r}, which has no stabilization diagram", wanted, remedy)
         found = self.original()[dof]
-        return draw(
+        return self._view(f"plot {kind}")(
             self.diagrams[dof],
             ax=ax,
             dropped=found[~np.isin(found, self[dof])],
@@ -745,9 +724,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         try:
             data = json.loads(text)
         except ValueError as exc:
-            raise InvalidInputError(
-                "path", f"{name!r}, which is not JSON ({exc})", _WANTED, _ANOTHER
-            ) from exc
+            reject("path", f"{name!r}, which is not JSON ({exc})", _WANTED, _ANOTHER)
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             reject("path", f"{name!r} without the mark {FORMAT!r}", _WANTED, _ANOTHER)
         if not isinstance(data.get("version"), int) or data["version"] > VERSION:
@@ -762,9 +739,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
                 before=_read(data["before_edits"]) if edits else None,
                 left_out=_read(left_out) if left_out else None,
                 unexplained_hz={
-                    row["dof"]: frozen(
-                        frequencies_hz(f"unexplained_hz of {row['dof']!r}", row["unexplained_hz"])
-                    )
+                    row["dof"]: frozen(frequencies_hz(f"peaks of {row['dof']!r}", row["unexplained_hz"]))
                     for row in data["dofs"]
                     if "unexplained_hz" in row
                 },

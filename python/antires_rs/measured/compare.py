@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..support.checks import FloatArray, finite_scalar
+from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import AntiresonanceSet, aligned, number
@@ -19,14 +19,15 @@ from .matching import (
     SeriesOfTests,
     averages_of,
     check_set,
-    check_shift,
     common_part,
     holm,
     of_all,
     of_each,
     paired,
     variance_hz,
+    within,
 )
+from .response_table import label_array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,12 +106,11 @@ class Comparison(ReadOnly, Viewed):
         return f"Comparison({len(self)} pairs, {alone[0]} + {alone[1]} without a partner, p {self.p_all:.2g})"
 
     def __str__(self) -> str:
+        columns = (self.dof, self.a_hz, self.b_hz, self.difference_percent, self.std_percent, self.z, self.p)
         rows = [
-            [str(self.dof[i]), number(self.a_hz[i], 3), number(self.b_hz[i], 3)]
-            + [number(self.difference_percent[i], 3, sign=True), number(self.std_percent[i], 3)]
-            + [number(self.z[i], 1, sign=True), f"{self.p[i]:.2g}" if self.p[i] == self.p[i] else "-"]
-            + ["changed" if self.changed[i] else ""]
-            for i in range(len(self))
+            [str(dof), number(a, 3), number(b, 3), number(change, 3, sign=True), number(std, 3)]
+            + [number(z, 1, sign=True), "-" if np.isnan(p) else f"{p:.2g}", "changed" if changed else ""]
+            for dof, a, b, change, std, z, p, changed in zip(*columns, self.changed, strict=True)
         ]
         head = ["dof", "a_hz", "b_hz", "diff_%", "std_%", "z", "p", ""]
         lines = [f"antiresonances compared, force at {self.excitation}", *aligned(head, rows)]
@@ -190,52 +190,45 @@ def compare(
     only in b: dof 0, 31.000 Hz
     chi-square 39.4, 2 degrees of freedom, p = 2.8e-09: different (false alarms 1 %)
     """
-    shift = check_shift(max_shift)
+    shift, rate = within("max_shift", max_shift), within("alpha", alpha)
+    between, common_std = within("std_between", std_between), within("std_common", std_common)
     a, b = (each.average(max_shift=shift) if isinstance(each, SeriesOfTests) else each for each in (a, b))
     check_set("a", a)
     check_set("b", b)
-    rate = finite_scalar("alpha", alpha, low=0.0, high=1.0, low_open=True, high_open=True)
-    between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
-    common_std = finite_scalar("std_common", std_common, low=0.0, high=0.5)
     if a.excitation != b.excitation:
-        reject(
-            "b", f"a set of force at {b.excitation!r}", f"that of a, {a.excitation!r}", "Compare like tests."
-        )
+        got, wanted = f"a set of force at {b.excitation!r}", f"that of a, {a.excitation!r}"
+        reject("b", got, wanted, "Compare like tests.")
     common = [dof for dof in a if dof in b]
     if not common:
         reject("b", f"dofs {tuple(b)}", f"some of {tuple(a)}", "Compare sets of the same responses.")
-    columns: dict[str, list[Any]] = {name: [] for name in ("dof", "a_hz", "b_hz", "own", "averages")}
+    dofs: list[Any] = []
+    rows: list[tuple[float, float, float, float]] = []
     alone: tuple[dict[Any, FloatArray], dict[Any, FloatArray]] = ({}, {})
     for dof in common:
         one, other = a.tables[dof], b.tables[dof]
         variance = variance_hz(one, between)[:, None] + variance_hz(other, between)
         alike = 2.0 * (common_std * one.freq_hz[:, None]) ** 2
         pairs = paired(one.freq_hz, other.freq_hz, shift, variance + alike)
-        for i, k in pairs:
-            columns["dof"].append(dof)
-            columns["a_hz"].append(one.freq_hz[i])
-            columns["b_hz"].append(other.freq_hz[k])
-            columns["own"].append(variance[i, k])
-            columns["averages"].append(min(averages_of(one)[i], averages_of(other)[k]))
+        averages = np.minimum(averages_of(one)[:, None], averages_of(other))
+        dofs += [dof] * len(pairs)
+        rows += [(one.freq_hz[i], other.freq_hz[k], variance[i, k], averages[i, k]) for i, k in pairs]
         for side, table, used in ((0, one, [i for i, _ in pairs]), (1, other, [k for _, k in pairs])):
             rest = np.delete(table.freq_hz, used)
             if rest.size:
                 alone[side][dof] = frozen(rest)
-    dofs = np.empty(len(columns["dof"]), dtype=object)
-    dofs[:] = columns.pop("dof")
-    made = {name: np.array(column, dtype=np.float64) for name, column in columns.items()}
+    a_hz, b_hz, variances, averages = np.array(rows, dtype=np.float64).reshape(-1, 4).T
     # A deviation of zero says that the value is exact: as good as not known.
-    own, difference = np.sqrt(np.where(made["own"] > 0.0, made["own"], np.nan)), made["b_hz"] - made["a_hz"]
-    alike = np.sqrt(2.0) * common_std * made["a_hz"]
+    own, difference = np.sqrt(np.where(variances > 0.0, variances, np.nan)), b_hz - a_hz
+    alike = np.sqrt(2.0) * common_std * a_hz
     std = np.hypot(own, alike)
-    p = of_each(difference, std, made["averages"])
+    p = of_each(difference, std, averages)
     shared = common_part(difference / own, alike / own)
-    total, freedom, p_all = of_all(of_each(difference - alike * shared, own, made["averages"]), shared)
+    total, freedom, p_all = of_all(of_each(difference - alike * shared, own, averages), shared)
     return Comparison(
         excitation=a.excitation,
-        dof=frozen(dofs),
-        a_hz=frozen(made["a_hz"]),
-        b_hz=frozen(made["b_hz"]),
+        dof=label_array(dofs),
+        a_hz=frozen(a_hz),
+        b_hz=frozen(b_hz),
         std_hz=frozen(std),
         z=frozen(difference / std),
         p=frozen(p),

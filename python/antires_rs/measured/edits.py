@@ -75,27 +75,22 @@ def dropped(
     there = ", ".join(f"{f:.3f}" for f in table.freq_hz) + " Hz" if len(table) else "no value"
     if tol_hz is not None:
         finite_scalar("tol_hz", tol_hz, low=0.0, unit="Hz")
+    _check_reason(reason)
     chosen: list[int] = []
     for asked in given_hz:
         within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
         gap = np.abs(table.freq_hz - asked)
         if not gap.size or gap.min() > within:
-            reject(
-                "freq_hz",
+            got, wanted = (
                 f"{asked:g} Hz at dof {dof!r}, which has {there}",
-                f"a frequency within {within:.3g} Hz of a value",
-                "Name one of them, or widen tol_hz.",
+                f"a frequency within {within:.3g} Hz",
             )
+            reject("freq_hz", got, f"{wanted} of a value", "Name one of them, or widen tol_hz.")
         at = int(np.argmin(gap))
         if at in chosen:
-            reject(
-                "freq_hz",
-                f"{table.freq_hz[at]:.3f} Hz of dof {dof!r} meant twice",
-                "each value once",
-                f"Dof {dof!r} has {there}.",
-            )
+            got = f"{table.freq_hz[at]:.3f} Hz of dof {dof!r} meant twice"
+            reject("freq_hz", got, "each value once", f"Dof {dof!r} has {there}.")
         chosen.append(at)
-    reason = _check_reason(reason)
     records = [
         Edit(
             "drop",
@@ -120,25 +115,23 @@ def added(
     for i, value in enumerate(new):
         for other, where in ((table.freq_hz, "there already"), (new[:i], "given twice")):
             if other.size and np.abs(other / value - 1.0).min() <= SAME:
-                reject(
-                    "freq_hz",
-                    f"{value:g} Hz at dof {dof!r}, which is {where}",
-                    "a value that is new",
-                    "Drop the old one first if it is to be replaced.",
-                )
+                got = f"{value:g} Hz at dof {dof!r}, which is {where}"
+                remedy = "Drop the old one first if it is to be replaced."
+                reject("freq_hz", got, "a value that is new", remedy)
     damping = _companion("damping_ratio", damping_ratio, new.size, "")
     std = _companion("std_hz", std_hz, new.size, " in Hz")
-    reason = _check_reason(reason)
-    records = [
-        Edit("add", dof, float(f), reason, _known(zeta), _known(s))
-        for f, zeta, s in zip(new, damping, std, strict=True)
-    ]
+    check_std("std_hz", std)
+    _check_reason(reason)
     # No method found them: their scores are not known.
     scores = {
         name: np.full(new.size, BY_HAND if values.dtype.kind == "U" else np.nan)
         for name, values in table.scores.items()
     }
     rows = ResponseTable(new, damping, std, scores, np.full(new.size, True))
+    records = [
+        Edit("add", dof, float(f), reason, _known(zeta), _known(deviation))
+        for f, zeta, deviation in zip(new, damping, std, strict=True)
+    ]
     return ResponseTable.concatenated([table, rows]), records
 
 
@@ -155,11 +148,9 @@ def _known(value: float) -> float | None:
     return None if np.isnan(value) else float(value)
 
 
-def _check_reason(reason: Any) -> str:
-    """A text, possibly empty."""
+def _check_reason(reason: Any) -> None:
     if not isinstance(reason, str):
         reject("reason", reason, "a text", "Say in words why the value is changed.")
-    return reason
 
 
 def _companion(name: str, value: Any, count: int, unit: str) -> FloatArray:
@@ -170,5 +161,4 @@ def _companion(name: str, value: Any, count: int, unit: str) -> FloatArray:
     array = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
     if array.size not in (1, count):
         reject(name, f"{array.size} values", wanted, "Give one for each frequency, or a single one for all.")
-    check_std(name, name, array)
     return np.broadcast_to(array, count)

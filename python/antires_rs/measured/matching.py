@@ -75,9 +75,18 @@ class SeriesOfTests(Protocol):
         """One set that stands for all of them."""
 
 
-def check_shift(max_shift: Any) -> float:
-    """A relative distance."""
-    return finite_scalar("max_shift", max_shift, low=0.0, high=0.5, low_open=True)
+#: Limits of the arguments that comparing, following and joining share.
+_LIMITS: dict[str, dict[str, Any]] = {
+    "max_shift": {"high": 0.5, "low_open": True},
+    "std_between": {"high": 0.5},
+    "std_common": {"high": 0.5},
+    "alpha": {"high": 1.0, "low_open": True, "high_open": True},
+}
+
+
+def within(name: str, value: Any) -> float:
+    """One of the shared arguments, in its limits from 0."""
+    return finite_scalar(name, value, low=0.0, **_LIMITS[name])
 
 
 def check_sets(name: str, sets: Any, least: int) -> list[AntiresonanceSet]:
@@ -93,12 +102,8 @@ def check_sets(name: str, sets: Any, least: int) -> list[AntiresonanceSet]:
 def check_set(name: str, one: Any) -> AntiresonanceSet:
     """A set of antiresonances."""
     if not isinstance(one, AntiresonanceSet):
-        reject(
-            name,
-            type(one).__name__,
-            "an AntiresonanceSet",
-            "Identify the record first: identify_antiresonances(record, ...).",
-        )
+        remedy = "Identify the record first: identify_antiresonances(record, ...)."
+        reject(name, type(one).__name__, "an AntiresonanceSet", remedy)
     return one
 
 
@@ -125,16 +130,14 @@ def check_set(name: str, one: Any) -> AntiresonanceSet:
 # References: B. L. Welch, Biometrika 34 (1947) 28-35; R. A. Fisher, Statistical Methods for Research Workers,
 # 1932, sec. 21.1 (joining tests); S. Holm, Scand. J. Stat. 6 (1979) 65-70.
 
-
 #: Independent averages behind a standard deviation where a set does not tell.
 AVERAGES = 15.0
 
 
 def averages_of(table: ResponseTable) -> FloatArray:
     """Independent averages behind each standard deviation."""
-    known = table.scores.get("averages")
-    told = np.full(len(table), np.nan) if known is None else np.asarray(known, dtype=np.float64)
-    return np.where(np.isnan(told), AVERAGES, told)
+    known = np.asarray(table.scores.get("averages", np.full(len(table), np.nan)), dtype=np.float64)
+    return np.where(np.isnan(known), AVERAGES, known)
 
 
 def of_each(difference: FloatArray, std: FloatArray, averages: FloatArray) -> FloatArray:
@@ -146,10 +149,7 @@ def of_each(difference: FloatArray, std: FloatArray, averages: FloatArray) -> Fl
 
 
 def of_all(p: FloatArray, common: float = 0.0) -> tuple[float, int, float]:
-    """Chi-square, its degrees of freedom, and the probability of one as large by chance.
-
-    ``common`` is g of the module, whose square is added.
-    """
+    """Chi-square with the square of g, ``common``, its freedom, and the probability of one as large."""
     from scipy.stats import chi2  # slow to import
 
     known = p[~np.isnan(p)]
@@ -169,10 +169,8 @@ def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:
     """Which differences are real, with a chance of at most ``alpha`` that any of them is not."""
     known = np.flatnonzero(~np.isnan(p))
     rank = known[np.argsort(p[known], kind="stable")]
-    passed = p[rank] <= alpha / np.arange(rank.size, 0, -1)
-    found = np.zeros(p.size, dtype=bool)
-    found[rank[: int(np.argmin(passed)) if not passed.all() else rank.size]] = True
-    return found
+    passed = np.logical_and.accumulate(p[rank] <= alpha / np.arange(rank.size, 0, -1))
+    return np.isin(np.arange(p.size), rank[passed])
 
 
 # -- How much repeats of one test scatter beyond their stated deviations
@@ -189,7 +187,6 @@ def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:
 # so that values known well tell most (R. C. Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982)
 # 377-385); a and tau are found in turn. The variance of a_t over the tests, less that of the mean, is the
 # square of the common scatter.
-
 
 # Bisections: the root of a falling function to ten digits.
 STEPS = 40

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import UnsuitableDataError, reject
-from ..support.checks import FloatArray, choice, finite_scalar
+from ..support.checks import FloatArray, choice
 from ..support.messages import warn
 from .antiresonance_set import AntiresonanceSet
-from .matching import MAX_SHIFT, averages_of, check_sets, check_shift, of_all, of_each, paired, variance_hz
+from .matching import MAX_SHIFT, averages_of, check_sets, of_all, of_each, paired, variance_hz, within
 from .response_table import ResponseTable, label
 
 # -- One response seen by several setups: the mean of its values, and whether they agree
@@ -35,7 +35,7 @@ class Disagreement:
 
 def joined(tables: Sequence[ResponseTable], shift: float, between: float) -> ResponseTable:
     """The values that at least half of the tables have, each the mean of its own."""
-    rows, freq, std = [], [], []
+    rows = []
     for group in _groups(tables, shift, between):
         if 2 * len(group) < len(tables):
             continue
@@ -50,39 +50,33 @@ def joined(tables: Sequence[ResponseTable], shift: float, between: float) -> Res
             birge = np.sum(weight * (values - mean) ** 2) / max(n - 1, 1)
             deviation = np.sqrt(max(1.0, birge) / weight.sum())
         table, row = group[int(np.argmin(np.where(np.isnan(variances), np.inf, variances)))]
-        rows.append(tables[table].take([row]))
-        freq.append(mean)
-        std.append(deviation)
+        own = tables[table].take([row])
+        rows.append(replace(own, freq_hz=np.array([mean]), std_hz=np.array([deviation])))
     if not rows:
         return tables[0].take([])
-    names = set.intersection(*(set(one.scores) for one in rows))
-    one = ResponseTable.concatenated(
-        [replace(row, scores={name: row.scores[name] for name in sorted(names)}) for row in rows]
+    names = sorted(set.intersection(*(set(one.scores) for one in rows)))
+    return ResponseTable.concatenated(
+        [replace(row, scores={name: row.scores[name] for name in names}) for row in rows]
     )
-    # Concatenation sorts by the single values; the means may stand in another order.
-    order = np.argsort([float(row.freq_hz[0]) for row in rows], kind="stable")
-    return replace(one, freq_hz=np.array(freq)[order], std_hz=np.array(std)[order])
 
 
 def disagreements(
     common: Mapping[Any, Mapping[int, ResponseTable]], count: int, shift: float, between: float, alpha: float
 ) -> list[Disagreement]:
     """Setups whose values differ from those of the others, worst first; empty if all agree."""
-    tested = {i: one for i in range(count) if (one := _against_others(common, i, shift, between)) is not None}
-    wrong = sorted((one for one in tested.values() if one.p < alpha / len(tested)), key=lambda one: one.p)
-    if len(wrong) == 2 and len(tested) == 2:
-        names = " and ".join(str(i) for i in tested)
-        text = f"Setups {names} disagree ({wrong[0].text})."
-        return [replace(wrong[0], text=text)]
-    if len(wrong) <= 1:
-        return [replace(one, text=f"Setup {one.setup} disagrees ({one.text}).") for one in wrong]
-    # The worst one spoils the means of the others: without it they are asked again.
+    tested = [one for i in range(count) if (one := _against_others(common, i, shift, between)) is not None]
+    wrong = sorted((one for one in tested if one.p < alpha / len(tested)), key=lambda one: one.p)
+    if not wrong:
+        return []
     worst = wrong[0]
-    rest = {
-        dof: {i: table for i, table in tables.items() if i != worst.setup} for dof, tables in common.items()
-    }
-    rest = {dof: tables for dof, tables in rest.items() if len(tables) > 1}
+    if len(wrong) == len(tested) == 2:
+        names = " and ".join(str(one.setup) for one in tested)
+        return [replace(worst, text=f"Setups {names} disagree ({worst.text}).")]
     named = replace(worst, text=f"Setup {worst.setup} disagrees ({worst.text}).")
+    if len(wrong) == 1:
+        return [named]
+    # The worst one spoils the means of the others: without it they are asked again.
+    rest = {dof: {i: t for i, t in tables.items() if i != worst.setup} for dof, tables in common.items()}
     return [named, *disagreements(rest, count, shift, between, alpha)]
 
 
@@ -105,11 +99,8 @@ def _against_others(
         for i, value in enumerate(here.tolist()):
             if value < worst[0]:
                 percent = 100.0 * difference[i] / others.freq_hz[b[i]]
-                worst = (
-                    value,
-                    f"{own.freq_hz[a[i]]:.3f} Hz at dof {dof}, {percent:+.2f} % from "
-                    f"{'the others' if len(tables) > 2 else 'the other'}",
-                )
+                where = "the others" if len(tables) > 2 else "the other"
+                worst = (value, f"{own.freq_hz[a[i]]:.3f} Hz at dof {dof}, {percent:+.2f} % from {where}")
     _, freedom, all_p = of_all(np.concatenate([np.empty(0), *p]))
     if not freedom:
         return None
@@ -197,56 +188,44 @@ def merge_setups(
     {3: [20.1], 4: [25.3]}
     """
     given = check_sets("sets", sets, 2)
-    shift = check_shift(max_shift)
-    between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
-    rate = finite_scalar("alpha", alpha, low=0.0, high=1.0, low_open=True, high_open=True)
+    shift, rate = within("max_shift", max_shift), within("alpha", alpha)
+    between = within("std_between", std_between)
     choice("check", check, ("warn", "raise", "off"))
     force = given[0].excitation if excitation is None else label("excitation", excitation)
     shared: dict[Any, dict[int, ResponseTable]] = {}
     for number, one in enumerate(given):
-        for dof, table in _tables(number, one, force, stated=excitation is not None).items():
+        for dof, table in _tables(f"sets[{number}]", one, force, stated=excitation is not None).items():
             shared.setdefault(dof, {})[number] = table
     copies = _counted_once(shared)
     if copies:
         text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
         if check == "raise":
-            raise UnsuitableDataError(
-                "sets",
-                f"the same numbers to the last bit: {text}",
-                "measurements of their own, whose errors are independent",
-                "Give each setup once.",
-            )
+            got, wanted = "the same numbers to the last bit", "measurements of their own"
+            wanted += ", whose errors are independent"
+            raise UnsuitableDataError("sets", f"{got}: {text}", wanted, "Give each setup once.")
         if check == "warn":
-            warn(
-                "copied_setups", f"merge_setups: {text} to the last bit: one measurement, which counts once."
-            )
+            text = f"merge_setups: {text} to the last bit: one measurement, which counts once."
+            warn("copied_setups", text)
     common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
     if common and check != "off":
         found = disagreements(common, len(given), shift, between, rate)
         text = " ".join(one.text for one in found)
         if found and check == "raise":
-            raise UnsuitableDataError(
-                "sets",
-                f"setups that disagree: {text.rstrip('.')}",
-                f"values that agree within their errors (false alarms {100 * rate:g} %)",
-                "Test that setup again, or give std_between= for what moving the sensors changes.",
-            )
+            got = f"setups that disagree: {text.rstrip('.')}"
+            wanted = f"values that agree within their errors (false alarms {100 * rate:g} %)"
+            remedy = "Test that setup again, or give std_between= for what moving the sensors changes."
+            raise UnsuitableDataError("sets", got, wanted, remedy)
         if found:
             warn("setups_disagree", f"merge_setups: {text}")
     elif not copies and check != "off":
-        warn(
-            "nothing_in_common",
-            f"merge_setups: the {len(given)} setups have no response in common, so that nothing tells "
-            "whether they agree.",
-        )
+        text = f"merge_setups: the {len(given)} setups have no response in common, so that nothing tells "
+        warn("nothing_in_common", f"{text}whether they agree.")
     kinds = {one.sees for one in given}
     stayed = all(one.excitation == force and one.channels for one in given)
     return AntiresonanceSet.from_tables(
         force,
         {
-            dof: joined(list(tables.values()), shift, between)
-            if dof in common
-            else next(iter(tables.values()))
+            dof: joined([*tables.values()], shift, between) if dof in common else [*tables.values()][0]
             for dof, tables in shared.items()
         },
         sees=kinds.pop() if len(kinds) == 1 else None,
@@ -254,24 +233,17 @@ def merge_setups(
     )
 
 
-def _tables(number: int, one: AntiresonanceSet, force: Any, *, stated: bool) -> dict[Any, ResponseTable]:
+def _tables(name: str, one: AntiresonanceSet, force: Any, *, stated: bool) -> dict[Any, ResponseTable]:
     """What a setup tells of the responses to the force."""
     if one.excitation == force:
         return dict(one.tables)
     if not stated:
-        reject(
-            f"sets[{number}]",
-            f"a setup with its force at {one.excitation!r}",
-            f"the force of the first, {force!r}",
-            "If the hammer roved, name a sensor that stayed: excitation=DOF.",
-        )
+        got, wanted = f"a setup with its force at {one.excitation!r}", f"the force of the first, {force!r}"
+        reject(name, got, wanted, "If the hammer roved, name a sensor that stayed: excitation=DOF.")
     if force not in one:
-        reject(
-            f"sets[{number}]",
-            f"a setup of force at {one.excitation!r} and responses at {tuple(one)}",
-            f"its force or a response at {force!r}",
-            "Name a place that every setup has.",
-        )
+        got = f"a setup of force at {one.excitation!r} and responses at {tuple(one)}"
+        wanted = f"its force or a response at {force!r}"
+        reject(name, got, wanted, "Name a place that every setup has.")
     return {one.excitation: one.tables[force]}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable
 from typing import Any
 
@@ -71,51 +72,26 @@ class ModalSet(ReadOnly):
     ) -> None:
         freq = frozen(_maybe_empty("freq_hz", freq_hz, "an array (n_modes,) in Hz"))
         if np.any(np.diff(freq) < 0):
-            reject(
-                "freq_hz",
-                "frequencies out of order",
-                "ascending frequencies",
-                "Sort the modes by frequency, shapes and damping with them.",
-            )
+            remedy = "Sort the modes by frequency, shapes and damping with them."
+            reject("freq_hz", "frequencies out of order", "ascending frequencies", remedy)
         array = np.asarray(shapes)
         if array.ndim != 2 or array.shape[0] != freq.size or not array.shape[1]:
-            reject(
-                "shapes",
-                f"an array of shape {array.shape}",
-                f"({freq.size}, n_dofs), one mode a row",
-                "Transpose it if the modes are in the columns.",
-            )
+            got, wanted = f"an array of shape {array.shape}", f"({freq.size}, n_dofs), one mode a row"
+            reject("shapes", got, wanted, "Transpose it if the modes are in the columns.")
         if array.dtype.kind not in "biufc":
-            reject(
-                "shapes",
-                f"an array of dtype {array.dtype}",
-                "real or complex numbers",
-                "Convert the shapes to numbers first.",
-            )
+            got = f"an array of dtype {array.dtype}"
+            reject("shapes", got, "real or complex numbers", "Convert the shapes to numbers first.")
         if not np.all(np.isfinite(array)):
-            reject(
-                "shapes",
-                "NaN or infinite values",
-                "finite shapes",
-                "Leave out the modes or dofs that were not measured.",
-            )
-        damping, *stds = (
-            _each(name, given, freq.size)
-            for name, given in (
-                ("damping_ratio", damping_ratio), ("std_hz", std_hz), ("std_shapes", std_shapes)
-            )
-        )  # fmt: skip
-        for name, std in zip(("std_hz", "std_shapes"), stds, strict=True):
-            if std is not None and not (np.isfinite(std).all() and (std >= 0.0).all()):
-                reject(name, "numbers below 0, NaN or infinite", "standard deviations", "Leave it out.")
+            remedy = "Leave out the modes or dofs that were not measured."
+            reject("shapes", "NaN or infinite values", "finite shapes", remedy)
         self._fill(
             freq_hz=freq,
             shapes=frozen(array),
             dofs=dof_labels("dofs", dofs, array.shape[1]),
-            damping_ratio=damping,
+            damping_ratio=_each("damping_ratio", damping_ratio, freq.size),
             diagram=diagram,
-            std_hz=stds[0],
-            std_shapes=stds[1],
+            std_hz=_each("std_hz", std_hz, freq.size, least=0.0),
+            std_shapes=_each("std_shapes", std_shapes, freq.size, least=0.0),
         )
 
     def mac(self, other: ModalSet) -> FloatArray:
@@ -146,27 +122,19 @@ class ModalSet(ReadOnly):
         [[0.0, 1.0]]
         """
         if not isinstance(other, ModalSet):
-            reject(
-                "other",
-                type(other).__name__,
-                "a ModalSet",
-                "Build it from frequencies and shapes: ModalSet(freq_hz, shapes, dofs).",
-            )
+            remedy = "Build it from frequencies and shapes: ModalSet(freq_hz, shapes, dofs)."
+            reject("other", type(other).__name__, "a ModalSet", remedy)
         common = [dof for dof in self.dofs if dof in other.dofs]
         if not common:
             reject("other", f"dofs {other.dofs}", f"some of {self.dofs}", "Name the dofs of both sets alike.")
-        a = self.shapes[:, [self.dofs.index(dof) for dof in common]]
-        b = other.shapes[:, [other.dofs.index(dof) for dof in common]]
+        a, b = (one.shapes[:, [one.dofs.index(dof) for dof in common]] for one in (self, other))
         norms = [np.sum(np.abs(x) ** 2, axis=1) for x in (a, b)]
         for name, norm in zip(("self", "other"), norms, strict=True):
             if not norm.all():
-                still = int(np.flatnonzero(norm == 0.0)[0])
-                reject(
-                    "other",
-                    f"mode {still} of {name} without motion at the common dofs {tuple(common)}",
-                    "shapes that do not vanish there",
-                    "Leave that mode out, or compare at more dofs.",
-                )
+                still = int(np.argmin(norm))
+                got = f"mode {still} of {name} without motion at the common dofs {tuple(common)}"
+                remedy = "Leave that mode out, or compare at more dofs."
+                reject("other", got, "shapes that do not vanish there", remedy)
         product = np.abs(a.conj() @ b.T) ** 2
         return np.asarray(product / (norms[0][:, None] * norms[1]), dtype=np.float64)
 
@@ -185,15 +153,9 @@ class ModalSet(ReadOnly):
         turn = 0.5 * np.angle(np.sum(np.asarray(self.shapes, dtype=np.complex128) ** 2, axis=1))
         real = (self.shapes * np.exp(-1j * turn)[:, None]).real
         largest = np.take_along_axis(real, np.argmax(np.abs(real), axis=1)[:, None], axis=1)
-        return ModalSet(
-            self.freq_hz,
-            np.where(largest < 0.0, -real, real),
-            self.dofs,
-            self.damping_ratio,
-            diagram=self.diagram,
-            std_hz=self.std_hz,
-            std_shapes=self.std_shapes,
-        )
+        made = copy.copy(self)
+        made._fill(shapes=frozen(np.where(largest < 0.0, -real, real)))
+        return made
 
     def __len__(self) -> int:
         return int(self.freq_hz.size)
@@ -203,18 +165,16 @@ class ModalSet(ReadOnly):
         return f"ModalSet({len(self)} modes x {len(self.dofs)} dofs{band})"
 
 
-def _each(name: str, given: Any, n_modes: int) -> FloatArray | None:
+def _each(name: str, given: Any, n_modes: int, least: float = -np.inf) -> FloatArray | None:
     """One number for each mode, or none."""
     if given is None:
         return None
     values = frozen(_maybe_empty(name, given, "an array (n_modes,)"))
     if values.shape != (n_modes,):
-        reject(
-            name,
-            f"{values.size} values",
-            f"{n_modes}, one a mode",
-            "Give one for each mode, or leave it out.",
-        )
+        remedy = "Give one for each mode, or leave it out."
+        reject(name, f"{values.size} values", f"{n_modes}, one a mode", remedy)
+    if values.min(initial=0.0) < least:
+        reject(name, "numbers below 0", "standard deviations of at least 0", "Leave it out.")
     return values
 
 

@@ -18,17 +18,11 @@ from .edits import NAMED_WITHIN, SAME, Edit, edit_of
 
 @dataclass(frozen=True)
 class Asked:
-    """An edit, and how many values had been identified where it was made.
+    """An edit, how many values were identified ``near`` it, and how far ``within`` one is taken for it.
 
-    Attributes
-    ----------
-    edit : Edit
-    near : int
-        Values within 1 % of it in the set before all edits. Where an added value has more of them later on,
-        the identification has found it itself.
-    within : float
-        How far from it, relative, a value may be that is taken for it later on: 1 %, and less than half way
-        to its neighbour, so that a dropped value that is not found again does not take the neighbour along.
+    Near is 1 % in the set before all edits: where an added value has more of them later on, it has been
+    identified itself. Within is that or half way to the neighbour, so that a dropped value that is not found
+    again does not take the neighbour along.
     """
 
     edit: Edit
@@ -39,8 +33,8 @@ class Asked:
     def on(cls, base: AntiresonanceSet, edit: Edit) -> Asked:
         """An edit made on a set."""
         off = _off(base, edit)
-        others = off[off > SAME]
-        return cls(edit, _near(base, edit), min(NAMED_WITHIN, 0.5 * float(others.min(initial=np.inf))))
+        beside = float(off[off > SAME].min(initial=np.inf))
+        return cls(edit, _near(off), min(NAMED_WITHIN, 0.5 * beside))
 
     def reworded(self, reason: str) -> Asked:
         """The same with another reason."""
@@ -67,13 +61,8 @@ def replayed(base: AntiresonanceSet, asked: Iterable[Asked]) -> tuple[Antiresona
         if why is None and edit.action == "drop":
             made = made.drop(edit.dof, edit.freq_hz, reason=edit.reason)
         elif why is None:
-            made = made.add(
-                edit.dof,
-                edit.freq_hz,
-                damping_ratio=edit.damping_ratio,
-                std_hz=edit.std_hz,
-                reason=edit.reason,
-            )
+            companions = {"damping_ratio": edit.damping_ratio, "std_hz": edit.std_hz}
+            made = made.add(edit.dof, edit.freq_hz, reason=edit.reason, **companions)
     return made, waits
 
 
@@ -81,16 +70,15 @@ def _why_not(base: AntiresonanceSet, made: AntiresonanceSet, asked: Asked) -> st
     edit = asked.edit
     if edit.dof not in made:
         return "this response is not there now"
-    off = _off(made, edit)
+    nearest = _off(made, edit).min(initial=np.inf)
     if edit.action == "drop":
-        return None if off.size and off.min() <= asked.within else "no value there now"
-    if _near(base, edit) > asked.near or (off.size and off.min() <= SAME):
-        return "identified there now"
-    return None
+        return None if nearest <= asked.within else "no value there now"
+    found = nearest <= SAME or _near(_off(base, edit)) > asked.near
+    return "identified there now" if found else None
 
 
-def _near(base: AntiresonanceSet, edit: Edit) -> int:
-    return int(np.count_nonzero(_off(base, edit) <= NAMED_WITHIN))
+def _near(off: FloatArray) -> int:
+    return int(np.count_nonzero(off <= NAMED_WITHIN))
 
 
 def _off(zeros: AntiresonanceSet, edit: Edit) -> FloatArray:
@@ -99,7 +87,6 @@ def _off(zeros: AntiresonanceSet, edit: Edit) -> FloatArray:
 
 
 # -- The file of a set with edits that wait beside it: readers of sets leave those aside
-
 
 #: Where they stand in the JSON of the set.
 KEY = "waiting_edits"

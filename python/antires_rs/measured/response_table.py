@@ -7,7 +7,7 @@ written from it. It is never changed: whoever wants other rows or columns makes 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,6 +20,10 @@ from ..support.values import FrozenDict, ReadOnly, frozen
 
 # The five tests of a grade.
 MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20, 1e-3, 0.9, 0.1, 6.0
+
+#: Columns of numbers in every table, and those of every row; scores stand beside them by their names.
+NUMBERS = ("freq_hz", "damping_ratio", "std_hz")
+COLUMNS = (*NUMBERS, "by_hand")
 
 # Of fits over windows: what a value that is sure has.
 SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0
@@ -50,18 +54,12 @@ class ResponseTable(ReadOnly):
     freq_hz, damping_ratio, std_hz, by_hand : (n,)
     scores : dict of name to (n,)
         Empty for antiresonances that no order sweep found. Those below are attributes of the table too.
-    rows, orders : (n,) int
-        Model orders of the chain, or those in which a persistent one was seen ("rows" in ``scores``).
-    spread : (n,)
-        Relative standard deviation of the frequency over those orders.
-    dominance : (n,)
-        Share of the curve that the pole owns at its frequency.
     how : (n,) str
         "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
         "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen
         by most of the fits over windows.
-    residual, prominence_db : (n,)
-        Misfit around it and height of its peak; NaN where not known.
+    rows, orders, spread, dominance, residual, prominence_db : (n,)
+        Their docstrings say what they are; NaN where not known.
 
     Examples
     --------
@@ -99,12 +97,8 @@ class ResponseTable(ReadOnly):
             kind = None if default is None else type(default)
             array = np.full(freq.size, default) if values is None else np.asarray(values, dtype=kind)
             if array.shape != freq.shape:
-                reject(
-                    name,
-                    f"an array of shape {array.shape}",
-                    f"{freq.size}, one for each frequency",
-                    "Give a value for each frequency.",
-                )
+                got, wanted = f"an array of shape {array.shape}", f"{freq.size}, one for each frequency"
+                reject(name, got, wanted, "Give a value for each frequency.")
             return frozen(array[rank])
 
         self._fill(
@@ -142,24 +136,15 @@ class ResponseTable(ReadOnly):
     @classmethod
     def concatenated(cls, tables: Sequence[ResponseTable]) -> ResponseTable:
         """All rows of some tables with the same scores."""
-
-        freq, damping, std, by_hand = (
-            np.concatenate([getattr(one, name) for one in tables])
-            for name in ("freq_hz", "damping_ratio", "std_hz", "by_hand")
-        )
+        columns = {name: np.concatenate([getattr(one, name) for one in tables]) for name in COLUMNS}
         scores = {name: np.concatenate([one.scores[name] for one in tables]) for name in tables[0].scores}
-        return cls(freq, damping, std, scores, by_hand)
+        return cls(**columns, scores=scores)
 
     def take(self, chosen: Sequence[int] | NDArray[Any]) -> ResponseTable:
         """Some of the rows, by index or by mask."""
         at = np.asarray(chosen, dtype=None if len(chosen) else np.intp)
-        return ResponseTable(
-            self.freq_hz[at],
-            self.damping_ratio[at],
-            self.std_hz[at],
-            {name: values[at] for name, values in self.scores.items()},
-            self.by_hand[at],
-        )
+        columns = {name: getattr(self, name)[at] for name in COLUMNS}
+        return ResponseTable(**columns, scores={name: values[at] for name, values in self.scores.items()})
 
     def with_scores(self, **columns: Any) -> ResponseTable:
         """The same rows with more scores, or others."""
@@ -168,8 +153,7 @@ class ResponseTable(ReadOnly):
     def same_as(self, other: ResponseTable) -> bool:
         """Same frequencies, damping ratios and standard deviations, bit for bit; scores do not count."""
         return all(
-            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=True)
-            for name in ("freq_hz", "damping_ratio", "std_hz")
+            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=True) for name in NUMBERS
         )
 
     def __len__(self) -> int:
@@ -188,17 +172,22 @@ def label(name: str, value: Any) -> Any:
     return value
 
 
+def label_array(labels: Sequence[Any]) -> NDArray[Any]:
+    """Numbers and texts side by side, (n,), which numpy would make text."""
+    array = np.empty(len(labels), dtype=object)
+    array[:] = labels
+    return frozen(array)
+
+
 def tables_of(
     freq_hz: Any, damping_ratio: Any, std_hz: Any, scores: Mapping[Any, Mapping[str, Any]] | None
 ) -> dict[Any, ResponseTable]:
     """Tables by dof; the companions follow their frequencies."""
     if not isinstance(freq_hz, Mapping) or not freq_hz:
         got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
+        wanted = "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}"
         reject(
-            "freq_hz",
-            got,
-            "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}",
-            "Pass a dict, with an empty list for a response without antiresonances.",
+            "freq_hz", got, wanted, "Pass a dict, with an empty list for a response without antiresonances."
         )
     frequencies: dict[Any, FloatArray] = {}
     for key, value in freq_hz.items():
@@ -206,9 +195,16 @@ def tables_of(
         if dof in frequencies:
             reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
         frequencies[dof] = frequencies_hz(part("freq_hz", dof), value)
-    sizes = {dof: values.size for dof, values in frequencies.items()}
-    damping, std = _companions("damping_ratio", damping_ratio, sizes), _companions("std_hz", std_hz, sizes)
-    known = _scores(scores, sizes)
+    damping, std = (
+        {dof: _companion(part(name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
+        for name, given in (("damping_ratio", damping_ratio), ("std_hz", std_hz))
+    )
+    for dof, column in std.items():
+        check_std(part("std_hz", dof), column)
+    known = {
+        dof: {name: _score_column(part("scores", dof).item(name), column, n) for name, column in own.items()}
+        for dof, own, n in _by_dof("scores", scores, frequencies)
+    }
     return {
         dof: ResponseTable(values, damping.get(dof), std.get(dof), known.get(dof))
         for dof, values in frequencies.items()
@@ -226,75 +222,45 @@ def frequencies_hz(name: str, value: Any, *, empty: bool = True) -> FloatArray:
     return values
 
 
-def _companions(name: str, given: Any, sizes: Mapping[Any, int]) -> dict[Any, FloatArray]:
-    """One number for each frequency, NaN where not known."""
-    if given is not None and not isinstance(given, Mapping):
-        reject(
-            name,
-            type(given).__name__,
-            "a mapping of dof to one value for each frequency",
-            "Pass a dict with the keys of freq_hz.",
-        )
-    wanted = "one value for each frequency, finite or NaN for not known"
-    columns: dict[Any, FloatArray] = {}
-    for key, value in (given or {}).items():
-        dof = _of_freq_hz(name, key, sizes)
-        try:
-            array = np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel()
-        except (TypeError, ValueError) as exc:
-            reject(
-                part(name, dof),
-                f"{type(value).__name__} that does not convert ({exc})",
-                wanted,
-                "Pass numbers, as a list or a numpy array.",
-            )
-        if array.size != sizes[dof]:
-            reject(
-                part(name, dof),
-                f"{array.size} values",
-                f"{sizes[dof]}, one for each frequency",
-                "Give a value for each frequency; NaN where it is not known.",
-            )
-        if np.isinf(array).any():
-            reject(part(name, dof), "an infinite value", wanted, "Pass NaN where it is not known.")
-        check_std(name, part(name, dof), array)
-        columns[dof] = array
-    return columns
-
-
-def check_std(name: str, where: str, array: FloatArray) -> None:
-    """Refuse standard deviations below zero, if these are some."""
-    if name == "std_hz" and (array < 0.0).any():
+def check_std(name: str, array: FloatArray) -> None:
+    """Refuse standard deviations below zero."""
+    if (array < 0.0).any():
         wanted = "standard deviations of at least 0 Hz"
-        reject(where, f"{np.nanmin(array):g} Hz", wanted, "Pass NaN where it is not known.")
+        reject(name, f"{np.nanmin(array):g} Hz", wanted, "Pass NaN where it is not known.")
 
 
-def _scores(
-    given: Mapping[Any, Mapping[str, Any]] | None, sizes: Mapping[Any, int]
-) -> dict[Any, dict[str, Any]]:
-    """Arrays of one score for each frequency, by dof and name."""
-    scores: dict[Any, dict[str, Any]] = {}
-    for key, columns in (given or {}).items():
-        dof = _of_freq_hz("scores", key, sizes)
-        scores[dof] = {name: np.asarray(column) for name, column in columns.items()}
-        for name, array in scores[dof].items():
-            if array.shape != (sizes[dof],):
-                reject(
-                    part("scores", dof).item(name),
-                    f"an array of shape {array.shape}",
-                    f"{sizes[dof]} scores, one for each frequency",
-                    "Give a score for each frequency; NaN where it is not known.",
-                )
-    return scores
+def _by_dof(name: str, given: Any, frequencies: Mapping[Any, FloatArray]) -> Iterator[tuple[Any, Any, int]]:
+    """Dof, companions and number of frequencies."""
+    if given is not None and not isinstance(given, Mapping):
+        wanted = "a mapping of dof to one value for each frequency"
+        reject(name, type(given).__name__, wanted, "Pass a dict with the keys of freq_hz.")
+    for key, value in (given or {}).items():
+        dof = label(name, key)
+        if dof not in frequencies:
+            wanted = f"dofs of freq_hz, {tuple(frequencies)}"
+            reject(name, f"dof {dof!r}", wanted, "Leave that dof out, or give its frequencies too.")
+        yield dof, value, frequencies[dof].size
 
 
-def _of_freq_hz(name: str, key: Any, sizes: Mapping[Any, int]) -> Any:
-    dof = label(name, key)
-    if dof not in sizes:
-        reject(
-            name,
-            f"dof {dof!r}",
-            f"dofs of freq_hz, {tuple(sizes)}",
-            "Leave that dof out, or give its frequencies too.",
-        )
-    return dof
+def _companion(name: str, value: Any, count: int) -> FloatArray:
+    """One number for each frequency, NaN where not known."""
+    wanted = "one value for each frequency, finite or NaN for not known"
+    try:
+        array = np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel()
+    except (TypeError, ValueError) as exc:
+        got = f"{type(value).__name__} that does not convert ({exc})"
+        reject(name, got, wanted, "Pass numbers, as a list or a numpy array.")
+    if array.size != count:
+        remedy = "Give a value for each frequency; NaN where it is not known."
+        reject(name, f"{array.size} values", f"{count}, one for each frequency", remedy)
+    if np.isinf(array).any():
+        reject(name, "an infinite value", wanted, "Pass NaN where it is not known.")
+    return array
+
+
+def _score_column(name: str, value: Any, count: int) -> NDArray[Any]:
+    array = np.asarray(value)
+    if array.shape != (count,):
+        got, wanted = f"an array of shape {array.shape}", f"{count} scores, one for each frequency"
+        reject(name, got, wanted, "Give a score for each frequency; NaN where it is not known.")
+    return array

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..support.checks import FloatArray, finite_scalar
+from ..support.checks import FloatArray
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import aligned, number
-from .matching import MAX_SHIFT, SeriesOfTests, check_sets, check_shift, paired, scatter, variance_hz
-from .response_table import ResponseTable
+from .matching import MAX_SHIFT, SeriesOfTests, check_sets, paired, scatter, variance_hz, within
+from .response_table import ResponseTable, label_array
 
 # -- What following antiresonances over many tests gives: their tracks, and what happened to them
 
@@ -81,7 +81,7 @@ class Tracks(ReadOnly, Viewed):
     @property
     def change_percent(self) -> FloatArray:
         """Change of each since its first test, (n_tests, n_tracks)."""
-        return np.asarray(100.0 * (self.freq_hz / self._first(self.freq_hz) - 1.0))
+        return np.asarray(100.0 * (self.freq_hz / _first(self.freq_hz) - 1.0))
 
     @property
     def std_between(self) -> float:
@@ -94,20 +94,12 @@ class Tracks(ReadOnly, Viewed):
 
     @property
     def std_common(self) -> float:
-        """Relative scatter from test to test that moves all values alike, if tests are repeats.
-
-        See :mod:`antires_rs.measured.matching`.
-        """
+        """The same of what moves all values alike."""
         return scatter(self.freq_hz, self.std_hz)[1]
 
     def of(self, dof: Any) -> NDArray[np.int64]:
         """Columns of one response."""
         return np.flatnonzero(self.dof == dof)
-
-    def _first(self, freq_hz: FloatArray) -> FloatArray:
-        """What each track has in the first test that has it."""
-        at = np.argmax(~np.isnan(freq_hz), axis=0)
-        return np.asarray(freq_hz[at, np.arange(freq_hz.shape[1])])
 
     def __len__(self) -> int:
         return int(self.dof.size)
@@ -116,14 +108,15 @@ class Tracks(ReadOnly, Viewed):
         return f"Tracks({len(self)} antiresonances, {len(self.conditions)} tests, {len(self.events)} events)"
 
     def __str__(self) -> str:
-        first, last = self._first(self.freq_hz), self._first(self.freq_hz[::-1])
+        first, last = _first(self.freq_hz), _first(self.freq_hz[::-1])
         seen = np.sum(~np.isnan(self.freq_hz), axis=0)
-        told: dict[int, list[str]] = {}
+        words: list[list[str]] = [[] for _ in range(len(self))]
         for event in self.events:
-            told.setdefault(event.track, []).append(f"{event.kind} at {self.conditions[event.test]}")
+            words[event.track].append(f"{event.kind} at {self.conditions[event.test]}")
+        change = 100.0 * (last / first - 1.0)
         rows = [
             [str(self.dof[i]), str(seen[i]), number(first[i], 3), number(last[i], 3)]
-            + [number(100.0 * (last[i] / first[i] - 1.0), 3, sign=True), ", ".join(told.get(i, []))]
+            + [number(change[i], 3, sign=True), ", ".join(words[i])]
             for i in range(len(self))
         ]
         title = f"antiresonances followed over {len(self.conditions)} tests, force at {self.excitation}"
@@ -145,6 +138,12 @@ class Tracks(ReadOnly, Viewed):
         return self._view("plot")(self, dof, kind=kind, ax=ax)
 
 
+def _first(freq_hz: FloatArray) -> FloatArray:
+    """What each track has in the first test that has it."""
+    at = np.argmax(~np.isnan(freq_hz), axis=0)
+    return np.asarray(freq_hz[at, np.arange(freq_hz.shape[1])])
+
+
 # Two values nearer than this may become one; farther apart, one of them was lost.
 NEIGHBOUR = 0.02
 
@@ -157,10 +156,7 @@ CLOSED, CLOSED_TIMES = 100, 10
 
 
 class _Track:
-    """One antiresonance so far: where it was last, and the row of every test that has it.
-
-    Tests of its response are counted by ``nth``.
-    """
+    """One antiresonance: where it was last, and its row in every test that has it, counted by ``nth``."""
 
     def __init__(self, test: int, nth: int, table: ResponseTable, row: int) -> None:
         self.rows: dict[int, int] = {}
@@ -248,18 +244,13 @@ def followed(
 ) -> Tracks:
     """Tracks of some responses; a test that lacks one of them tells nothing of it."""
     given = check_sets("sets", sets, 2)
-    shift = check_shift(max_shift)
-    between = finite_scalar("std_between", std_between, low=0.0, high=0.5)
+    shift, between = within("max_shift", max_shift), within("std_between", std_between)
     names = _conditions(conditions, len(given))
     first = given[0]
     for i, one in enumerate(given):
         if one.excitation != first.excitation:
-            reject(
-                f"sets[{i}]",
-                f"a set of force at {one.excitation!r}",
-                f"that of the first, {first.excitation!r}",
-                "Follow each excitation by itself.",
-            )
+            got, wanted = f"a set of force at {one.excitation!r}", f"that of the first, {first.excitation!r}"
+            reject(f"sets[{i}]", got, wanted, "Follow each excitation by itself.")
     if not dofs:
         reject("sets", "sets without a common dof", "sets of the same responses", "Leave out the others.")
     labels: list[Any] = []
@@ -277,13 +268,11 @@ def followed(
                 column[:, test] = tables[test].freq_hz[row], tables[test].std_hz[row]
             columns.append(column)
             labels.append(dof)
-    of_tracks = np.empty(len(labels), dtype=object)
-    of_tracks[:] = labels
     freq, std = np.stack(columns, axis=2) if columns else np.empty((2, len(given), 0))
     return Tracks(
         first.excitation,
         names,
-        frozen(of_tracks),
+        label_array(labels),
         frozen(freq),
         frozen(std),
         tuple(sorted(events, key=lambda event: (event.test, event.track))),
@@ -344,9 +333,9 @@ def _conditions(conditions: Any, count: int) -> tuple[Any, ...]:
     wanted = f"{count} numbers or {count} texts, one for each test"
     if isinstance(conditions, str) or not hasattr(conditions, "__len__"):
         reject("conditions", conditions, wanted, "Put them in a list.")
+    if len(conditions) != count:
+        reject("conditions", f"{len(conditions)} of them", wanted, "Give one for each set.")
     given = [item.item() if isinstance(item, np.generic) else item for item in conditions]
-    if len(given) != count:
-        reject("conditions", f"{len(given)} of them", wanted, "Give one for each set.")
     if all(isinstance(item, int | float) and np.isfinite(item) for item in given):
         return tuple(given)
     return tuple(map(str, given))

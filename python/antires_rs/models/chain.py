@@ -48,6 +48,7 @@ class MassSpringChain(StructuralModel):
     """
 
     _recipe_type = ChainRecipe
+    _recipe: ChainRecipe
 
     def __init__(
         self,
@@ -58,13 +59,10 @@ class MassSpringChain(StructuralModel):
         ground_last_n_per_m: float = 0.0,
     ) -> None:
         masses = real_array("masses_kg", masses_kg, ndim=1, wanted="an array (n,) of masses in kg")
-        springs = (
-            np.zeros(0)
-            if np.size(springs_n_per_m) == 0
-            else real_array(
-                "springs_n_per_m", springs_n_per_m, ndim=1, wanted="an array (n - 1,) of stiffnesses in N/m"
-            )
-        )
+        springs = np.zeros(0)
+        if np.size(springs_n_per_m) > 0:
+            wanted = "an array (n - 1,) of stiffnesses in N/m"
+            springs = real_array("springs_n_per_m", springs_n_per_m, ndim=1, wanted=wanted)
         recipe = ChainRecipe(
             masses,
             springs,
@@ -76,24 +74,15 @@ class MassSpringChain(StructuralModel):
         if lost is not None:
             warn_softly_held(self, range(self.n_dof), lost)
             return
-        warn_penalties(
-            self, self.stiffness(), "Leave out masses that are held, and join masses that move as one."
-        )
-
-    @property
-    def _recipe(self) -> ChainRecipe:
-        recipe = self._description.recipe
-        assert isinstance(recipe, ChainRecipe)  # the constructors take no other
-        return recipe
+        remedy = "Leave out masses that are held, and join masses that move as one."
+        warn_penalties(self, self.stiffness(), remedy)
 
     def element_label(self, element: int) -> str:
         """``spring 0`` to ``spring n-2`` between the masses, then the two ground springs."""
         between = self.n_dof - 1
-        return (
-            f"spring {element}"
-            if element < between
-            else ("first ground spring" if element == between else "last ground spring")
-        )
+        if element < between:
+            return f"spring {element}"
+        return "first ground spring" if element == between else "last ground spring"
 
     def dof_label(self, dof: int) -> str:
         """``mass 0`` for dof 0 and on, counted from 0 like the springs."""

@@ -38,11 +38,7 @@ def equations_of(constraints: Any, n: int, number: Number | None = None) -> list
         reject("constraints", "one dict", wanted, "Put it in a list: [{2: 1.0, 1: -1.0}].")
     if hasattr(constraints, "tocsr"):
         return _of_sparse(constraints, n, wanted)
-    if (
-        isinstance(constraints, str | bytes)
-        or not isinstance(constraints, Iterable)
-        or not _shape(constraints)
-    ):
+    if not _listed(constraints):
         reject("constraints", repr(constraints), wanted, "Put the equations in a list, also where it is one.")
     find = number or _numbers(n)
     return [_equation(part("constraints", i), each, n, find) for i, each in enumerate(constraints)]
@@ -50,7 +46,7 @@ def equations_of(constraints: Any, n: int, number: Number | None = None) -> list
 
 def dofs_to_keep(keep: Any, n: int, number: Number | None = None) -> set[int]:
     """Numbers of the dofs that must remain."""
-    if isinstance(keep, str | bytes) or not isinstance(keep, Iterable) or not _shape(keep):
+    if not _listed(keep):
         reject("keep", repr(keep), "a sequence of dofs", "Put it in a list, also where it is one.")
     find = number or _numbers(n)
     return {find(part("keep", i), dof) for i, dof in enumerate(keep)}
@@ -69,9 +65,13 @@ def square(name: str, matrix: Any, n: int | None = None) -> Any:
     return csr_array(given)
 
 
-def _shape(given: Any) -> bool:
-    """Whether it has items: an array of no axis has none."""
-    return not isinstance(given, np.ndarray) or given.ndim > 0
+def _listed(given: Any) -> bool:
+    """Whether it has items that are no letters: an array of no axis has none."""
+    return (
+        isinstance(given, Iterable)
+        and not isinstance(given, str | bytes)
+        and not (isinstance(given, np.ndarray) and given.ndim == 0)
+    )
 
 
 def _numbers(n: int) -> Number:
@@ -86,12 +86,9 @@ def _of_sparse(constraints: Any, n: int, wanted: str) -> list[Equation]:
     table.sum_duplicates()
     # An array of no entry is in order, and not for real_array.
     values = real_array("constraints", table.data, ndim=1, wanted=wanted) if table.nnz else table.data
-    columns, starts = table.indices.tolist(), table.indptr.tolist()
-    numbers = values.tolist()
-    return [
-        dict(zip(columns[first:end], numbers[first:end], strict=True))
-        for first, end in zip(starts[:-1], starts[1:], strict=True)
-    ]
+    at = table.indptr[1:-1]
+    rows = zip(np.split(table.indices, at), np.split(values, at), strict=True)
+    return [dict(zip(dofs.tolist(), own.tolist(), strict=True)) for dofs, own in rows]
 
 
 def _equation(name: str, given: Any, n: int, find: Number) -> Equation:
@@ -195,16 +192,13 @@ def eliminate_constraints(
     >>> ar.MatrixModel(made.stiffness, made.mass).antiresonances(0, 0).round(3)
     array([2.516])
     """
-    from scipy.sparse import coo_array, csc_array
+    from scipy.sparse import csc_array
 
     n = int(square("stiffness", stiffness).shape[0])
     gone = solved(equations_of(constraints, n), dofs_to_keep(keep, n))
-    dofs = np.array([dof for dof in range(n) if dof not in gone], dtype=np.intp)
-    row_of = {int(dof): row for row, dof in enumerate(dofs)}
-    entries = [(int(dof), row, 1.0) for row, dof in enumerate(dofs)]
-    entries += [(dof, row_of[q], value) for dof, by in gone.items() for q, value in by.items()]
-    rows, columns, values = zip(*entries, strict=True)
-    t = csc_array(coo_array((values, (rows, columns)), shape=(n, dofs.size)))
+    dependent = Dependent.of({dof: TakenOut(CONSTRAINT, by) for dof, by in gone.items()})
+    dofs = np.setdiff1d(np.arange(n), dependent.dofs)
+    t = csc_array(dependent.transformation(n)[:, dofs])
 
     def reduced(name: str, matrix: Any) -> Any:
         product = csc_array(t.T @ square(name, matrix, n) @ t)
@@ -251,15 +245,20 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     """
     k = square("stiffness", stiffness)
     m = square("mass", mass, k.shape[0])
-    without_mass = np.asarray(abs(m).sum(axis=1)).ravel() == 0.0
-    alone = np.flatnonzero(
-        without_mass & (k.diagonal() == 0.0) & (np.asarray(abs(k).sum(axis=1)).ravel() > 0.0)
-    )
-    # A multiplier has nothing with other multipliers; of two massless dofs that are joined neither is one.
-    joined = np.asarray(abs(k[alone][:, alone]).sum(axis=1)).ravel() > 0.0
-    rows = alone[~joined]
-    dofs = np.setdiff1d(np.arange(k.shape[0]), rows)
-    return dofs, k[rows][:, dofs]
+    taken = multipliers(k.shape[0], Entries.of_sparse(k), Entries.of_sparse(m))
+    dofs = np.flatnonzero(~taken)
+    return dofs, k[taken][:, dofs]
+
+
+def multipliers(n: int, stiffness: Entries, mass: Entries) -> NDArray[np.bool_]:
+    """Which rows are Lagrange multipliers: no mass, nothing on the diagonal, nor with others alike."""
+    alone = np.bincount(stiffness.rows, minlength=n) > 0
+    alone[stiffness.rows[stiffness.rows == stiffness.columns]] = False
+    alone[mass.rows] = False
+    found = alone.copy()
+    # Of two massless dofs that are joined neither is one.
+    found[stiffness.rows[alone[stiffness.rows] & alone[stiffness.columns]]] = False
+    return found
 
 
 def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
@@ -277,22 +276,20 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
         if not own:
             continue
         new = max(map(abs, own.values())) / largest
+        argument, named = part("constraints", i), ", ".join(map(str, sorted(own)))
         if new < _OWN:
-            reject(
-                part("constraints", i),
-                f"an equation that repeats those before it but for {new:.1g} of its "
-                f"coefficients, at {_named(own)}",
-                f"equations that are clearly apart (by {_OWN:g}), or the same in all digits",
-                "Leave it out: as it stands it would tie or hold these dofs.",
+            got = (
+                f"an equation that repeats those before it but for {new:.1g} of its coefficients, at {named}"
             )
+            wanted = f"equations that are clearly apart (by {_OWN:g}), or the same in all digits"
+            reject(argument, got, wanted, "Leave it out: as it stands it would tie or hold these dofs.")
         free = {q: value for q, value in own.items() if q not in kept}
         if not free:
-            reject(
-                part("constraints", i),
-                "an equation between dofs to keep: " + _named(own),
-                "equations that leave these dofs independent",
-                "Leave one of them out of keep: its motion follows from the others.",
+            got, wanted = (
+                f"an equation between dofs to keep: {named}",
+                "equations that leave these independent",
             )
+            reject(argument, got, wanted, "Leave one of them out of keep: it follows from the others.")
         bar = _PIVOT * max(map(abs, free.values()))
         # Of equals the first, as in the multi-point constraints of most programs.
         pivot = min((q for q, v in free.items() if abs(v) >= bar), key=lambda q: occurs[q])
@@ -306,10 +303,6 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
         for q in by:
             used_by[q].add(pivot)
     return gone
-
-
-def _named(own: Equation) -> str:
-    return ", ".join(map(str, sorted(own)))
 
 
 # -- Constraints as a user gives them, by numbers or names of dofs

@@ -54,30 +54,22 @@ def names_of(name: str, given: Any, n: int) -> tuple[str, ...]:
         by_row = {integer(part(name, key), row, low=0, high=n - 1): key for key, row in given.items()}
         labels: Iterable[Any] = (by_row.get(row, f"dof {row}") for row in range(n))
     elif isinstance(given, str) or not isinstance(given, Iterable):
-        reject(
-            name, given, f"{n} names, or a mapping of names to rows", "read_dof_map returns such a mapping."
-        )
+        wanted = f"{n} names, or a mapping of names to rows"
+        reject(name, given, wanted, "read_dof_map returns such a mapping.")
     else:
         labels = given
     made = tuple(_text(part(name, i), label) for i, label in enumerate(labels))
     if len(made) != n:
-        reject(
-            name, f"{len(made)} names", f"{n}, one for each row of the matrices", "Name all rows, in order."
-        )
+        reject(name, f"{len(made)} names", f"{n}, one for each row of the matrices", "Name all, in order.")
     if len(set(made)) < n:
-        first: dict[str, int] = {}
-        twice = next(label for row, label in enumerate(made) if first.setdefault(label, row) != row)
+        twice = next(label for label in made if made.count(label) > 1)
         reject(name, f"{twice!r} more than once", "a name of its own for each row", "Rename one of them.")
     at: dict[tuple[int, int], str] = {}
     for label in made:
         point = point_of(label)
         if point is not None and at.setdefault(point, label) != label:
-            reject(
-                name,
-                f"{at[point]!r} and {label!r}, two spellings of one name",
-                "a name of its own for each row",
-                "Rename one of them.",
-            )
+            got = f"{at[point]!r} and {label!r}, two spellings of one name"
+            reject(name, got, "a name of its own for each row", "Rename one of them.")
     return made
 
 
@@ -90,9 +82,5 @@ def _text(name: str, label: Any) -> str:
         if point is not None:
             direction = DIRECTIONS[point[1]].removeprefix("+")
             return f"{point[0]}" if direction == "S" else f"{point[0]}:{direction}"
-    reject(
-        name,
-        label,
-        "a text, or a node and a direction such as (1204, '+Z')",
-        "Directions are +X to -RZ, or 1 to 6.",
-    )
+    wanted = "a text, or a node and a direction such as (1204, '+Z')"
+    reject(name, label, wanted, "Directions are +X to -RZ, or 1 to 6.")

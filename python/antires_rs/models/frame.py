@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from .frame_parts import (
     GroundSpring,
     NodeSpring,
     PointMass,
-    _Part,
     fixed_dofs,
     iterable,
     parts_of,
@@ -33,9 +32,6 @@ from .structural_model import ModelDescription, StructuralModel
 
 if TYPE_CHECKING:
     from .._core import Frame as CoreFrame
-
-_P = TypeVar("_P", bound=_Part)
-
 
 # -- What the constructor of a frame was given, checked, as the recipe of one
 
@@ -53,23 +49,13 @@ def frame_recipe(
     nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
     if nodes.shape[1] not in (2, 3):
         reject(
-            "nodes_m",
-            f"an array of shape {nodes.shape}",
-            wanted,
-            "Give each node its coordinates in a row, in m.",
+            "nodes_m", f"an array of shape {nodes.shape}", wanted, "Give each node its coordinates in a row."
         )
     pairs = "pairs of nodes (first, second), or triples with a section"
-    rows = [
-        tuple(iterable(part("elements", i), row, pairs))
-        for i, row in enumerate(iterable("elements", elements, pairs))
-    ]
+    given = enumerate(iterable("elements", elements, pairs))
+    rows = [tuple(iterable(part("elements", i), row, pairs)) for i, row in given]
     if not rows:
-        reject(
-            "elements",
-            "none",
-            "at least one pair of nodes",
-            "A frame is at least one beam between two nodes.",
-        )
+        reject("elements", "none", "at least one pair of nodes", "A frame is at least one beam of two nodes.")
     names, listed, chosen = _sections_and_choice(sections, rows)
     ends = [[integer(part("elements", i), node, low=0) for node in row[:2]] for i, row in enumerate(rows)]
     in_space = nodes.shape[1] == 3
@@ -84,95 +70,69 @@ def frame_recipe(
     )
 
 
+def _named_sections(sections: Any) -> tuple[tuple[str | int, ...], list[AnySection]]:
+    """Names and values of the sections."""
+    wanted = "a Tube, Rectangle or Section, or a sequence or mapping of them"
+    if isinstance(sections, AnySection):
+        sections = [sections]
+    named = isinstance(sections, Mapping)
+    listed = list(sections.values() if named else iterable("sections", sections, wanted))
+    names = tuple(sections) if named else tuple(range(len(listed)))
+    for name, section in zip(names, listed, strict=True):
+        if not isinstance(section, AnySection):
+            reject(part("sections", name), section, wanted, "Make it by Tube, Rectangle or Section(...).")
+        if named and not isinstance(name, str):
+            reject("sections", f"the name {name!r}", "names that are text", "Put the name in quotes.")
+    return names, listed
+
+
 def _sections_and_choice(
     sections: Any, rows: list[tuple[Any, ...]]
 ) -> tuple[tuple[str | int, ...], list[AnySection], list[int]]:
     """Names and values of the sections, and the index of each beam's."""
-    wanted = "a Tube, Rectangle or Section, or a sequence or mapping of them"
+    names, listed = _named_sections(sections)
     named = isinstance(sections, Mapping)
-    listed = (
-        list(sections.values())
-        if isinstance(sections, Mapping)
-        else (
-            [sections] if isinstance(sections, AnySection) else list(iterable("sections", sections, wanted))
-        )
-    )
-    names: tuple[str | int, ...] = tuple(sections) if named else tuple(range(len(listed)))
-    for name, section in zip(names, listed, strict=True):
-        if not isinstance(section, AnySection):
-            reject(
-                part("sections", name),
-                section,
-                wanted,
-                "Make it by Section.tube, Section.rectangle or Section(...).",
-            )
-        if named and not isinstance(name, str):
-            reject("sections", f"the name {name!r}", "names that are text", "Put the name in quotes.")
     for i, row in enumerate(rows):
         if len(row) not in (2, 3):
-            reject(
-                part("elements", i),
-                row,
-                "two nodes, or two nodes and a section",
-                "Write it as (0, 1) or (0, 1, 'pipe').",
-            )
+            wanted = "two nodes, or two nodes and a section"
+            reject(part("elements", i), row, wanted, "Write it as (0, 1) or (0, 1, 'pipe').")
     referring = [len(row) == 3 for row in rows]
     if not any(referring):
         if len(listed) == 1:
             return names, listed, [0] * len(rows)
         if named or len(listed) != len(rows):
-            reject(
-                "elements",
-                f"no section for any of {len(rows)} elements and {len(listed)} sections",
-                "(node, node, section) for each element, or one section each",
-                "Name a section as the third item of each element.",
-            )
+            got = f"no section for any of {len(rows)} elements and {len(listed)} sections"
+            wanted = "(node, node, section) for each element, or one section each"
+            reject("elements", got, wanted, "Name a section as the third item of each element.")
         # Equal sections are one, so that a parameter acts on all beams that have it.
         unique = list(dict.fromkeys(listed))
         return tuple(range(len(unique))), unique, [unique.index(section) for section in listed]
     if not all(referring):
-        reject(
-            part("elements", referring.index(False)),
-            "no section",
-            "a section for every element, or for none",
-            "Name its section as the third item.",
-        )
+        bare, wanted = part("elements", referring.index(False)), "a section for every element, or for none"
+        reject(bare, "no section", wanted, "Name its section as the third item.")
     chosen = []
-    for i, row in enumerate(rows):
-        if named and row[2] not in names:
+    for i, (*_, section) in enumerate(rows):
+        if named and section not in names:
+            wanted = f"one of {', '.join(map(repr, names))}"
             reject(
-                part("elements", i),
-                f"section {row[2]!r}",
-                f"one of {', '.join(map(repr, names))}",
-                "Correct the name, or add that section.",
+                part("elements", i), f"section {section!r}", wanted, "Correct the name, or add that section."
             )
-        chosen.append(
-            names.index(row[2])
-            if named
-            else integer(part("elements", i), row[2], low=0, high=len(listed) - 1)
-        )
+        index = names.index(section) if named else section
+        chosen.append(integer(part("elements", i), index, low=0, high=len(listed) - 1))
     return names, listed, chosen
 
 
 def _orientation(orientation: Any, n: int, in_space: bool) -> FloatArray | None:
     if orientation is None:
         return None
-    wanted = f"one direction (3,), or an array ({n}, 3) with one for each element"
     if not in_space:
-        reject(
-            "orientation",
-            "a direction for a plane frame",
-            "None",
-            "Leave it out: all beams of a plane frame bend in its plane.",
-        )
+        remedy = "Leave it out: all beams of a plane frame bend in its plane."
+        reject("orientation", "a direction for a plane frame", "None", remedy)
+    wanted = f"one direction (3,), or an array ({n}, 3) with one for each element"
     rows = np.atleast_2d(real_array("orientation", orientation, ndim=None, wanted=wanted))
     if rows.shape not in ((1, 3), (n, 3)):
-        reject(
-            "orientation",
-            f"an array of shape {np.shape(orientation)}",
-            wanted,
-            "Give one direction for all elements, or one for each.",
-        )
+        got = f"an array of shape {np.shape(orientation)}"
+        reject("orientation", got, wanted, "Give one direction for all elements, or one for each.")
     return np.ascontiguousarray(np.broadcast_to(rows, (n, 3)))
 
 
@@ -228,6 +188,7 @@ class FrameModel(StructuralModel, Viewed):
     """
 
     _recipe_type = FrameRecipe
+    _recipe: FrameRecipe
 
     def __init__(
         self,
@@ -249,18 +210,12 @@ class FrameModel(StructuralModel, Viewed):
         warn_penalties(self, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties.")
         part_of = np.array(self._frame.parts())
         if part_of.max() > 0:
-            alone = [int(node) for node in np.flatnonzero(part_of != part_of[0])]
+            alone = np.flatnonzero(part_of != part_of[0]).tolist()
             warn(
                 "frame_in_parts",
                 f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 "
                 f"are nodes {alone}. A response in one part to a force in another is zero.",
             )
-
-    @property
-    def _recipe(self) -> FrameRecipe:
-        recipe = self._description.recipe
-        assert isinstance(recipe, FrameRecipe)  # the constructors take no other
-        return recipe
 
     @property
     def _frame(self) -> CoreFrame:
@@ -294,21 +249,20 @@ class FrameModel(StructuralModel, Viewed):
     @property
     def point_masses(self) -> list[PointMass]:
         """Lumped masses with the values of this state."""
-        return self._parts(PointMass)
+        return self._parts("point_masses")
 
     @property
     def ground_springs(self) -> list[GroundSpring]:
         """Springs to ground with the values of this state."""
-        return self._parts(GroundSpring)
+        return self._parts("ground_springs")
 
     @property
     def node_springs(self) -> list[NodeSpring]:
         """Springs between nodes with the values of this state."""
-        return self._parts(NodeSpring)
+        return self._parts("node_springs")
 
-    def _parts(self, kind: type[_P]) -> list[_P]:
-        name = next(name for name, each in PARTS.items() if each is kind)
-        return [kind._of_row(row) for row in self._frame.elements(name)]
+    def _parts(self, name: str) -> list[Any]:
+        return [PARTS[name]._of_row(row) for row in self._frame.elements(name)]
 
     @property
     def fixed(self) -> list[tuple[int, str]]:
@@ -338,12 +292,9 @@ class FrameModel(StructuralModel, Viewed):
 
     def dof_name(self, dof: int) -> str:
         """``'node 3 v'`` for the dof that ``dof(3, 'v')`` returns."""
-        node, direction = self._frame.dof_names()[self._dof("dof", dof)]
-        return f"node {node} {direction}"
+        return self._dof_labels()[self._dof("dof", dof)]
 
-    def dof_label(self, dof: int) -> str:
-        """As :meth:`dof_name`: nodes are called by the numbers that ``elements`` and :meth:`dof` know."""
-        return self.dof_name(dof)
+    dof_label = dof_name
 
     def _dof_labels(self) -> list[str]:
         return [f"node {node} {direction}" for node, direction in self._frame.dof_names()]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, field, replace
-from typing import Any, Self
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Self, cast
 
 from ..exceptions import Argument, part, reject
 from ..support.checks import finite_scalar, integer, shape_of
@@ -28,15 +28,37 @@ class _Part:
     def _of_row(cls, row: Row) -> Self:
         raise NotImplementedError
 
-    def _saved(self) -> list[Any]:
-        """As files have it."""
-        nodes, direction, values = self._row()
-        return [*nodes, direction, *values]
-
     @classmethod
     def _of_saved(cls, saved: Sequence[Any]) -> Self:
+        """Of what files of 0.1 have."""
         *nodes, direction, value = saved
         return cls._of_row((nodes, direction, [value]))
+
+
+class _Spring(_Part):
+    """A spring of one stiffness at the nodes that ``_nodes`` names."""
+
+    _nodes: ClassVar[tuple[str, ...]] = ("node",)
+    direction: str | None
+    stiffness_n_per_m: float
+
+    def _checked(self, name: str, i: int) -> Self:
+        along, kind = self.direction is None and len(self._nodes) > 1, cast(Any, type(self))
+        checked: Self = kind(
+            **{each: _node(name, i, getattr(self, each)) for each in self._nodes},
+            direction=None if along else text(name, i, self.direction),
+            stiffness_n_per_m=_number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
+        )
+        return checked
+
+    def _row(self) -> Row:
+        return [getattr(self, each) for each in self._nodes], self.direction, [self.stiffness_n_per_m]
+
+    @classmethod
+    def _of_row(cls, row: Row) -> Self:
+        nodes, direction, (stiffness,) = row
+        own = dict(zip(cls._nodes, nodes, strict=True), direction=direction, stiffness_n_per_m=stiffness)
+        return cls(**own)
 
 
 @dataclass(frozen=True)
@@ -64,12 +86,11 @@ class PointMass(_Part):
     def _checked(self, name: str, i: int) -> Self:
         inertia = self.inertia_kg_m2
         if shape_of(inertia) not in ((), (3,)):
-            reject(
+            argument, wanted = (
                 part(name, i).attribute("inertia_kg_m2"),
-                inertia,
                 "one inertia, or three about x, y and z",
-                "Give it in kg m^2, about the centre of mass.",
             )
+            reject(argument, inertia, wanted, "Give it in kg m^2, about the centre of mass.")
         three = (inertia,) * 3 if shape_of(inertia) == () else inertia
         return type(self)(
             _node(name, i, self.node),
@@ -85,9 +106,6 @@ class PointMass(_Part):
         (node,), _, (mass, *inertia) = row
         return cls(node, mass, inertia[0] if len(set(inertia)) == 1 else tuple(inertia))
 
-    def _saved(self) -> list[Any]:
-        return list(astuple(self))
-
     @classmethod
     def _of_saved(cls, saved: Sequence[Any]) -> Self:
         node, mass, inertia = saved
@@ -95,7 +113,7 @@ class PointMass(_Part):
 
 
 @dataclass(frozen=True)
-class GroundSpring(_Part):
+class GroundSpring(_Spring):
     """A spring from one dof of a node to ground.
 
     Attributes
@@ -117,25 +135,9 @@ class GroundSpring(_Part):
     direction: str
     stiffness_n_per_m: float
 
-    def _checked(self, name: str, i: int) -> Self:
-        return type(self)(
-            _node(name, i, self.node),
-            text(name, i, self.direction),
-            _number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
-        )
-
-    def _row(self) -> Row:
-        return [self.node], self.direction, [self.stiffness_n_per_m]
-
-    @classmethod
-    def _of_row(cls, row: Row) -> Self:
-        (node,), direction, (stiffness,) = row
-        assert direction is not None  # the core names one for each
-        return cls(node, direction, stiffness)
-
 
 @dataclass(frozen=True)
-class NodeSpring(_Part):
+class NodeSpring(_Spring):
     """A spring between two nodes.
 
     Attributes
@@ -159,21 +161,7 @@ class NodeSpring(_Part):
     stiffness_n_per_m: float
     direction: str | None = None
 
-    def _checked(self, name: str, i: int) -> Self:
-        return type(self)(
-            _node(name, i, self.node),
-            _node(name, i, self.other),
-            _number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
-            None if self.direction is None else text(name, i, self.direction),
-        )
-
-    def _row(self) -> Row:
-        return [self.node, self.other], self.direction, [self.stiffness_n_per_m]
-
-    @classmethod
-    def _of_row(cls, row: Row) -> Self:
-        (node, other), direction, (stiffness,) = row
-        return cls(node, other, stiffness, direction)
+    _nodes: ClassVar[tuple[str, ...]] = ("node", "other")
 
 
 #: Kinds of parts by the argument that lists them.
@@ -215,12 +203,8 @@ def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:
             node = item[0]
             held = (item[1],) if isinstance(item[1], str) or shape_of(item[1]) == () else tuple(item[1])
         else:
-            reject(
-                part("fixed", i),
-                item,
-                "a node, (node, direction) or (node, directions)",
-                "Write it as 0, (0, 'v') or (0, ('u', 'v')).",
-            )
+            remedy = "Write it as 0, (0, 'v') or (0, ('u', 'v'))."
+            reject(part("fixed", i), item, "a node, (node, direction) or (node, directions)", remedy)
         for direction in held:
             found[integer(part("fixed", i), node, low=0), text("fixed", i, direction)] = None
     return list(found)
@@ -237,12 +221,9 @@ def _number(name: str, i: int, attribute: str, value: Any) -> float:
 def text(name: str, i: int | None, value: Any) -> str:
     """The name of a direction."""
     if not isinstance(value, str):
-        reject(
-            name if i is None else part(name, i),
-            value,
-            "a direction by its name, such as 'v'",
-            "Translations are u, v, w; rotations theta in a plane, else theta_x, theta_y, theta_z.",
-        )
+        remedy = "Translations are u, v, w; rotations theta in a plane, else rx, ry, rz."
+        argument = name if i is None else part(name, i)
+        reject(argument, value, "a direction by its name, such as 'v'", remedy)
     return value
 
 
@@ -287,7 +268,7 @@ class Tube:
     shear_coefficient: float | str | None = field(default=None, kw_only=True)
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
-        return _parts(self, name, "tube", ["outer_diameter_m", "thickness_m"])
+        return _parts(self, name, "tube", "outer_diameter_m", "thickness_m")
 
 
 @dataclass(frozen=True)
@@ -298,13 +279,8 @@ class Rectangle:
     ----------
     width_m, height_m : float
         The height lies in the plane of a plane frame, or along the element's reference direction in space.
-    youngs_modulus_pa, density_kg_per_m3 : float
-        Material.
-    poisson : float
-        Poisson's ratio, for torsion and shear.
-    shear_coefficient : float, "cowper" or None
-        Shear area over area, for Timoshenko beams, which have the rotary inertia of the section too; "cowper"
-        takes it from shape and Poisson's ratio. Default: none, that is, Euler-Bernoulli beams.
+    youngs_modulus_pa, density_kg_per_m3, poisson, shear_coefficient
+        As of a :class:`Tube`.
 
     Examples
     --------
@@ -321,7 +297,7 @@ class Rectangle:
     shear_coefficient: float | str | None = field(default=None, kw_only=True)
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
-        return _parts(self, name, "rectangle", ["width_m", "height_m"])
+        return _parts(self, name, "rectangle", "width_m", "height_m")
 
 
 @dataclass(frozen=True)
@@ -343,9 +319,8 @@ class Section:
     poisson : float
         Poisson's ratio, for torsion and shear.
     shear_coefficient, shear_coefficient_y : float, optional
-        Shear area over area for forces in the plane of ``inertia_m4``, and, in space, for those in the other
-        plane (default: the same); for Timoshenko beams, which have the rotary inertia of the section too.
-        Default: none, that is, Euler-Bernoulli beams.
+        As of a :class:`Tube`, for forces in the plane of ``inertia_m4``, and, in space, for those in the
+        other plane (default: the same).
 
     Examples
     --------
@@ -366,24 +341,15 @@ class Section:
 
     def _parts(self, name: str, in_space: bool) -> SectionParts:
         if in_space and self.torsion_m4 is None:
-            reject(
-                Argument(name).attribute("torsion_m4"),
-                None,
-                "the torsion constant in m^4, as the frame is in space",
-                "Give the section its torsion_m4, or use a plane frame.",
-            )
-        across = self.inertia_m4 if self.inertia_y_m4 is None else self.inertia_y_m4
-        torsion = self.inertia_m4 if self.torsion_m4 is None else self.torsion_m4
-        kind, (area, inertia), youngs, density, poisson = _parts(
-            self, name, "general", ["area_m2", "inertia_m4"]
+            argument, wanted = Argument(name).attribute("torsion_m4"), "the torsion constant in m^4, in space"
+            reject(argument, None, wanted, "Give the section its torsion_m4, or use a plane frame.")
+        bending = self.inertia_m4
+        whole = replace(
+            self,
+            inertia_y_m4=bending if self.inertia_y_m4 is None else self.inertia_y_m4,
+            torsion_m4=bending if self.torsion_m4 is None else self.torsion_m4,
         )
-        size = [
-            area,
-            finite_scalar(Argument(name).attribute("inertia_y_m4"), across),
-            inertia,
-            finite_scalar(Argument(name).attribute("torsion_m4"), torsion),
-        ]
-        return kind, size, youngs, density, poisson
+        return _parts(whole, name, "general", "area_m2", "inertia_y_m4", "inertia_m4", "torsion_m4")
 
 
 AnySection = Tube | Rectangle | Section
@@ -391,29 +357,22 @@ AnySection = Tube | Rectangle | Section
 
 def warn_soft(name: str, section: AnySection) -> None:
     """A material softer than rubber is a slip of units."""
-    if (
-        0.0
-        < finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
-        < SOFTEST_PA
-    ):
+    modulus = finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
+    if 0.0 < modulus < SOFTEST_PA:
         warn(
             "softer_than_rubber",
-            f"{name}.youngs_modulus_pa: {section.youngs_modulus_pa:g} Pa is softer than rubber. "
+            f"{name}.youngs_modulus_pa: {modulus:g} Pa is softer than rubber. "
             "Steel has 2.1e11 Pa, and lengths are in metres.",
         )
 
 
-def _parts(section: Any, name: str, kind: str, sizes: list[str]) -> SectionParts:
-    def number(attribute: str) -> float:
-        return finite_scalar(Argument(name).attribute(attribute), getattr(section, attribute))
-
-    return (
-        kind,
-        [number(size) for size in sizes],
-        number("youngs_modulus_pa"),
-        number("density_kg_per_m3"),
-        number("poisson"),
+def _parts(section: Any, name: str, kind: str, *sizes: str) -> SectionParts:
+    material = ("youngs_modulus_pa", "density_kg_per_m3", "poisson")
+    size, (youngs, density, poisson) = (
+        [finite_scalar(Argument(name).attribute(each), getattr(section, each)) for each in names]
+        for names in (sizes, material)
     )
+    return kind, size, youngs, density, poisson
 
 
 def shear_of(section: AnySection, name: str) -> list[float] | None:

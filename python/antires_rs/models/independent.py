@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -17,9 +18,10 @@ from .constraints import (
     TakenOut,
     congruent,
     equations_of,
+    multipliers,
     solved,
     without,
-)
+)  # fmt: skip
 from .matrices import Entries
 
 if TYPE_CHECKING:
@@ -35,30 +37,14 @@ class Matrices(NamedTuple):
     stiffness_terms: tuple[Entries, ...]
     mass_terms: tuple[Entries, ...]
 
-    def transformed(self, t: object) -> Matrices:
-        """T' A T of all."""
-        n = self.n
-        return Matrices(
-            n,
-            congruent(n, self.stiffness, t),
-            congruent(n, self.mass, t),
-            tuple(congruent(n, term, t) for term in self.stiffness_terms),
-            tuple(congruent(n, term, t) for term in self.mass_terms),
-        )
+    def each(self, n: int, change: Callable[[Entries], Entries]) -> Matrices:
+        """All of them changed, of ``n`` dofs then."""
+        terms = (tuple(map(change, each)) for each in (self.stiffness_terms, self.mass_terms))
+        return Matrices(n, change(self.stiffness), change(self.mass), *terms)
 
 
 class Independent(NamedTuple):
-    """What is left.
-
-    Attributes
-    ----------
-    matrices : Matrices
-        Without rows that hold nothing.
-    dependent : Dependent or None
-        What was taken out.
-    rows : ndarray of int, (n,), or None
-        Row of each dof in the matrices, -1 where it has none.
-    """
+    """Matrices without rows that hold nothing, what was taken out, and the row of each dof (n,) or -1."""
 
     matrices: Matrices
     dependent: Dependent | None
@@ -80,48 +66,33 @@ def independent_of(given: Matrices, constraints: Entries | None, kept: set[int])
     if equations:
         gone = {dof: TakenOut(CONSTRAINT, by) for dof, by in solved(equations, kept).items()}
         if gone:
-            left = left.transformed(Dependent.of(gone).transformation(n))
+            t = Dependent.of(gone).transformation(n)
+            left = left.each(n, lambda entries: congruent(n, entries, t))
             taken |= gone
     if not taken:
         return Independent(left, None, None)
     dependent = Dependent.of(taken)
     rows = dependent.rows(n)
-    kept_rows = Matrices(
-        int(rows.max()) + 1,
-        without(left.stiffness, rows),
-        without(left.mass, rows),
-        tuple(without(term, rows) for term in left.stiffness_terms),
-        tuple(without(term, rows) for term in left.mass_terms),
-    )
-    return Independent(kept_rows, dependent, rows)
+    return Independent(left.each(int(rows.max()) + 1, lambda own: without(own, rows)), dependent, rows)
 
 
 def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[Matrices, list[Equation]]:
     """The matrices without the rows of Lagrange multipliers, and the equations that these are."""
-    k, m = given.stiffness, given.mass
-    alone = np.bincount(k.rows, minlength=given.n) > 0
-    alone[k.rows[k.rows == k.columns]] = False
-    alone[m.rows] = False
-    # A multiplier has nothing with other multipliers; of two massless dofs that are joined neither is one.
-    multiplier = alone.copy()
-    multiplier[k.rows[alone[k.rows] & alone[k.columns]]] = False
+    k = given.stiffness
+    multiplier = multipliers(given.n, k, given.mass)
     if not multiplier.any():
         return given, []
     for name, terms in (("stiffness_terms", given.stiffness_terms), ("mass_terms", given.mass_terms)):
         for i, term in enumerate(terms):
             touched = term.rows[multiplier[term.rows]]
             if touched.size:
-                reject(
-                    part(name, i),
-                    f"an entry in row {int(touched[0])}, which is a Lagrange multiplier",
-                    "terms of the structure: an equation has no stiffness that a parameter could scale",
-                    "Leave the rows of the equations out of the term.",
-                )
+                got = f"an entry in row {int(touched[0])}, which is a Lagrange multiplier"
+                wanted = "terms of the structure: an equation has no stiffness that a parameter could scale"
+                reject(part(name, i), got, wanted, "Leave the rows of the equations out of the term.")
     equations: dict[int, Equation] = {int(row): {} for row in np.flatnonzero(multiplier)}
     of_rows = k.those(multiplier[k.rows])
     for row, column, value in zip(*(each.tolist() for each in of_rows), strict=True):
         equations[row][column] = value
     taken |= {row: TakenOut(MULTIPLIER, {}) for row in equations}
-    return given._replace(stiffness=k.those(~(multiplier[k.rows] | multiplier[k.columns]))), list(
-        equations.values()
-    )
+    left = k.those(~(multiplier[k.rows] | multiplier[k.columns]))
+    return given._replace(stiffness=left), list(equations.values())

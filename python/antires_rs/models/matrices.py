@@ -99,12 +99,8 @@ def as_square(name: str, matrix: Any, n: int | None = None) -> tuple[int, Entrie
     """Size and entries of a finite square matrix, (n, n) where n is known."""
     shape, entries = _entries(name, matrix)
     if shape != (n or shape[0],) * 2:
-        reject(
-            name,
-            f"a matrix of shape {shape}",
-            "a non-empty square matrix, stiffness and mass of one size",
-            "Pass both after the same dofs were removed.",
-        )
+        wanted = "a non-empty square matrix, stiffness and mass of one size"
+        reject(name, f"a matrix of shape {shape}", wanted, "Pass both after the same dofs were removed.")
     return shape[0], entries
 
 
@@ -120,13 +116,10 @@ def as_masses(mass: Entries, n: int, label: Callable[[int], str]) -> Entries:
     np.maximum.at(size, mass.rows, np.abs(mass.values))
     real = negative[size[negative] > least]
     if real.size:
-        reject(
-            part("mass", int(real[0])),
-            f"{own[real[0]]:.4g} kg at {label(int(real[0]))}"
-            + (f" and {real.size - 1} more" if real[1:].size else ""),
-            "no negative mass",
-            "Check its signs, and that stiffness and mass are not exchanged.",
-        )
+        more = f" and {real.size - 1} more" if real.size > 1 else ""
+        got = f"{own[real[0]]:.4g} kg at {label(int(real[0]))}{more}"
+        remedy = "Check its signs, and that stiffness and mass are not exchanged."
+        reject(part("mass", int(real[0])), got, "no negative mass", remedy)
     named = ", ".join(label(int(dof)) for dof in negative[:6]) + (", ..." if negative.size > 6 else "")
     warn(
         "negative_mass", f"mass: negative by rounding at {named}, {own[negative].min():.2g}: counted as none."
@@ -140,19 +133,11 @@ def as_term(name: str, matrix: Any, n: int) -> Entries:
     """Entries of a symmetric (n, n) matrix."""
     shape, entries = _entries(name, matrix)
     if shape != (n, n):
-        reject(
-            name,
-            f"a matrix of shape {shape}",
-            f"shape ({n}, {n}), as the stiffness",
-            "Expand it to all dofs of the model, with zeros elsewhere.",
-        )
+        wanted, remedy = f"shape ({n}, {n}), as the stiffness", "Expand it to all dofs, with zeros elsewhere."
+        reject(name, f"a matrix of shape {shape}", wanted, remedy)
     if not _is_symmetric(entries, n):
-        reject(
-            name,
-            "a matrix that is not symmetric",
-            "a symmetric term",
-            "Pass (A + A.T) / 2 if the difference is rounding.",
-        )
+        remedy = "Pass (A + A.T) / 2 if the difference is rounding."
+        reject(name, "a matrix that is not symmetric", "a symmetric term", remedy)
     return entries
 
 
@@ -172,7 +157,7 @@ def _entries(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
     """Shape and finite entries of a matrix, undamped."""
     shape, entries = _given(name, _undamped(name, matrix))
     if shape[0] == shape[-1]:
-        _check_triangles(name, entries)
+        _refuse_triangle(name, entries)
     return shape, entries
 
 
@@ -192,16 +177,13 @@ def _undamped(name: str, matrix: Any) -> Any:
     return own.real
 
 
-def _check_triangles(name: str, entries: Entries) -> None:
+def _refuse_triangle(name: str, entries: Entries) -> None:
     """Refuse a matrix of which one triangle was exported; its mean with the mirror image would be wrong."""
     above, below = (entries.rows < entries.columns).any(), (entries.rows > entries.columns).any()
     if above != below:
-        reject(
-            name,
-            f"the {'upper' if above else 'lower'} triangle only",
-            "a symmetric matrix, both triangles of it",
-            "Pass A + A.T - diag(A): scipy.sparse.diags_array(A.diagonal()) is diag(A).",
-        )
+        remedy = "Pass A + A.T - diag(A): scipy.sparse.diags_array(A.diagonal()) is diag(A)."
+        got = f"the {'upper' if above else 'lower'} triangle only"
+        reject(name, got, "a symmetric matrix, both triangles of it", remedy)
 
 
 def _given(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
-from .constraints import CONSTRAINT, MULTIPLIER, Dependent, equations_by_number
+from .constraints import CONSTRAINT, MULTIPLIER, equations_by_number
 from .dof_names import names_of
 from .independent import Independent
 from .matrices import Columns, as_masses, as_sparse, as_square, as_term
@@ -84,6 +84,7 @@ class MatrixModel(StructuralModel):
     """
 
     _recipe_type = MatrixRecipe
+    _recipe: MatrixRecipe
 
     def __init__(
         self,
@@ -116,12 +117,6 @@ class MatrixModel(StructuralModel):
             "Give ties, rigid links and supports as constraints=, or use penalties a million times softer.",
         )
 
-    @property
-    def _recipe(self) -> MatrixRecipe:
-        recipe = self._description.recipe
-        assert isinstance(recipe, MatrixRecipe)  # the constructors take no other
-        return recipe
-
     def dof(self, name: str) -> int:
         """Number of the dof of this name, zero-based.
 
@@ -148,20 +143,16 @@ class MatrixModel(StructuralModel):
     def _dof(self, name: str, value: Any) -> int:
         dof = super()._dof(name, value)
         dependent = self._independent.dependent
-        if dependent is not None and dependent.reason(dof) == MULTIPLIER:
-            reject(
-                name,
-                f"{self.dof_label(dof)}, a Lagrange multiplier without mass or stiffness of its own",
-                "a dof of the structure",
-                "Its row is an equation; name one of the other rows.",
+        reason = None if dependent is None else dependent.reason(dof)
+        if reason == MULTIPLIER:
+            got = f"{self.dof_label(dof)}, a Lagrange multiplier without mass or stiffness of its own"
+            reject(name, got, "a dof of the structure", "Its row is an equation; name one of the other rows.")
+        if dependent is not None and reason == CONSTRAINT and not dependent.masters(dof):
+            got = f"{self.dof_label(dof)}, which the constraints hold at zero"
+            remedy = (
+                "Nothing is measured there and no force moves it: name another dof, or mend the equations."
             )
-        if dependent is not None and dependent.reason(dof) == CONSTRAINT and not dependent.masters(dof):
-            reject(
-                name,
-                f"{self.dof_label(dof)}, which the constraints hold at zero",
-                "a dof that moves",
-                "Nothing is measured there and no force moves it: name another dof, or mend the equations.",
-            )
+            reject(name, got, "a dof that moves", remedy)
         return dof
 
     @cached_property
@@ -177,7 +168,8 @@ class MatrixModel(StructuralModel):
         here, core = self._independent, self._core
         if here.dependent is None:
             return core, list(dofs)
-        moving = _followed(here.dependent, dofs)
+        followed = [here.dependent.moving_as(dof) for dof in dofs]
+        moving = [dof if own is None else own for dof, own in zip(dofs, followed, strict=True)]
         if any(here.dependent.reason(dof) is not None for dof in moving):
             here, core = self._with_rows(frozenset(moving))
         return core, moving if here.rows is None else here.rows[moving].tolist()
@@ -192,12 +184,6 @@ class MatrixModel(StructuralModel):
         alone = [[i] for i in range(len(responses)) if i not in own]
         return ([own] if own else []) + alone
 
-    def _applied(self, core: CoreModel) -> CoreModel:
-        """With the parameters applied so far."""
-        for applied in self._description.applied:
-            core = self._description.applied_to(core, applied)
-        return core
-
     def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:
         """The same model with other dofs taken out than these; the last one is kept."""
         known = self.__dict__.get("_other")
@@ -205,14 +191,10 @@ class MatrixModel(StructuralModel):
             try:
                 here = self._recipe.independent(dofs)
             except InvalidInputError as exc:
-                reject(
-                    "dofs",
-                    f"{', '.join(map(self.dof_label, sorted(dofs)))} together, against {exc.argument}",
-                    "responses and forces of which none follows from the others",
-                    "Ask for fewer of them at a time, or leave one out of what is measured.",
-                )
-            core = self._applied(here.core())
-            known = dofs, here, core
+                got = f"{', '.join(map(self.dof_label, sorted(dofs)))} together, against {exc.argument}"
+                wanted = "responses and forces of which none follows from the others"
+                reject("dofs", got, wanted, "Ask for fewer of them, or leave one out of what is measured.")
+            known = dofs, here, self._description.core(here.core())
             self._fill(_other=known)
         return known[1], known[2]
 
@@ -227,16 +209,8 @@ class MatrixModel(StructuralModel):
     @property
     def default_elements(self) -> list[int]:
         """Stiffness terms of which the equations leave something."""
-        terms = self._independent.matrices.stiffness_terms
-        return [
-            number
-            for number, term in enumerate(terms)
-            if term.values.size or term is self._recipe.stiffness_terms[number]
-        ]
-
-    @property
-    def _springs(self) -> list[int]:
-        return self.default_elements
+        given, left = self._recipe.stiffness_terms, self._independent.matrices.stiffness_terms
+        return [i for i, term in enumerate(left) if term.values.size or term is given[i]]
 
     @property
     def _free_dofs(self) -> list[int]:
@@ -281,9 +255,3 @@ class MatrixModel(StructuralModel):
 
 def _label(names: tuple[str, ...], dof: int) -> str:
     return names[dof] if names else f"dof {dof}"
-
-
-def _followed(dependent: Dependent, dofs: Sequence[int]) -> list[int]:
-    """Of each dof the one that moves as it does, itself where there is none."""
-    followed = [dependent.moving_as(dof) for dof in dofs]
-    return [dof if own is None else own for dof, own in zip(dofs, followed, strict=True)]

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from inspect import getdoc, signature
-from typing import Any, Literal, Protocol, TypeVar, cast
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -23,47 +23,49 @@ from ..support.messages import warn
 
 
 Quantity = Literal[
-    "stiffness_reduction",
-    "stiffness_factor",
-    "mass_factor",
-    "youngs_modulus",
-    "density",
-    "thickness",
-    "diameter",
-    "point_mass",
-    "inertia",
-    "support_stiffness",
-    "angle",
-    "length",
-    "position",
-]
+    "stiffness_reduction", "stiffness_factor", "mass_factor", "youngs_modulus", "density", "thickness",
+    "diameter", "point_mass", "inertia", "support_stiffness", "angle", "length", "position",
+]  # fmt: skip
+Bounds = tuple[float, float]
+Vector = tuple[float, float, float]
 
-#: What each quantity is called, its unit, and the least value it may have (and whether that is excluded).
-QUANTITIES: dict[Quantity, tuple[str, str, float, bool]] = {
-    "stiffness_reduction": ("stiffness loss", "", 0.0, False),
-    "stiffness_factor": ("stiffness", "", 0.0, True),
-    "mass_factor": ("mass", "", 0.0, True),
-    "youngs_modulus": ("Young's modulus", "Pa", 0.0, True),
-    "density": ("density", "kg/m3", 0.0, True),
-    "thickness": ("thickness", "m", 0.0, True),
-    "diameter": ("outer diameter", "m", 0.0, True),
-    "point_mass": ("mass", "kg", 0.0, False),
-    "inertia": ("inertia", "kg m2", 0.0, False),
-    "support_stiffness": ("stiffness", "N/m", 0.0, False),
-    "angle": ("angle", "deg", -np.inf, False),
-    "length": ("length", "", 0.0, True),
-    "position": ("position", "m", -np.inf, False),
-}
-#: Their terms are sections, which may have names.
+
+class Kind(NamedTuple):
+    """What a quantity is called, its unit, the argument that lists its terms, and what values it may have."""
+
+    what: str
+    unit: str
+    terms: str
+    least: float = 0.0
+    #: Whether the least value itself is excluded.
+    excluded: bool = True
+    #: Value of the model as it was given; None where that is the model's own, in the unit.
+    nominal: float | None = 1.0
+
+
+#: Their terms are sections, which may have names; they move nodes; of these, those that have a pivot.
 OF_SECTIONS = ("youngs_modulus", "density", "thickness", "diameter")
-#: Values of these quantities have units and need a model to have a nominal value.
-_PROPERTIES = (*OF_SECTIONS, "point_mass", "inertia", "support_stiffness")
-
-#: They move nodes; of these, those that have a pivot.
 _MOVES, _ABOUT_A_NODE = ("angle", "length", "position"), ("angle", "length")
 
+KINDS: dict[Quantity, Kind] = {
+    "stiffness_reduction": Kind("stiffness loss", "", "elements", excluded=False, nominal=0.0),
+    "stiffness_factor": Kind("stiffness", "", "elements"),
+    "mass_factor": Kind("mass", "", "elements"),
+    "youngs_modulus": Kind("Young's modulus", "Pa", "sections", nominal=None),
+    "density": Kind("density", "kg/m3", "sections", nominal=None),
+    "thickness": Kind("thickness", "m", "sections", nominal=None),
+    "diameter": Kind("outer diameter", "m", "sections", nominal=None),
+    "point_mass": Kind("mass", "kg", "masses", excluded=False, nominal=None),
+    "inertia": Kind("inertia", "kg m2", "masses", excluded=False, nominal=None),
+    "support_stiffness": Kind("stiffness", "N/m", "springs", excluded=False, nominal=None),
+    "angle": Kind("angle", "deg", "elements", -np.inf, excluded=False, nominal=0.0),
+    "length": Kind("length", "", "elements"),
+    "position": Kind("position", "m", "nodes", -np.inf, excluded=False, nominal=0.0),
+}
+
 #: (quantity, terms, relative, (pivot or 0, axis or zeros)) as the core takes it; None for what moves no node.
-CoreParameter = tuple[str, list[int], bool, tuple[int, tuple[float, float, float]] | None]
+CoreParameter = tuple[str, list[int], bool, tuple[int, Vector] | None]
+_MAKERS = "Make them by stiffness_factor, mass_factor and the like."
 
 
 @dataclass(frozen=True)
@@ -98,23 +100,17 @@ class Parameter:
 
     quantity: Quantity
     terms: tuple[Any, ...]
-    bounds: tuple[float, float]
+    bounds: Bounds
     relative: bool = field(default=False, repr=False)
     pivot: int | None = field(default=None, repr=False)
-    axis: tuple[float, float, float] = field(default=(0.0, 0.0, 1.0), repr=False)
+    axis: Vector = field(default=(0.0, 0.0, 1.0), repr=False)
 
     def __post_init__(self) -> None:
-        choice("quantity", self.quantity, tuple(QUANTITIES))
+        choice("quantity", self.quantity, tuple(KINDS))
         if not isinstance(self.terms, tuple) or not self.terms:
-            reject(
-                "terms",
-                self.terms,
-                "a tuple of at least one zero-based term",
-                "Make parameters by stiffness_factor, mass_factor and the like.",
-            )
+            reject("terms", self.terms, "a tuple of at least one zero-based term", _MAKERS)
         for i, term in enumerate(self.terms):
-            if not (isinstance(term, str) and self.quantity in OF_SECTIONS):
-                integer(part("terms", i), term, low=0)
+            _term(self.quantity, part("terms", i), term)
         if (self.pivot is None) == (self.quantity in _ABOUT_A_NODE):
             reject(
                 "pivot",
@@ -122,13 +118,9 @@ class Parameter:
                 "a node for an angle or a length, and None for anything else",
                 "Make such parameters by antires_rs.angle and antires_rs.length.",
             )
-        if self.relative and self.quantity not in _PROPERTIES:
-            reject(
-                "relative",
-                self.relative,
-                f"False for '{self.quantity}'",
-                "Only properties of sections, masses and supports can be relative.",
-            )
+        if self.relative and KINDS[self.quantity].nominal is not None:
+            remedy = "Only properties of sections, masses and supports can be relative."
+            reject("relative", self.relative, f"False for '{self.quantity}'", remedy)
         _bounds(self.bounds, self.quantity, self.relative)
 
     @property
@@ -137,9 +129,7 @@ class Parameter:
 
         None for a property with a unit, whose nominal value is the model's; see ``UpdatingProblem.nominal``.
         """
-        if self.quantity in ("stiffness_reduction", "angle", "position"):
-            return 0.0
-        return None if self.quantity in _PROPERTIES and not self.relative else 1.0
+        return 1.0 if self.relative else KINDS[self.quantity].nominal
 
     def common_scale(self, value: float) -> float:
         """Rate of this value when all stiffness and mass grow by one common factor.
@@ -148,8 +138,7 @@ class Parameter:
         """
         if self.quantity == "stiffness_reduction":
             return value - 1.0
-        geometry = ("thickness", "diameter", "angle", "length", "position")
-        return 0.0 if self.quantity in geometry else value
+        return 0.0 if self.quantity in ("thickness", "diameter", *_MOVES) else value
 
 
 def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
@@ -160,7 +149,7 @@ def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
     try:
         chosen = tuple(parameters)
     except TypeError:
-        reject("parameters", parameters, wanted, "Make them by stiffness_factor, mass_factor and the like.")
+        reject("parameters", parameters, wanted, _MAKERS)
     for i, parameter in enumerate(chosen):
         if not isinstance(parameter, Parameter):
             reject(part("parameters", i), parameter, wanted, "Join lists with +, without nesting them.")
@@ -184,59 +173,45 @@ def core_parameters(
     ]
     twice = {pair for pair in acting if acting.count(pair) > 1}
     if twice:
-        reject(
-            "parameters",
-            f"{sorted(twice)} more than once",
-            "each quantity of a term once",
-            "Leave one of the two parameters out.",
-        )
+        got = f"{sorted(twice)} more than once"
+        reject("parameters", got, "each quantity of a term once", "Leave one of the two parameters out.")
     return parts
 
 
-def build(
+def _term(quantity: Quantity, name: str, term: Any) -> int | str:
+    if isinstance(term, str) and quantity in OF_SECTIONS:
+        return term
+    return integer(name, term, low=0)
+
+
+def _made(
     quantity: Quantity,
     terms: Any,
     bounds: Any,
     together: bool,
-    *,
-    name: str = "elements",
     relative: bool = False,
     pivot: int | None = None,
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0),
+    axis: Vector = (0.0, 0.0, 1.0),
 ) -> Any:
     """One parameter of a single term, or one each of a sequence, or one of all together."""
-    limits = _bounds(bounds, quantity, relative)
-
-    def checked(where: str, term: Any) -> int | str:
-        if isinstance(term, str) and quantity in OF_SECTIONS:
-            return term
-        return integer(where, term, low=0)
-
+    limits, name = _bounds(bounds, quantity, relative), KINDS[quantity].terms
     if shape_of(terms) == ():
-        return Parameter(quantity, (checked(name, terms),), limits, relative, pivot, axis)
-    indices = [checked(part(name, i), t) for i, t in enumerate(terms)]
+        return Parameter(quantity, (_term(quantity, name, terms),), limits, relative, pivot, axis)
+    indices = [_term(quantity, part(name, i), term) for i, term in enumerate(terms)]
+    one = name.rstrip("s")
     if not indices:
-        reject(
-            name,
-            "an empty sequence",
-            f"at least one {name.rstrip('s')}",
-            f"Name the {name} on which it acts.",
-        )
+        reject(name, "an empty sequence", f"at least one {one}", f"Name the {name} it acts on.")
     twice = sorted({t for t in indices if indices.count(t) > 1}, key=str)
     if twice:
-        reject(
-            name,
-            f"{name.rstrip('s')}(s) {twice} more than once",
-            f"each {name.rstrip('s')} once",
-            "Remove the repeated ones.",
-        )
+        reject(name, f"{one}(s) {twice} more than once", f"each {one} once", "Remove the repeated ones.")
     groups: Iterable[tuple[int | str, ...]] = [tuple(indices)] if together else [(t,) for t in indices]
     built = [Parameter(quantity, group, limits, relative, pivot, axis) for group in groups]
     return built[0] if together else built
 
 
-def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> tuple[float, float]:
-    _, unit, least, excluded = ("", "", 0.0, True) if relative else QUANTITIES[quantity]
+def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
+    kind = KINDS["stiffness_factor" if relative else quantity]
+    unit, least, excluded = kind.unit, kind.least, kind.excluded
     most = 1.0 if quantity == "stiffness_reduction" else np.inf
     sign = "<" if excluded else "<="
     left = f"{least:g} {sign} " if np.isfinite(least) else ""
@@ -260,33 +235,16 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> tuple[float, flo
 FAR = 5.0
 
 
-class _Labelled(Protocol):
-    """What a model calls its parts: with their numbers as arguments, from 0."""
-
-    @property
-    def default_elements(self) -> list[int]: ...
-    def element_label(self, element: int) -> str: ...
-    def mass_label(self, term: int) -> str: ...
-
-
-class _LabelledFrame(_Labelled, Protocol):
-    def section_index(self, name: str | int) -> int: ...
-    def section_label(self, section: int) -> str: ...
-
-
-def parameter_name(model: _Labelled, parameter: Parameter) -> str:
-    """Name for tables, with the unit of the value."""
-    quantity = parameter.quantity
-    what, unit, *_ = QUANTITIES[quantity]
+def parameter_name(model: Any, parameter: Parameter) -> str:
+    """Name for tables, with the unit of the value; the model knows what its parts are called."""
+    quantity, terms, about = parameter.quantity, parameter.terms, ""
+    what, unit = KINDS[quantity][:2]
     if parameter.relative:
         what, unit = f"{what} factor", ""
-    terms = parameter.terms
-    about = {"angle": f" about node {parameter.pivot}", "length": f" from node {parameter.pivot}"}.get(
-        quantity, ""
-    )
+    if quantity in _ABOUT_A_NODE:
+        about = f" {'about' if quantity == 'angle' else 'from'} node {parameter.pivot}"
     if quantity in OF_SECTIONS:
-        frame = cast(_LabelledFrame, model)
-        labels = [frame.section_label(frame.section_index(term)) for term in terms]
+        labels = [model.section_label(model.section_index(term)) for term in terms]
     elif quantity in ("mass_factor", "point_mass", "inertia"):
         # Point masses are the mass terms after those of the beams.
         first = 0 if quantity == "mass_factor" else len(model.default_elements)
@@ -308,14 +266,11 @@ def warn_far(parameters: Iterable[Parameter], names: Sequence[str], nominal: Flo
     for parameter, name, value in zip(parameters, names, nominal, strict=True):
         low, high = parameter.bounds
         if value > 0.0 and not low / FAR <= value <= FAR * high:
-            factors = parameter.nominal is None and high < 100.0
-            hint = (
-                "Bounds that are factors need relative=True." if factors else "Check the unit of the bounds."
-            )
-            warn(
-                "far_outside_bounds",
-                f"{name}: the model has {value:g}, far outside the bounds ({low:g}, {high:g}). " + hint,
-            )
+            hint = "Check the unit of the bounds."
+            if parameter.nominal is None and high < 100.0:
+                hint = "Bounds that are factors need relative=True."
+            far = f"{name}: the model has {value:g}, far outside the bounds ({low:g}, {high:g}). {hint}"
+            warn("far_outside_bounds", far)
 
 
 #: Largest stiffness loss by default: a lost element would leave the structure in two parts.
@@ -323,13 +278,22 @@ LARGEST_REDUCTION = 0.99
 
 Maker = TypeVar("Maker", bound=Callable[..., Any])
 
+_TERMS = "int or sequence of int\n        Zero-based {}."
+_STIFFNESS_TERMS, _MASS_TERMS = _TERMS.format("stiffness terms"), _TERMS.format("mass terms")
+_SECTIONS = "int or str, or a sequence of them\n        Sections by index or name."
+_TUBES = "int or str, or a sequence of them\n        Sections by index or name, which must be tubes."
+_MASSES = _TERMS.format("positions in the model's ``point_masses``")
+_SPRINGS = _TERMS.format("positions in the model's ``ground_springs``")
+_FACTORS = "Positive, for example ``(0.9, 1.1)``."
+_AMOUNT = "In {}, at least 0; or positive factors."
+_RELATIVE = "    relative : bool\n        The value is a factor on the nominal one.\n"
 
-def _documented(terms: str, bounds: str, one: str, wrong: str = "not positive") -> Callable[[Maker], Maker]:
+
+def _documented(terms: str, bounds: str, wrong: str = "not positive") -> Callable[[Maker], Maker]:
     """Adds to the first sentence and the example of a function what all functions of parameters share."""
 
     def add(function: Maker) -> Maker:
         first, *rest = signature(function).parameters
-        relative = "    relative : bool\n        The value is a factor on the nominal one.\n"
         head, _, example = (getdoc(function) or "").partition("\n\n")
         function.__doc__ = f"""{head}
 
@@ -338,7 +302,7 @@ def _documented(terms: str, bounds: str, one: str, wrong: str = "not positive") 
     {first} : {terms}
     bounds : (float, float)
         {bounds}
-{relative if "relative" in rest else ""}    together : bool
+{_RELATIVE if "relative" in rest else ""}    together : bool
         One parameter for the whole sequence.
 
     Returns
@@ -348,7 +312,7 @@ def _documented(terms: str, bounds: str, one: str, wrong: str = "not positive") 
     Raises
     ------
     InvalidInputError
-        Bounds out of order or {wrong}, a {one} listed twice.
+        Bounds out of order or {wrong}, one of the {first} listed twice.
 
     Examples
     --------
@@ -360,17 +324,9 @@ def _documented(terms: str, bounds: str, one: str, wrong: str = "not positive") 
     return add
 
 
-_TERMS = "int or sequence of int\n        Zero-based {}."
-_STIFFNESS_TERMS, _MASS_TERMS = _TERMS.format("stiffness terms"), _TERMS.format("mass terms")
-_SECTIONS = "int or str, or a sequence of them\n        Sections by index or name."
-_TUBES = "int or str, or a sequence of them\n        Sections by index or name, which must be tubes."
-_MASSES = _TERMS.format("positions in the model's ``point_masses``")
-_FACTORS = "Positive, for example ``(0.9, 1.1)``."
-
-
-@_documented(_STIFFNESS_TERMS, "Within [0, 1].", "element", "outside [0, 1]")
+@_documented(_STIFFNESS_TERMS, "Within [0, 1].", "outside [0, 1]")
 def stiffness_reduction(
-    elements: Any, *, bounds: tuple[float, float] = (0.0, LARGEST_REDUCTION), together: bool = False
+    elements: Any, *, bounds: Bounds = (0.0, LARGEST_REDUCTION), together: bool = False
 ) -> Any:
     """Damage: loss ``beta`` of an element's stiffness, ``K = sum (1 - beta_i) K_i``.
 
@@ -379,27 +335,27 @@ def stiffness_reduction(
     >>> len(ar.stiffness_reduction(range(7)))
     7
     """
-    return build("stiffness_reduction", elements, bounds, together)
+    return _made("stiffness_reduction", elements, bounds, together)
 
 
-@_documented(_STIFFNESS_TERMS, _FACTORS, "element")
-def stiffness_factor(elements: Any, *, bounds: tuple[float, float], together: bool = False) -> Any:
+@_documented(_STIFFNESS_TERMS, _FACTORS)
+def stiffness_factor(elements: Any, *, bounds: Bounds, together: bool = False) -> Any:
     """Factor on the stiffness of elements; 1 leaves them as they are.
 
     >>> ar.stiffness_factor([0, 1], bounds=(0.8, 1.2), together=True)
     Parameter(quantity='stiffness_factor', terms=(0, 1), bounds=(0.8, 1.2))
     """
-    return build("stiffness_factor", elements, bounds, together)
+    return _made("stiffness_factor", elements, bounds, together)
 
 
-@_documented(_MASS_TERMS, _FACTORS, "term")
-def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = False) -> Any:
+@_documented(_MASS_TERMS, _FACTORS)
+def mass_factor(terms: Any, *, bounds: Bounds, together: bool = False) -> Any:
     """Factor on mass terms; for a :class:`MassSpringChain`, term i is mass i.
 
     >>> ar.mass_factor(0, bounds=(0.9, 1.1))
     Parameter(quantity='mass_factor', terms=(0,), bounds=(0.9, 1.1))
     """
-    return build("mass_factor", terms, bounds, together)
+    return _made("mass_factor", terms, bounds, together)
 
 
 # -- Updating parameters of a :class:`~antires_rs.FrameModel`: sections, masses and supports
@@ -408,93 +364,74 @@ def mass_factor(terms: Any, *, bounds: tuple[float, float], together: bool = Fal
 # also lets one parameter act on carriers of different values. Sections are named, or counted from zero.
 
 
-@_documented(_SECTIONS, "Positive; in Pa, or factors.", "section")
-def youngs_modulus(
-    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
-) -> Any:
+@_documented(_SECTIONS, "Positive; in Pa, or factors.")
+def youngs_modulus(sections: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Young's modulus of sections, in Pa.
 
     >>> ar.youngs_modulus("pipe", bounds=(1.9e11, 2.2e11))
     Parameter(quantity='youngs_modulus', terms=('pipe',), bounds=(190000000000.0, 220000000000.0))
     """
-    return build("youngs_modulus", sections, bounds, together, name="sections", relative=relative)
+    return _made("youngs_modulus", sections, bounds, together, relative)
 
 
-@_documented(_SECTIONS, "Positive; in kg/m3, or factors.", "section")
-def density(
-    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
-) -> Any:
+@_documented(_SECTIONS, "Positive; in kg/m3, or factors.")
+def density(sections: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Density of sections, in kg/m3.
 
     >>> ar.density(["pipe", "flange"], bounds=(0.95, 1.05), relative=True, together=True).terms
     ('pipe', 'flange')
     """
-    return build("density", sections, bounds, together, name="sections", relative=relative)
+    return _made("density", sections, bounds, together, relative)
 
 
-@_documented(_TUBES, "Positive; in m, or factors. At most half the outer diameter.", "section")
-def thickness(
-    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
-) -> Any:
+@_documented(_TUBES, "Positive; in m, or factors. At most half the outer diameter.")
+def thickness(sections: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Wall thickness of tubes, in m; area and second moments follow.
 
     >>> ar.thickness(0, bounds=(0.0012, 0.002))
     Parameter(quantity='thickness', terms=(0,), bounds=(0.0012, 0.002))
     """
-    return build("thickness", sections, bounds, together, name="sections", relative=relative)
+    return _made("thickness", sections, bounds, together, relative)
 
 
-@_documented(_TUBES, "Positive; in m, or factors.", "section")
-def diameter(
-    sections: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
-) -> Any:
+@_documented(_TUBES, "Positive; in m, or factors.")
+def diameter(sections: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Outer diameter of tubes, in m; the wall keeps its thickness.
 
     >>> len(ar.diameter([0, 1], bounds=(0.036, 0.040)))
     2
     """
-    return build("diameter", sections, bounds, together, name="sections", relative=relative)
+    return _made("diameter", sections, bounds, together, relative)
 
 
-@_documented(_MASSES, "In kg, at least 0; or positive factors.", "mass", "negative")
-def point_mass(
-    masses: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
-) -> Any:
+@_documented(_MASSES, _AMOUNT.format("kg"), "negative")
+def point_mass(masses: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Lumped mass at a node, in kg; its inertia stays.
 
     >>> ar.point_mass(2, bounds=(0.8, 1.2), relative=True).relative
     True
     """
-    return build("point_mass", masses, bounds, together, name="masses", relative=relative)
+    return _made("point_mass", masses, bounds, together, relative)
 
 
-@_documented(_MASSES, "In kg m2, at least 0; or positive factors.", "mass", "negative")
-def inertia(
-    masses: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
-) -> Any:
+@_documented(_MASSES, _AMOUNT.format("kg m2"), "negative")
+def inertia(masses: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Rotational inertia of a lumped mass, in kg m2; in space about all three axes.
 
     >>> ar.inertia(0, bounds=(0.001, 0.004)).bounds
     (0.001, 0.004)
     """
-    return build("inertia", masses, bounds, together, name="masses", relative=relative)
+    return _made("inertia", masses, bounds, together, relative)
 
 
-@_documented(
-    _TERMS.format("positions in the model's ``ground_springs``"),
-    "In N/m, at least 0; or positive factors.",
-    "spring",
-    "negative",
-)
-def support_stiffness(
-    springs: Any, *, bounds: tuple[float, float], relative: bool = False, together: bool = False
-) -> Any:
+@_documented(_SPRINGS, _AMOUNT.format("N/m"), "negative")
+def support_stiffness(springs: Any, *, bounds: Bounds, relative: bool = False, together: bool = False) -> Any:
     """Stiffness of springs to ground, in N/m (N m/rad for rotations).
 
     >>> ar.support_stiffness([0, 1], bounds=(500.0, 4000.0), together=True).terms
     (0, 1)
     """
-    return build("support_stiffness", springs, bounds, together, name="springs", relative=relative)
+    return _made("support_stiffness", springs, bounds, together, relative)
 
 
 # -- Updating parameters that move nodes of a :class:`~antires_rs.FrameModel`: angles, lengths and positions
@@ -507,14 +444,22 @@ def support_stiffness(
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-def angle(
-    elements: Any, pivot: int, *, bounds_deg: tuple[float, float], axis: Any = (0.0, 0.0, 1.0)
+def _group(
+    quantity: Quantity, elements: Any, bounds: Any, pivot: Any, axis: Vector = _AXES["z"]
 ) -> Parameter:
+    """One parameter of all elements, which turn or grow about a node."""
+    group = [elements] if shape_of(elements) == () else elements
+    stays = integer("pivot", pivot, low=0)
+    made: Parameter = _made(quantity, group, bounds, together=True, pivot=stays, axis=axis)
+    return made
+
+
+def angle(elements: Any, pivot: int, *, bounds_deg: Bounds, axis: Any = (0.0, 0.0, 1.0)) -> Parameter:
     """Angle in degrees by which a group of elements, and all downstream of it, turns about a node.
 
     The nodes of the group and all that are reached from them without passing the pivot are rotated, and the
-    elements formed again from the new coordinates: a free structure stays free at any angle. Supports and
-    sensors keep their directions. Several angles act in their order, each about its pivot where it then is.
+    elements formed again: a free structure stays free at any angle. Supports and sensors keep their
+    directions. Several angles act in their order, each about its pivot where it then is.
 
     Parameters
     ----------
@@ -543,18 +488,11 @@ def angle(
     >>> ar.angle([4, 5], pivot=5, bounds_deg=(-5.0, 5.0)).bounds
     (-5.0, 5.0)
     """
-    made: Parameter = build(
-        "angle",
-        [elements] if shape_of(elements) == () else elements,
-        bounds_deg,
-        together=True,
-        pivot=integer("pivot", pivot, low=0),
-        axis=_direction("axis", axis, "Leave it out for (0, 0, 1)."),
-    )
-    return made
+    turned = _direction("axis", axis, "Leave it out for (0, 0, 1).")
+    return _group("angle", elements, bounds_deg, pivot, axis=turned)
 
 
-def length(elements: Any, pivot: int, *, bounds: tuple[float, float]) -> Parameter:
+def length(elements: Any, pivot: int, *, bounds: Bounds) -> Parameter:
     """Factor on the length of a group of elements, which keep their directions.
 
     Seen from the pivot, the far end of each element of the group moves away along the element; all that is
@@ -588,17 +526,10 @@ def length(elements: Any, pivot: int, *, bounds: tuple[float, float]) -> Paramet
     >>> longer.nodes_m[:, 0].round(3).tolist()
     [0.0, 0.52, 1.04]
     """
-    made: Parameter = build(
-        "length",
-        [elements] if shape_of(elements) == () else elements,
-        bounds,
-        together=True,
-        pivot=integer("pivot", pivot, low=0),
-    )
-    return made
+    return _group("length", elements, bounds, pivot)
 
 
-def position(nodes: Any, direction: Any, *, bounds_m: tuple[float, float], together: bool = False) -> Any:
+def position(nodes: Any, direction: Any, *, bounds_m: Bounds, together: bool = False) -> Any:
     """Shift of nodes along a direction, in m; the elements that end there change length and direction.
 
     Parameters
@@ -634,17 +565,11 @@ def position(nodes: Any, direction: Any, *, bounds_m: tuple[float, float], toget
     along = _AXES.get(direction) if isinstance(direction, str) else direction
     if along is None:
         reject("direction", repr(direction), "'x', 'y', 'z' or a vector", "Take one of the axes.")
-    return build(
-        "position",
-        nodes,
-        bounds_m,
-        together,
-        name="nodes",
-        axis=_direction("direction", along, "Take one of 'x', 'y' and 'z'.", unit=True),
-    )
+    axis = _direction("direction", along, "Take one of 'x', 'y' and 'z'.", unit=True)
+    return _made("position", nodes, bounds_m, together, axis=axis)
 
 
-def _direction(name: str, value: Any, remedy: str, unit: bool = False) -> tuple[float, float, float]:
+def _direction(name: str, value: Any, remedy: str, unit: bool = False) -> Vector:
     wanted = "a direction (x, y, z)"
     direction = real_array(name, value, ndim=1, wanted=wanted)
     if direction.shape != (3,) or not np.any(direction):

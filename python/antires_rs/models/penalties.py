@@ -198,7 +198,13 @@ def warn_penalties(model: StructuralModel, stiffness: Any, remedy: str) -> None:
         for dofs, lost in soft:
             warn_softly_held(model, dofs, lost)
         for dofs, support in [] if soft else free_by_ties(model.n_dof, entries):
-            _warn_free(model, dofs, float(diagonal[dofs].max()), support)
+            warn(
+                "free_by_ties",
+                f"stiffness: nothing holds {_named(model, dofs)}, and up to {diagonal[dofs].max():.1g} is "
+                f"more than any part has: beside such ties supports softer than {support:.1g} are rounded "
+                "away in the sums, and a free body is left. Give ties and rigid links as constraints=, "
+                "without penalties.",
+            )
         return
     warn(
         "stiff_penalties",
@@ -214,16 +220,6 @@ def warn_softly_held(model: StructuralModel, dofs: Dofs, lost: float) -> None:
         f"stiffness: {_named(model, dofs)} move as one beside what holds them, and rounding in the "
         f"assembly may have changed that by {lost:.1g} of it, and the lowest frequencies with it. Give ties "
         "and rigid links as constraints=, without penalties, or one mass for what moves as one.",
-    )
-
-
-def _warn_free(model: StructuralModel, dofs: Dofs, largest: float, support: float) -> None:
-    """Name the dofs whose ties may have rounded away what held them."""
-    warn(
-        "free_by_ties",
-        f"stiffness: nothing holds {_named(model, dofs)}, and up to {largest:.1g} is more than any part has: "
-        f"beside such ties supports softer than {support:.1g} are rounded away in the sums, and a free body "
-        "is left. Give ties and rigid links as constraints=, without penalties.",
     )
 
 

@@ -28,26 +28,15 @@ class _Recipe(Value):
     def section_index(self, name: str | int) -> int:
         """Index of a section by its name; only frames have sections."""
         if isinstance(name, str):
-            reject(
-                "parameters",
-                f"the section {name!r}",
-                "zero-based terms, as the model is not a FrameModel",
-                "Count the terms from 0, or build a FrameModel, which has named sections.",
-            )
+            wanted = "zero-based terms, as the model is not a FrameModel"
+            remedy = "Count the terms from 0, or build a FrameModel, which has named sections."
+            reject("parameters", f"the section {name!r}", wanted, remedy)
         return name
 
 
 @dataclass(frozen=True, eq=False)
 class ChainRecipe(_Recipe):
-    """A chain of masses and springs.
-
-    Attributes
-    ----------
-    masses_kg : ndarray, (n,)
-    springs_n_per_m : ndarray, (n - 1,)
-    ground_first_n_per_m, ground_last_n_per_m : float
-        0 where that end is free.
-    """
+    """A chain of masses (n,) and springs (n - 1,); those to ground are 0 where that end is free."""
 
     masses_kg: FloatArray
     springs_n_per_m: FloatArray
@@ -63,19 +52,9 @@ class ChainRecipe(_Recipe):
 
 @dataclass(frozen=True, eq=False)
 class MatrixRecipe(_Recipe):
-    """Stiffness and mass, the terms that parameters may scale, and equations between the dofs.
+    """Stiffness and mass, the terms that parameters may scale, and equations between the dofs, a row each.
 
-    Attributes
-    ----------
-    n_dof : int
-    stiffness, mass : Entries
-    stiffness_terms, mass_terms : tuple of Entries
-    names : tuple of str
-        Of the dofs; empty where they have none.
-    constraints : Entries or None
-        A row each.
-    keep : tuple of int
-        Dofs that are not taken out.
+    ``names`` are those of the dofs, empty where they have none; ``keep`` are dofs that are not taken out.
     """
 
     n_dof: int
@@ -99,21 +78,10 @@ class MatrixRecipe(_Recipe):
 
 @dataclass(frozen=True, eq=False)
 class FrameRecipe(_Recipe):
-    """Beams with lumped masses, springs and supports.
+    """Beams (first node, second node, section) with lumped masses, springs and supports.
 
-    Attributes
-    ----------
-    nodes_m : ndarray, (n_nodes, 2) or (n_nodes, 3)
-    beams : tuple of (int, int, int)
-        First node, second node and section of each.
-    section_names : tuple of str or int
-        Names of the sections, or their indices where they have none.
-    sections : tuple of Tube, Rectangle or Section
-    orientation : ndarray, (n_beams, 3), or None
-    parts : dict
-        By the argument that lists them (``frame_parts.PARTS``): what the frame carries beside its beams.
-    fixed : tuple of (int, str)
-        Node and direction of each fixed dof.
+    Sections without a name have their index; ``parts`` are by the argument that lists them
+    (``frame_parts.PARTS``), ``fixed`` dofs by node and direction.
     """
 
     nodes_m: FloatArray
@@ -133,20 +101,13 @@ class FrameRecipe(_Recipe):
         """Index of a section by its name."""
         names = self.section_names
         if name not in names and isinstance(name, str):
-            reject(
-                "sections",
-                repr(name),
-                f"a section of the model: {', '.join(map(repr, names))}",
-                "Correct the name.",
-            )
+            wanted = f"a section of the model: {', '.join(map(repr, names))}"
+            reject("sections", repr(name), wanted, "Correct the name.")
         return names.index(name) if isinstance(name, str) else integer("sections", name, low=0)
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""
-        named = [
-            (section, section_argument(name))
-            for name, section in zip(self.section_names, self.sections, strict=True)
-        ]
+        named = list(zip(self.sections, map(section_argument, self.section_names), strict=True))
         sections = [section._parts(name, self.in_space) for section, name in named]
         shear = [shear_of(section, name) for section, name in named]
         frame = _core.Frame(

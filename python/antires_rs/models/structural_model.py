@@ -1,7 +1,6 @@
 """What every structural model can do: modes, frequency responses, antiresonances, virtual tests.
 
-A thin, typed wrapper over the Rust core, which owns the matrices, the eigenproblems and the antiresonances.
-SI units; degrees of freedom zero-based.
+A thin wrapper over the Rust core, which owns the matrices, the eigenproblems and the antiresonances.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 
@@ -38,15 +37,11 @@ from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
-    from ..signals.recording import Recording
-    from ..support.checks import ComplexArray, FloatArray
 
 
-# -- One description of a model: what it was made of, and the parameters that were applied to it since
+# -- One description of a model, by which it is built, copied, pickled and saved
 #
-# Every model is built from its description, copied, pickled and saved by it. Rebuilding gives the same
-# bits: first the recipe's matrices, then each set of parameters in its order, on the state that those
-# before it left.
+# Rebuilding gives the same bits: first the recipe's matrices, then each set of parameters in its order.
 
 
 Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
@@ -54,13 +49,7 @@ Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
 
 @dataclass(frozen=True, eq=False)
 class AppliedParameters(Value):
-    """Parameters and the values that they were given, as one updating leaves them.
-
-    Attributes
-    ----------
-    parameters : tuple of Parameter
-    values : ndarray, (n,)
-    """
+    """Parameters and their values (n,), as one updating leaves them."""
 
     parameters: tuple[Parameter, ...]
     values: FloatArray
@@ -73,58 +62,31 @@ class AppliedParameters(Value):
         wanted = f"an array ({n},), one value for each parameter"
         vector = np.atleast_1d(real_array("values", values, ndim=None, wanted=wanted))
         if vector.shape != (n,):
-            reject(
-                "values",
-                f"an array of shape {np.shape(values)}",
-                wanted,
-                "Give a value for each parameter, in their order.",
-            )
+            got = f"an array of shape {np.shape(values)}"
+            reject("values", got, wanted, "Give a value for each parameter, in their order.")
         return cls(chosen, vector)
 
 
 @dataclass(frozen=True, eq=False)
 class ModelDescription(Value):
-    """What a model is: its recipe, and the parameters applied to it, in order.
-
-    Attributes
-    ----------
-    recipe : ChainRecipe, MatrixRecipe or FrameRecipe
-        What the constructor was given; see :mod:`antires_rs.models.recipes`.
-    applied : tuple of AppliedParameters
-        One for each updating that the model went through; none for a model as it was made.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
-    >>> damaged = chain.with_parameters(ar.stiffness_reduction(0), 0.4)
-    >>> damaged.description.recipe == chain.description.recipe
-    True
-    >>> [(one.parameters[0].quantity, one.values.tolist()) for one in damaged.description.applied]
-    [('stiffness_reduction', [0.4])]
-    """
+    """What a model is: what its constructor was given, and what each updating since applied, in order."""
 
     recipe: Recipe
     applied: tuple[AppliedParameters, ...] = ()
-
-    def with_parameters(self, applied: AppliedParameters) -> ModelDescription:
-        """The description of this model with further parameters applied."""
-        return ModelDescription(self.recipe, (*self.applied, applied))
 
     def core_parameters(self, parameters: Iterable[Parameter]) -> list[CoreParameter]:
         """Parameters as the core takes them."""
         return core_parameters(self.recipe.section_index, parameters)
 
-    def core(self) -> CoreModel:
-        """The core's model, made from nothing but this description."""
-        core = self.recipe.core()
-        for applied in self.applied:
-            core = self.applied_to(core, applied)
-        return core
+    def core(self, made: CoreModel | None = None) -> CoreModel:
+        """The core's model, from nothing but this description, or from what its recipe ``made``."""
+        return self.applied_to(self.recipe.core() if made is None else made, *self.applied)
 
-    def applied_to(self, core: CoreModel, applied: AppliedParameters) -> CoreModel:
+    def applied_to(self, core: CoreModel, *every: AppliedParameters) -> CoreModel:
         """The core's model with parameters applied to the state that ``core`` is."""
-        return core.at(self.core_parameters(applied.parameters), applied.values)
+        for applied in every:
+            core = core.at(self.core_parameters(applied.parameters), applied.values)
+        return core
 
 
 # -- A model and its description: how it is built, copied and changed, and what its parts are called
@@ -145,15 +107,19 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         return self._description.core()
 
     @property
+    def _recipe(self) -> Any:
+        return self._description.recipe
+
+    @property
     def description(self) -> ModelDescription:
         """What the model was made of and the parameters applied since: all that a copy or a file needs.
 
         Examples
         --------
         >>> import antires_rs as ar
-        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
-        >>> chain.description.recipe.springs_n_per_m
-        array([500.])
+        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0]).with_parameters(ar.stiffness_reduction(0), 0.4)
+        >>> chain.description.recipe.springs_n_per_m, chain.description.applied[0].values
+        (array([500.]), array([0.4]))
         >>> again = ar.MassSpringChain.from_description(chain.description)
         >>> again.description == chain.description
         True
@@ -162,36 +128,21 @@ class Described(AroundCore["CoreModel"], ReadOnly):
 
     @classmethod
     def from_description(cls, description: ModelDescription) -> Self:
-        """Build a model of this class from its description, to the same bits.
-
-        Parameters
-        ----------
-        description : ModelDescription
-            As :attr:`description` gives it.
+        """Build a model of this class from its :attr:`description`, to the same bits.
 
         Raises
         ------
         InvalidInputError
             The description of another kind of model.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0])
-        >>> ar.MassSpringChain.from_description(chain.description)
-        MassSpringChain(2 masses)
         """
         wanted = cls._recipe_type
         if not isinstance(description, ModelDescription):
             reject("description", description, "a ModelDescription", "Take it from a model's .description.")
         if wanted is None or not isinstance(description.recipe, wanted):
+            got = f"the recipe of another kind of model, a {type(description.recipe).__name__}"
             needed = "one" if wanted is None else f"a {wanted.__name__}"
-            reject(
-                "description",
-                f"the recipe of another kind of model, a {type(description.recipe).__name__}",
-                f"{needed} that a {cls.__name__} is made of",
-                "Call from_description of the class that the description was taken from.",
-            )
+            made_of = f"{needed} that a {cls.__name__} is made of"
+            reject("description", got, made_of, "Call from_description of its own class.")
         model = object.__new__(cls)
         model._build(description)
         return model
@@ -219,10 +170,10 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         array([[ 300., -300.],
                [-300.,  300.]])
         """
-        applied = AppliedParameters.checked(parameters, values)
+        applied, before = AppliedParameters.checked(parameters, values), self._description
         model = object.__new__(type(self))
-        core = self._description.applied_to(self._core, applied)
-        model._build(self._description.with_parameters(applied), core)
+        after = ModelDescription(before.recipe, (*before.applied, applied))
+        model._build(after, before.applied_to(self._core, applied))
         return model
 
     def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
@@ -283,7 +234,7 @@ class Described(AroundCore["CoreModel"], ReadOnly):
     @property
     def _springs(self) -> list[int]:
         """Stiffness terms that have a stiffness."""
-        return list(range(self._core.n_stiffness_terms))
+        return self.default_elements
 
 
 # -- What the core leaves in doubt about antiresonances and modes, in words
@@ -295,12 +246,17 @@ _NAMED = 4
 _EDGE = 1e-6
 
 
-def warn_doubts(
+def _some(named: Sequence[Any]) -> str:
+    """The first of them, and how many more there are."""
+    more = f" and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
+    return ", ".join(map(str, named[:_NAMED])) + more
+
+
+def _warn_doubts(
     dof: int,
     excitation: int | str,
     n_dof: int,
     values: Sequence[FloatArray],
-    *,
     is_zero: bool,
     is_doubtful: bool,
 ) -> None:
@@ -319,17 +275,15 @@ def warn_doubts(
             "softest part would tell.",
         )
     if len(values) == 2 and np.isinf(values[1]).any():
-        open_hz = values[0][np.isinf(values[1])]
-        named = ", ".join(f"{f:.6g}" for f in open_hz[:_NAMED])
-        more = f" and {open_hz.size - _NAMED} more" if open_hz.size > _NAMED else ""
+        named = _some([f"{f:.6g}" for f in values[0][np.isinf(values[1])]])
         warn(
             "uncertain_roots",
-            f"response dof {dof}: {named}{more} Hz are not certain: too close to others to be told "
+            f"response dof {dof}: {named} Hz are not certain: too close to others to be told "
             "from them, or moved too far by the rounding of K and M.",
         )
 
 
-def warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
+def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
     """Name dofs joined to no other whose modes are not among all modes found: too far above the lowest."""
     from scipy.sparse import csc_array
 
@@ -342,11 +296,10 @@ def warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: C
     hz = np.sqrt(own[alone] / of_mass[alone]) / (2.0 * np.pi)
     out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
     if out.any():
-        named = ", ".join(label(int(dof)) for dof in alone[out][:_NAMED])
-        more = f" and {int(out.sum()) - _NAMED} more" if out.sum() > _NAMED else ""
+        named = _some([label(int(dof)) for dof in alone[out]])
         warn(
             "modes_left_out",
-            f"modes at {named}{more}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
+            f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
             f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them.",
         )
 
@@ -413,15 +366,11 @@ class StructuralModel(Described):
             )
         if limit is None and most is None:
             whole: Any = self  # every kind of model has these matrices
-            warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
+            _warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
-            reject(
-                "f_max_hz",
-                f"{limit:g} Hz",
-                f"at least the first resonance, {freq[0]:.6g} Hz",
-                "Raise it, or leave it out for all modes.",
-            )
+            wanted = f"at least the first resonance, {freq[0]:.6g} Hz"
+            reject("f_max_hz", f"{limit:g} Hz", wanted, "Raise it, or leave it out for all modes.")
         return ModalSet(freq[:keep], self._whole_shapes(shapes[:, :keep].T), dofs=range(self.n_dof))
 
     def frf(
@@ -474,13 +423,8 @@ class StructuralModel(Described):
         """
         freq = real_array("freq_hz", freq_hz, ndim=1, wanted="an array (n_freq,) of frequencies in Hz")
         if freq.min() < 0:
-            reject(
-                "freq_hz",
-                f"{freq.min():g} Hz",
-                "no negative frequency",
-                "Pass the positive half of the axis.",
-            )
-        choice("kind", kind, ("accelerance", "mobility", "receptance"))
+            reject("freq_hz", f"{freq.min():g} Hz", "no negative frequency", "Pass the positive half axis.")
+        choice("kind", kind, get_args(Motion))
         dofs, force = self._dofs("response", response), self._dof("excitation", excitation)
         damping = self._damping(damping_ratio)
         values = np.empty((len(dofs), freq.size), dtype=np.complex128)
@@ -528,12 +472,10 @@ class StructuralModel(Described):
             Hz, ascending; with ``bounds`` a pair of arrays (n,), frequencies and bounds of their errors in
             Hz, infinite for one that is not certain: it lies too close to others to be told from them, or
             rounding of the entries moves it by more than 1e-3 in frequency squared. A list for a sequence of
-            responses.
-            Dropped are roots that are
-            infinite or zero at working precision (an ulp of K and M moves them by more than 1e-3 of their own
-            distance from there), negative, or complex (imaginary part above 1e-9 of the modulus, or above
-            ten times that uncertainty, at most 3e-7). Every QZ root is checked to a backward error of 1e-10
-            (3e-7 within 1e-6 of another), or polished on the matrices.
+            responses. Dropped are roots that are infinite or zero at working precision (an ulp of K and M
+            moves them by more than 1e-3 of their own distance from there), negative, or complex (imaginary
+            part above 1e-9 of the modulus, or above ten times that uncertainty, at most 3e-7). Each QZ root
+            has a backward error of at most 1e-10 (3e-7 within 1e-6 of another), or is polished on K and M.
 
         Raises
         ------
@@ -545,7 +487,7 @@ class StructuralModel(Described):
         Warns
         -----
         AntiresWarning
-            The response is not connected to the excitation: H is identically zero; or rounding leaves a doubt
+            The response is not connected to the excitation: H is identically zero; rounding leaves a doubt
             about the number of roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some
             roots are not certain.
 
@@ -565,31 +507,23 @@ class StructuralModel(Described):
         >>> bool(0.0 < error_hz[0] < 1e-12)
         True
         """
-        choice("method", method, ("modal", "pencil"))
-        limit = (
-            np.inf
-            if f_max_hz is None
-            else finite_scalar("f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
-        )
-        dofs = self._dofs("response", response)
-        force = self._dof("excitation", excitation)
+        choice("method", method, get_args(Method))
+        limit = np.inf
+        if f_max_hz is not None:
+            limit = finite_scalar("f_max_hz", f_max_hz, low=0.0, low_open=True, unit="Hz")
+        dofs, force = self._dofs("response", response), self._dof("excitation", excitation)
         found: list[Any] = [None] * len(dofs)
         for which in self._together(dofs, force):
             core, at = self._core_for([*(dofs[i] for i in which), force])
-            asked = (at[:-1], at[-1], limit, method, bool(include_cancelled))
-            solved = (
-                core.bounded_antiresonances if bounds or self._needs_both_methods else core.antiresonances
-            )
-            call = partial(solved, *asked)
-            roots: Any = (
-                call()
-                if self.n_dof < MANY_DOFS
-                else interruptible(call, f"antiresonances of {len(which)} responses")
-            )
+            both = bounds or self._needs_both_methods
+            solved: Any = core.bounded_antiresonances if both else core.antiresonances
+            call = partial(solved, at[:-1], at[-1], limit, method, bool(include_cancelled))
+            what = f"antiresonances of {len(which)} responses"
+            roots = call() if self.n_dof < MANY_DOFS else interruptible(call, what)
             for i, of_one in zip(which, roots, strict=True):
                 found[i] = of_one
         for dof, (*values, is_zero, is_doubtful) in zip(dofs, found, strict=True):
-            warn_doubts(dof, excitation, self.n_dof, values, is_zero=is_zero, is_doubtful=is_doubtful)
+            _warn_doubts(dof, excitation, self.n_dof, values, is_zero, is_doubtful)
         zeros = [(values[0], values[1]) if bounds else values[0] for *values, _, _ in found]
         return zeros[0] if shape_of(response) == () else zeros
 
@@ -647,18 +581,15 @@ class StructuralModel(Described):
         >>> chain.simulate(excitation=0, fs_hz=50.0, duration_s=10.0, damping_ratio=0.01, rng=0)
         Recording(2 channels, 10 s at 50 Hz, dofs=(0, 1), with force)
         """
-
-        dofs = self._free_dofs if responses is None else self._dofs("responses", responses)
         self._damping(damping_ratio)
-        elastic = [f for f in self._core.modes()[0] if f > 0]
         return simulate(
             self,
-            responses=dofs,
+            responses=self._free_dofs if responses is None else self._dofs("responses", responses),
             excitation=self._dof("excitation", excitation),
             fs_hz=fs_hz,
             duration_s=duration_s,
             damping_ratio=damping_ratio,
-            lowest_hz=min(elastic, default=0.0),
+            lowest_hz=min((f for f in self._core.modes()[0] if f > 0), default=0.0),
             band_hz=band_hz,
             noise=noise,
             rng=rng,
@@ -700,11 +631,9 @@ class StructuralModel(Described):
 
 # -- Virtual experiments: what accelerometers would record on a model under a random force
 #
-# The response is synthesised in the frequency domain, line by line from the model's own frequency
-# response, over a record longer than asked for, and a window is cut out of its middle. So the record is
-# an exact sample of the stationary response, free of integration error, and not periodic: an analysis
-# meets the same leakage as on a real test. (A zero-order-hold time integration would report 2.6 %
-# damping where 0.51 % is true.)
+# The response is synthesised in the frequency domain over a record longer than asked for, and a window is cut
+# out of its middle: an exact sample of the stationary response, and not periodic, so that an analysis meets
+# the leakage of a real test. (A zero-order-hold time integration would report 2.6 % damping for 0.51 %.)
 
 
 #: Longest memory of the structure that the lead-in must cover, in time constants 1 / (zeta omega).
@@ -715,21 +644,9 @@ _LONGEST_LEAD_IN = 4_000_000
 _MOST_SAMPLES = 1e10
 
 
-class _Responding(Protocol):
-    def frf(
-        self,
-        response: Any,
-        excitation: int,
-        freq_hz: Any,
-        *,
-        damping_ratio: Any,
-        kind: Literal["accelerance"] = ...,
-    ) -> ComplexArray: ...
-
-
 @patient("recording the virtual test")
 def simulate(
-    model: _Responding,
+    model: Any,
     *,
     responses: list[int],
     excitation: int,
@@ -742,7 +659,10 @@ def simulate(
     rng: int | np.random.Generator | None = None,
     progress: bool | None = None,
 ) -> Recording:
-    """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``."""
+    """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``.
+
+    ``model`` needs ``frf`` alone; ``lowest_hz`` is its first elastic mode, 0 where there is none.
+    """
     rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
     duration = finite_scalar("duration_s", duration_s, low=0.0, low_open=True, unit="s")
     if not 2 <= duration * rate < _MOST_SAMPLES:
@@ -753,25 +673,18 @@ def simulate(
             "Lengthen the record." if duration * rate < 2.0 else "Shorten the record, or lower the rate.",
         )
     samples = round(duration * rate)
-    level = finite_scalar("noise", noise, low=0.0)
-    low, high = (
-        (0.0, rate / 2)
-        if band_hz is None
-        else frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
-    )
-    random = random_generator(rng)
+    level, random = finite_scalar("noise", noise, low=0.0), random_generator(rng)
+    low, high = (0.0, rate / 2)
+    if band_hz is not None:
+        low, high = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
 
     lead = _lead_in(samples, rate, lowest_hz, damping_ratio)
     total = samples + 2 * lead
     freq_hz = np.fft.rfftfreq(total, 1.0 / rate)
     inside = (freq_hz >= low) & (freq_hz <= high) & (freq_hz > 0.0)
     if not inside.any():
-        reject(
-            "band_hz",
-            f"({low:g}, {high:g}) Hz without any spectral line",
-            f"a band wider than the resolution of {rate / total:.3g} Hz",
-            "Record longer.",
-        )
+        wanted = f"a band wider than the resolution of {rate / total:.3g} Hz"
+        reject("band_hz", f"({low:g}, {high:g}) Hz without any spectral line", wanted, "Record longer.")
     spectrum = np.zeros(freq_hz.size, dtype=np.complex128)
     spectrum[inside] = random.standard_normal((int(inside.sum()), 2)) @ np.array([1.0, 1.0j])
     force = np.fft.irfft(spectrum, total)

@@ -11,7 +11,7 @@ import hashlib
 import os
 import struct
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from ..exceptions import UnsuitableDataError, reject
 from ..support.files import put_in_place
@@ -25,43 +25,19 @@ _HEADER = struct.Struct("<Q32s32sQ")
 
 
 class Checkpoint:
-    """Where a search is kept.
+    """Where a search is kept: a file, from which it goes on if it is there, written every so many seconds.
 
-    Parameters
-    ----------
-    path : path-like
-        The file. If it is there, the search goes on from it.
-    every_s : float
-        Seconds between two writings.
-
-    Attributes
-    ----------
-    seed : int or None
-        Master seed of the search in the file; None without a file.
-    resume : bytes or None
-        The search to go on from.
-
-    Raises
-    ------
-    InvalidInputError
-        A folder that does not exist, a path that is a folder.
-    UnsuitableDataError
-        Neither the file nor the one before it is whole.
+    ``seed`` is the master seed of the search in the file, ``resume`` the search to go on from; None without.
     """
 
     def __init__(self, path: str | os.PathLike[str], every_s: float = 2.0) -> None:
         if not isinstance(path, str | os.PathLike):
-            reject(
-                "checkpoint", path, "a path", "Pass a text or a pathlib.Path, or None to keep no checkpoint."
-            )
+            remedy = "Pass a text or a pathlib.Path, or None to keep no checkpoint."
+            reject("checkpoint", path, "a path", remedy)
         self.path, self.every_s = Path(path), every_s
         if not self.path.parent.is_dir():
-            reject(
-                "checkpoint",
-                str(path),
-                "a file in a folder that exists",
-                f"Make the folder {str(self.path.parent)!r} first.",
-            )
+            remedy = f"Make the folder {str(self.path.parent)!r} first."
+            reject("checkpoint", str(path), "a file in a folder that exists", remedy)
         if self.path.is_dir():
             reject("checkpoint", str(path), "a file, not a folder", "Name a file in it.")
         self.previous = self.path.with_name(self.path.name + ".previous")
@@ -71,9 +47,6 @@ class Checkpoint:
         self._problem = b""
         self.seed: int | None = None
         self.resume: bytes | None = None
-        self._load()
-
-    def _load(self) -> None:
         damaged = []
         for file in (self.path, self.previous):
             try:
@@ -87,23 +60,16 @@ class Checkpoint:
                 warn("damaged_checkpoint", f"checkpoint: {damaged[0]} is damaged; going on from {file.name}.")
             return
         if damaged:
-            raise UnsuitableDataError(
-                "checkpoint",
-                f"damaged files, {', '.join(damaged)}",
-                "one that is whole",
-                "Remove them to begin anew.",
-            )
+            got = f"damaged files, {', '.join(damaged)}"
+            raise UnsuitableDataError("checkpoint", got, "one that is whole", "Remove them to begin anew.")
 
     def begin(self, problem: bytes, seed: int) -> None:
         """Say which search this is; refuses a file that holds another."""
         if self.resume is not None and (problem, seed) != (self._problem, self.seed):
             what = f"seed {self.seed}" if seed != self.seed else "another problem, data or options"
-            reject(
-                "checkpoint",
-                f"{self.path.name}, the search of {what}",
-                "the file of this very search",
-                "Give the same problem, optimizer and rng, or another file name.",
-            )
+            remedy = "Give the same problem, optimizer and rng, or another file name."
+            got = f"{self.path.name}, the search of {what}"
+            reject("checkpoint", got, "the file of this very search", remedy)
         self._problem, self.seed = problem, seed
 
     def store(self, payload: bytes) -> None:
@@ -121,10 +87,8 @@ class Checkpoint:
         except OSError as exc:
             self._beside.unlink(missing_ok=True)
             if not self._failed:
-                warn(
-                    "checkpoint_not_written",
-                    f"checkpoint: {self.path} cannot be written ({exc}); the search goes on without.",
-                )
+                why = f"checkpoint: {self.path} cannot be written ({exc}); the search goes on without."
+                warn("checkpoint_not_written", why)
             self._failed = True
 
 
@@ -143,7 +107,15 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     if not data.startswith(_MAGIC):
         line, _, _ = data[:40].partition(b"\n")
         if line.startswith(_NAME) and line[len(_NAME) :].isdigit():
-            _refuse_version(file, int(line[len(_NAME) :]))
+            version = int(line[len(_NAME) :])
+            maker = "an older" if version < _VERSION else "a newer"
+            # A whole file of another version: no older one beside it will do either.
+            raise UnsuitableDataError(
+                "checkpoint",
+                f"{file.name}, the search of {maker} antires_rs (layout {version})",
+                f"layout {_VERSION}",
+                "End that search with the version that began it, or remove the file to begin anew.",
+            )
         raise ValueError("no checkpoint")
     if len(data) < len(_MAGIC) + _HEADER.size:
         raise ValueError("cut short")
@@ -154,14 +126,3 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     if hashlib.sha256(payload).digest() != digest:
         raise ValueError("wrong checksum")
     return seed, problem, payload
-
-
-def _refuse_version(file: Path, version: int) -> NoReturn:
-    """A whole file of another version: no older one beside it will do either."""
-    maker = "an older" if version < _VERSION else "a newer"
-    raise UnsuitableDataError(
-        "checkpoint",
-        f"{file.name}, the search of {maker} antires_rs (layout {version})",
-        f"layout {_VERSION}",
-        "End that search with the version that began it, or remove the file to begin anew.",
-    )

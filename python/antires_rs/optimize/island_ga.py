@@ -10,7 +10,7 @@ import os
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 import numpy as np
@@ -22,8 +22,6 @@ from ..support.progress import watched
 from ..support.values import FrozenDict, Value
 from ..support.workers import MOST_WORKERS, Failed, Workers, processors
 from .checkpoint import Checkpoint, digest_of
-
-# -- What came out of a search, read-only
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,48 +127,14 @@ class OptimizeResult(Value):
     @classmethod
     def _of(cls, raw: dict[str, Any], options: dict[str, Any]) -> Self:
         history = History(raw["history_nfev"], raw["history_cost"], raw["history_migrations"])
-        names = (
-            "x",
-            "fun",
-            "success",
-            "status",
-            "message",
-            "nfev",
-            "njev",
-            "nit",
-            "populations",
-            "population_costs",
-        )
-        return cls(history=history, options=options, **{name: raw[name] for name in names})
-
-
-def with_result(error: BaseException, result: OptimizeResult) -> BaseException:
-    """An exception of the objective, with the best found before it as ``error.result``."""
-    so_far = "this is the best found until then" if result.nfev else "nothing had been evaluated"
-    text = f"The objective failed ({type(error).__name__}); {so_far}."
-    kept = replace(result, status="objective error", message=text)
-    with suppress(AttributeError):  # a class of exceptions with slots takes nothing
-        error.result = kept  # type: ignore[attr-defined]
-    if result.nfev:
-        error.add_note(f"The best of {result.nfev:,} evaluations, {result.fun:.6g}, is kept: error.result")
-    return error
+        held = {each.name: raw[each.name] for each in fields(cls) if each.name in raw}
+        return cls(history=history, options=options, **held)
 
 
 # -- Arguments of a search, checked: seed, threads, bounds, guesses and the types of options
 
-
 #: Largest count that the core can hold.
 _MOST = 2**63 - 1
-_INTEGERS = {
-    "islands",
-    "population",
-    "patience",
-    "cost_migrations",
-    "polish_interval",
-    "polish_evaluations",
-    "max_evaluations",
-    "max_generations",
-}
 
 
 def seed_of(rng: int | np.random.Generator | None) -> int:
@@ -179,8 +143,17 @@ def seed_of(rng: int | np.random.Generator | None) -> int:
     So the seed kept in a result, passed back as ``rng``, repeats the run.
     """
     if rng is not None and not isinstance(rng, np.random.Generator):
-        return integer("rng", rng, low=0, high=2**63 - 1)
+        return integer("rng", rng, low=0, high=_MOST)
     return int(np.random.default_rng(rng).integers(0, 2**63, dtype=np.int64))
+
+
+def resumed(checkpoint: Any, rng: Any, fingerprint: Callable[[], bytes]) -> tuple[Checkpoint | None, int]:
+    """Where a search is kept, if it is, and its seed: that of the file where none is given."""
+    kept = None if checkpoint is None else Checkpoint(checkpoint)
+    seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
+    if kept:
+        kept.begin(fingerprint(), seed)
+    return kept, seed
 
 
 def thread_count(workers: int | None) -> int:
@@ -193,17 +166,13 @@ def thread_count(workers: int | None) -> int:
 def check_bounds(bounds: Any) -> FloatArray:
     """Bounds as an (n, 2) array; order and finiteness are checked in the core, by gene."""
     wanted = "an array (n, 2) of lower and upper bounds, n >= 1"
+    remedy = "Write them as in [(0.0, 1.0), (0.9, 1.1)]."
     try:
         box = np.asarray(bounds, dtype=np.float64)
     except (TypeError, ValueError) as exc:
-        reject(
-            "bounds",
-            f"{type(bounds).__name__} that does not convert ({exc})",
-            wanted,
-            "Write them as in [(0.0, 1.0), (0.9, 1.1)].",
-        )
+        reject("bounds", f"{type(bounds).__name__} that does not convert ({exc})", wanted, remedy)
     if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
-        reject("bounds", f"shape {box.shape}", wanted, "Write them as in [(0.0, 1.0), (0.9, 1.1)].")
+        reject("bounds", f"shape {box.shape}", wanted, remedy)
     return box
 
 
@@ -211,46 +180,41 @@ def guesses(x0: Any, n: int) -> list[list[float]]:
     """Initial guesses as rows."""
     if x0 is None:
         return []
-    rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=f"an array ({n},) or (m, {n})"))
+    wanted = f"an array ({n},) or (m, {n})"
+    rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=wanted))
     if rows.ndim != 2 or rows.shape[1] != n:
-        reject(
-            "x0",
-            f"shape {np.shape(x0)}",
-            f"an array ({n},) or (m, {n})",
-            "Give a value for each parameter, in the order of the bounds.",
-        )
-    return [[float(v) for v in row] for row in rows]
-
-
-def check_option_type(name: str, value: Any) -> None:
-    """Type of an option; its range is the core's to judge, and so is an unknown name."""
-    if name in _INTEGERS:
-        if not (name == "max_generations" and value is None):
-            integer(name, value, low=0, high=_MOST)
-    elif name == "agreement":
-        texts(name, [value])
-    elif name == "polish":
-        if value is not None and not isinstance(value, bool):
-            reject(name, value, "True, False or None", "None lets the optimizer choose.")
-    elif name != "crossovers" and name in _core.island_options({}):
-        finite_scalar(name, value)
-
-
-def texts(name: str, value: Any) -> list[str]:
-    """A list of texts."""
-    listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
-    if not all(isinstance(text, str) for text in listed):
-        reject(
-            name,
-            value,
-            "text, or a list of texts where several are possible",
-            "Put it in quotes; see the docstring for the names.",
-        )
+        remedy = "Give a value for each parameter, in the order of the bounds."
+        reject("x0", f"shape {np.shape(x0)}", wanted, remedy)
+    listed: list[list[float]] = rows.tolist()
     return listed
 
 
-# -- The user's function as the core calls it: all candidates of a generation, or as many as time allows
+def _check_type(name: str, value: Any) -> Any:
+    """An option of the right type; its range is the core's to judge, and so is an unknown name."""
+    if name == "crossovers":
+        listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
+        return [_text(name, each, value) for each in listed]
+    if name == "agreement":
+        return _text(name, value, value)
+    default = _core.island_options({}).get(name)
+    if name == "polish":
+        if value is not None and not isinstance(value, bool):
+            reject(name, value, "True, False or None", "None lets the optimizer choose.")
+    elif isinstance(default, int) or (name == "max_generations" and value is not None):
+        integer(name, value, low=0, high=_MOST)
+    elif isinstance(default, float):
+        finite_scalar(name, value)
+    return value
 
+
+def _text(name: str, value: Any, given: Any) -> str:
+    if not isinstance(value, str):
+        wanted = "text, or a list of texts where several are possible"
+        reject(name, given, wanted, "Put it in quotes; see the docstring for the names.")
+    return value
+
+
+# -- The user's function as the core calls it: all candidates of a generation, or as many as time allows
 
 _RETURN = "Return a float for each candidate: an array (m,) of them with vectorized=True."
 #: Candidates go to workers in chunks of about so long: an interrupted chunk is lost.
@@ -290,7 +254,11 @@ class Batch:
     def __call__(self, candidates: FloatArray) -> tuple[FloatArray, str | None]:
         """Costs of a generation."""
         if self._vectorized:
-            return self._all_at_once(candidates)
+            try:
+                return self._numbers(self._fun(candidates), len(candidates), whole=True), None
+            except Exception as error:
+                self.error = error
+                return np.full(len(candidates), np.nan), "error"
         found: dict[int, Any] = {}
         why = self._evaluate(candidates, found)
         costs = np.full(len(candidates), np.nan)
@@ -334,14 +302,6 @@ class Batch:
         if time.monotonic() > self._end:
             raise _Late
 
-    def _all_at_once(self, candidates: FloatArray) -> tuple[FloatArray, str | None]:
-        count = len(candidates)
-        try:
-            return self._numbers(self._fun(candidates), count, whole=True), None
-        except Exception as error:
-            self.error = error
-            return np.full(count, np.nan), "error"
-
     def _numbers(self, answer: Any, count: int, whole: bool) -> FloatArray:
         """The answer as costs; one that is not finite is the worst there is."""
         wanted = f"{count} real costs, one for each candidate"
@@ -375,8 +335,7 @@ class IslandGA:
     heuristic, BLX-0.5, uniform, in turn), mutates genes to a bound or anywhere, and never loses its
     best. An island that finds nothing better for ``patience`` generations waits; when all wait they
     compare their bests, and stop or exchange them with their ring neighbours (best out, worst
-    replaced). Where the objective allows, a local search polishes the bests before they are compared;
-    ``IslandGA(polish=False)`` leaves that out, :meth:`IslandGA.paper` all that the paper does not have.
+    replaced). The algorithm as printed is :meth:`IslandGA.paper`.
     Parameters not given take the defaults of the Rust core, shown by ``.options``.
 
     Parameters
@@ -406,12 +365,10 @@ class IslandGA:
         ``cost_migrations`` (3) migrations in a row.
     polish : bool, optional
         Local search from the nominal model and from the islands' bests. By default where the objective
-        tells how it is composed, as an :class:`UpdatingProblem` does and a plain function does not:
-        sequential linear programming with analytic sensitivities on the parameters, and moves that drop,
-        add or exchange single damages, which a count of damages needs. ``True`` polishes plain functions
-        too, without derivatives; variables with lower bound 0 may then be dropped and exchanged.
-        ``False`` leaves the polish out and nothing else: when islands wait and when they agree is still ours
-        (``improvement_tolerance``, ``agreement``). The algorithm as printed is :meth:`IslandGA.paper`.
+        tells how it is composed, as an :class:`UpdatingProblem` does: sequential linear programming with
+        analytic sensitivities, and moves that drop, add or exchange single damages, which a count of damages
+        needs. ``True`` polishes plain functions too, without derivatives; variables with lower bound 0 may
+        then be dropped and exchanged. ``False`` leaves the polish out and nothing else.
     polish_interval : int, default 10
         Generations after which the bests are polished, even if not all islands wait.
     polish_evaluations : int, default 1000
@@ -448,12 +405,8 @@ class IslandGA:
         self.max_seconds = (
             None if max_seconds is None else finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
         )
-        if "crossovers" in options:
-            options["crossovers"] = texts("crossovers", options["crossovers"])
-        for name, value in options.items():
-            check_option_type(name, value)
         #: Every option with its value in force.
-        self.options = _core.island_options(options)
+        self.options = _core.island_options({name: _check_type(name, each) for name, each in options.items()})
 
     @classmethod
     def paper(cls, **options: Any) -> Self:
@@ -535,14 +488,14 @@ class IslandGA:
         progress : bool, optional
             Show progress on standard error; by default on a terminal, after one second.
         checkpoint : path-like, optional
-            File in which the search is kept between generations. If it is there, the search goes on from it,
-            bit-identical to one that never stopped. That ``fun`` is the same is for the caller to know.
+            File in which the search is kept, written every two seconds and at the end. If it is there, the
+            search goes on from it, bit-identical to one that never stopped. That ``fun`` is the same is for
+            the caller to know.
 
         Returns
         -------
         OptimizeResult
-            Ctrl-C and ``max_seconds`` return the best so far after the evaluation under way, also in the
-            first generation, with the status ``'interrupted'`` or ``'budget'``.
+            After Ctrl-C or ``max_seconds`` the best so far, also in the first generation.
 
         Raises
         ------
@@ -570,26 +523,26 @@ class IslandGA:
         if vectorized and workers is not None:
             reject("workers", workers, "None with vectorized=True", "The function takes all candidates.")
         first = guesses(x0, len(box))
-        kept = None if checkpoint is None else Checkpoint(checkpoint)
-        seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
-        if kept:
-            kept.begin(digest_of(b"minimize", box.tobytes(), sorted(self.options.items()), first), seed)
+        of = (b"minimize", box.tobytes(), sorted(self.options.items()), first)
+        kept, seed = resumed(checkpoint, rng, lambda: digest_of(*of))
         with (
             Batch(fun, vectorized, workers, self.max_seconds) as batch,
             watched(callback, progress, self.options["max_evaluations"]) as watcher,
         ):
-            raw = _core.minimize(
-                batch,
-                box[:, 0].copy(),
-                box[:, 1].copy(),
-                first,
-                self.options,
-                seed,
-                self.max_seconds,
-                watcher,
-                kept,
-            )
+            ends = (box[:, 0].copy(), box[:, 1].copy())
+            raw = _core.minimize(batch, *ends, first, self.options, seed, self.max_seconds, watcher, kept)
         result = OptimizeResult._of(raw, self._in_force)
         if batch.error is not None:
-            raise with_result(batch.error, result)
+            raise _with_result(batch.error, result)
         return result
+
+
+def _with_result(error: BaseException, result: OptimizeResult) -> BaseException:
+    """An exception of the objective, with the best found before it as ``error.result``."""
+    so_far = "this is the best found until then" if result.nfev else "nothing had been evaluated"
+    text = f"The objective failed ({type(error).__name__}); {so_far}."
+    with suppress(AttributeError):  # a class of exceptions with slots takes nothing
+        error.result = replace(result, status="objective error", message=text)  # type: ignore[attr-defined]
+    if result.nfev:
+        error.add_note(f"The best of {result.nfev:,} evaluations, {result.fun:.6g}, is kept: error.result")
+    return error

@@ -7,7 +7,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..damage.assess import checked_model, elements_of
 from ..damage.evidence import HIGHEST
 from ..damage.inference import smallest_found
 from ..damage.measured_states import roots_at
@@ -20,7 +19,7 @@ from ..support.checks import FloatArray, choice, finite_scalar, integer, real_ar
 from ..support.progress import one_blas_thread, waiting
 from ..support.values import FrozenDict, frozen
 from .detection_curves import DetectionCurves, crossing, fit_logit, reached
-from .plan import Sees, band_of, dofs_of
+from .plan import Sees, band_of, chosen_elements, dofs_of
 from .simulated_tests import Task, VirtualTest, predicted, simulated
 from .virtual_roots import ExpectedErrors, objective
 
@@ -65,14 +64,12 @@ def detectability(
     ----------
     model : MassSpringChain, FrameModel or MatrixModel
         The structure as it is thought to be; tests are assessed with it.
-    elements : sequence of int, optional
-        Candidates, zero-based; default as for :func:`assess_damage`.
+    elements, band_hz, noise, duration_s, damping_ratio, std, sees
+        Candidates and the kind of test, as for :func:`plan_test`.
     excitation : int
         Dof of the force.
     sensors : sequence of int, optional
         Dofs of the sensors. Default: all, of a frame all translations. A plan's: ``plan.sensors``.
-    band_hz, noise, duration_s, damping_ratio, std, sees
-        Of the test, as for :func:`plan_test`.
     model_error : float
         Standard deviation of the logarithm of every stiffness and mass of the structure about its model's, in
         (0, 0.3]; 0.03 is 3 %.
@@ -87,19 +84,14 @@ def detectability(
         Default: about those of interest.
     prior, false_alarm_rate
         As for :func:`assess_damage`.
-    rng : int or numpy Generator, optional
-        The same seed gives the same bits for any number of workers.
+    rng, progress
+        As of :func:`update`. After Ctrl-C what is there is returned.
     workers : int, str or executor, optional
-        A number of threads. Simulated tests may also be spread: over ``"processes"``, ``"threads"``, or
-        anything with ``submit`` or ``map``, such as a ``ProcessPoolExecutor`` or a Dask ``Client``.
-    progress : bool, optional
-        Show a line of progress; by default on a terminal. After Ctrl-C what is there is returned.
+        A number of threads. Simulated tests may also be spread, as by :meth:`IslandGA.minimize`.
 
     Returns
     -------
     DetectionCurves
-        ``.pod``, ``.a50``, ``.a90``, ``.a90_95`` {element: loss}, ``.false_call_rate``; prints as a table,
-        ``.plot()``.
 
     Raises
     ------
@@ -119,9 +111,7 @@ def detectability(
     >>> sorted(curves.a90), max(curves.a90.values()) < 0.05, curves.false_call_rate < 0.05
     ([0, 1, 2], True, True)
     """
-    chosen = tuple(elements_of(checked_model(model), elements))
-    if len(set(chosen)) < len(chosen):
-        reject("elements", "an element twice", "each element once", "Drop the second one.")
+    chosen = chosen_elements(model, elements)
     (force,) = dofs_of("excitation", model, excitation)
     dofs = dofs_of("sensors", model, sensors)
     band, errors = band_of(model, band_hz), ExpectedErrors(noise, duration_s, damping_ratio, std)
@@ -140,27 +130,62 @@ def detectability(
         model, chosen, dofs, force, band, sees, errors, model_error, judging[0], threads
     )
     grid = [_around(loss) if given is None else given for loss in linear]
-    names = FrozenDict({e: model.element_label(e) for e in chosen})
+    names = {e: model.element_label(e) for e in chosen}
+    rows: dict[int, tuple[Any, ...]] = {}
     with waiting("predicting" if method == "predicted" else "simulating tests", progress):
         if method == "predicted":
             count = integer("n_tests", 12 if n_tests is None else n_tests, low=1)
-            share, calls, done = predicted(test, grid, *judging, seed.spawn(count), threads)
-            return _predicted(chosen, grid, share, calls, done, count, names)
+            shares, calls, done = predicted(test, grid, *judging, seed.spawn(count), threads)
+            rows = {
+                e: (frozen(a), frozen(p), crossing(a, p, 0.5), crossing(a, p, 0.9))
+                for e, a, p in zip(chosen, grid, shares, strict=True)
+            }
+            return _curves("predicted", rows, names, calls, done, count)
         count = integer("n_tests", 60 if n_tests is None else n_tests, low=10)
         scouts, own = seed.spawn(2)
         ranges = [(float(each[0]), float(each[-1])) for each in grid]
         if given is None:
-            share, _, _ = predicted(test, grid, *judging, scouts.spawn(_SCOUTS), threads)
-            ranges = [_range(a, b) for a, b in zip(grid, share, strict=True)]
+            shares, _, _ = predicted(test, grid, *judging, scouts.spawn(_SCOUTS), threads)
+            ranges = [_range(a, b) for a, b in zip(grid, shares, strict=True)]
         losses = [np.geomspace(low, high, count) for low, high in ranges]
-        seeds = own.spawn((len(chosen) + 1) * count)
-        cases = [(at, loss) for nth in range(count) for at, loss in _nth(losses, nth)]
+        cases: list[tuple[int | None, float]] = []
+        for nth in _turn(count):  # of each element, and an intact one, so that Ctrl-C leaves something of all
+            cases += [*((at, float(each[nth])) for at, each in enumerate(losses)), (None, 0.0)]
         tasks = [
             Task(at, loss, *judging, each, 1 if spread else threads)
-            for (at, loss), each in zip(cases, seeds, strict=True)
+            for (at, loss), each in zip(cases, own.spawn(len(cases)), strict=True)
         ]
         declared = simulated(test, tasks, workers if spread else None)
-    return _simulated(chosen, losses, tasks, declared, names)
+    made = list(zip(tasks, declared, strict=False))
+    for at, (e, between) in enumerate(zip(chosen, losses, strict=True)):
+        own_tests = sorted((t.severity, float(e in found)) for t, found in made if t.place == at)
+        if own_tests:
+            severity = np.geomspace(between[0], between[-1], _CURVE)
+            results = np.array(own_tests).T
+            fit = fit_logit(results[0], results[1] > 0.5)
+            ends = (reached(fit.a50), reached(fit.a90), fit.bound)
+            rows[e] = (frozen(severity), frozen(fit.at(severity)), *ends, frozen(results))
+    intact = [bool(found) for task, found in made if task.place is None]
+    calls = float(np.mean(intact)) if intact else float("nan")
+    return _curves("simulated", rows, {e: names[e] for e in rows}, calls, len(made), len(tasks))
+
+
+def _curves(
+    method: str, rows: dict[int, tuple[Any, ...]], names: dict[int, str], calls: float, done: int, wanted: int
+) -> DetectionCurves:
+    """The curves of ``rows``: of each element severities, pod, a50, a90 and, of tests, a90_95 and these."""
+    labels = ("severity", "pod", "a50", "a90", "a90_95", "tests")
+    columns: dict[str, Any] = {label: FrozenDict() for label in labels}
+    for label, column in zip(labels, zip(*rows.values(), strict=True), strict=False):
+        columns[label] = FrozenDict(zip(rows, column, strict=True))
+    return DetectionCurves(
+        method=method,
+        names=FrozenDict(names),
+        false_call_rate=calls,
+        n_tests=done,
+        interrupted=done < wanted,
+        **columns,
+    )
 
 
 def _virtual_test(
@@ -213,73 +238,7 @@ def _range(severity: FloatArray, share: FloatArray) -> tuple[float, float]:
     return float(min(low, 0.5 * high)), float(high)
 
 
-def _nth(losses: list[FloatArray], nth: int) -> list[tuple[int | None, float]]:
-    """A test of each element, and an intact one: in this order, so that Ctrl-C leaves something of all."""
-    # Low and high losses take turns.
-    return [*((at, float(each[_turn(each.size)[nth]])) for at, each in enumerate(losses)), (None, 0.0)]
-
-
 def _turn(count: int) -> list[int]:
-    """0 to count - 1, in strides of about 0.62 count, each once."""
+    """0 to count - 1, in strides of about 0.62 count, each once: low and high losses take turns."""
     stride = next(s for s in range(round(0.62 * count), 2 * count) if gcd(s, count) == 1)
     return [(nth * stride) % count for nth in range(count)]
-
-
-def _predicted(
-    elements: tuple[int, ...],
-    severities: list[FloatArray],
-    share: list[FloatArray],
-    calls: float,
-    done: int,
-    wanted: int,
-    names: FrozenDict[int, str],
-) -> DetectionCurves:
-    pairs = list(zip(elements, severities, share, strict=True))
-    return DetectionCurves(
-        method="predicted",
-        severity=FrozenDict({e: frozen(a) for e, a, _ in pairs}),
-        pod=FrozenDict({e: frozen(p) for e, _, p in pairs}),
-        a50=FrozenDict({e: crossing(a, p, 0.5) for e, a, p in pairs}),
-        a90=FrozenDict({e: crossing(a, p, 0.9) for e, a, p in pairs}),
-        a90_95=FrozenDict(),
-        false_call_rate=calls,
-        tests=FrozenDict(),
-        n_tests=done,
-        interrupted=done < wanted,
-        names=names,
-    )
-
-
-def _simulated(
-    elements: tuple[int, ...],
-    losses: list[FloatArray],
-    tasks: list[Task],
-    declared: list[tuple[int, ...]],
-    names: FrozenDict[int, str],
-) -> DetectionCurves:
-    done = list(zip(tasks, declared, strict=False))
-    intact = [bool(found) for task, found in done if task.place is None]
-    severity, pod, tests = {}, {}, {}
-    fits = {}
-    for at, e in enumerate(elements):
-        own = [(task.severity, float(e in found)) for task, found in done if task.place == at]
-        rows = np.array(sorted(own), dtype=np.float64).reshape(-1, 2).T
-        severity[e] = np.geomspace(losses[at][0], losses[at][-1], _CURVE)
-        tests[e] = rows
-        if rows.shape[1]:
-            fits[e] = fit_logit(rows[0], rows[1] > 0.5)
-            pod[e] = fits[e].at(severity[e])
-    kept = [e for e in elements if e in fits]
-    return DetectionCurves(
-        method="simulated",
-        severity=FrozenDict({e: frozen(severity[e]) for e in kept}),
-        pod=FrozenDict({e: frozen(pod[e]) for e in kept}),
-        a50=FrozenDict({e: reached(fits[e].a50) for e in kept}),
-        a90=FrozenDict({e: reached(fits[e].a90) for e in kept}),
-        a90_95=FrozenDict({e: fits[e].bound for e in kept}),
-        false_call_rate=float(np.mean(intact)) if intact else float("nan"),
-        tests=FrozenDict({e: frozen(tests[e]) for e in kept}),
-        n_tests=len(done),
-        interrupted=len(done) < len(tasks),
-        names=FrozenDict({e: names[e] for e in kept}),
-    )

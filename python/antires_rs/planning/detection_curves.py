@@ -72,7 +72,7 @@ class DetectionCurves(ReadOnly, Viewed):
     def __str__(self) -> str:
         columns = [self.a50, self.a90, *([self.a90_95] if self.a90_95 else [])]
         head = ["stiffness loss (%)", "a50", "a90", *(["a90/95"] if self.a90_95 else [])]
-        rows = [[name, *(_percent(column[e]) for column in columns)] for e, name in self.names.items()]
+        rows = [[name, *(percent(column[e]) for column in columns)] for e, name in self.names.items()]
         kind = "structures" if self.method == "predicted" else "tests"
         last = f"false calls: {100.0 * self.false_call_rate:.2g} % of intact tests"
         stopped = ", stopped before the end" if self.interrupted else ""
@@ -89,7 +89,8 @@ class DetectionCurves(ReadOnly, Viewed):
         return self._view("plot")(self, ax=ax)
 
 
-def _percent(loss: float) -> str:
+def percent(loss: float) -> str:
+    """A loss in print; infinity is a damage that no test shows."""
     return "never" if loss == float("inf") else number(100.0 * loss, 2)
 
 
@@ -102,7 +103,6 @@ def _percent(loss: float) -> str:
 # reached at all.
 #
 # Reference: MIL-HDBK-1823A, Nondestructive evaluation system reliability assessment, 2009, appendix G.
-
 
 #: Logit of 0.9, and half the 90 % quantile of chi-square with one degree of freedom.
 _LN9, _DROP = float(np.log(9.0)), 1.3528

@@ -1,6 +1,5 @@
 """The best sets of sensors: greedy forwards and backwards, then exchange of one for another; or all sets.
 
-Forwards, the sensor that adds most joins; backwards, from all candidates, the one that is missed least goes.
 From both ends sensors are exchanged, one by one or two by two, for candidates left out, the best exchange
 first, until none improves. The better end wins.
 
@@ -35,7 +34,6 @@ from .virtual_roots import VirtualRoots
 #
 # Reference: K. Chaloner and I. Verdinelli, Bayesian experimental design, Statistical Science 10 (1995)
 # 273-304.
-
 
 CRITERIA = ("determinant", "worst")
 #: Share of the mean in the criterion of the worst.
@@ -107,14 +105,10 @@ class Information:
                 found[nth] -= rows.T @ rows
             found += np.eye(self.own.shape[1])
             return np.asarray(0.5 * np.linalg.slogdet(found)[1])
-        diagonal = _summed(self._diagonal, sets)
+        diagonal = _summed(np.ascontiguousarray(np.diagonal(self._full, axis1=1, axis2=2)), sets)
         diagonal[some] -= hidden[some] @ self.rows**2
         each = 0.5 * np.log1p(np.maximum(diagonal, 0.0))
         return np.asarray(each.min(axis=1) + _MEAN * each.mean(axis=1))
-
-    @cached_property
-    def _diagonal(self) -> FloatArray:
-        return np.ascontiguousarray(np.diagonal(self._full, axis1=1, axis2=2))
 
 
 def _summed(parts: FloatArray, sets: NDArray[np.intp]) -> FloatArray:
@@ -189,9 +183,8 @@ class Placed:
 def greedy(information: Information, n: int, criterion: str) -> Placed:
     """Greedy with exchange."""
     count = information.own.shape[0]
-    ends = [_forwards(information, n, criterion)]
-    if count <= _MOST_BACKWARDS:
-        ends.append(_backwards(information, n, criterion))
+    directions = (False, True) if count <= _MOST_BACKWARDS else (False,)
+    ends = [_one_by_one(information, n, criterion, backwards) for backwards in directions]
     placed = [_exchanged(information, criterion, end) for end in ends]
     return max(placed, key=lambda one: one.worth)
 
@@ -208,28 +201,20 @@ def exhaustive(information: Information, n: int, criterion: str) -> Placed:
     return Placed(chosen, worth, ())
 
 
-def _forwards(information: Information, n: int, criterion: str) -> Placed:
-    chosen: list[int] = []
+def _one_by_one(information: Information, n: int, criterion: str, backwards: bool) -> Placed:
+    """The sensor that adds most joins; or, backwards, from all candidates, the one missed least goes."""
+    every = list(range(information.own.shape[0]))
+    chosen = every if backwards else []
+    worth = information.worth(chosen, criterion) if backwards else -np.inf
     rounds = []
-    for _ in range(n):
-        further = [c for c in range(information.own.shape[0]) if c not in chosen]
-        worths = information.worths(np.array([[*chosen, c] for c in further]), criterion)
+    while len(chosen) != n:
+        moves = chosen if backwards else [c for c in every if c not in chosen]
+        sets = [[o for o in chosen if o != c] if backwards else [*chosen, c] for c in moves]
+        worths = information.worths(np.array(sets), criterion)
         best = int(np.argmax(worths))
-        chosen.append(further[best])
-        rounds.append(Round(further[best], None, float(worths[best])))
-    return Placed(tuple(chosen), rounds[-1].worth, tuple(rounds))
-
-
-def _backwards(information: Information, n: int, criterion: str) -> Placed:
-    chosen = list(range(information.own.shape[0]))
-    rounds = []
-    worth = information.worth(chosen, criterion)
-    while len(chosen) > n:
-        sets = np.array([[other for other in chosen if other != c] for c in chosen])
-        worths = information.worths(sets, criterion)
-        best = int(np.argmax(worths))
-        worth = float(worths[best])
-        rounds.append(Round(None, chosen.pop(best), worth))
+        chosen, worth = sets[best], float(worths[best])
+        added, removed = (None, moves[best]) if backwards else (moves[best], None)
+        rounds.append(Round(added, removed, worth))
     return Placed(tuple(chosen), worth, tuple(rounds))
 
 
@@ -254,17 +239,15 @@ def _better(
         if comb(len(chosen), size) * comb(len(outside), size) > _MOST_EXCHANGES:
             return None
         least = worth + _LEAST * abs(worth)
-        tried = [
-            (goes, joins)
-            for goes in combinations(chosen, size)
-            for joins in _promising(
-                information, criterion, [c for c in chosen if c not in goes], outside, size, least
-            )
-        ]
+        tried, sets = [], []
+        for goes in combinations(chosen, size):
+            kept = [c for c in chosen if c not in goes]
+            joining = _promising(information, criterion, kept, outside, size, least)
+            tried += [(goes, joins) for joins in joining]
+            sets += [[*kept, *joins] for joins in joining]
         if not tried:
             continue
-        sets = np.array([[c for c in chosen if c not in goes] + list(joins) for goes, joins in tried])
-        worths = information.worths(sets, criterion)
+        worths = information.worths(np.array(sets), criterion)
         best = int(np.argmax(worths))
         if worths[best] > least:
             goes, joins = tried[best]

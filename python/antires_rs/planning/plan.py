@@ -14,7 +14,7 @@ from ..damage.evidence import HIGHEST
 from ..damage.inference import smallest_found
 from ..damage.options import DamagePrior
 from ..exceptions import reject
-from ..measured.antiresonance_set import aligned, number
+from ..measured.antiresonance_set import aligned
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import thread_count
@@ -22,11 +22,9 @@ from ..support.checks import FloatArray, choice, frequency_band, integer, shape_
 from ..support.progress import one_blas_thread, step, waiting
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
+from .detection_curves import percent
 from .placement import CRITERIA, Information, Placed, Round, exhaustive, greedy, information
-from .virtual_roots import ExpectedErrors, virtual_roots
-
-# -- What is asked before a test, checked: of which unknowns, with which sensors and forces, in which band
-
+from .virtual_roots import ExpectedErrors, VirtualRoots, virtual_roots
 
 Sees = Literal["transmissibility", "frf"]
 #: By default the band ends above so many elastic resonances, by this factor.
@@ -39,10 +37,9 @@ UNIFORM = 1.0 / float(np.sqrt(12.0))
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Severities of elements, or parameters of an updating.
+    """Severities of elements, from the difference of two tests, or parameters of an updating, from one.
 
-    ``spread`` (p,) are their standard deviations before the test. Severities come from the difference of two
-    tests, ``tests`` is 2; parameters from one.
+    ``spread`` (p,) are their standard deviations before the test.
     """
 
     parameters: tuple[Parameter, ...]
@@ -54,24 +51,29 @@ class Unknowns:
     tests: int
 
 
-def unknowns_of(model: StructuralModel, elements: Any) -> Unknowns:
+def chosen_elements(model: Any, elements: Any) -> tuple[int, ...]:
+    """Elements of a model by number, each once."""
+    numbers = tuple(elements_of(checked_model(model), elements))
+    if len(set(numbers)) < len(numbers):
+        reject("elements", "an element twice", "each element once", "Drop the second one.")
+    return numbers
+
+
+def _unknowns_of(model: StructuralModel, elements: Any) -> Unknowns:
     """Elements by number, or parameters."""
     given = [elements] if isinstance(elements, Parameter) else elements
-    some = isinstance(given, Sequence) and any(isinstance(p, Parameter) for p in given)
-    numbers = None if some else tuple(elements_of(model, elements))
-    if numbers is not None and len(set(numbers)) < len(numbers):
-        reject("elements", "an element twice", "each element once", "Drop the second one.")
-    parameters = parameter_tuple(given) if numbers is None else tuple(stiffness_reduction(list(numbers)))
-    parts = model.description.core_parameters(parameters)
-    nominal = np.asarray(_core.nominal_values(model._core, parts), dtype=np.float64)
-    width = np.array([p.bounds[1] - p.bounds[0] for p in parameters])
-    names = (
-        tuple(parameter_name(model, p) for p in parameters)
-        if numbers is None
-        else tuple(model.element_label(e) for e in numbers)
-    )
-    spread = width * UNIFORM if numbers is None else np.full(len(numbers), HIGHEST * UNIFORM)
-    return Unknowns(parameters, names, nominal, spread, numbers, 1 if numbers is None else 2)
+    if isinstance(given, Sequence) and any(isinstance(p, Parameter) for p in given):
+        numbers, tests = None, 1
+        parameters = parameter_tuple(given)
+        names = tuple(parameter_name(model, p) for p in parameters)
+        spread = UNIFORM * np.array([p.bounds[1] - p.bounds[0] for p in parameters])
+    else:
+        numbers, tests = chosen_elements(model, elements), 2
+        parameters = tuple(stiffness_reduction(list(numbers)))
+        names = tuple(model.element_label(e) for e in numbers)
+        spread = np.full(len(numbers), HIGHEST * UNIFORM)
+    nominal = _core.nominal_values(model._core, model.description.core_parameters(parameters))
+    return Unknowns(parameters, names, np.asarray(nominal, dtype=np.float64), spread, numbers, tests)
 
 
 def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | None = None) -> list[int]:
@@ -81,9 +83,8 @@ def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | N
     listed = [dofs] if shape_of(dofs) == () else list(dofs)
     chosen = [model._dof(name, dof) for dof in listed]
     if not chosen or len(set(chosen)) < len(chosen):
-        reject(
-            name, dofs, "dofs of the model, at least one and each once", "Look them up by model.dof_label."
-        )
+        wanted = "dofs of the model, at least one and each once"
+        reject(name, dofs, wanted, "Look them up by model.dof_label.")
     return chosen
 
 
@@ -98,7 +99,6 @@ def band_of(model: StructuralModel, band_hz: Any) -> tuple[float, float]:
 
 
 # -- A planned test: its sensors and force, and what it would show
-
 
 #: Positions of the force that are printed.
 _FORCES = 5
@@ -116,22 +116,17 @@ class SensorPlan(ReadOnly, Viewed):
         Dof of the force.
     criterion : str
         ``'determinant'`` or ``'worst'``.
-    value : float
+    value, value_of_all : float
         Of the criterion: information in nats that the test is expected to give; or the largest of
-        ``detectable`` (of parameters, of ``std`` over the spread before the test).
-    value_of_all : float
-        The same, with a sensor on every candidate.
+        ``detectable`` (of parameters, of ``std`` over the spread before the test). And the same with a
+        sensor on every candidate.
     n_values : int
         Antiresonances in the band that the test would show.
-    detectable : dict of int to float
+    detectable, detectable_by_all : dict of int to float
         Stiffness loss of each element that nine of ten tests would show, in [0, 0.99], infinity where none
         would: the linear estimate for small losses. Empty for parameters.
-    detectable_by_all : dict of int to float
-        The same, with a sensor on every candidate.
-    std : dict of str to float
-        Standard deviation of each unknown after the test, in its unit, the others unknown too.
-    std_before : dict of str to float
-        The same before it: uniform within its bounds.
+    std, std_before : dict of str to float
+        Standard deviation of each unknown in its unit: after the test, the others unknown too; and before.
     excitations : dict of int to float
         ``value`` by position of the force, the best first, each with its own best sensors.
     rounds : tuple of Round
@@ -189,7 +184,7 @@ class SensorPlan(ReadOnly, Viewed):
             )
         if self.detectable:
             rows = [
-                [self.names[e], _percent(self.detectable[e]), _percent(self.detectable_by_all[e])]
+                [self.names[e], percent(self.detectable[e]), percent(self.detectable_by_all[e])]
                 for e in self.detectable
             ]
             head = ["stiffness loss seen in 9 of 10 tests (%)", "these sensors", "all candidates"]
@@ -213,10 +208,6 @@ class SensorPlan(ReadOnly, Viewed):
     def plot(self, ax: Any = None) -> Any:
         """Smallest detectable losses by element; see :func:`antires_rs.figures.plot_plan`."""
         return self._view("plot")(self, ax=ax)
-
-
-def _percent(loss: float) -> str:
-    return "never" if loss == float("inf") else number(100.0 * loss, 2)
 
 
 Search = Literal["greedy", "exhaustive"]
@@ -276,17 +267,12 @@ def plan_test(
         Greedy with exchanges, or all sets, for few candidates.
     prior : DamagePrior, optional
         For ``detectable``.
-    workers : int, optional
-        Threads; the result does not depend on it.
-    progress : bool, optional
-        Show a line of progress; by default on a terminal.
+    workers, progress
+        Threads, and a line of progress, as of :func:`update`.
 
     Returns
     -------
     SensorPlan
-        ``.sensors``, ``.excitation``, ``.value``, ``.detectable`` {element: loss}, ``.excitations``
-        {dof: value}, ``.rounds``, ``.value_std`` {dof: errors that were assumed}; prints as a table,
-        ``.plot()``.
 
     Raises
     ------
@@ -295,8 +281,8 @@ def plan_test(
 
     Notes
     -----
-    Information of small changes, at the model as it is (D-optimality: Kammer 1991, Papadimitriou 2004). What
-    larger damage and errors of the model make of it is told by :func:`detectability`.
+    Information of small changes, at the model as it is (D-optimality: Kammer 1991, Papadimitriou 2004); of
+    larger damage see :func:`detectability`.
 
     Examples
     --------
@@ -306,7 +292,7 @@ def plan_test(
     >>> plan.excitation, len(plan.sensors), max(plan.detectable.values()) < 0.01
     (3, 3, True)
     """
-    unknowns = unknowns_of(checked_model(model), elements)
+    unknowns = _unknowns_of(checked_model(model), elements)
     sensors = dofs_of("candidates", model, candidates)
     forces = dofs_of("excitations", model, excitations, sensors)
     band = band_of(model, band_hz)
@@ -314,98 +300,72 @@ def plan_test(
     choice("criterion", criterion, CRITERIA)
     choice("sees", sees, ("transmissibility", "frf"))
     choice("search", search, ("greedy", "exhaustive"))
-    n = _count(n_sensors, len(sensors), sees)
+    least = 1 if sees == "frf" else 2
+    n, most = integer("n_sensors", n_sensors, low=least), len(sensors)
+    if n > most:
+        reject("n_sensors", f"{n} of {most} candidates", f"{least} to {most}", "Allow more dofs.")
     threads = thread_count(workers)
     find = exhaustive if search == "exhaustive" else greedy
-    plans: dict[int, tuple[Placed, Information, int]] = {}
-    stds: dict[int, list[FloatArray]] = {}
+    plans: dict[int, tuple[Placed, Information]] = {}
+    found: dict[int, VirtualRoots] = {}
     with waiting("planning", progress):
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
             args = (unknowns.parameters, unknowns.nominal, sensors, force, band, sees, errors, threads)
-            roots = virtual_roots(model, *args)
+            roots = found[force] = virtual_roots(model, *args)
             told = information(roots, len(sensors), unknowns.spread, unknowns.tests)
-            placed = find(told, n, criterion)
-            plans[force] = placed, told, _shown(roots.sensor, roots.common, placed.chosen)
-            stds[force] = [roots.std[roots.sensor == at] for at in placed.chosen]
-    if not any(shown for _, _, shown in plans.values()):
+            plans[force] = find(told, n, criterion), told
+    if not any(_shown(found[force], placed.chosen) for force, (placed, _) in plans.items()):
         reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
-    return _plan(model, unknowns, sensors, band, criterion, prior or DamagePrior(), plans, stds, str(errors))
 
+    def detectable(told: Information, chosen: Sequence[int]) -> FloatArray:
+        """Of each element alone, as :func:`assess_damage` tells it after a test."""
+        slopes = np.sqrt(np.diag(told.of(chosen))) / unknowns.spread
+        return smallest_found(np.diag(slopes), prior or DamagePrior())
 
-def _count(n_sensors: Any, n_candidates: int, sees: str) -> int:
-    least = 1 if sees == "frf" else 2
-    n = integer("n_sensors", n_sensors, low=least)
-    if n > n_candidates:
-        reject(
-            "n_sensors", f"{n} of {n_candidates} candidates", f"{least} to {n_candidates}", "Allow more dofs."
-        )
-    return n
-
-
-def _shown(sensor: Any, common: dict[int, FloatArray], chosen: tuple[int, ...]) -> int:
-    """Antiresonances of the chosen that at least one other of them does not share."""
-    mine = np.flatnonzero(np.isin(sensor, chosen)).tolist()
-    others = {root: [c for c in chosen if c != sensor[root]] for root in mine if root in common}
-    hidden = sum(bool(rest) and common[root][rest].max() < 0.5 for root, rest in others.items())
-    return len(mine) - int(hidden)
-
-
-def _plan(
-    model: StructuralModel,
-    unknowns: Unknowns,
-    sensors: list[int],
-    band_hz: tuple[float, float],
-    criterion: str,
-    prior: DamagePrior,
-    plans: dict[int, tuple[Placed, Information, int]],
-    stds: dict[int, list[FloatArray]],
-    errors: str,
-) -> SensorPlan:
-    """The best force and its plan in words and numbers of the user."""
-    order = sorted(plans, key=lambda force: -plans[force][0].worth)
-
-    def value(told: Information, chosen: Any) -> float:
+    def value(told: Information, chosen: Sequence[int]) -> float:
         if criterion == "determinant":
             return told.worth(chosen, criterion)
         if unknowns.elements is not None:
-            return float(_detectable(told.of(chosen), unknowns, prior).max())
+            return float(detectable(told, chosen).max())
         return float(1.0 / np.sqrt(1.0 + np.diag(told.of(chosen)).min()))
 
-    placed, told, shown = plans[order[0]]
-    everywhere = range(len(sensors))
-    found = told.of(placed.chosen)
-    after = unknowns.spread * np.sqrt(np.diag(np.linalg.inv(np.eye(found.shape[0]) + found)))
+    order = sorted(plans, key=lambda force: -plans[force][0].worth)
+    placed, told = plans[order[0]]
+    roots, everywhere = found[order[0]], range(len(sensors))
+    of_set = told.of(placed.chosen)
+    after = unknowns.spread * np.sqrt(np.diag(np.linalg.inv(np.eye(of_set.shape[0]) + of_set)))
     elements = unknowns.elements or ()
-    both = [
-        dict(zip(elements, _detectable(told.of(chosen), unknowns, prior).tolist(), strict=False))
-        for chosen in (placed.chosen, everywhere)
-    ]
     dof_of: dict[int | None, int | None] = {None: None, **dict(enumerate(sensors))}
-    rounds = tuple(Round(dof_of[one.added], dof_of[one.removed], one.worth) for one in placed.rounds)
+
+    def by_element(chosen: Sequence[int]) -> FrozenDict[int, float]:
+        losses = detectable(told, chosen).tolist() if elements else []
+        return FrozenDict(zip(elements, losses, strict=True))
+
     return SensorPlan(
         sensors=tuple(sensors[at] for at in placed.chosen),
         excitation=order[0],
         criterion=criterion,
         value=value(told, placed.chosen),
         value_of_all=value(told, everywhere),
-        n_values=shown,
-        detectable=FrozenDict(both[0]),
-        detectable_by_all=FrozenDict(both[1]),
+        n_values=_shown(roots, placed.chosen),
+        detectable=by_element(placed.chosen),
+        detectable_by_all=by_element(everywhere),
         std=FrozenDict(zip(unknowns.names, after.tolist(), strict=True)),
         std_before=FrozenDict(zip(unknowns.names, unknowns.spread.tolist(), strict=True)),
         excitations=FrozenDict({force: value(plans[force][1], plans[force][0].chosen) for force in order}),
-        rounds=rounds,
-        band_hz=band_hz,
+        rounds=tuple(Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
+        band_hz=band,
         names=FrozenDict(zip(elements, unknowns.names, strict=False)),
         labels=FrozenDict({dof: model.dof_label(dof) for dof in {*sensors, *order}}),
-        value_std=FrozenDict(
-            {sensors[at]: frozen(own) for at, own in zip(placed.chosen, stds[order[0]], strict=True)}
-        ),
-        errors=errors,
+        value_std=FrozenDict({sensors[at]: frozen(roots.std[roots.sensor == at]) for at in placed.chosen}),
+        errors=str(errors),
     )
 
 
-def _detectable(found: FloatArray, unknowns: Unknowns, prior: DamagePrior) -> FloatArray:
-    """Of each element alone, as :func:`assess_damage` tells it after a test."""
-    return smallest_found(np.diag(np.sqrt(np.diag(found)) / unknowns.spread), prior)
+def _shown(roots: VirtualRoots, chosen: tuple[int, ...]) -> int:
+    """Antiresonances of the chosen that at least one other of them does not share."""
+    mine = np.flatnonzero(np.isin(roots.sensor, chosen)).tolist()
+    others = {root: [c for c in chosen if c != roots.sensor[root]] for root in mine if root in roots.common}
+    hidden = sum(bool(rest) and roots.common[root][rest].max() < 0.5 for root, rest in others.items())
+    return len(mine) - int(hidden)

@@ -14,9 +14,8 @@ from .. import _core
 from ..damage.assess import assess_damage
 from ..damage.evidence import HIGHEST, log_between
 from ..damage.inference import intact_slopes, log_odds_threshold
-from ..damage.likelihood import ERRORS, Likelihood
+from ..damage.likelihood import BOUNDS, ERRORS, Likelihood, ModelError, factors_of, learned
 from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
-from ..damage.model_error import BOUNDS, ModelError, factors_of, learned
 from ..damage.options import DamagePrior, SearchOptions
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
@@ -127,13 +126,11 @@ def along(intact: Roots, states: Sequence[Roots]) -> list[NDArray[np.intp]]:
 
 # -- A quick judge of virtual tests: the evidence of every single element, without a search
 #
-# What :func:`assess_damage` would find is decided between "nothing" and single elements. The model after
-# the baseline is evaluated once for each element on a grid of severities; there mean, covariance and slopes
-# of all values are known as :mod:`antires_rs.damage.likelihood` has them. Any number of tests is then
-# judged by linear algebra: at the points of the grid next to the best one, the evidence of the severity's
-# Gaussian within its bounds (:mod:`antires_rs.damage.evidence`). A value that one of the two states lacks
-# costs what a root missed costs there.
-
+# After the baseline the model is evaluated once for each element on a grid of severities; there mean,
+# covariance and slopes of all values are those of :mod:`antires_rs.damage.likelihood`. Any number of tests is
+# then judged by linear algebra: at the points of the grid next to the best one, the evidence of the
+# severity's Gaussian within its bounds (:mod:`antires_rs.damage.evidence`). A value that one of the two
+# states lacks costs what a root missed costs there.
 
 #: Severities of the grid: ln(1 - beta) in steps of a tenth.
 GRID = -np.expm1(-np.array([0.0, 0.005, 0.015, 0.03, 0.05, *np.arange(0.1, 3.6, 0.1)]))
@@ -179,9 +176,10 @@ class Judge:
         found = roots_at(core, rows, slopes=True, threads=self.threads)
         self._tabulate(error, found)
         self.threshold = None
-        rate, common = self.options.alarm_rate, self.options.std_common
+        rate = self.options.false_alarm_rate
         if rate is not None:
-            likelihood = Likelihood(core, n, error, self.baseline, self.baseline, common, self.threads)
+            states = (self.baseline, self.baseline)
+            likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)
             slopes = intact_slopes(likelihood, len(self.test.elements))
             self.threshold = log_odds_threshold(slopes, self.prior, rate, self.rng)
 
@@ -250,11 +248,10 @@ class Judge:
         asked = np.divide(residual, self.raw, out=np.zeros_like(residual), where=weight > 0.0)
         order = np.argsort(asked, axis=1)
         reached = np.cumsum(np.take_along_axis(weight, order, axis=1), axis=1)
-        middle = np.take_along_axis(
-            order, np.argmax(reached >= 0.5 * reached[:, -1:], axis=1)[:, None], axis=1
-        )
-        step = np.take_along_axis(asked, middle, axis=1)
-        step = np.clip(step, -_LINEAR * (1.0 - self.beta[:, None]), _LINEAR * (1.0 - self.beta[:, None]))
+        half = np.argmax(reached >= 0.5 * reached[:, -1:], axis=1)[:, None]
+        step = np.take_along_axis(asked, np.take_along_axis(order, half, axis=1), axis=1)
+        most = _LINEAR * (1.0 - self.beta[:, None])
+        step = np.clip(step, -most, most)
         along = self.raw * step
         return np.asarray(both & (np.abs(residual - along) < _OUTSIDE * self.scale + _LINEAR * np.abs(along)))
 
@@ -286,7 +283,7 @@ class Judge:
         gain, curvature = (left * slope).sum(axis=1), (slope**2).sum(axis=1) + _BLIND
         step = np.clip(self.beta[at] + gain / curvature, 0.0, HIGHEST) - self.beta[at]
         worth = -0.5 * (left**2).sum(axis=1) + gain * step - 0.5 * curvature * step**2
-        return np.asarray(worth - _FAR * self._too_far(self.beta[at] + step, self.beta[at]))
+        return np.asarray(worth - _FAR * _too_far(self.beta[at] + step, self.beta[at]))
 
     def _plain(
         self, at: NDArray[np.intp], values: FloatArray, paired: NDArray[np.bool_]
@@ -306,13 +303,13 @@ class Judge:
         mean, sd = beta + gain / curvature, 1.0 / np.sqrt(curvature)
         inside = log_between(-mean / sd, (HIGHEST - mean) / sd)
         volume = np.log(np.sqrt(2.0 * np.pi) * sd / HIGHEST)
-        far = self._too_far(np.clip(mean, 0.0, HIGHEST), beta)
+        far = _too_far(np.clip(mean, 0.0, HIGHEST), beta)
         return np.asarray(likelihood + 0.5 * gain**2 / curvature + volume + inside - _FAR * far)
 
-    @staticmethod
-    def _too_far(best: FloatArray, beta: FloatArray) -> FloatArray:
-        """By how much a severity lies beyond the reach of the linear model about another one."""
-        return np.asarray(np.maximum(np.abs(np.log1p(-best) - np.log1p(-beta)) - _LINEAR, 0.0))
+
+def _too_far(best: FloatArray, beta: FloatArray) -> FloatArray:
+    """By how much a severity lies beyond the reach of the linear model about another one."""
+    return np.asarray(np.maximum(np.abs(np.log1p(-best) - np.log1p(-beta)) - _LINEAR, 0.0))
 
 
 def _places(identity: NDArray[np.intp], n_intact: int) -> NDArray[np.intp]:
@@ -324,7 +321,6 @@ def _places(identity: NDArray[np.intp], n_intact: int) -> NDArray[np.intp]:
 
 
 # -- Probability of detection by linear algebra: some structures with their baselines, many tests of each
-
 
 #: Tests of each structure and damage.
 _DRAWS = 64
@@ -340,15 +336,13 @@ def predicted(
 ) -> tuple[list[FloatArray], float, int]:
     """Share of tests that find each severity of each candidate, rate of false calls, structures judged.
 
-    Shares are made to rise with the severity.
-
-    After Ctrl-C those judged so far count.
+    Shares are made to rise with the severity. After Ctrl-C those judged so far count.
     """
     shares, calls = [], []
     try:
         for nth, seed in enumerate(seeds):
             step(f"structure {nth + 1} of {len(seeds)}")
-            share, call = _one(test, severities, prior, options, seed, threads)
+            share, call = _of_structure(test, severities, prior, options, seed, threads)
             shares.append(share)
             calls.append(call)
     except KeyboardInterrupt:
@@ -358,7 +352,7 @@ def predicted(
     return mean, float(np.mean(calls)), len(shares)
 
 
-def _one(
+def _of_structure(
     test: VirtualTest,
     severities: Sequence[FloatArray],
     prior: DamagePrior,
@@ -388,8 +382,7 @@ def _one(
             share, _ = judge.found(np.where(there, log_f[kept], 0.0), there, _DRAWS)
             shares.append(share[place])
         found.append(np.array(shares))
-    everything = np.ones(kept.size, dtype=bool)
-    _, call = judge.found(intact.log_f[kept], everything, 4 * _DRAWS)
+    _, call = judge.found(intact.log_f[kept], np.ones(kept.size, dtype=bool), 4 * _DRAWS)
     return found, call
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..damage.measured_states import LEAST_STD, align, roots_at
+from ..damage.measured_states import LEAST_STD, roots_at
 from ..support.checks import FloatArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
@@ -29,11 +29,8 @@ if TYPE_CHECKING:
 #                          {\omega_m^2 - \omega^2 + 2 j \zeta \omega \omega_m},
 #
 # nu being the noise as a fraction of the channel's rms, the bar a mean over the band. The complex gain of H
-# is unknown too. The standard deviations are the roots of the diagonal of the inverse. No estimate without
-# bias is better; what identification reaches of it is told in the guide.
-#
-# Reference: L. Ljung, System Identification, 2nd ed. 1999, section 7.4 (the bound in the frequency domain).
-
+# is unknown too. The standard deviations are the roots of the diagonal of the inverse (L. Ljung, System
+# Identification, 2nd ed. 1999, section 7.4).
 
 #: The band is looked at from this share of its upper end on, with so many lines in a half-power bandwidth.
 _LOWEST, _LINES = 1e-3, 4.0
@@ -113,12 +110,8 @@ _MARGIN = 1.5
 class VirtualRoots:
     """Roots in the band for one force.
 
-    Attributes
-    ----------
-    sensor : (n,) number of the candidate.
-    slopes : (n, p) d ln f / dp.
-    std : (n,) relative standard deviation of a value.
-    common : {root: (c,)} of roots that some candidates share: whether each of them shows it, 0 or 1.
+    Number of the candidate (n,), d ln f / dp (n, p), relative standard deviation of a value (n,), and of
+    roots that some candidates share whether each of them shows it, {root: (c,) of 0 or 1}.
     """
 
     sensor: NDArray[np.intp]
@@ -178,7 +171,7 @@ def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:
             if apart.min() >= APART:
                 continue
             # Each root has one counterpart at most.
-            partner = align(apart, np.full(own.size, 0.5 * APART), np.full(theirs.size, 0.5 * APART))
+            partner = _core.align(apart, np.full(own.size, 0.5 * APART), np.full(theirs.size, 0.5 * APART))
             for root in np.flatnonzero(partner >= 0):
                 share = (apart[root, partner[root]] - ONE) / (APART - ONE) >= SEEN
                 row = found.setdefault(int(starts[nth] + root), np.ones(len(log_f)))

@@ -40,37 +40,24 @@ def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) ->
     try:
         array = np.asarray(value)
         if dtype is np.float64 and np.iscomplexobj(array):
-            reject(
-                name,
-                f"complex values of dtype {array.dtype}",
-                wanted,
-                "Pass the real parts or the magnitudes, whichever is meant.",
-            )
+            remedy = "Pass the real parts or the magnitudes, whichever is meant."
+            reject(name, f"complex values of dtype {array.dtype}", wanted, remedy)
         array = np.ascontiguousarray(array, dtype=dtype)
     except (TypeError, ValueError) as exc:
         if isinstance(exc, InvalidInputError):
             raise
-        reject(
-            name,
-            f"{type(value).__name__} that does not convert ({exc})",
-            wanted,
-            "Pass numbers, as a list or a numpy array.",
-        )
+        got = f"{type(value).__name__} that does not convert ({exc})"
+        reject(name, got, wanted, "Pass numbers, as a list or a numpy array.")
     # ascontiguousarray lifts scalars to 1-D; keep what the caller gave.
     array = array.reshape(np.shape(value)) if np.ndim(value) == 0 else array
     if ndim is not None and array.ndim != ndim:
         reject(name, f"an array of shape {array.shape}", wanted, "Check its axes by np.shape.")
     if array.size == 0:
         reject(name, f"an empty array of shape {array.shape}", wanted, "Check how it was read or cut.")
-    bad = int(np.count_nonzero(~np.isfinite(array)))
-    if bad:
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        reject(
-            name,
-            f"{bad} NaN or infinite value(s), the first at index {where}",
-            wanted,
-            "Remove or interpolate them first.",
-        )
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        got = f"{len(bad)} NaN or infinite value(s), the first at index {tuple(bad[0].tolist())}"
+        reject(name, got, wanted, "Remove or interpolate them first.")
     return array
 
 
@@ -119,12 +106,8 @@ def random_generator(rng: Any) -> np.random.Generator:
     if rng is None or isinstance(rng, np.random.Generator):
         return np.random.default_rng(rng)
     if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
-        reject(
-            "rng",
-            rng,
-            "an integer of at least 0, a numpy Generator or None",
-            "Pass a number such as rng=0 to have the same draw again, or leave it out.",
-        )
+        remedy = "Pass a number such as rng=0 to have the same draw again, or leave it out."
+        reject("rng", rng, "an integer of at least 0, a numpy Generator or None", remedy)
     return np.random.default_rng(int(rng))
 
 
@@ -143,9 +126,9 @@ def finite_scalar(
     bounded = np.isfinite(low) or np.isfinite(high)
     interval = f" in {left}{low:g}, {high:g}{right}" if bounded else ""
     wanted = f"a finite number{interval}{' ' + unit if unit else ''}"
-    if isinstance(value, bool | str | bytes) or shape_of(value) != ():
-        reject(name, repr(value), wanted, _ONE_NUMBER)
     try:
+        if isinstance(value, bool | str | bytes) or shape_of(value) != ():
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError):
         reject(name, repr(value), wanted, _ONE_NUMBER)
@@ -158,19 +141,14 @@ def finite_scalar(
 
 def integer(name: str, value: Any, *, low: int | None = None, high: int | None = None) -> int:
     """One integer inside a closed interval; booleans and floats are refused."""
-    bounds = (
-        ""
-        if low is None and high is None
-        else (
-            f" in {low}..{high}"
-            if low is not None and high is not None
-            else (f" of at least {low}" if low is not None else f" of at most {high}")
-        )
-    )
-    wanted = f"an integer{bounds}"
-    if isinstance(value, bool | np.bool_):
-        reject(name, repr(value), wanted, _WHOLE)
+    wanted = "an integer"
+    if low is not None and high is not None:
+        wanted += f" in {low}..{high}"
+    elif low is not None or high is not None:
+        wanted += f" of at most {high}" if low is None else f" of at least {low}"
     try:
+        if isinstance(value, bool | np.bool_):
+            raise TypeError
         number = operator.index(value)
     except TypeError:
         reject(name, repr(value), wanted, _WHOLE)
@@ -181,13 +159,9 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
 
 
 def _into_limits(below: bool, above: bool) -> str:
-    return (
-        "Pass a larger one."
-        if below
-        else "Pass a smaller one."
-        if above
-        else "Check the computation that gave it."
-    )
+    if below:
+        return "Pass a larger one."
+    return "Pass a smaller one." if above else "Check the computation that gave it."
 
 
 def choice(name: str, value: Any, options: Sequence[T]) -> T:
@@ -208,26 +182,17 @@ def choice(name: str, value: Any, options: Sequence[T]) -> T:
 def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> tuple[float, float]:
     """A pair (low, high) in Hz with low < high, inside what the data cover."""
     wanted = f"a pair (low, high) in Hz with {low_hz:g} <= low < high <= {high_hz:g}"
-    if shape_of(value) != (2,):
-        reject(name, value, wanted, _TWO_NUMBERS)
     try:
+        if shape_of(value) != (2,):
+            raise TypeError
         low, high = (float(v) for v in value)
     except (TypeError, ValueError):
         reject(name, value, wanted, _TWO_NUMBERS)
     # One part in 1e9 of slack: a band typed in decimal must be allowed to meet the data's own edge.
     slack = 1e-9 * max(high_hz, 1.0)
-    if (
-        not (np.isfinite(low) and np.isfinite(high))
-        or low >= high
-        or low < low_hz - slack
-        or high > high_hz + slack
-    ):
-        reject(
-            name,
-            (low, high),
-            wanted,
-            "The lower one comes first." if low >= high else "Narrow the band to the data.",
-        )
+    if not low_hz - slack <= low < high <= high_hz + slack:  # nor NaN
+        remedy = "The lower one comes first." if low >= high else "Narrow the band to the data."
+        reject(name, (low, high), wanted, remedy)
     return low, high
 
 

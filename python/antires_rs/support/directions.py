@@ -5,33 +5,15 @@ from __future__ import annotations
 import re
 
 #: Direction codes of universal files: translations, then rotations; 0 is a scalar.
-DIRECTIONS = {
-    0: "S",
-    1: "+X",
-    -1: "-X",
-    2: "+Y",
-    -2: "-Y",
-    3: "+Z",
-    -3: "-Z",
-    4: "+RX",
-    -4: "-RX",
-    5: "+RY",
-    -5: "-RY",
-    6: "+RZ",
-    -6: "-RZ",
+DIRECTIONS = {0: "S"} | {
+    sign * code: f"{'+' if sign > 0 else '-'}{axis}"
+    for code, axis in enumerate(("X", "Y", "Z", "RX", "RY", "RZ"), 1)
+    for sign in (1, -1)
 }
 CODES = {name: code for code, name in DIRECTIONS.items()}
 #: As finite-element programs call them too.
-NAMES = {
-    **CODES,
-    **{
-        name: code
-        for code, names in enumerate(
-            ["1 UX T1 X U", "2 UY T2 Y V", "3 UZ T3 Z W", "4 ROTX R1", "5 ROTY R2", "6 ROTZ R3 THETA"], 1
-        )
-        for name in [*names.split(), DIRECTIONS[code][1:]]
-    },
-}
+_OTHERS = ["1 UX T1 X U", "2 UY T2 Y V", "3 UZ T3 Z W", "4 ROTX R1 RX", "5 ROTY R2 RY", "6 ROTZ R3 RZ THETA"]
+NAMES = CODES | {name: code for code, names in enumerate(_OTHERS, 1) for name in names.split()}
 _POINT = re.compile(r"(?:NODE\s*)?(\d+)\s*[:._\s]?\s*([+-]?[A-Z]+\d?|(?<=[:._\s])\d)", re.IGNORECASE)
 
 

@@ -36,12 +36,8 @@ def written_beside(path: str | os.PathLike[str]) -> Iterator[Path]:
         reject("path", path, "the path of a file", "As in 'page.html'.")
     target = Path(path)
     if not target.parent.is_dir():
-        reject(
-            "path",
-            str(target),
-            "a file in a folder that exists",
-            f"Make the folder {str(target.parent)!r} first.",
-        )
+        remedy = f"Make the folder {str(target.parent)!r} first."
+        reject("path", str(target), "a file in a folder that exists", remedy)
     if target.is_dir():
         reject("path", str(target), "a file, not a folder", "Name a file in it.")
     if target.exists() and not target.is_file():  # its name would be taken by a plain file

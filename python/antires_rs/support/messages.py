@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -13,13 +15,26 @@ from typing import Any
 
 from ..exceptions import AntiresWarning, reject
 
+_UNHEARD: ContextVar[bool] = ContextVar("_UNHEARD", default=False)
+
 
 def warn(about: str | tuple[str, ...], text: str) -> None:
     """Warn at the line of the user's call, however deep in this package.
 
     ``about`` names entries of ``troubleshooting.md`` beside this file, see :func:`~antires_rs.explain`.
     """
-    _warn(AntiresWarning(text, (about,) if isinstance(about, str) else about))
+    if not _UNHEARD.get():
+        _warn(AntiresWarning(text, (about,) if isinstance(about, str) else about))
+
+
+@contextmanager
+def unheard() -> Iterator[None]:
+    """No warnings of this package in this thread, whatever others do."""
+    before = _UNHEARD.set(True)
+    try:
+        yield
+    finally:
+        _UNHEARD.reset(before)
 
 
 def warn_of_change(text: str) -> None:
@@ -83,19 +98,15 @@ def entries() -> dict[str, str]:
 def _entry(name: str, known: dict[str, str]) -> str:
     key = name.strip().lower().replace(" ", "_").replace("-", "_")
     if key not in known:
-        near = get_close_matches(key, known, n=3, cutoff=0.6)
-        reject(
-            "names",
-            repr(name),
-            f"one of the names that warnings end with{', perhaps ' + ' or '.join(near) if near else ''}",
-            "Ask without a name for all of them.",
-        )
+        near = " or ".join(get_close_matches(key, known, n=3, cutoff=0.6))
+        wanted = f"one of the names that warnings end with{', perhaps ' + near if near else ''}"
+        reject("names", repr(name), wanted, "Ask without a name for all of them.")
     return known[key]
 
 
 def _seen(text: str) -> str:
     """What is seen, in a line."""
-    return " ".join(text.split("**Seen:**", 1)[1].split("\n\n", 1)[0].split())
+    return " ".join(text.split("**Seen:**", 1)[1].split("\n- **Why", 1)[0].split())
 
 
 # -- Texts of errors that name arguments of a call, for callers who do not write Python

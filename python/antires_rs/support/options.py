@@ -64,18 +64,12 @@ class Option:
         elif self.kind == "switch":
             choice(name, value, (True, False))
         elif self.kind == "whole":
-            integer(
-                name,
-                value,
-                low=None if self.low is None else int(self.low),
-                high=None if self.high is None else int(self.high),
-            )
+            low, high = (None if limit is None else int(limit) for limit in (self.low, self.high))
+            integer(name, value, low=low, high=high)
         elif self.kind == "number":
-            low, high = (
-                -np.inf if self.low is None else self.low,
-                np.inf if self.high is None else self.high,
-            )
-            finite_scalar(name, value, low=low, high=high, low_open=self.low_open)
+            least = -np.inf if self.low is None else self.low
+            most = np.inf if self.high is None else self.high
+            finite_scalar(name, value, low=least, high=most, low_open=self.low_open)
 
 
 _KINDS = {bool: "switch", int: "whole", float: "number", str: "text"}

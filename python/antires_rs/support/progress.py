@@ -6,15 +6,14 @@ line that a thread keeps alive names the step it is at, and the seconds (``waiti
 
 from __future__ import annotations
 
-import functools
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
-from threading import Event, Thread
 from typing import Any, ParamSpec, TypeVar
 
 from ..exceptions import reject
@@ -31,6 +30,25 @@ FIRST_S, EVERY_S = 1.0, 0.25
 LOOK_S = 0.1
 
 
+class _Screen:
+    """The line on standard error; blanks go over what a longer one left."""
+
+    width = 0
+
+    def show(self, text: str) -> None:
+        self.width = max(self.width, len(text))
+        self._write(f"\r{text:<{self.width}}")
+
+    def end(self) -> None:
+        if self.width:
+            self._write("\n")
+
+    @staticmethod
+    def _write(text: str) -> None:
+        sys.stderr.write(text)
+        sys.stderr.flush()
+
+
 @contextmanager
 def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Iterator[Watcher | None]:
     """One callable for the core out of the user's callback and, if wanted, a progress line.
@@ -40,27 +58,23 @@ def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Ite
     if not _shown(progress):
         yield None if callback is None else lambda state: _stops(callback(state))
         return
-    start = time.monotonic()
-    due, shown, width = start + FIRST_S, False, 0
+    start, line = time.monotonic(), _Screen()
+    due = start + FIRST_S
     first: int | None = None  # evaluations before this process, where a search goes on
 
     def watcher(state: State) -> bool | None:
-        nonlocal due, shown, first, width
+        nonlocal due, first
         now = time.monotonic()
         first = state["nfev"] if first is None else first
         if now >= due:
-            due, shown = now + EVERY_S, True
-            line = _line(state, budget, now - start, state["nfev"] - first)
-            width = max(width, len(line))  # what was longer before is written over
-            sys.stderr.write(f"\r{line:<{width}}")
-            sys.stderr.flush()
+            due = now + EVERY_S
+            line.show(_line(state, budget, now - start, state["nfev"] - first))
         return _stops(callback(state)) if callback is not None else None
 
     try:
         yield watcher
     finally:
-        if shown:
-            sys.stderr.write("\n")
+        line.end()
 
 
 def _stops(said: object) -> bool | None:
@@ -68,12 +82,8 @@ def _stops(said: object) -> bool | None:
     try:
         return None if said is None else bool(said)
     except (TypeError, ValueError):
-        reject(
-            "callback",
-            f"one that returns {type(said).__name__}",
-            "True to stop, False or None to go on",
-            "Return nothing, or a truth value.",
-        )
+        wanted = "True to stop, False or None to go on"
+        reject("callback", f"one that returns {type(said).__name__}", wanted, "Return a truth value.")
 
 
 def _shown(progress: bool | None) -> bool:
@@ -97,17 +107,18 @@ def waiting(what: str, progress: bool | None) -> Iterator[None]:
         step(what)
         yield
         return
-    at, over = [""], Event()
+    at, over = [""], threading.Event()
     token = _AT.set(at)
-    thread = Thread(target=_keep_alive, args=(what, at, over), daemon=True) if _shown(progress) else None
-    if thread is not None:
+    thread = threading.Thread(target=_keep_alive, args=(what, at, over), daemon=True)
+    shown = _shown(progress)
+    if shown:
         thread.start()
     try:
         yield
     finally:
         _AT.reset(token)
         over.set()
-        if thread is not None:
+        if shown:
             thread.join()
 
 
@@ -153,38 +164,29 @@ def patient(what: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
 def interruptible(work: Callable[[], T], what: str, progress: bool | None = None) -> T:
     """The result of a long call into the core, which Ctrl-C leaves at once; the core then ends on its own."""
-    answer: list[T] = []
-    error: list[BaseException] = []
+    answer: Future[T] = Future()
 
     def run() -> None:
         try:
-            answer.append(work())
+            answer.set_result(work())
         except BaseException as exc:  # raised again in the caller's thread
-            error.append(exc)
+            answer.set_exception(exc)
 
-    thread = Thread(target=run, daemon=True)
+    thread = threading.Thread(target=run, daemon=True)
     with waiting(what, progress):
         thread.start()
         while thread.is_alive():
             thread.join(LOOK_S)
-    if error:
-        raise error[0]
-    return answer[0]
+    return answer.result()
 
 
-def _keep_alive(what: str, at: list[str], over: Event) -> None:
-    start, width = time.monotonic(), 0
+def _keep_alive(what: str, at: list[str], over: threading.Event) -> None:
+    start, line = time.monotonic(), _Screen()
     over.wait(FIRST_S)
     while not over.is_set():
-        text = f"{what}{': ' if at[0] else ''}{at[0]}   {time.monotonic() - start:.0f} s "
-        # Blanks over what a longer line left.
-        sys.stderr.write("\r" + text.ljust(width))
-        sys.stderr.flush()
-        width = len(text)
+        line.show(f"{what}{': ' if at[0] else ''}{at[0]}   {time.monotonic() - start:.0f} s ")
         over.wait(EVERY_S)
-    if width:
-        sys.stderr.write("\n")
-        sys.stderr.flush()
+    line.end()
 
 
 def _line(state: State, budget: int, seconds: float, done: int) -> str:
@@ -198,9 +200,7 @@ def _line(state: State, budget: int, seconds: float, done: int) -> str:
 
 def _left(evaluations: int, seconds: float, done: int) -> str:
     """How long the budget lasts at this pace; most searches end before it does."""
-    if done <= 0:
-        return "time left not known yet"
-    return f"at most {span(evaluations * seconds / done)} left"
+    return f"at most {span(evaluations * seconds / done)} left" if done > 0 else "time left not known yet"
 
 
 def span(seconds: float) -> str:
@@ -218,22 +218,20 @@ def span(seconds: float) -> str:
 # on their number, and the small matrices of this package are no slower.
 
 
-R = TypeVar("R")
-
 _lock = threading.Lock()
 _inside = 0
 _limiter: Any = None
 
 
-def one_blas_thread(function: Callable[P, R]) -> Callable[P, R]:
+def one_blas_thread(function: Callable[P, T]) -> Callable[P, T]:
     """Let ``function`` run with one BLAS thread.
 
     The limit is the process's: calls that overlap in several Python threads share it, and the last one to end
     gives back what was there before.
     """
 
-    @functools.wraps(function)
-    def limited(*args: P.args, **kwargs: P.kwargs) -> R:
+    @wraps(function)
+    def limited(*args: P.args, **kwargs: P.kwargs) -> T:
         _nested(1)
         try:
             return function(*args, **kwargs)

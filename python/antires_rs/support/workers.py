@@ -20,7 +20,8 @@ import traceback
 from asyncio import CancelledError
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
-from contextlib import contextmanager, suppress
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import islice
@@ -47,6 +48,7 @@ _REMEDY = (
     "Pass a number, a concurrent.futures executor, or a Client of a Dask cluster "
     '(pip install "antires-rs[dask]").'
 )
+_CALL_AGAIN = "call again: what store= or checkpoint= keeps is taken up."
 
 
 def processors() -> int:
@@ -70,9 +72,7 @@ def _bound(function: Callable[..., Any], shared: Any) -> Call:
     return function if shared is None else partial(function, shared)
 
 
-def _results(
-    call: Call, tasks: list[Any], caught: type[BaseException] = Exception
-) -> tuple[list[Any], float]:
+def _results(call: Call, tasks: list[Any], caught: Any = Exception) -> tuple[list[Any], float]:
     """The result of each task, or a :class:`Failed`, and the seconds they took."""
     start = time.perf_counter()
     found: list[Any] = []
@@ -248,8 +248,6 @@ class _Here:
     _max_workers = a_worker = 1
 
     def submit(self, function: Callable[..., Any], *args: Any) -> Any:
-        from concurrent.futures import Future
-
         future: Future[Any] = Future()
         future.set_result(function(*args))
         return future
@@ -266,20 +264,14 @@ class Processes:
         import multiprocessing
 
         if multiprocessing.current_process().daemon:
-            reject(
-                "workers",
-                f"{count} processes inside a worker process",
-                "1 there, or threads",
-                "A worker of multiprocessing may not begin processes of its own: pass workers=1.",
-            )
+            remedy = "A worker of multiprocessing may not begin processes of its own: pass workers=1."
+            reject("workers", f"{count} processes inside a worker process", "1 there, or threads", remedy)
         self._max_workers, self._how = count, (os.getpid(), initializer, initargs)
         self._idle: list[Any] = []
         self._all: list[Any] = []
 
     def submit(self, function: Callable[..., Any], *args: Any) -> Any:
         """Give it to an idle process, or to a new one."""
-        from concurrent.futures import BrokenExecutor
-
         from loky import ProcessPoolExecutor
 
         while True:
@@ -299,8 +291,6 @@ class Processes:
             return future
 
     def _back(self, process: Any, future: Any) -> None:
-        from concurrent.futures import BrokenExecutor
-
         if future.cancelled() or not isinstance(future.exception(), BrokenExecutor):
             self._idle.append(process)
         elif process in self._all:
@@ -308,8 +298,6 @@ class Processes:
 
     def shutdown(self, at_once: bool) -> None:
         """End all processes, and what they have begun, those at work only ``at_once``."""
-        from concurrent.futures import ThreadPoolExecutor
-
         ended, self._all, self._idle = self._all, [], []
         with ThreadPoolExecutor(max(1, len(ended))) as threads:
             for process in ended:
@@ -377,13 +365,8 @@ class Dask:
     def _max_workers(self) -> int:
         """Threads of the cluster's workers, at least one: it may still be growing."""
         if self._client.status == "closed":
-            reject(
-                "workers",
-                "a Dask client that has lost its scheduler, with chunks of tasks under way",
-                "one that is connected",
-                "Connect to a scheduler that runs and call again: a series with store=, or a search with "
-                "checkpoint=, goes on from what is kept.",
-            )
+            got = "a Dask client that has lost its scheduler, with chunks of tasks under way"
+            reject("workers", got, "one that is connected", f"Connect to one that runs and {_CALL_AGAIN}")
         now = time.monotonic()
         if now > self._asked + self.ask_s:
             self._asked = now
@@ -393,12 +376,7 @@ class Dask:
                     self._there, self._warned = now, False
         alone = f"a Dask cluster that has had no worker for {now - self._there:.0f} s"
         if now > self._there + self.patience_s:
-            reject(
-                "workers",
-                alone,
-                "one with workers",
-                "Begin workers and call again: what store= or checkpoint= keeps is taken up.",
-            )
+            reject("workers", alone, "one with workers", f"Begin workers and {_CALL_AGAIN}")
         if now > self._there + self.warn_s and not self._warned:
             self._warned = True
             warn("no_dask_worker", f"workers: {alone}; waiting for one.")
@@ -407,7 +385,6 @@ class Dask:
 
 def _mapped(run: Callable[..., Iterable[Any]]) -> Any:
     """Something with ``map`` only: every chunk is a map of its own, in a thread that is left behind."""
-    from concurrent.futures import ThreadPoolExecutor
 
     class Mapped(ThreadPoolExecutor):
         def submit(self, function: Any, /, *args: Any, **_: Any) -> Any:
@@ -418,8 +395,6 @@ def _mapped(run: Callable[..., Iterable[Any]]) -> Any:
 
 def _executor_of(workers: Any) -> tuple[Any, bool]:
     """The executor that ``workers=`` means, and whether it is our own."""
-    from concurrent.futures import ThreadPoolExecutor
-
     wanted = 'a number from 1 on, "processes", "threads", or an executor with submit'
     if workers is None:
         return _Here(), True
@@ -484,8 +459,6 @@ class Workers:
         seconds_a_chunk: float = 1.0,
         losses: int = 10,
     ) -> None:
-        from concurrent.futures import ThreadPoolExecutor
-
         self._executor, self._own = _executor_of(workers)
         # None: one by one, so that Ctrl-C loses none that is done.
         self._seconds, self._losses = 0.0 if workers is None else seconds_a_chunk, losses
@@ -533,8 +506,7 @@ class Workers:
         """
         waiting: dict[int, Any] = {}
         start, nth = time.monotonic(), 0
-        round_ = self._round(tasks, waiting, poll)
-        try:
+        with closing(self._round(tasks, waiting, poll)) as round_:
             for total in round_:
                 while nth in waiting:
                     value = waiting.pop(nth)
@@ -545,21 +517,16 @@ class Workers:
                     if what:
                         step(counted(what, nth, total, time.monotonic() - start))
                     yield value
-        finally:
-            round_.close()
 
     def as_done(
         self, tasks: Iterable[Any], *, poll: Callable[[], None] | None = None
     ) -> Iterator[tuple[int, Any]]:
         """The number of each task with its result, or a :class:`Failed`, as they come."""
         arrived: dict[int, Any] = {}
-        round_ = self._round(tasks, arrived, poll)
-        try:
+        with closing(self._round(tasks, arrived, poll)) as round_:
             for _ in round_:
                 for nth in sorted(arrived):
                     yield nth, arrived.pop(nth)
-        finally:
-            round_.close()
 
     def _round(
         self, tasks: Iterable[Any], arrived: dict[int, Any], poll: Callable[[], None] | None
@@ -605,8 +572,6 @@ class Workers:
             self._submit(chunk)
 
     def _submit(self, chunk: Chunk) -> None:
-        from concurrent.futures import BrokenExecutor
-
         try:
             if self._call is not None:
                 future = self._executor.submit(self._run, self._call, chunk.tasks)
@@ -636,8 +601,6 @@ class Workers:
             self._replace()
 
     def _answered(self, future: Any, chunk: Chunk, schedule: Schedule) -> None:
-        from concurrent.futures import BrokenExecutor
-
         try:
             if isinstance(future, BaseException):
                 raise future
@@ -661,20 +624,16 @@ class Workers:
 
     def _replace(self) -> None:
         """Processes of our own, as many and begun alike, where those of the caller's executor are broken."""
-        from concurrent.futures import ProcessPoolExecutor
+        from concurrent.futures import ProcessPoolExecutor  # which loads multiprocessing
 
         assert self._broken is not None
         if not isinstance(self._executor, ProcessPoolExecutor):
-            reject(
-                "workers",
-                f"{type(self._executor).__name__} that is broken ({_reason(self._broken)})",
-                "one that lives",
-                "Make a new one; or pass a number of processes, of which lost ones are replaced.",
-            )
+            got = f"{type(self._executor).__name__} that is broken ({_reason(self._broken)})"
+            remedy = "Make a new one; or pass a number of processes, of which lost ones are replaced."
+            reject("workers", got, "one that lives", remedy)
         how = vars(self._executor)
-        self._executor = Processes(
-            self._workers(), how.get("_initializer"), tuple(how.get("_initargs") or ())
-        )
+        begin = how.get("_initializer"), tuple(how.get("_initargs") or ())
+        self._executor = Processes(self._workers(), *begin)
         self._own, self._broken = True, None
 
 
@@ -706,21 +665,14 @@ def _sent(value: Any, what: str) -> bytes:
     try:
         return _dumps(value)
     except Exception as error:
-        reject(
-            "workers",
-            f"processes, and {what} ({error})",
-            "what pickles, with all that it needs",
-            'Pass "threads", or let the function open files and locks where it runs.',
-        )
+        remedy = 'Pass "threads", or let the function open files and locks where it runs.'
+        reject("workers", f"processes, and {what} ({error})", "what pickles, with all that it needs", remedy)
 
 
 def _does_not_arrive(error: BaseException) -> NoReturn:
-    reject(
-        "workers",
-        f"a function or tasks that do not arrive there ({type(error).__name__}: {error})",
-        "a function that the workers can import",
-        "Put it into a module that they have, with this package in the same version.",
-    )
+    got = f"a function or tasks that do not arrive there ({type(error).__name__}: {error})"
+    remedy = "Put it into a module that they have, with this package in the same version."
+    reject("workers", got, "a function that the workers can import", remedy)
 
 
 def _reason(error: BaseException) -> str:

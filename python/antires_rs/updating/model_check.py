@@ -8,7 +8,7 @@ and roots between them, have a partner.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 #
 # A wrong unit multiplies every frequency of the model, or every measured one, by the same number; exchanged
 # matrices turn each root into its inverse.
-
 
 #: Values by response.
 Lists = dict[tuple[Any, Any] | None, FloatArray]
@@ -90,7 +89,7 @@ def unit_hint(model: StructuralModel, measured: Lists) -> str:
     values = {key: np.log(freq[freq > 0.0]) for key, freq in measured.items()}
     plain = _share(values, roots, 0.0)
     first = [values[key][0] - roots[key][0] for key in values if values[key].size and roots[key].size]
-    guesses = [(ratio, why) for ratio, why in _RATIOS]
+    guesses = list(_RATIOS)
     free = float(np.median(first)) if first else 0.0
     if abs(free) >= _ORDINARY:
         guesses.append((math.exp(free), ""))
@@ -168,14 +167,9 @@ _SAME_SHAPE = 0.5
 class Explained:
     """How much of a measurement a model explains.
 
-    Attributes
-    ----------
-    n_values, n_roots, n_paired : int
-        Values, the model's roots between the lowest and the highest of each response, and pairs.
-    hint : str
-        A mistake that would account for it, in words; '' if none is known.
-    common_loss : float
-        Loss of all stiffnesses alike that explains the values better than losses of single ones; else 0.
+    ``n_values``, ``n_roots`` (of the model, between the lowest and the highest value of each response) and
+    ``n_paired``; ``hint`` is a mistake that would account for it, in words; ``common_loss`` a loss of all
+    stiffnesses alike that explains the values better than losses of single ones, else 0.
     """
 
     n_values: int
@@ -229,10 +223,12 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
     if isinstance(targets, AntiresonanceTargets):
         found = _of_antiresonances(problem._core, targets, x)
     else:
-        found = _of_modes(problem, x)
+        near = np.abs(np.log(problem.paired_hz(x) / problem.measured_hz)) <= NEAR  # NaN without a partner
+        alike = near & (problem.paired_mac(x) >= _SAME_SHAPE)
+        found = Explained(near.size, near.size, int(alike.sum()))
     if found.enough and not doubted:
         return found
-    return Explained(found.n_values, found.n_roots, found.n_paired, hint_of(problem.model, targets))
+    return replace(found, hint=hint_of(problem.model, targets))
 
 
 def hint_of(model: StructuralModel, targets: Targets) -> str:
@@ -246,29 +242,19 @@ def hint_of(model: StructuralModel, targets: Targets) -> str:
 
 
 def _of_antiresonances(core: _core.Objective, targets: AntiresonanceTargets, x: FloatArray) -> Explained:
+    """Values and roots in ln f, both ascending within each response, aligned at least cost."""
     target, hz, shown, _ = core.states(np.ascontiguousarray(x)[None], False, 1)[0]
     seen = (shown >= 0.5) & (hz > 0.0)
+    of_root, roots = target[seen].astype(np.intp), np.log(hz[seen])
     response = np.repeat(np.arange(len(targets.parts)), [part[2].size for part in targets.parts])
+    response = response.astype(np.intp)
     values = np.concatenate([np.empty(0), *(np.sort(np.log(part[2])) for part in targets.parts)])
-    return paired(response.astype(np.intp), values, target[seen].astype(np.intp), np.log(hz[seen]))
-
-
-def paired(
-    response: NDArray[np.intp], values: FloatArray, of_root: NDArray[np.intp], roots: FloatArray
-) -> Explained:
-    """Values and roots in ln f, both ascending within each response, aligned at least cost."""
-    sigma, alone = 0.5 * NEAR, 2.0  # a pair further apart than NEAR costs more than both alone
-    partner = _core.associate(
-        response,
-        values,
-        np.full(values.size, sigma),
-        of_root,
-        roots,
-        np.zeros(roots.size),
-        alone,
-        np.zeros(roots.size),
-    )
-    return Explained(values.size, roots_between(response, values, of_root, roots), int((partner >= 0).sum()))
+    # A pair further apart than NEAR costs more than both alone.
+    std, alone = np.full(values.size, 0.5 * NEAR), 2.0
+    none = np.zeros(roots.size)
+    partner = _core.associate(response, values, std, of_root, roots, none, alone, none)
+    between = roots_between(response, values, of_root, roots)
+    return Explained(values.size, between, int((partner >= 0).sum()))
 
 
 def roots_between(
@@ -281,10 +267,3 @@ def roots_between(
         there = roots[of_root == number]
         between += int(((there >= own.min() - NEAR) & (there <= own.max() + NEAR)).sum())
     return between
-
-
-def _of_modes(problem: UpdatingProblem, x: FloatArray) -> Explained:
-    table = problem._table(x)
-    near = np.abs(np.log(table.after_hz / table.measured_hz)) <= NEAR  # NaN without a partner
-    alike = near & (getattr(table, "after_mac", np.ones(near.size)) >= _SAME_SHAPE)
-    return Explained(near.size, near.size, int(alike.sum()))

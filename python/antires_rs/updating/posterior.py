@@ -1,4 +1,4 @@
-"""Intervals of parameters from draws of their posterior: within the bounds, with the error of the model."""
+"""Intervals of parameters from draws of their posterior within the bounds, and profiles of the likelihood."""
 
 from __future__ import annotations
 
@@ -14,14 +14,10 @@ from ..support.checks import FloatArray, choice, finite_scalar, integer
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
-from .profile import open_sides, words_of
-from .residuals import FAR, SAME, Fit, drawn, error_rows, fitted, normalized
+from .residuals import FAR, SAME, UNSEEN, Fit, drawn, fitted, normalized
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
-
-
-# -- Intervals of parameters as a value: ends, draws, and a word on each
 
 
 Method = Literal["laplace", "ensemble"]
@@ -43,8 +39,7 @@ class ParameterIntervals(Value, Viewed):
         Median and standard deviation of the draws.
     words : tuple of str, (n,)
         "two-sided"; "two-sided, through the bounds of others"; "one-sided: its lower bound fits as well" (or
-        upper: the interval then begins at that bound); "flat": any value within the bounds fits, and
-        the interval is the bounds; "fixed": not estimated.
+        upper: the interval begins there); "flat": any value within the bounds fits; "fixed": not estimated.
     draws : ndarray, (k, n)
         Independent draws (of an ensemble nearly independent), rows in no order.
     chi_square : float
@@ -58,14 +53,9 @@ class ParameterIntervals(Value, Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> case = ar.cases.chain8()
-    >>> zeros = case.exact()
-    >>> stated = {dof: 1e-3 * freq for dof, freq in zeros.items()}
-    >>> zeros = ar.AntiresonanceSet(0, dict(zeros.items()), std_hz=stated)
-    >>> problem = ar.UpdatingProblem(case.model, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), zeros)
-    >>> found = ar.update(problem, rng=0).intervals()
-    >>> found.words, found.draws.shape
-    (('two-sided', 'two-sided'), (1000, 2))
+    >>> found = ar.update(ar.cases.chain8().updating_problem(), rng=0).intervals()
+    >>> found.words[0], found.draws.shape
+    ('flat', (1000, 15))
     """
 
     names: tuple[str, ...]
@@ -116,7 +106,6 @@ class ParameterIntervals(Value, Viewed):
 # cut Gaussian is a normal distribution between two ends, drawn exactly. Without the box one sweep gives
 # independent draws; directions that the data do not see are uniform between the ends.
 
-
 #: A normal distribution this much wider than the line is drawn as uniform.
 _WIDE = 1e4
 #: Beyond so many standard deviations the tail is drawn as an exponential distribution.
@@ -139,8 +128,7 @@ def sweep(
 ) -> FloatArray:
     """Every chain ``u`` (k, n) moved once along each axis.
 
-    Chain c has the density ``exp(-v' P v / 2 - b' v)`` with v = u - center, P and b those number ``which[c]``
-    of ``precisions`` (G, n, n) and ``slopes`` (G, n).
+    Chain c has the density ``exp(-v' P v / 2 - b' v)``, v = u - center, P and b those number ``which[c]``.
     """
     v = np.ascontiguousarray((u - center).T)  # (n, k)
     low_edge, high_edge = -center[:, None], 1.0 - center[:, None]
@@ -190,7 +178,6 @@ def _between(
 # the model, which is drawn along with the parameters. Chains go through both in turn (Gibbs); each gives
 # one draw.
 
-
 #: Sweeps of every chain, along all axes, and the error of the model after each.
 _SWEEPS = 10
 
@@ -203,19 +190,18 @@ class Linear:
         weighted = fit.jacobian.T[None] / variance[:, None, :]  # (G, n, m)
         self.precisions = weighted @ fit.jacobian
         self.slopes = weighted @ fit.e - fit.residuals.tilt
-        self.axes = axes_of(self.precisions[middle])
         self.typical = self.precisions[middle]
+        self.axes = axes_of(self.typical)
 
     def residuals(self, u: FloatArray) -> FloatArray:
         """Linear residuals at every row, (k, m)."""
         return np.asarray(self.fit.e + (u - self.fit.u) @ self.fit.jacobian.T)
 
     def swept(
-        self, u: FloatArray, which: NDArray[np.intp], rng: np.random.Generator, axes: FloatArray | None = None
+        self, u: FloatArray, which: NDArray[np.intp], rng: np.random.Generator, axes: FloatArray
     ) -> FloatArray:
         """Every chain moved once along each axis within the Gaussian that ``which`` names."""
-        along = self.axes if axes is None else axes
-        return sweep(u, self.fit.u, self.precisions, self.slopes, which, along, rng)
+        return sweep(u, self.fit.u, self.precisions, self.slopes, which, axes, rng)
 
     def spread(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Points to start from, (count, n): of the Gaussian without its box, put on the box where outside."""
@@ -234,7 +220,7 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
     u = linear.spread(count, rng)
     for nth in range(_SWEEPS):
         step(f"linear posterior, sweep {nth + 1} of {_SWEEPS}")
-        u = linear.swept(u, which, rng)
+        u = linear.swept(u, which, rng, linear.axes)
         chances = normalized(fit.errors.log_density(linear.residuals(u) ** 2))
         which = drawn(chances, rng.random(count))
     return u, which
@@ -243,13 +229,10 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
 # -- Draws of the parameters given the measured values, with the residuals as the model has them
 #
 # Sequential Monte Carlo, as the transitional Markov chain Monte Carlo of Ching & Chen (J. Eng. Mech. 133
-# (2007) 816-832): particles go by steps from one density to another, weighted, drawn anew and moved. Two
-# things are other than there. They set out not from the prior but from the linear posterior with twice its
-# errors, so that few steps are enough; and most moves are proposed by the linear posterior of the step
-# itself, along its axes there and back, and accepted by what the true residuals say (Christen & Fox, J.
-# Comput. Graph. Stat. 14 (2005) 795-810), so that where the residuals are nearly linear every move goes
-# anywhere. Random walks do the rest.
-
+# (2007) 816-832): particles go by steps from one density to another, weighted, drawn anew and moved. They set
+# out not from the prior but from the linear posterior with twice its errors; and most moves are proposed by
+# the linear posterior of the step itself, along its axes there and back, and accepted by what the true
+# residuals say (Christen & Fox, J. Comput. Graph. Stat. 14 (2005) 795-810). Random walks do the rest.
 
 #: How much wider than the linear posterior the particles set out, and the proposals are.
 _START, _WIDER = 2.0, 1.1
@@ -257,16 +240,6 @@ _START, _WIDER = 2.0, 1.1
 _COUNTING, _SWEEPS_ENSEMBLE = 0.5, 8
 #: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
 _MOVES, _LAST, _MOST = 2.0, 5.0, 30
-
-
-@dataclass(frozen=True)
-class Ensemble:
-    """Draws in the unit box (k, n), number of the model's error (k,), steps, and share of moves accepted."""
-
-    u: FloatArray
-    which: NDArray[np.intp]
-    steps: int
-    accepted: float
 
 
 class _Particles:
@@ -279,7 +252,7 @@ class _Particles:
         one = np.zeros(count, dtype=np.intp)
         self.u = start.spread(count, rng)
         for _ in range(_SWEEPS_ENSEMBLE):
-            self.u = start.swept(self.u, one, rng)
+            self.u = start.swept(self.u, one, rng, start.axes)
         self.linear = start.residuals
         self.which = drawn(fit.chances, rng.random(count))
         self.e = fit.residuals.many(self.u, workers)
@@ -317,7 +290,8 @@ class _Particles:
         linear = Linear(fit, variance, fit.middle)
         n = self.u.shape[1]
         axes = linear.axes[:n]
-        factor = _root(np.cov(self.u.T).reshape(n, n))
+        values, vectors = np.linalg.eigh(np.cov(self.u.T).reshape(n, n))  # of a matrix that may be singular
+        factor = np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
         done, rounds = 0.0, 0
         while done < moves and rounds < _MOST:
             logits = (1.0 - b) * self.log_chances + b * fit.errors.log_density(self.e**2)
@@ -358,10 +332,12 @@ class _Particles:
         return np.asarray(prior - 0.5 * ((1.0 - self.b) * start + self.b * end))
 
 
-def ensemble_draws(fit: Fit, count: int, rng: np.random.Generator, workers: int) -> Ensemble:
-    """Draws of the free parameters and of the error of the model; the same bits for any number of workers."""
+def ensemble_draws(
+    fit: Fit, count: int, rng: np.random.Generator, workers: int
+) -> tuple[FloatArray, NDArray[np.intp], float]:
+    """As :func:`linear_draws`, the same bits for any number of workers; and the share of moves accepted."""
     if fit.u.size == 0:
-        return Ensemble(np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 0, 1.0)
+        return np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 1.0
     particles = _Particles(fit, count, rng, workers)
     steps, accepted, rounds = 0, 0.0, 0
     while particles.b < 1.0:
@@ -370,14 +346,245 @@ def ensemble_draws(fit: Fit, count: int, rng: np.random.Generator, workers: int)
         step(f"ensemble, step {steps}: {100 * particles.b:.0f} % of the way")
         moved, passed = particles.settle(_LAST if particles.b == 1.0 else _MOVES)
         accepted, rounds = accepted + moved, rounds + passed
-    return Ensemble(particles.u, particles.which, steps, min(1.0, accepted / max(rounds, 1)))
+    return particles.u, particles.which, min(1.0, accepted / max(rounds, 1))
 
 
-def _root(covariance: FloatArray) -> FloatArray:
-    """A matrix whose product with its transpose is the covariance, which may be singular."""
-    values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+# -- Profile likelihood: how the fit falls when one parameter is held and all others are fitted again
+#
+# A parameter is open on the side where the sum of squares over the errors' variances, with it held at that
+# bound and the others fitted within theirs, rises by less than the chi-square quantile (Raue et al.,
+# Bioinformatics 25 (2009) 1923-1929). A side may be closed only because another parameter runs into a bound
+# of its own; that is said.
 
+Kind = Literal["two-sided", "one-sided", "flat", "fixed"]
+
+#: A combination that is seen this little, relative to the best seen, has no covariance of its own.
+_RIDGE = 1e-12
+
+
+def threshold(level: float) -> float:
+    """Rise of the sum of squares at the ends of an interval: chi-square with one degree of freedom."""
+    from scipy.special import ndtri
+
+    return float(ndtri(0.5 + level / 2.0) ** 2)
+
+
+def variances(fit: Fit) -> FloatArray:
+    """Of the free parameters as if nothing bounded them, (n,); huge where nothing is seen."""
+    values, vectors = np.linalg.eigh(fit.weighted.T @ fit.weighted)
+    least = _RIDGE * max(float(values.max(initial=0.0)), 1.0)
+    return np.asarray(np.diag((vectors / np.maximum(values, least)) @ vectors.T))
+
+
+def open_sides(fit: Fit, level: float, refit: bool) -> list[tuple[bool, bool, bool]]:
+    """For every free parameter: open below, open above, and closed only by the bounds of others.
+
+    By the linear residuals, or with ``refit`` by those of the model.
+    """
+    limit, spread, least = threshold(level), variances(fit), fit.squares(fit.u)
+    sides = []
+    for j, center in enumerate(fit.u):
+        opened, by_others = [], False
+        for bound in (0.0, 1.0):
+            alone = (bound - center) ** 2 / spread[j]  # as if the others had no bounds
+            if alone > 4.0 * limit or (not refit and alone > limit):
+                opened.append(False)
+                continue
+            rise = _rise_at(fit, j, bound, refit) - least
+            opened.append(bool(rise < limit))
+            by_others |= rise >= limit > alone
+        sides.append((opened[0], opened[1], by_others))
+    return sides
+
+
+def kind_of(low_open: bool, high_open: bool) -> Kind:
+    """Which it is by the sides that are open."""
+    return "flat" if low_open and high_open else "one-sided" if low_open or high_open else "two-sided"
+
+
+def words_of(low_open: bool, high_open: bool, by_others: bool) -> str:
+    """What the data say of a parameter."""
+    kind = kind_of(low_open, high_open)
+    if kind == "one-sided":
+        return f"one-sided: its {'lower' if low_open else 'upper'} bound fits as well"
+    return f"{kind}, through the bounds of others" if kind == "two-sided" and by_others else kind
+
+
+def _rise_at(fit: Fit, j: int, bound: float, refit: bool) -> float:
+    """Sum of squares with parameter j at a bound and the others fitted within theirs."""
+    from scipy.optimize import lsq_linear
+
+    others = np.delete(np.arange(fit.u.size), j)
+    weighted = fit.weighted
+    shifted = fit.e / fit.sigma + weighted[:, j] * (bound - fit.u[j])
+    u = fit.u.copy()
+    u[j] = bound
+    if others.size:
+        ends = (np.minimum(-u[others], -1e-12), np.maximum(1.0 - u[others], 1e-12))
+        found = lsq_linear(weighted[:, others], -shifted, ends, method="bvls")
+        if not refit:
+            return float(2.0 * found.cost)
+        u[others] = np.clip(u[others] + found.x, 0.0, 1.0)
+    elif not refit:
+        return float(shifted @ shifted)
+    return fit.held(j, u)[0]
+
+
+#: This near to a bound, as a share of the bounds' distance, a parameter is on it.
+_ON_BOUND = 1e-6
+#: Standard deviations within which most points of a profile lie.
+_REACH = 4.0
+#: Points that are added on each side, until those around the end differ by this share of the limit's root.
+_REFINED, _NEAR = 8, 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileLikelihood(Value):
+    """Likelihood of one parameter, all others fitted again at every value.
+
+    Attributes
+    ----------
+    name : str
+    values : ndarray, (k,)
+        Values at which the parameter was held, rising, in its unit.
+    rise : ndarray, (k,)
+        Rise of the sum of squares over the errors' variances above its least, at least 0.
+    threshold : float
+        Rise up to which a value is within the interval.
+    level : float
+    low, high : float
+        Interval; a bound where the profile does not close on that side.
+    kind : {'two-sided', 'one-sided', 'flat'}
+    others_on_bound : tuple of tuple of str, (k,)
+        Other parameters that rest on a bound at each value.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> found = ar.update(ar.cases.chain8().damage_problem(), rng=0)
+    >>> held = found.profile(found.problem.names[4], points=5)
+    >>> held.kind, bool(held.low < 0.55 < held.high)
+    ('two-sided', True)
+    """
+
+    name: str
+    values: FloatArray
+    rise: FloatArray
+    threshold: float
+    level: float
+    low: float
+    high: float
+    kind: Kind
+    others_on_bound: tuple[tuple[str, ...], ...]
+
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {self.kind}, {100 * self.level:g} % within [{self.low:.6g}, {self.high:.6g}]"]
+        lines += [
+            f"{value:12.6g} {rise:12.4g}{'  ' + ', '.join(names) + ' on a bound' if names else ''}"
+            for value, rise, names in zip(self.values, self.rise, self.others_on_bound, strict=True)
+        ]
+        return "\n".join(lines)
+
+
+@patient("profile")
+@one_blas_thread
+def profile(
+    problem: UpdatingProblem,
+    x: FloatArray,
+    name: str,
+    *,
+    level: float = 0.9,
+    points: int = 21,
+    progress: bool | None = None,
+) -> ProfileLikelihood:
+    """Profile around the least-squares solution near ``x``; see ``UpdateResult.profile``."""
+    finite_scalar("level", level, low=0.5, high=0.999)
+    integer("points", points, low=5, high=1001)
+    if name not in problem.names:
+        reject("name", repr(name), "a parameter of the problem", f"One of {', '.join(problem.names)}.")
+    fit = fitted(problem, x)
+    where = np.flatnonzero(fit.residuals.free == problem.names.index(name))
+    if where.size == 0:
+        remedy = "Its bounds are equal, or it was decided to be 0."
+        reject("name", repr(name), "a parameter that may move", remedy)
+    j, center = int(where[0]), float(fit.u[where[0]])
+    std = np.sqrt(variances(fit)[j])
+    found: dict[float, tuple[float, FloatArray]] = {center: (fit.squares(fit.u), fit.u)}
+    for bound, count in ((0.0, points // 2), (1.0, points - points // 2)):
+        u = fit.u
+        for place in _places(center, bound, std, count):
+            u = u.copy()
+            u[j] = place
+            step(f"{name} held at {_value(fit, j, u):.5g}")
+            found[float(place)] = fit.held(j, u)
+            u = found[float(place)][1]
+    limit = threshold(level)
+    (low, low_open), (high, high_open) = (_end(fit, found, j, side, limit) for side in (-1.0, 1.0))
+    places = sorted(found)
+    rise = np.array([found[place][0] for place in places])
+    return ProfileLikelihood(
+        name=name,
+        values=np.array([_value(fit, j, found[place][1]) for place in places]),
+        rise=rise - rise.min(),
+        threshold=limit,
+        level=level,
+        low=_value(fit, j, np.where(np.arange(fit.u.size) == j, low, fit.u)),
+        high=_value(fit, j, np.where(np.arange(fit.u.size) == j, high, fit.u)),
+        kind=kind_of(low_open, high_open),
+        others_on_bound=tuple(_on_bound(fit, found[place][1], j) for place in places),
+    )
+
+
+def _value(fit: Fit, j: int, u: FloatArray) -> float:
+    """Free parameter j at u, in its unit."""
+    return float(fit.residuals.vector(u)[fit.residuals.free[j]])
+
+
+def _places(center: float, bound: float, std: float, count: int) -> FloatArray:
+    """Values away from the center: most within a few standard deviations, then the bound."""
+    reach = min(_REACH * std, abs(bound - center))
+    if reach < 1e-9:
+        return np.empty(0)
+    near = center + np.sign(bound - center) * reach * np.arange(1, count + 1) / count
+    return near if abs(near[-1] - bound) < 1e-9 else np.append(near, bound)
+
+
+def _end(
+    fit: Fit, found: dict[float, tuple[float, FloatArray]], j: int, side: float, limit: float
+) -> tuple[float, bool]:
+    """Where the rise passes the limit on one side, and whether it never does.
+
+    Points are added to ``found`` until one of the two around the passage is near it.
+    """
+    for _ in range(_REFINED):
+        best = min(found, key=lambda place: found[place][0])
+        places = sorted((place for place in found if (place - best) * side >= 0.0), key=lambda p: p * side)
+        rise = np.array([found[place][0] for place in places]) - found[best][0]
+        over = np.flatnonzero(rise > limit)
+        if over.size == 0:
+            return places[-1], True
+        k = int(over[0])
+        root = np.sqrt(rise[k - 1 : k + 1])  # a parabola's root is a line
+        share = float((np.sqrt(limit) - root[0]) / (root[1] - root[0]))
+        end = places[k - 1] + share * (places[k] - places[k - 1])
+        if root[1] - root[0] < _NEAR * np.sqrt(limit):
+            break
+        u = found[places[k - 1]][1].copy()
+        # A rise that begins late is no parabola: not too near to the side that is known to be within.
+        u[j] = places[k - 1] + max(share, 0.3) * (places[k] - places[k - 1])
+        found[float(u[j])] = fit.held(j, u)
+    return end, False
+
+
+def _on_bound(fit: Fit, u: FloatArray, held: int) -> tuple[str, ...]:
+    names = np.array(fit.residuals.problem.names)[fit.residuals.free]
+    on = (u <= _ON_BOUND) | (u >= 1.0 - _ON_BOUND)
+    on &= np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
+    on[held] = False
+    return tuple(names[on].tolist())
+
+
+# -- Intervals: draws by either method, and the sides that the profile leaves open
 
 #: Residuals beyond this many standard deviations are named.
 _ODD = 4.0
@@ -407,50 +614,37 @@ def intervals(
     if method == "laplace":
         u, which = linear_draws(fit, draws, generator)
     else:
-        found = ensemble_draws(fit, draws, generator, threads)
-        u, which = found.u, found.which
-        if found.accepted < 0.1:
+        u, which, accepted = ensemble_draws(fit, draws, generator, threads)
+        if accepted < 0.1:
             notes.append(
-                f"Hardly a move of the ensemble was accepted ({100 * found.accepted:.0f} %): take more draws."
+                f"Hardly a move of the ensemble was accepted ({100 * accepted:.0f} %): take more draws."
             )
     step("sides that the data leave open")
-    sides = open_sides(fit, level, refit=method == "ensemble")
-    return _told(fit, method, level, fit.residuals.vector(u), fit.errors.tau[which], sides, notes)
-
-
-def _told(
-    fit: Fit,
-    method: Method,
-    level: float,
-    x: FloatArray,
-    tau: FloatArray,
-    sides: list[tuple[bool, bool, bool]],
-    notes: list[str],
-) -> ParameterIntervals:
-    problem, rest = fit.residuals.problem, 1.0 - level
-    low, high = np.quantile(x, [rest / 2.0, 1.0 - rest / 2.0], axis=0)
+    drawn_x, rest = fit.residuals.vector(u), 1.0 - level
+    low, high = np.quantile(drawn_x, [rest / 2.0, 1.0 - rest / 2.0], axis=0)
     words = ["fixed"] * len(problem.names)
+    sides = open_sides(fit, level, refit=method == "ensemble")
     for j, (below, above, by_others) in zip(fit.residuals.free, sides, strict=True):
         words[j] = words_of(below, above, by_others)
         if below:
             low[j] = problem.bounds[j, 0]
-            high[j] = np.quantile(x[:, j], level)
+            high[j] = np.quantile(drawn_x[:, j], level)
         if above:
             high[j] = problem.bounds[j, 1]
-            low[j] = low[j] if below else np.quantile(x[:, j], rest)
+            low[j] = low[j] if below else np.quantile(drawn_x[:, j], rest)
     return ParameterIntervals(
-        tuple(problem.names),
-        method,
-        float(level),
-        low,
-        high,
-        np.median(x, axis=0),
-        np.std(x, axis=0),
-        tuple(words),
-        x,
-        fit.chi_square,
-        float(np.median(tau)),
-        tuple(notes),
+        names=tuple(problem.names),
+        method=method,
+        level=float(level),
+        low=low,
+        high=high,
+        center=np.median(drawn_x, axis=0),
+        std=np.std(drawn_x, axis=0),
+        words=tuple(words),
+        draws=drawn_x,
+        chi_square=fit.chi_square,
+        model_error=float(np.median(fit.errors.tau[which])),
+        notes=tuple(notes),
     )
 
 
@@ -469,14 +663,6 @@ def _doubts(fit: Fit, x: FloatArray) -> list[str]:
         )
     odd = np.abs(fit.e) > _ODD * fit.sigma
     if odd.any():
-        value = _values(fit)[odd]
-        named = ", ".join(f"{hz:.4g} Hz" for hz in value[:4])
+        named = ", ".join(f"{hz:.4g} Hz" for hz in residuals.hz[odd][:4])
         notes.append(f"Far from the model even so: {named}. Leave them out if they are wrong.")
     return notes
-
-
-def _values(fit: Fit) -> FloatArray:
-    """Measured frequency that each residual belongs to, (m,)."""
-    residuals = fit.residuals
-    value = error_rows(residuals.problem._targets)[0]
-    return np.asarray(residuals.problem.measured_hz[value][residuals.kept])

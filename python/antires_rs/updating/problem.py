@@ -1,20 +1,10 @@
-"""Model updating with antiresonances, or with resonances and mode shapes, and damage assessment.
-
-The objective (Meruane, J. Sound Vib. 332 (2013) 807-820, Eqs. 11-17, with the misprinted exponent
-of Eq. 11 put right) is evaluated in the Rust core:
-
-.. math:: J = \\sum \\left|\\frac{\\omega_A^2}{\\omega_E^2} - 1\\right|
-          + \\gamma_1 \\sum \\beta_i + \\gamma_2 \\, \\mathrm{count}(\\beta_i > 0)
-
-For comparison, with resonances in place of antiresonances, Eq. 18 adds the shapes:
-:math:`\\sum (1 - \\mathrm{MAC})^2`.
-"""
+"""An updating problem: a model, what may change in it, what was measured, and what damage costs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,10 +21,7 @@ from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import AroundCore, ReadOnly, frozen, frozen_or_none
 from .tables import FrequencyTable, ModalTable
-from .targets import AntiresonanceTargets, ModalTargets, Targets, targets_of
-
-# -- What damage costs in the objective: the paper's numbers, or numbers that grow with the data
-
+from .targets import ModalTargets, Targets, targets_of
 
 Misfit = Literal["absolute", "squared", "largest"]
 
@@ -97,20 +84,11 @@ class DamagePenalty:
     ) -> DamagePenalty:
         """Penalties that grow with the number of measured values and with their weights.
 
-        Both are the misfit of a difference of 0.1 / 28 = 0.36 % in every omega**2, so that an element is
-        named if it explains more than that on average:
-
-        ==========  ====================================  ==============================
-        misfit      gamma, with e = 0.1 / 28              28 values of weight one
-        ==========  ====================================  ==============================
-        absolute    sum(w) e                              0.1, the paper's on its chain
-        squared     sum(w**2) e**2                        0.00036
-        largest     max(w) e                              0.0036
-        ==========  ====================================  ==============================
-
-        The same data given three times, or all weights doubled, leave the located elements and their
-        severities. ``weights="std"`` has a mean of one, so that the penalties go with the number of values
-        however well these are known. A mode counts as two values, since it has two residuals.
+        Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, so that an element is
+        named if it explains more than that on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1
+        on its chain of 28 values; ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. The
+        same data given three times, or all weights doubled, leave the located elements and their severities.
+        A mode counts as two values, since it has two residuals.
 
         Parameters
         ----------
@@ -132,7 +110,19 @@ class DamagePenalty:
         >>> ar.DamagePenalty.scaled([2.0, 0.5, 0.5, 1.0] * 7, gamma2=0.2)
         DamagePenalty(gamma1=0.1, gamma2=0.2, snap=0.001)
         """
-        unit = _unit_misfit(_checked(weights), choice("misfit", misfit, ("absolute", "squared", "largest")))
+        choice("misfit", misfit, get_args(Misfit))
+        if shape_of(weights) == ():
+            w = np.ones(integer("weights", weights, low=1))
+        else:
+            wanted = "a number of values, or the weight of each"
+            w = real_array("weights", weights, ndim=1, wanted=wanted)
+            if w.size == 0 or w.min() < 0.0 or not w.any():
+                got = f"{w.size} numbers" + (f" from {w.min():g} to {w.max():g}" if w.size else "")
+                reject("weights", got, f"{wanted}, at least 0", "Pass how many values are compared.")
+        if misfit == "squared":
+            unit = float(np.sum(w**2) * (_PAPER / _PAPER_VALUES) ** 2)
+        else:
+            unit = float((w.sum() if misfit == "absolute" else w.max()) * _PAPER / _PAPER_VALUES)
         return cls(unit if gamma1 is None else gamma1, unit if gamma2 is None else gamma2, snap)
 
 
@@ -143,37 +133,10 @@ def penalty_of(given: Any, weights: FloatArray, misfit: Misfit) -> DamagePenalty
     if isinstance(given, str) and given == "scaled":
         given = (None, None)
     if shape_of(given) not in ((2,), (3,)):
-        reject(
-            "penalty",
-            given,
-            "a DamagePenalty, 'scaled', a pair (gamma1, gamma2) or None",
-            "Write it as in penalty=(0.1, 0.1).",
-        )
+        wanted = "a DamagePenalty, 'scaled', a pair (gamma1, gamma2) or None"
+        reject("penalty", given, wanted, "Write it as in penalty=(0.1, 0.1).")
     gamma1, gamma2, snap = (*given, _SNAP)[:3]
     return DamagePenalty.scaled(weights, misfit, gamma1=gamma1, gamma2=gamma2, snap=snap)
-
-
-def _unit_misfit(weights: FloatArray, misfit: str) -> float:
-    """Misfit of a difference of 0.1 / 28 in every value."""
-    if misfit == "absolute":
-        return float(weights.sum() * _PAPER / _PAPER_VALUES)
-    if misfit == "squared":
-        return float(np.sum(weights**2) * (_PAPER / _PAPER_VALUES) ** 2)
-    return float(weights.max() * _PAPER / _PAPER_VALUES)
-
-
-def _checked(weights: Any) -> FloatArray:
-    if shape_of(weights) == ():
-        return np.ones(integer("weights", weights, low=1))
-    given = real_array("weights", weights, ndim=1, wanted="a number of values, or the weight of each")
-    if given.size == 0 or given.min() < 0.0 or not given.any():
-        reject(
-            "weights",
-            f"{given.size} numbers" + (f" from {given.min():g} to {given.max():g}" if given.size else ""),
-            "a number of values, or the weight of each, at least 0",
-            "Pass how many values are compared.",
-        )
-    return given
 
 
 Measured = AntiresonanceSet | ModalSet | Sequence[AntiresonanceSet] | Sequence[ModalSet]
@@ -193,8 +156,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         Measured antiresonances, one set for each position of the force; each value is paired, at every
         evaluation, with the model's nearest of the same response and force that the set can show, see
         ``AntiresonanceSet.sees``; halves of complex zeros are left out (``left_out``). Or modes, one set for
-        all sensors that measured together, real or complex, at as many or few dofs as there were;
-        rigid-body modes, at 0 Hz, are left out. For their pairing see Notes.
+        all sensors that measured together, real or complex; rigid-body modes, at 0 Hz, are left out.
     objective : {'antiresonance', 'modal'}, optional
         What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
@@ -206,20 +168,17 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         :meth:`DamagePenalty.scaled` gives for these values and weights.
     weights : 'std' or array_like (m,), optional
         Factors on the residuals; for modes one each, on e and on 1 - MAC. 'std' takes them from the standard
-        deviations of measured antiresonances, with 0.2 % for the error of the model, so that what is known
-        badly counts less. Default: all one.
+        deviations of measured antiresonances, with 0.2 % for the error of the model. Default: all one.
 
     Attributes
     ----------
     bounds : ndarray, (n, 2)
     names : list of str
-    measured_hz : ndarray, (m,)
-        Measured values, dof by dof.
+    measured_hz, weights : ndarray, (m,)
+        Measured values, dof by dof, and their factors, None where these are all one.
     measured_dofs, measured_excitations : ndarray of int, (m,), or None
         Response and force of each; None for modes.
     noun : {'antiresonance', 'mode'}
-        What was measured.
-    weights : ndarray, (m,), or None
     penalty : DamagePenalty or None
         The numbers in force.
     left_out : tuple of str
@@ -240,11 +199,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     A measured mode is paired, at every evaluation, with the mode of the model that is least apart:
     ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` decides, ties go to the lower, one mode of the model may
     serve several measured ones, and those up to 1.5 times the highest measured frequency are at choice. So
-    the shapes decide among modes of like frequency, as where two have changed places; but they make up for
-    a factor of 1.65 in frequency at most, so that no mode far away, and no rigid-body mode, takes a partner
-    from a nearer one because the two look alike at a few sensors. For a repeated mode of the model the MAC
-    is that of the most alike combination of its shapes. A measured mode without a partner counts 1 for its
-    frequency and 1 for its shape.
+    the shapes decide among modes of like frequency; but they make up for a factor of 1.65 in frequency at
+    most, so that no mode far away, and no rigid-body mode, takes a partner from a nearer one. For a repeated
+    mode of the model the MAC is that of the most alike combination of its shapes. A measured mode without a
+    partner counts 1 for its frequency and 1 for its shape.
 
     Examples
     --------
@@ -288,18 +246,13 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         weights: Any = None,
     ) -> None:
         if not isinstance(model, StructuralModel):
-            reject(
-                "model",
-                model,
-                "a MassSpringChain, FrameModel or MatrixModel",
-                "Build the model as one of these first.",
-            )
+            wanted = "a MassSpringChain, FrameModel or MatrixModel"
+            reject("model", model, wanted, "Build the model as one of these first.")
         chosen = parameter_tuple(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
-        choice("misfit", misfit, ("absolute", "squared", "largest"))
+        choice("misfit", misfit, get_args(Misfit))
         targets = targets_of(model, measured, objective)
-        by_force = targets if isinstance(targets, AntiresonanceTargets) else None
         bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
         parts = model.description.core_parameters(chosen)
         nominal = _core.nominal_values(model._core, parts)
@@ -308,8 +261,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         warn_far(chosen, names, nominal)
         factors = targets.weights(weights)
         counted = np.ones(targets.hz.size) if factors is None else factors
-        if isinstance(targets, ModalTargets):
-            counted = np.tile(counted, 2)  # a mode has two residuals
+        if targets.noun == "mode":
+            counted = np.tile(counted, 2)  # each has two residuals
         self._fill(
             model=model,
             parameters=chosen,
@@ -319,8 +272,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
             penalty=penalty_of(penalty, counted, misfit),
             bounds=frozen(bounds),
             measured_hz=frozen(targets.hz),
-            measured_dofs=frozen_or_none(by_force and by_force.dofs),
-            measured_excitations=frozen_or_none(by_force and by_force.excitations),
+            measured_dofs=frozen_or_none(getattr(targets, "dofs", None)),
+            measured_excitations=frozen_or_none(getattr(targets, "excitations", None)),
             weights=frozen_or_none(factors),
             left_out=targets.left_out,
             _targets=targets,
@@ -330,15 +283,15 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         self._fill(_core=self._made_core())
 
     def _made_core(self) -> _core.Objective:
-        prices = self.penalty.prices if self.penalty else None
-        return self._targets.core(
-            self.model,
-            self.model.description.core_parameters(self.parameters),
-            self.misfit,
-            prices,
-            self.penalty.snap if self.penalty else 0.0,
-            self.weights,
-        )
+        parameters = self.model.description.core_parameters(self.parameters)
+        return self._targets.core(self.model, parameters, *self._weighing)
+
+    @property
+    def _weighing(self) -> tuple[Misfit, tuple[float, float] | None, float, FloatArray | None]:
+        """How the core weighs residuals and damage: misfit, prices, snap, weights."""
+        if self.penalty is None:
+            return self.misfit, None, 0.0, self.weights
+        return self.misfit, self.penalty.prices, self.penalty.snap, self.weights
 
     @property
     def names(self) -> list[str]:
@@ -382,12 +335,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         n = len(self.parameters)
         rows = real_array("candidates", candidates, ndim=2, wanted=f"an array (m, {n}), one candidate a row")
         if rows.shape[1] != n:
-            reject(
-                "candidates",
-                f"shape {rows.shape}",
-                f"(m, {n})",
-                "Give a row for each candidate, a column for each parameter.",
-            )
+            remedy = "Give a row for each candidate, a column for each parameter."
+            reject("candidates", f"shape {rows.shape}", f"(m, {n})", remedy)
         return self._core.evaluate_many(rows, thread_count(workers))
 
     def model_at(self, x: Any) -> StructuralModel:
@@ -398,28 +347,18 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         return self._core.repaired(self._vector(x))
 
     def _table(self, x: FloatArray) -> FrequencyTable | ModalTable:
-        table: FrequencyTable | ModalTable = self._targets.table(
-            self._core, self._repaired(self._nominal), self._repaired(x)
-        )
-        return table
+        return self._targets.table(self._core, self._repaired(self._nominal), self._repaired(x))
 
     def _vector(self, x: Any) -> FloatArray:
         n = len(self.parameters)
         vector = real_array("x", x, ndim=1, wanted=f"an array ({n},), one value for each parameter")
         if vector.size != n:
-            reject(
-                "x",
-                f"{vector.size} values",
-                f"{n}, one for each parameter",
-                "Give them in the order of the parameters; problem.names lists them.",
-            )
+            remedy = "Give them in the order of the parameters; problem.names lists them."
+            reject("x", f"{vector.size} values", f"{n}, one for each parameter", remedy)
         return vector
 
     def __repr__(self) -> str:
         return f"UpdatingProblem({len(self.parameters)} parameters, {self.measured_hz.size} {self.noun}s)"
-
-
-# -- What tells one search from any other
 
 
 def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list[list[float]]) -> bytes:

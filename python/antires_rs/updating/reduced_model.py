@@ -7,7 +7,7 @@ that asks for dofs works on it unchanged.
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,12 +15,10 @@ import numpy as np
 from .. import _core
 from ..exceptions import NumericalError
 from ..models.matrices import Entries, as_sparse
-from .targets import AntiresonanceTargets, Part
+from .targets import AntiresonanceTargets, by_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-    from numpy.typing import NDArray
 
     from .._core import Model as CoreModel
     from ..models.parameters import Parameter
@@ -31,9 +29,7 @@ if TYPE_CHECKING:
 # -- The matrices of a problem as sums: the term that each parameter scales
 #
 # ``K(x) = K + sum (s_j(x_j) - 1) K_j`` with s_j the factor of a parameter, and so M. It holds for factors
-# and reductions that do not share a term; sections, angles and positions bend it. The rows are those of the
-# core's model in which every measured dof is one: what constraints take out is not there.
-
+# and reductions that do not share a term; sections, angles and positions bend it.
 
 #: Quantities in which K and M are linear, and the matrix that each scales.
 _SCALES = {"stiffness_factor": "K", "stiffness_reduction": "K", "mass_factor": "M"}
@@ -61,28 +57,22 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
 class Affine:
     """The sums of a problem, its parameters as :func:`bent_by` allows.
 
-    ``terms`` are those of each parameter, (K_j, M_j), one of them None, ``places`` the rows where these have
-    entries; ``parts`` the targets, response and force by row.
+    Each has a term, of K if ``of_stiffness`` says so, else of M, with entries in the rows ``places``;
+    ``parts`` are the targets, response and force by row.
     """
 
     def __init__(self, problem: UpdatingProblem) -> None:
         assert isinstance(problem._targets, AntiresonanceTargets)
-        of = problem._targets.parts
         self.problem = problem
-        self.core, rows = problem.model._core_for([dof for part in of for dof in part[:2]])
-        ends = zip(rows[::2], rows[1::2], strict=True)
-        self.parts: list[Part] = [(*end, *part[2:]) for end, part in zip(ends, of, strict=True)]
-        self.sensors = sorted(set(rows[::2]))
-        self.forces = sorted(set(rows[1::2]))
-        self._row = dict(zip((dof for part in of for dof in part[:2]), rows, strict=True))
+        self.core, self.parts = by_rows(problem.model, problem._targets.parts)
+        self.sensors = sorted({part[0] for part in self.parts})
+        self.forces = sorted({part[1] for part in self.parts})
         self._parameters = problem.model.description.core_parameters(problem.parameters)
         self.stiffness, self.mass = matrices(self.core)
-        self.terms = [self._term(nth) for nth in range(len(problem.parameters))]
-        self.places = [_filled(k if k is not None else m) for k, m in self.terms]
-        self._cut = [
-            (k if k is not None else m).tocsr()[rows][:, rows]
-            for (k, m), rows in zip(self.terms, self.places, strict=True)
-        ]
+        self.of_stiffness = [_SCALES[p.quantity] == "K" for p in problem.parameters]
+        terms = [self._term(nth) for nth in range(len(problem.parameters))]
+        self.places = [np.flatnonzero(np.diff(term.indptr)) for term in terms]
+        self._cut = [term[rows][:, rows] for term, rows in zip(terms, self.places, strict=True)]
 
     def at(self, x: FloatArray) -> CoreModel:
         """The full model at ``x``."""
@@ -92,42 +82,27 @@ class Affine:
         """The term of a parameter times vectors (n, m), in its places."""
         return np.asarray(self._cut[nth] @ vectors[self.places[nth]])
 
-    def rows(self, dofs: Any) -> FloatArray:
-        """Rows of measured dofs."""
-        return np.array([self._row[int(dof)] for dof in dofs])
-
-    def _term(self, nth: int) -> tuple[Any, Any]:
-        quantity = self.problem.parameters[nth].quantity
+    def _term(self, nth: int) -> Any:
         # Half of it taken away or all of it added: no digit is lost that its sum with the others had kept.
-        value, factor = (0.5, -0.5) if quantity == "stiffness_reduction" else (2.0, 1.0)
+        reduction = self.problem.parameters[nth].quantity == "stiffness_reduction"
+        value, factor = (0.5, -0.5) if reduction else (2.0, 1.0)
         k, m = matrices(self.core.at([self._parameters[nth]], np.array([value])))
-        of_stiffness = _SCALES[quantity] == "K"
-        term = (k - self.stiffness if of_stiffness else m - self.mass) / factor
+        term = (k - self.stiffness if self.of_stiffness[nth] else m - self.mass) / factor
         term.eliminate_zeros()
-        return (term, None) if of_stiffness else (None, term)
-
-
-def _filled(matrix: Any) -> NDArray[np.intp]:
-    """Rows with entries."""
-    return np.flatnonzero(np.diff(matrix.tocsr().indptr))
+        return term.tocsr()
 
 
 # -- Vectors that carry a model and its parameters' effect near one point, for antiresonances up to a limit
 #
-# With :math:`A = K + \sigma M` and :math:`\sigma > 0`:
-#
-# - the modes up to the limit;
-# - for every force and sensor the first vectors of its Krylov space, :math:`A^{-1} e`,
-#   :math:`A^{-1} M A^{-1} e`, ...: they stand for all higher modes, and the first for dofs without mass;
-# - what a parameter makes of these to first order, :math:`A^{-1} K_j v`, of which the largest combinations
-#   are kept.
-#
-# All are orthonormal in A. Projected on them (Galerkin) a root errs by the product of the errors of both
-# columns, that of the force and that of the sensor.
+# With :math:`A = K + \sigma M` and :math:`\sigma > 0`: the modes up to the limit; for every force and sensor
+# the first vectors of its Krylov space, :math:`A^{-1} e`, :math:`A^{-1} M A^{-1} e`, ..., which stand for all
+# higher modes, and the first for dofs without mass; and what a parameter makes of these to first order,
+# :math:`A^{-1} K_j v`, of which the largest combinations are kept. All are orthonormal in A. Projected on
+# them (Galerkin) a root errs by the product of the errors of both columns, that of the force and that of the
+# sensor.
 #
 # References: Ericsson & Ruhe, Math. Comp. 35 (1980) 1251-1268; Balmes, Mech. Syst. Signal Process. 10 (1996)
 # 381-394 (bases of a parametric family); Benner, Gugercin & Willcox, SIAM Review 57 (2015) 483-531.
-
 
 #: Shift, as a share of the limit in omega squared: small keeps digits of the lowest modes.
 _SHIFT = 0.1
@@ -143,9 +118,10 @@ _AT_ONCE = 256
 
 @dataclass(frozen=True)
 class Basis:
-    """Vectors (n, r), factors of K + sigma M at the point, sigma, and the limit in omega squared."""
+    """Vectors (n, r), K + sigma M at the point and its factors, sigma, and the limit in omega squared."""
 
     vectors: FloatArray
+    shifted: Any
     factors: Any
     sigma: float
     limit: float
@@ -165,28 +141,46 @@ def basis_at(
     sensor, ``largest`` the most vectors and the least size of one that parameters make.
     """
     size, least = largest
-    carried = _carried(affine.at(x), (affine.sensors, affine.forces), f_max_hz, depth)
-    needed = carried.blocks[0].shape[1] + len(affine.sensors) + len(affine.forces)
+    basis, moving = point_basis(affine.at(x), affine.sensors, affine.forces, f_max_hz, depth)
+    needed = moving.shape[1]
     if size < needed:
         raise NumericalError(
             f"a reduced model of {size} vectors",
             f"the modes to {f_max_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
             f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
         )
-    shifted, factors = carried.shifted, carried.factors
-    own = _orthonormal(shifted, np.hstack(carried.blocks))[:, :size]
-    moved = _moved(factors, affine, half_widths, carried.sigma, carried.moving, own, _PART * least)
-    more = _beside(shifted, own, moved, size - own.shape[1], least)
-    return Basis(np.hstack([own, more]), factors, carried.sigma, carried.limit)
+    own = basis.vectors[:, :size]
+    moved = _moved(basis, affine, half_widths, moving, own, _PART * least)
+    more = _beside(basis.shifted, own, moved, size - own.shape[1], least)
+    return replace(basis, vectors=np.hstack([own, more]))
 
 
 def point_basis(
     core: CoreModel, sensors: list[int], forces: list[int], f_max_hz: float, depth: int
 ) -> tuple[Basis, FloatArray]:
     """The basis of one model without parameters, and the vectors that these move most, of unit size."""
-    carried = _carried(core, (sensors, forces), f_max_hz, depth)
-    own = _orthonormal(carried.shifted, np.hstack(carried.blocks))
-    return Basis(own, carried.factors, carried.sigma, carried.limit), carried.moving
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
+
+    stiffness, mass = matrices(core)
+    limit = (2.0 * np.pi * f_max_hz) ** 2
+    sigma = _SHIFT * limit
+    shifted = sparse.csc_matrix(stiffness + sigma * mass)
+    factors = splu(
+        shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    freq_hz, shapes = core.modes(f_max_hz, None)
+    blocks = [np.asarray(shapes[:, freq_hz <= f_max_hz])]
+    moving = blocks[:1]
+    for rows, count in ((sensors, depth), (forces, depth + _MORE_OF_FORCE)):
+        loads = np.zeros((mass.shape[0], len(rows)))
+        loads[rows, range(len(rows))] = 1.0
+        for _ in range(count):
+            blocks.append(factors.solve(loads))
+            loads = np.asarray(mass @ blocks[-1])
+        moving = [*moving, blocks[-count]]
+    own = _orthonormal(shifted, np.hstack(blocks))
+    return Basis(own, shifted, factors, sigma, limit), _units(shifted, np.hstack(moving))
 
 
 def beside(shifted: Any, core: FloatArray, vectors: FloatArray, least: float) -> FloatArray:
@@ -202,66 +196,12 @@ def solved(factors: Any, loads: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class _Carried:
-    """Vectors that carry a model, block by block, with K + sigma M and its factors."""
-
-    shifted: Any
-    factors: Any
-    sigma: float
-    limit: float
-    blocks: list[FloatArray]
-    moving: FloatArray
-
-
-def _carried(core: CoreModel, ends: tuple[list[int], list[int]], f_max_hz: float, depth: int) -> _Carried:
-    """``ends`` are sensors and forces."""
-    from scipy import sparse
-    from scipy.sparse.linalg import splu
-
-    stiffness, mass = matrices(core)
-    limit = (2.0 * np.pi * f_max_hz) ** 2
-    sigma = _SHIFT * limit
-    shifted = sparse.csc_matrix(stiffness + sigma * mass)
-    factors = splu(
-        shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    blocks, first = [_modes(core, f_max_hz)], []
-    for rows, count in zip(ends, (depth, depth + _MORE_OF_FORCE), strict=True):
-        loads = np.zeros((mass.shape[0], len(rows)))
-        loads[rows, range(len(rows))] = 1.0
-        for _ in range(count):
-            blocks.append(factors.solve(loads))
-            loads = np.asarray(mass @ blocks[-1])
-        first.append(blocks[-count])
-    moving = _units(shifted, np.hstack([blocks[0], *first]))
-    return _Carried(shifted, factors, sigma, limit, blocks, moving)
-
-
-def _modes(core: CoreModel, f_max_hz: float) -> FloatArray:
-    """Shapes up to the limit, (n, m)."""
-    freq_hz, shapes = core.modes(f_max_hz, None)
-    return np.asarray(shapes[:, freq_hz <= f_max_hz])
-
-
-@dataclass(frozen=True)
 class _Moved:
     """What parameters make of vectors: v = A^-1 l, l, and the part of v in the core, by columns."""
 
     vectors: FloatArray
     loads: FloatArray
     inside: FloatArray
-
-    @classmethod
-    def by(
-        cls, nth: int, affine: Affine, change: float, factors: Any, of: FloatArray, core: FloatArray
-    ) -> _Moved:
-        """By one parameter: l = (dK + sigma dM) v."""
-        places = affine.places[nth]
-        held = change * affine.times(nth, of)
-        n, m = of.shape
-        loads = np.zeros((n, m))
-        loads[places] = held
-        return cls(solved(factors, loads), loads, core[places].T @ held)
 
     def principal(self, places: Any, least: float, most: int) -> tuple[_Moved, FloatArray]:
         """The largest combinations in what is outside of the core, and their sizes."""
@@ -274,28 +214,22 @@ class _Moved:
 
 
 def _moved(
-    factors: Any,
-    affine: Affine,
-    half_widths: FloatArray,
-    sigma: float,
-    of: FloatArray,
-    core: FloatArray,
-    least: float,
+    basis: Basis, affine: Affine, half_widths: FloatArray, of: FloatArray, core: FloatArray, least: float
 ) -> _Moved | None:
-    """By all parameters, over half of their ranges."""
+    """By all parameters, over half of their ranges: l = (dK + sigma dM) v."""
     found = []
-    for nth, half in enumerate(half_widths):
-        if half > 0.0:
-            change = half * (1.0 if affine.terms[nth][0] is not None else sigma)
-            moved = _Moved.by(nth, affine, change, factors, of, core)
-            found.append(moved.principal(affine.places[nth], least, of.shape[1])[0])
+    for nth in np.flatnonzero(half_widths > 0.0).tolist():
+        change = half_widths[nth] * (1.0 if affine.of_stiffness[nth] else basis.sigma)
+        places = affine.places[nth]
+        held = change * affine.times(nth, of)
+        loads = np.zeros(of.shape)
+        loads[places] = held
+        moved = _Moved(solved(basis.factors, loads), loads, core[places].T @ held)
+        found.append(moved.principal(places, least, of.shape[1])[0])
     if not found:
         return None
-    return _Moved(
-        np.hstack([each.vectors for each in found]),
-        np.hstack([each.loads for each in found]),
-        np.hstack([each.inside for each in found]),
-    )
+    columns = [[each.vectors, each.loads, each.inside] for each in found]
+    return _Moved(*(np.hstack(each) for each in zip(*columns, strict=True)))
 
 
 def _units(shifted: Any, vectors: FloatArray) -> FloatArray:
@@ -319,21 +253,16 @@ def _principal(gram: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.sqrt(np.maximum(squares[::-1], 0.0)), rotation[:, ::-1]
 
 
-def _without(shifted: Any, vectors: FloatArray, core: FloatArray) -> FloatArray:
-    for _ in range(2):
-        vectors = vectors - core @ (core.T @ (shifted @ vectors))
-    return vectors
-
-
 def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, least: float) -> FloatArray:
     """The largest directions of what moves out of the core."""
-    none = np.empty((core.shape[0], 0))
     if moved is None or room <= 0 or moved.vectors.shape[1] == 0:
-        return none
+        return np.empty((core.shape[0], 0))
     largest, sizes = moved.principal(slice(None), least, room)
     if sizes.size == 0:
-        return none
-    found = _without(shifted, (largest.vectors - core @ largest.inside) / sizes, core)
+        return np.empty((core.shape[0], 0))
+    found = (largest.vectors - core @ largest.inside) / sizes
+    for _ in range(2):
+        found = found - core @ (core.T @ (shifted @ found))
     return _orthonormal(shifted, found)
 
 
@@ -344,23 +273,10 @@ def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, lea
 # .. math:: r_a = e_k - (K - x M) V a, \quad r_b = e_i - (K - x M) V b, \quad
 #           \delta H_{ik} = r_b^T (K - x M)^{-1} r_a
 #
-# is what H lacks, exactly; over its slope it is how far the root is off. The residuals have no part in the
-# basis, where the modes of the band are, so that outside of it :math:`(K - x M)^{-1}` is at most
-# :math:`(\lambda + \sigma) / (\lambda - x)` times :math:`(K + \sigma M)^{-1}`, whose factors are at hand.
-#
-# Reference: Becker & Rannacher, Acta Numerica 10 (2001) 1-102 (residuals weighted with the dual solution).
-
-
-def estimated_error(affine: Affine, basis: Basis, x: FloatArray, paired_hz: FloatArray) -> float:
-    """Largest relative error of ``paired_hz``, the roots of the reduced model paired at ``x``."""
-    problem = affine.problem
-    rows, forces = affine.rows(problem.measured_dofs), affine.rows(problem.measured_excitations)
-    there = ~np.isnan(paired_hz)
-    asked = np.unique(np.stack([rows[there], forces[there], paired_hz[there]]), axis=1)
-    if asked.size == 0:
-        return 0.0
-    ends = asked[0].astype(int), asked[1].astype(int)
-    return float(np.max(expected_errors(matrices(affine.at(x)), basis, ends, asked[2])))
+# is what H lacks, exactly; over its slope it is how far the root is off. Outside of the basis, where the
+# residuals are, :math:`(K - x M)^{-1}` is at most :math:`(\lambda + \sigma) / (\lambda - x)` times
+# :math:`(K + \sigma M)^{-1}`, whose factors are at hand. Reference: Becker & Rannacher, Acta Numerica 10
+# (2001) 1-102 (residuals weighted with the dual solution).
 
 
 def expected_errors(
@@ -391,10 +307,8 @@ def expected_errors(
 #
 # The objective pairs each measured value with the nearest root, anew at every x; from a start that is off by
 # a spacing of the roots it pulls some of them to the wrong neighbour. Here the values of each response are
-# aligned with the model's roots as a whole (``_core.associate``), with gaps on both sides, and
-# :math:`\sum |\ln f_A - \ln f_E|` is brought down by linear steps within the bounds (iteratively reweighted
-# least squares). What is found after a dozen solutions of the model is a start for the search, not an answer.
-
+# aligned with the model's roots as a whole, with gaps on both sides, and :math:`\sum |\ln f_A - \ln f_E|` is
+# brought down by linear steps within the bounds (iteratively reweighted least squares).
 
 #: Standard deviation of ln f in the alignment at the beginning, its decrease a step, and the least.
 _STD, _SHRINK, _LEAST_STD = 0.1, 0.75, 0.02
@@ -417,46 +331,33 @@ def aligned_descent(
     low, high = bounds.T
     width = high - low
     std, trust = _STD, _FIRST_TRUST
+    highest = float(np.exp(measured.max()))
     for nth in range(_STEPS):
-        roots = _roots(core, x, float(np.exp(measured.max())))
-        partner = _aligned(response, measured, std, roots)
+        (target, freq_hz, shown, slopes, *_), *_ = core.states(x[None], True, 1, 0.0, _BAND * highest)
+        seen = shown > 0.5  # roots that can be measured
+        slopes, log_f = np.reshape(slopes, (freq_hz.size, x.size))[seen], np.log(freq_hz[seen])
+        price = 0.5 * np.log(2.0 * np.pi) + np.log(std) + 0.5 * _ALONE**2
+        partner = _core.associate(
+            response,
+            measured,
+            np.full(measured.size, std),
+            target[seen].astype(np.int64),
+            log_f,
+            np.full(log_f.size, 1e-6),
+            float(price),
+            0.5 * np.where(freq_hz[seen] > highest, _ALONE_ABOVE, _ALONE_ROOT) ** 2,
+        )
         paired = partner >= 0
         if not paired.any():
             break
-        apart = roots[1][partner[paired]] - measured[paired]
+        apart = log_f[partner[paired]] - measured[paired]
         room = (np.maximum((low - x) / width, -trust), np.minimum((high - x) / width, trust))
-        step = _least_absolute(apart, roots[2][partner[paired]] * width, room)
+        step = _least_absolute(apart, slopes[partner[paired]] * width, room)
         x = np.clip(x + step * width, low, high)
         std, trust = max(_LEAST_STD, _SHRINK * std), _FIRST_TRUST if nth < 4 else _TRUST
         if np.abs(step).max() < _SMALL_STEP:
             break
     return x
-
-
-def _roots(
-    core: _core.Objective, x: FloatArray, highest_hz: float
-) -> tuple[NDArray[np.int64], FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Target, ln f and slopes of the roots that can be measured, and which lie above the highest value."""
-    (target, freq_hz, shown, slopes, *_), *_ = core.states(x[None], True, 1, 0.0, _BAND * highest_hz)
-    seen = shown > 0.5
-    rows = np.reshape(slopes, (freq_hz.size, x.size))[seen]
-    return target[seen].astype(np.int64), np.log(freq_hz[seen]), rows, freq_hz[seen] > highest_hz
-
-
-def _aligned(response: NDArray[np.int64], measured: FloatArray, std: float, roots: Any) -> NDArray[np.intp]:
-    """Root of each value, -1 without one."""
-    target, log_f, _, above = roots
-    price = 0.5 * np.log(2.0 * np.pi) + np.log(std) + 0.5 * _ALONE**2
-    return _core.associate(
-        response,
-        measured,
-        np.full(measured.size, std),
-        target,
-        log_f,
-        np.full(log_f.size, 1e-6),
-        float(price),
-        np.where(above, 0.5 * _ALONE_ABOVE**2, 0.5 * _ALONE_ROOT**2),
-    )
 
 
 def _least_absolute(apart: FloatArray, slopes: FloatArray, room: tuple[FloatArray, FloatArray]) -> FloatArray:
@@ -539,22 +440,23 @@ class ReducedProblem:
         return best
 
     def _objective(self) -> _core.Objective:
-        problem, penalty = self._affine.problem, self._affine.problem.penalty
         counts = np.cumsum([part[2].size for part in self._parts])[:-1]
         ratios = np.split(self.ratio, counts)
         parts = [(*part[:2], part[2] / r, *part[3:]) for part, r in zip(self._parts, ratios, strict=True)]
-        return _core.Objective.antiresonance(
-            *self._model,
-            parts,
-            problem.misfit,
-            penalty.prices if penalty else None,
-            penalty.snap if penalty else 0.0,
-            problem.weights,
-        )
+        model, parameters = self._model
+        return _core.Objective.antiresonance(model, parameters, parts, *self._affine.problem._weighing)
 
     def estimate(self, x: FloatArray) -> float:
         """Error to be expected of the paired frequencies at ``x``, relative, the largest."""
-        return estimated_error(self._affine, self._basis, x, self._plain.pairs(x)[0])
+        affine, paired_hz = self._affine, self._plain.pairs(x)[0]
+        ends = np.repeat([part[:2] for part in affine.parts], [part[2].size for part in affine.parts], axis=0)
+        there = ~np.isnan(paired_hz)
+        asked = np.unique(np.column_stack([ends, paired_hz])[there].T, axis=1)
+        if asked.size == 0:
+            return 0.0
+        responses, forces = asked[:2].astype(int)
+        full = matrices(affine.at(x))
+        return float(np.max(expected_errors(full, self._basis, (responses, forces), asked[2])))
 
 
 def largest_difference(one: FloatArray, other: FloatArray) -> float:
@@ -568,7 +470,6 @@ def largest_difference(one: FloatArray, other: FloatArray) -> float:
 def _projected(affine: Affine, vectors: FloatArray, rows: list[int]) -> tuple[_core.Model, list[Any]]:
     """The model on the basis, measured dofs first, and its parameters: each has a term of its own."""
     change = coordinates(vectors[rows])
-
     turned = vectors @ change
 
     def entries(of: FloatArray, product: Any) -> Entries:
@@ -578,7 +479,7 @@ def _projected(affine: Affine, vectors: FloatArray, rows: list[int]) -> tuple[_c
     sides: tuple[list[Entries], list[Entries]] = ([], [])
     parameters = []
     for nth, (parameter, places) in enumerate(zip(affine.problem.parameters, affine.places, strict=True)):
-        side = sides[0 if affine.terms[nth][0] is not None else 1]
+        side = sides[0 if affine.of_stiffness[nth] else 1]
         parameters.append((parameter.quantity, [len(side)], False, None))
         side.append(entries(turned[places], affine.times(nth, turned)))
     stiffness, mass = (entries(turned, matrix @ turned) for matrix in (affine.stiffness, affine.mass))

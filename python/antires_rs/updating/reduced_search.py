@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from .problem import UpdatingProblem
 
 
-# -- Whether and how an updating searches on a reduced model, and what came of it
-
-
 #: More dofs than these are reduced unless told otherwise.
 _LARGE = 2000
 #: More parameters than these are not: their effect takes too many vectors.
@@ -40,9 +37,8 @@ class Reduction:
     """How a model is reduced while its parameters are sought.
 
     The model is projected on modes, on the first Krylov vectors of force and sensors, and on what parameters
-    make of these to first order. The reduced model has the same parameters and stands for the full one near
-    a point; the search goes on with a basis made where it arrived, its frequencies corrected by those of the
-    full model there, until both agree.
+    make of these to first order. The search goes on with a basis made where it arrived, its frequencies
+    corrected by those of the full model there, until both agree.
 
     Parameters
     ----------
@@ -53,8 +49,7 @@ class Reduction:
         A direction that parameters move the basis by less than this, relatively, over half of their ranges,
         is left out. Smaller is larger, slower and better.
     tolerance : float, default 1e-6
-        Largest relative difference, at the answer, of a frequency of the reduced model from that of the full
-        one.
+        Largest relative difference, at the answer, of a frequency of the reduced model from the full one's.
     rounds : int, default 8
         Most bases.
 
@@ -90,18 +85,13 @@ class ReductionReport:
     ----------
     n_dof, size : int
         Dofs of the full model, and of the last reduced one.
-    rounds : int
-        Bases made.
-    estimate : float
-        Error that was to be expected of the last reduced model's frequencies at the answer, uncorrected,
-        relative.
-    difference : float
-        The largest relative difference, at the answer, of a frequency of the reduced model, corrected at the
-        place before, from that of the full model.
+    rounds, full_evaluations : int
+        Bases made, and evaluations of the full model.
+    estimate, difference : float
+        Largest relative error of a frequency of the reduced model at the answer: as expected of the last one,
+        uncorrected; and as it was, corrected at the place before.
     agreed : bool
         Whether it is within the tolerance.
-    full_evaluations : int
-        Evaluations of the full model.
 
     Examples
     --------
@@ -140,29 +130,19 @@ def wanted_reduction(problem: UpdatingProblem, given: Any, checkpoint: Any) -> R
     """The reduction to use; None for the full model."""
     if given is False or given is None:
         return None
-    unfit = _unfit(problem, checkpoint)
+    if not isinstance(problem._targets, AntiresonanceTargets):
+        unfit: str | None = "modes were measured"
+    else:
+        unfit = bent_by(problem.parameters) if checkpoint is None else "a checkpoint is asked for"
     if isinstance(given, str) and given == "auto":
         large = problem.model.n_dof > _LARGE and len(problem.parameters) <= _MOST_PARAMETERS
         return Reduction() if large and unfit is None else None
     if given is not True and not isinstance(given, Reduction):
-        reject(
-            "reduction",
-            given,
-            "'auto', True, False or a Reduction",
-            "Leave it out: large models are reduced where that is sound.",
-        )
+        remedy = "Leave it out: large models are reduced where that is sound."
+        reject("reduction", given, "'auto', True, False or a Reduction", remedy)
     if unfit is not None:
         reject("reduction", f"a reduced model, but {unfit}", "a problem that can be reduced", "Leave it out.")
     return Reduction() if given is True else given
-
-
-def _unfit(problem: UpdatingProblem, checkpoint: Any) -> str | None:
-    """Why the problem cannot be reduced."""
-    if not isinstance(problem._targets, AntiresonanceTargets):
-        return "modes were measured"
-    if checkpoint is not None:
-        return "a checkpoint is asked for"
-    return bent_by(problem.parameters)
 
 
 #: Half-widths of the first trust region and the least, as shares of the bounds' distance.
@@ -190,14 +170,8 @@ _EXACT, _AROUND, _BETTER = 1e-6, 0.2, 0.95
 _EQUAL = 1.001
 #: What ends a search at once.
 _STOPPED = ("interrupted", "callback")
-_INTERRUPTED = {
-    "status": "interrupted",
-    "message": "Interrupted by the user; this is the best found until then.",
-}
-_NO_TIME = {
-    "status": "budget",
-    "message": "The time limit was reached before searches on reduced models agreed.",
-}
+_INTERRUPTED = ("interrupted", "Interrupted by the user; this is the best found until then.")
+_NO_TIME = ("budget", "The time limit was reached before searches on reduced models agreed.")
 
 #: Of (objective, lower and upper bounds, where a polish begins, options; None for the optimizer's own).
 Minimize = Callable[[Any, FloatArray, FloatArray, FloatArray, dict[str, Any] | None], OptimizeResult]
@@ -218,16 +192,16 @@ def reduced_search(
     one.
     """
     search = _Search(problem, reduction, minimize, np.random.default_rng(seed), seconds_left)
-    ended: dict[str, Any] = {}
+    ended = None
     try:
         best = _agreed(search, start)
     except KeyboardInterrupt:
         if search.best is None:
             raise
         best, ended = search.best, _INTERRUPTED
-    if search.stopped and not ended:
-        last = search.found[-1]
-        ended = {"status": last.status, "message": last.message} if last.status in _STOPPED else _NO_TIME
+    last = search.found[-1]
+    if search.stopped and ended is None:
+        ended = (last.status, last.message) if last.status in _STOPPED else _NO_TIME
     report = ReductionReport(
         n_dof=problem.model.n_dof,
         size=best.reduced.size,
@@ -237,11 +211,11 @@ def reduced_search(
         agreed=best.difference <= reduction.tolerance,
         full_evaluations=len(search.found),
     )
-    first = search.found[0]
     nfev, njev = (sum(getattr(each, name) or 0 for each in search.found) for name in ("nfev", "njev"))
-    if ended:
-        ended = {**ended, "success": False}
-    return replace(first, x=best.x, fun=best.cost, nfev=nfev, njev=njev, **ended), report
+    found = replace(search.found[0], x=best.x, fun=best.cost, nfev=nfev, njev=njev)
+    if ended is not None:
+        found = replace(found, status=ended[0], message=ended[1], success=False)
+    return found, report
 
 
 def _agreed(search: _Search, start: FloatArray) -> _Answer:
@@ -302,7 +276,12 @@ class _Search:
 
     def run(self, start: FloatArray) -> _Answer:
         """The answer that a search from ``start`` ends at."""
-        reduced = self._first()
+        if self._whole is None:  # for the whole box, around its middle, reductions at their nominal values
+            problem, (low, high) = self.problem, self.problem.bounds.T
+            reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
+            middle = np.where(reductions, np.clip(problem.nominal, low, high), 0.5 * (low + high))
+            self._whole = self._reduced(middle, 1.0, _DEPTH, _FINER)
+        reduced = self._whole
         near = reduced.approached(start, self.rng)
         options = self._descent if self.found else None
         best = self._answer(reduced, self._around(near, 1.0), near, options)
@@ -357,16 +336,6 @@ class _Search:
             self.best = answer
         return answer
 
-    def _first(self) -> ReducedProblem:
-        """For the whole box: made around its middle, reductions at their nominal values."""
-        if self._whole is None:
-            problem = self.problem
-            low, high = problem.bounds.T
-            reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
-            middle = np.where(reductions, np.clip(problem.nominal, low, high), 0.5 * (low + high))
-            self._whole = self._reduced(middle, 1.0, _DEPTH, _FINER)
-        return self._whole
-
     def _reduced(
         self, x: FloatArray, share: float, depth: int = _DEPTH_THERE, finer: float = 1.0
     ) -> ReducedProblem:
@@ -376,5 +345,4 @@ class _Search:
         half_widths = 0.5 * share * (problem.bounds[:, 1] - problem.bounds[:, 0])
         limit_hz = _BAND * float(problem.measured_hz.max())
         largest = wanted.size, finer * wanted.least
-        basis = basis_at(self._affine, x, half_widths, limit_hz, depth, largest)
-        return ReducedProblem(self._affine, basis)
+        return ReducedProblem(self._affine, basis_at(self._affine, x, half_widths, limit_hz, depth, largest))

@@ -1,4 +1,4 @@
-"""Residuals over the unit box of the free parameters, with what is known of their errors."""
+"""Residuals over the unit box of the free parameters, what is known of their errors, and the best fit."""
 
 from __future__ import annotations
 
@@ -10,59 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..support.checks import FloatArray
 from ..support.progress import step
-from .targets import MODEL_ERROR, AntiresonanceTargets, ModalTargets, Targets, unit_shapes
+from .targets import MODEL_ERROR
 
 if TYPE_CHECKING:
     from .problem import UpdatingProblem
 
 
-# -- Differences that a Gaussian likelihood is of, row by row, and the standard deviations stated for them
-#
-# Of antiresonances these are the residuals. Of modes they are the residuals of the frequencies and the
-# differences of shapes at unit length: 1 - MAC has no slope at a perfect fit.
-
-
-def errors(targets: Targets, core: _core.Objective, x: FloatArray) -> FloatArray:
-    """Differences at ``x``, (r,); a frequency without a partner counts 1."""
-    if not isinstance(targets, ModalTargets):
-        return targets.residuals(core, x)
-    paired, _, shapes = targets._pairs(core, x)
-    found = [np.where(np.isnan(paired), 1.0, (paired / targets.hz) ** 2 - 1.0)]
-    first = 0
-    for freq, dofs, measured in targets._parts:
-        model = unit_shapes(np.nan_to_num(shapes[first : first + len(freq)][:, dofs]))
-        first += len(freq)
-        # Along its longest real direction a measured shape has the phase that a mode of the model has.
-        turned = np.exp(-0.5j * np.angle(np.sum(measured**2, axis=1, keepdims=True)))
-        seen = unit_shapes((measured * turned).real)
-        sign = np.where(np.sum(seen * model, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-        found.append((sign * model - seen).ravel())
-    return np.concatenate(found)
-
-
-def error_rows(targets: Targets) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
-    """Measured value and kind of each row, (r,), and its stated standard deviation, NaN where there is none.
-
-    The kind is 0 for frequencies and 1 for entries of shapes.
-    """
-    number = np.arange(targets.hz.size)
-    if isinstance(targets, AntiresonanceTargets):
-        tables = (table for each in targets.sets for table in each.tables.values())
-        std = np.concatenate([np.empty(0), *(table.std_hz for table in tables)])
-        return number, np.zeros(number.size, dtype=np.intp), 2.0 * std[targets._kept] / targets.hz
-    assert isinstance(targets, ModalTargets)
-    parts = targets._parts
-    entries = np.repeat([len(dofs) for _, dofs, _ in parts], [len(freq) for freq, _, _ in parts])
-    value = np.concatenate([number, np.repeat(number, entries)])
-    kind = (np.arange(value.size) >= number.size).astype(np.intp)
-    return value, kind, np.full(value.size, np.nan)
-
-
-#: Step of the central differences, relative to the range of a parameter; see ``identifiability``.
-_STEP = 1e-5
+#: Step of the central differences, relative to the range of a parameter: the residuals carry rounding of
+#: about 1e-13, so this leaves some 1e-8 of error.
+STEP_OF_SLOPES = 1e-5
 #: Candidates that a thread evaluates at a time.
 _PIECE = 64
 
@@ -74,34 +32,27 @@ class BoxResiduals:
     ratios of stiffness to mass, and a common scale of all is then a straight line along which nothing
     changes.
 
-    Attributes
-    ----------
-    free : ndarray of int, (n,)
-        Parameters that u holds: not those with equal bounds, nor damage that was decided to be exactly 0.
-    tilt : ndarray, (n,)
-        Slope of the logarithm of the prior's density in u, which is uniform in the parameters themselves.
-    stated : ndarray, (m,), or None
-        Standard deviations that the measurement states; the median of the others where one does not.
-    size : ndarray, (m,)
-        Relative size of the error that is not stated.
-    kind : ndarray of int, (m,)
-        0 for frequencies, 1 for entries of shapes.
-    assumed : tuple of str
-        What was assumed, in sentences.
+    ``free`` are the numbers of the parameters that u holds: not those with equal bounds, nor damage that was
+    decided to be exactly 0; ``tilt`` (n,) the slope of the logarithm of the prior's density in u, which is
+    uniform in the parameters themselves. Of each residual, (m,): ``stated`` is the standard deviation that
+    the measurement states (None if none), ``size`` the relative size of the error that is not stated,
+    ``kind`` 0 for frequencies and 1 for entries of shapes.
     """
 
     def __init__(self, problem: UpdatingProblem, x: FloatArray) -> None:
         self.problem, self.x = problem, x
         low, high = problem.bounds.T
-        self.free = np.flatnonzero((high > low) & ~_resting(problem, x))
+        self.free = np.flatnonzero((high > low) & ~decided(problem, x))
         self.low, self.high = low[self.free], high[self.free]
         self.log = self.low > 0.0
         self.tilt = np.zeros(self.free.size)
         self.tilt[self.log] = np.log(self.high[self.log] / self.low[self.log])
-        value, kind, std = error_rows(problem._targets)
+        value, kind, std = problem._targets.error_rows()
         weights = np.ones(len(problem.measured_hz)) if problem.weights is None else problem.weights
         paired = np.isfinite(problem._core.pairs(x)[0])
         self.kept = (paired & (weights > 0.0))[value]
+        #: Measured frequency that each residual belongs to.
+        self.hz = problem.measured_hz[value][self.kept]
         self.kind, std, weights = kind[self.kept], std[self.kept], weights[value][self.kept]
         known, noun = np.isfinite(std), f"{problem.noun}s"
         self.stated: FloatArray | None = None
@@ -139,7 +90,7 @@ class BoxResiduals:
     def at(self, u: FloatArray) -> FloatArray:
         """Residuals at one point, (m,)."""
         problem = self.problem
-        return np.asarray(errors(problem._targets, problem._core, self.vector(u))[self.kept])
+        return np.asarray(problem._targets.errors(problem._core, self.vector(u))[self.kept])
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
@@ -158,27 +109,25 @@ class BoxResiduals:
 
     def jacobian(self, u: FloatArray) -> FloatArray:
         """Change of the residuals over the bounds' distances, (m, n), by central differences."""
-        steps = _STEP * np.eye(u.size)
-        columns = [(self.at(u + h) - self.at(u - h)) / (2.0 * _STEP) for h in steps]
+        steps = STEP_OF_SLOPES * np.eye(u.size)
+        columns = [(self.at(u + h) - self.at(u - h)) / (2.0 * STEP_OF_SLOPES) for h in steps]
         return np.stack(columns, axis=1) if columns else np.empty((self.size.size, 0))
 
 
-def _resting(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
+def decided(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
     """Damage at exactly 0: with penalties it is decided, not estimated."""
     reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
     return np.asarray(reductions & (x == 0.0) & (problem.penalty is not None))
 
 
-# -- Errors of the measured values and of the model, as the posterior of the parameters knows them
+# -- Errors of the measured values and of the model
 #
 # A residual e of omega squared has the variance ``s**2 + (tau g)**2``: s = 2 std_hz / freq_hz is what the
 # measurement states, tau what the model leaves unexplained, learned from the residuals, and g the relative
 # size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
 # log-uniform; where none are, tau stands for both.
 
-
-#: No test and no model agrees better than this in omega squared: exact data must not give intervals of width
-#: 0.
+#: No test and no model agrees better than this in omega squared: no interval has the width 0.
 FLOOR = 1e-5
 #: Largest error of the model that is considered, in omega squared, and the step of its grid in ln(tau).
 _MOST, _STEP_ERROR_MODEL = 0.3, 0.05
@@ -193,26 +142,21 @@ _BELOW, _ABOVE, _TAIL = 6.0, 4.0, 100.0
 class ErrorModel:
     """Grid of model errors tau (G,), prior weights in logarithms, and variances of the residuals (G, m).
 
-    ``stated`` says whether standard deviations were measured, ``learned`` whether the residuals tell tau.
+    ``learned`` says whether the residuals tell tau.
     """
 
     tau: FloatArray
     log_prior: FloatArray
     variance: FloatArray
-    stated: bool
     learned: bool
 
     @classmethod
     def around(cls, stated: FloatArray | None, size: FloatArray, guess: float, spare: int) -> ErrorModel:
-        """Grid around the error that the residuals suggest.
-
-        ``stated`` (m,) are standard deviations of the residuals or None, ``size`` (m,) the g of each;
-        ``spare`` is the number of residuals that the parameters leave over.
-        """
+        """Grid around the error that the residuals suggest; the parameters leave ``spare`` of them over."""
         s = np.zeros(size.size) if stated is None else np.maximum(stated, FLOOR)
         if spare <= 0:  # as many parameters as values: nothing is left to learn from
             tau = np.array([0.0 if stated is not None else MODEL_ERROR])
-            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * size) ** 2, stated is not None, False)
+            return cls(tau, np.zeros(1), s**2 + (tau[:, None] * size) ** 2, False)
         usual = FLOOR if stated is None else float(np.median(s))
         low = min(max(FLOOR, _LEAST * usual), 0.1 * _MOST)
         first = min(max(low, guess / _BELOW), 0.5 * _MOST)
@@ -222,7 +166,7 @@ class ErrorModel:
         if stated is not None:
             tau = np.append(0.0, tau)
             log_prior = np.append(0.0, log_prior)  # half and half: the factor cancels
-        return cls(tau, log_prior, s**2 + (tau[:, None] * size) ** 2, stated is not None, True)
+        return cls(tau, log_prior, s**2 + (tau[:, None] * size) ** 2, True)
 
     def log_density(self, squares: FloatArray) -> FloatArray:
         """Logarithm of likelihood times prior, (k, G), of residuals whose squares (k, m) are given."""
@@ -255,13 +199,8 @@ def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
 
 
 # -- The weighted least-squares solution near the parameters found: where the posterior is expanded
-#
-# The search minimizes what the problem says, by default the paper's sum of abs(e); the posterior lies around
-# the minimum of the sum of squares over the errors' variances. Both are near each other where the model fits.
 
-
-#: A combination whose residuals move less than this over the bounds' distance is not seen; see
-#: ``identifiability``.
+#: A combination whose residuals move less than this over the bounds' distance is not seen.
 UNSEEN = 1e-5
 #: Rounds of weights from residuals and residuals from weights, and steps of each.
 _ROUNDS, _STEPS = 3, 20
@@ -276,7 +215,7 @@ _DAMPED = 1e-6
 class Fit:
     """Solution u (n,), residuals e (m,) and Jacobian (m, n) there, and the errors that they suggest.
 
-    ``tau`` is the median error of the model, ``chances`` (G,) the probabilities of all on the grid.
+    ``chances`` (G,) are the probabilities of all errors of the model on the grid.
     """
 
     residuals: BoxResiduals
@@ -288,11 +227,6 @@ class Fit:
     chances: FloatArray
 
     @property
-    def tau(self) -> float:
-        """Median error of the model, of omega squared."""
-        return float(self.errors.tau[self.middle])
-
-    @property
     def middle(self) -> int:
         """Number of the median error of the model."""
         return int(np.clip(np.searchsorted(np.cumsum(self.chances), 0.5), 0, self.chances.size - 1))
@@ -301,6 +235,20 @@ class Fit:
     def sigma(self) -> FloatArray:
         """Standard deviations of the residuals at the median error of the model, (m,)."""
         return np.asarray(np.sqrt(self.errors.variance[self.middle]))
+
+    @property
+    def weighted(self) -> FloatArray:
+        """The Jacobian over these, (m, n)."""
+        return np.asarray(self.jacobian / self.sigma[:, None])
+
+    def squares(self, u: FloatArray) -> float:
+        """Sum of squares over the errors' variances at ``u``."""
+        return float(np.sum((self.residuals.at(u) / self.sigma) ** 2))
+
+    def held(self, j: int, u: FloatArray) -> tuple[float, FloatArray]:
+        """The least sum of squares and its place, parameter j held as in ``u``, the others begun there."""
+        u = least_squares(self.residuals, u, self.sigma, held=[j])
+        return self.squares(u), u
 
     @property
     def chi_square(self) -> float:
@@ -319,15 +267,23 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
     sigma = size * max(_rms(residuals.at(u) / size), FLOOR) if stated is None else np.maximum(stated, FLOOR)
     for _ in range(_ROUNDS):
         step("least squares")
-        u = _best(residuals, u, sigma)
+        before, u = residuals.at(u), least_squares(residuals, u, sigma)
+        if np.any(np.abs(residuals.at(u) - before) > np.maximum(FAR * sigma, SAME)):  # it has led far
+            starts = (residuals.place(problem.nominal), np.full(u.size, 0.5))
+            found = [u, *(least_squares(residuals, start, sigma) for start in starts)]
+            u = min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
         e, jacobian = residuals.at(u), residuals.jacobian(u)
         rank = int(np.count_nonzero(np.linalg.svd(jacobian, compute_uv=False) > UNSEEN)) if u.size else 0
-        size = residuals.size * _kinds(residuals, e / residuals.size)
+        size = residuals.size
+        shape = residuals.kind == 1
+        if stated is None and shape.any():  # errors of shapes have a unit of their own
+            ratio = max(_rms((e / size)[shape]), FLOOR) / max(_rms((e / size)[~shape]), FLOOR)
+            size = size * np.where(shape, ratio, 1.0)
         guess = _rms(e / size) * np.sqrt(e.size / max(e.size - rank, 1))
         errors = ErrorModel.around(stated, size, float(guess), e.size - rank)
         fit = Fit(residuals, u, e, jacobian, rank, errors, errors.marginal(e, jacobian))
-        ratio = fit.sigma / sigma
-        if ratio.max() < 1.05 * ratio.min():
+        change = fit.sigma / sigma
+        if change.max() < 1.05 * change.min():
             break  # a common factor moves no minimum
         sigma = fit.sigma
     return fit
@@ -336,10 +292,7 @@ def fitted(problem: UpdatingProblem, x: FloatArray) -> Fit:
 def least_squares(
     residuals: BoxResiduals, start: FloatArray, sigma: FloatArray, held: Sequence[int] = ()
 ) -> FloatArray:
-    """Least squares of the residuals over ``sigma`` within the unit box, by Gauss-Newton; ``held`` stay.
-
-    Each step solves the linear problem within the box and is halved until the sum falls.
-    """
+    """Least squares of the residuals over ``sigma`` within the unit box, by Gauss-Newton; ``held`` stay."""
     from scipy.optimize import lsq_linear
 
     u = start.copy()
@@ -367,24 +320,6 @@ def least_squares(
         if cost - z @ z < 1e-6 * cost + 1e-6:
             break  # less than any probability would show
     return u
-
-
-def _best(residuals: BoxResiduals, start: FloatArray, sigma: FloatArray) -> FloatArray:
-    """Least squares from the start; if that leads far, the best of it and of those from two more starts."""
-    found = [least_squares(residuals, start, sigma)]
-    if np.any(np.abs(residuals.at(found[0]) - residuals.at(start)) > np.maximum(FAR * sigma, SAME)):
-        others = residuals.place(residuals.problem.nominal), np.full(start.size, 0.5)
-        found += [least_squares(residuals, u, sigma) for u in others]
-    return min(found, key=lambda u: float(np.sum((residuals.at(u) / sigma) ** 2)))
-
-
-def _kinds(residuals: BoxResiduals, e: FloatArray) -> FloatArray:
-    """Error of each kind of value relative to that of the frequencies, (m,): they have units of their own."""
-    if residuals.stated is not None or not residuals.kind.any():
-        return np.ones(e.size)
-    shape = residuals.kind == 1
-    ratio = max(_rms(e[shape]), FLOOR) / max(_rms(e[~shape]), FLOOR)
-    return np.where(shape, ratio, 1.0)
 
 
 def _rms(values: FloatArray) -> float:

@@ -12,8 +12,7 @@ from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .identifiability import Identifiability, identifiability
 from .model_check import Explained, explained
-from .posterior import Method, ParameterIntervals, intervals
-from .profile import ProfileLikelihood, profile
+from .posterior import Method, ParameterIntervals, ProfileLikelihood, intervals, profile
 from .residuals import fitted
 from .tables import FrequencyTable, ModalTable
 
@@ -27,105 +26,8 @@ if TYPE_CHECKING:
     from .reduced_search import ReductionReport
 
 
-# -- What a result says of how sure its parameters are: intervals, profiles, and chi-square
-
-
-class WithIntervals(ReadOnly):
-    """A result with a problem and the parameters ``x`` that solve it."""
-
-    problem: UpdatingProblem
-    x: FloatArray
-
-    @property
-    def interval(self) -> dict[Any, tuple[float, float]]:
-        """90 % interval of each parameter by name: the quick answer of :meth:`intervals`."""
-        return self._quick.interval
-
-    @cached_property
-    def _quick(self) -> ParameterIntervals:
-        return intervals(self.problem, self.x, progress=False)
-
-    @cached_property
-    def chi_square(self) -> float:
-        """Reduced chi-square of the least-squares residuals by their stated errors; NaN where none are."""
-        return fitted(self.problem, self.x).chi_square
-
-    def intervals(
-        self,
-        method: Method = "laplace",
-        *,
-        level: float = 0.9,
-        draws: int = 1000,
-        rng: int | np.random.Generator | None = 0,
-        workers: int | None = None,
-        progress: bool | None = None,
-    ) -> ParameterIntervals:
-        """Intervals of the parameters, with draws of their posterior.
-
-        Uniform within the bounds before the test; Gaussian errors with the ``std_hz`` of the measured values,
-        and an error of the model that the residuals tell. Where no errors are stated, one error of all
-        is learned. Around the least-squares solution near ``x``.
-
-        Parameters
-        ----------
-        method : {'laplace', 'ensemble'}
-            Quick, with residuals linear around the solution; or sure, with the residuals that the model has:
-            some ten thousand evaluations. Both stay in the valley that the search found.
-        level : float
-            Probability of each interval, within [0.5, 0.999].
-        draws : int
-            At least 50.
-        rng : int or numpy.random.Generator, optional
-            The same seed gives the same bits for any number of ``workers``.
-        workers : int, optional
-            Threads of the ensemble; all processors by default.
-        progress : bool, optional
-            Show progress on standard error; by default on a terminal, after one second.
-
-        Returns
-        -------
-        ParameterIntervals
-
-        Raises
-        ------
-        InvalidInputError
-            A method, level or number out of range.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
-        >>> hz = dict(enumerate(true.antiresonances([0, 1, 2], 0)))
-        >>> measured = ar.AntiresonanceSet(0, hz, std_hz={dof: 1e-3 * f for dof, f in hz.items()})
-        >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-        >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-        >>> found = ar.update(problem, rng=0).intervals("ensemble", draws=200)
-        >>> low, high = found["stiffness of spring 0"]
-        >>> low < 1.1 < high, found.words
-        (True, ('two-sided', 'two-sided'))
-        """
-        return intervals(
-            self.problem,
-            self.x,
-            method=method,
-            level=level,
-            draws=draws,
-            rng=rng,
-            workers=workers,
-            progress=progress,
-        )
-
-    def profile(
-        self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
-    ) -> ProfileLikelihood:
-        """Profile likelihood of one parameter: the others are fitted again at ``points`` of its values.
-
-        For parameters on a bound, and those that the data hardly tell; ``kind`` says whether both sides
-        close. An unknown name is an ``InvalidInputError``.
-        """
-        return profile(self.problem, self.x, name, level=level, points=points, progress=progress)
-
-
+#: What a result has of its search.
+_OF_SEARCH = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations", "history")
 #: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
 _ON_BOUND = 1e-6
 #: A largest difference that stays above half of what it was is not explained, unless it is that of an
@@ -133,7 +35,7 @@ _ON_BOUND = 1e-6
 _EXPLAINED, _NOISE_PERCENT = 0.5, 1.0
 
 
-class UpdateResult(WithIntervals, Viewed):
+class UpdateResult(ReadOnly, Viewed):
     """An updated model and how it came about. Read-only.
 
     Attributes
@@ -142,16 +44,8 @@ class UpdateResult(WithIntervals, Viewed):
         Parameter values, in the order of ``problem.names``.
     fun : float
         Objective at ``x``.
-    success : bool
-        Whether the search ended by its own rule rather than by a budget or an interruption.
-    status, message : str
-        Why it ended; see :class:`OptimizeResult`.
-    nfev, njev, nit : int
-        Evaluations, the linearizations among them, and generations; see :class:`OptimizeResult`.
-    migrations : int
-        Exchanges between the islands.
-    history : History
-        Best cost by generation and island.
+    success, status, message, nfev, njev, nit, migrations, history
+        Why and how the search ended; see :class:`OptimizeResult`.
     search : OptimizeResult
         The search itself, with the final populations.
     problem : UpdatingProblem
@@ -165,13 +59,9 @@ class UpdateResult(WithIntervals, Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> tested = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances([0, 1, 2], 0))))
-    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
-    >>> result = ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0)
-    >>> result.status, result.x.round(2), result.model.stiffness()[0].round(0)
-    ('agreed', array([1.1 , 0.96]), array([ 550., -550.,    0.]))
+    >>> result = ar.update(ar.cases.chain8().damage_problem(), rng=0)
+    >>> result.status, result.x.round(2)[3:6], result.model.stiffness()[4].round()[3:6]
+    ('agreed', array([0.  , 0.55, 0.  ]), array([-56700.,  82215., -25515.]))
     """
 
     problem: UpdatingProblem
@@ -188,6 +78,7 @@ class UpdateResult(WithIntervals, Viewed):
     njev: int | None
     nit: int
     migrations: int
+    history: History
 
     def __init__(
         self,
@@ -198,15 +89,9 @@ class UpdateResult(WithIntervals, Viewed):
         *,
         options: Mapping[str, Any] | None = None,
     ) -> None:
-        told = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
-        of_search = {name: getattr(search, name) for name in told}
-        self._fill(problem=problem, search=search, seed=seed, reduction=reduction, **of_search)
+        self._fill(**{name: getattr(search, name) for name in _OF_SEARCH})
+        self._fill(problem=problem, search=search, seed=seed, reduction=reduction)
         self._fill(options=FrozenDict(search.options if options is None else options))
-
-    @property
-    def history(self) -> History:
-        """Best cost by generation and island."""
-        return self.search.history
 
     @cached_property
     def model(self) -> StructuralModel:
@@ -266,30 +151,90 @@ class UpdateResult(WithIntervals, Viewed):
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
 
+    @property
+    def interval(self) -> dict[Any, tuple[float, float]]:
+        """90 % interval of each parameter by name: the quick answer of :meth:`intervals`."""
+        return self._quick.interval
+
+    @cached_property
+    def _quick(self) -> ParameterIntervals:
+        return intervals(self.problem, self.x, progress=False)
+
+    @cached_property
+    def chi_square(self) -> float:
+        """Reduced chi-square of the least-squares residuals by their stated errors; NaN where none are."""
+        return fitted(self.problem, self.x).chi_square
+
+    def intervals(
+        self,
+        method: Method = "laplace",
+        *,
+        level: float = 0.9,
+        draws: int = 1000,
+        rng: int | np.random.Generator | None = 0,
+        workers: int | None = None,
+        progress: bool | None = None,
+    ) -> ParameterIntervals:
+        """Intervals of the parameters, with draws of their posterior.
+
+        Uniform within the bounds before the test; Gaussian errors with the ``std_hz`` of the measured values,
+        and an error of the model that the residuals tell. Where no errors are stated, one error of all
+        is learned. Around the least-squares solution near ``x``.
+
+        Parameters
+        ----------
+        method : {'laplace', 'ensemble'}
+            Quick, with residuals linear around the solution; or sure, with the residuals that the model has:
+            some ten thousand evaluations. Both stay in the valley that the search found.
+        level : float
+            Probability of each interval, within [0.5, 0.999].
+        draws : int
+            At least 50.
+        rng, workers, progress
+            As of :func:`update`; the threads are those of the ensemble.
+
+        Raises
+        ------
+        InvalidInputError
+            A method, level or number out of range.
+        """
+        how: dict[str, Any] = {
+            "method": method,
+            "level": level,
+            "draws": draws,
+            "rng": rng,
+            "workers": workers,
+        }
+        return intervals(self.problem, self.x, progress=progress, **how)
+
+    def profile(
+        self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
+    ) -> ProfileLikelihood:
+        """Profile likelihood of one parameter: the others are fitted again at ``points`` of its values.
+
+        For parameters on a bound, and those that the data hardly tell; ``kind`` says whether both sides
+        close. An unknown name is an ``InvalidInputError``.
+        """
+        return profile(self.problem, self.x, name, level=level, points=points, progress=progress)
+
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
         head = f"J = {self.fun:.6g} after {self.search.effort}: {self.status} ({self.message})"
-        notes = [f"note: {note}" for note in self.notes]
-        return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
-
-    @property
-    def std(self) -> FloatArray:
-        """Standard deviation of each parameter to first order, (n,).
-
-        See :class:`~antires_rs.updating.identifiability.Identifiability`.
-        """
-        return self.identifiability.std
-
-    def _values(self) -> list[str]:
         width = max(len(name) for name in self.problem.names)
         spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
         wide = max(map(len, spreads))
-        return [
+        rows = zip(self.problem.names, self.x, spreads, self.problem.bounds, strict=True)
+        values = [
             f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
-            for name, value, spread, (low, high) in zip(
-                self.problem.names, self.x, spreads, self.problem.bounds, strict=True
-            )
+            for name, value, spread, (low, high) in rows
         ]
+        notes = [f"note: {note}" for note in self.notes]
+        return "\n".join([head, "", *values, "", str(self.table), *([""] if notes else []), *notes])
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviation of each parameter to first order, (n,); see ``identifiability``."""
+        return self.identifiability.std
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.figures`."""
@@ -298,10 +243,7 @@ class UpdateResult(WithIntervals, Viewed):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write problem, search and versions into one file ``*.npz``, whole or not at all; no pickle.
 
-        Raises
-        ------
-        InvalidInputError
-            Another ending, or a folder that does not exist.
+        Another ending, or a folder that does not exist, is an ``InvalidInputError``.
         """
         self._view("save")(self, path)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,11 +17,6 @@ def signed(percent: float) -> str:
         return "-"
     said = f"{percent:+.2f}"
     return said[1:] if said in ("+0.00", "-0.00") else said
-
-
-def _number(value: float, digits: int = 3) -> str:
-    """A number, or a dash where the model has no partner."""
-    return "-" if np.isnan(value) else f"{value:.{digits}f}"
 
 
 class _Differences:
@@ -52,20 +48,27 @@ class _Differences:
 
     @property
     def _closing(self) -> str:
+        """The largest differences, without numbers where nothing has a partner."""
         if not self.measured_hz.size:
             return "nothing was measured"
-        return f"largest difference: {self._largest_in_words}"
-
-    @property
-    def _largest_in_words(self) -> str:
-        """Of both, without numbers where nothing has a partner."""
-        both = (self.largest_before_percent, self.largest_after_percent)
-        if np.isnan(both).all():
-            return "none, no value has a partner in the model"
-        return ", ".join(
-            f"no partner {when}" if np.isnan(each) else f"{each:.2f} % {when}"
-            for each, when in zip(both, ("before", "after"), strict=True)
+        both = {"before": self.largest_before_percent, "after": self.largest_after_percent}
+        if np.isnan(list(both.values())).all():
+            return "largest difference: none, no value has a partner in the model"
+        return "largest difference: " + ", ".join(
+            f"no partner {when}" if np.isnan(each) else f"{each:.2f} % {when}" for when, each in both.items()
         )
+
+    def _text(self, head: list[str], labels: Sequence[str], *mac: FloatArray) -> str:
+        """The table in print; ``mac`` are columns of both states, where there are some."""
+        states = ((self.before_hz, self.before_percent), (self.after_hz, self.after_percent))
+        lines = [*head]
+        for row, label in enumerate(labels):
+            line = f"{label} {self.measured_hz[row]:10.3f}"
+            for state, (hz, percent) in enumerate(states):
+                line += f"  {_number(hz[row]):>10} {signed(percent[row]):>7}"
+                line += f" {_number(mac[state][row]):>6}" if mac else ""
+            lines.append(line)
+        return "\n".join([*lines, self._closing])
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,27 +105,12 @@ class FrequencyTable(_Differences, Value):
             ", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
             for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
         ]
-        pair = "(i, k)"
-        width = max(7, *map(len, pairs)) if pairs else 7
-        lines = [
+        width = max([7, *map(len, pairs)])
+        head = [
             f"{'H_ik':>{width}}   measured      before             after",
-            f"{pair:>{width}}         Hz          Hz       %          Hz       %",
+            f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %",
         ]
-        rows = zip(
-            pairs,
-            self.measured_hz,
-            self.before_hz,
-            self.before_percent,
-            self.after_hz,
-            self.after_percent,
-            strict=True,
-        )
-        lines += [
-            f"{pair:>{width}} {measured:10.3f}  {_number(before):>10} {signed(db):>7}  {_number(after):>10} "
-            f"{signed(da):>7}"
-            for pair, measured, before, db, after, da in rows
-        ]
-        return "\n".join([*lines, self._closing])
+        return self._text(head, [f"{pair:>{width}}" for pair in pairs])
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,27 +148,16 @@ class ModalTable(_Differences, Value):
     after_mac: FloatArray
 
     def __str__(self) -> str:
-        lines = [
+        head = [
             "mode   measured      before                      after",
             "             Hz          Hz       %    MAC          Hz       %    MAC",
         ]
-        rows = zip(
-            self.mode,
-            self.measured_hz,
-            self.before_hz,
-            self.before_percent,
-            self.before_mac,
-            self.after_hz,
-            self.after_percent,
-            self.after_mac,
-            strict=True,
-        )
-        lines += [
-            f"{r:4d} {measured:10.3f}  {_number(before):>10} {signed(db):>7} {_number(mb):>6}  "
-            f"{_number(after):>10} {signed(da):>7} {_number(ma):>6}"
-            for r, measured, before, db, mb, after, da, ma in rows
-        ]
-        return "\n".join([*lines, self._closing])
+        return self._text(head, [f"{mode:4d}" for mode in self.mode], self.before_mac, self.after_mac)
+
+
+def _number(value: float) -> str:
+    """A number, or a dash where the model has no partner."""
+    return "-" if np.isnan(value) else f"{value:.3f}"
 
 
 def _largest(percent: FloatArray) -> float:

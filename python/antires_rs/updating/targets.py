@@ -6,9 +6,9 @@ and which exact measurement a damaged model would have given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,38 +23,14 @@ from .tables import FrequencyTable, ModalTable
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-
-# -- Roots of the intact model that a test shows, and how far they can be counted on
-#
-# The smallest damage that can be seen is told from the antiresonances that the intact structure has and a
-# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show: the ones
-# of all responses for transmissibilities, those on a resonance for FRFs, with a margin within which no test
-# tells two of them apart; nor new ones, made of zeros that were complex.
-#
-# Others count less or not at all, since small differences between the members move them far, damage or not:
-# where a symmetric response is weak and hangs on these differences, or where two roots are all but one. The
-# sensitivities of an ordinary root to all stiffnesses add up to about one, for it goes with the common
-# scale of K: a hundredth everywhere moves omega squared by a hundredth. Without this any asymmetry, of a
-# thousandth, would pass for damage.
-
-
 # -- Measured values that are no antiresonances: halves of complex zeros
 #
-# Between two antiresonances of the undamped structure that have met, H_ik no longer vanishes at any
-# frequency: its zeros are complex, x = a + jb and a - jb, or f (1 + j d) and f (1 - j d) in frequency. With
-# damping zeta they lie at damping ratios near zeta + d and zeta - d. Identification keeps the first, if it
-# looks like a strongly damped antiresonance. A model has no real root there, and the nearest is another
-# one; so such a value is left out, and named.
-#
-# Of sets with damping ratios a value is one of these if
-#
-# - the nominal model has a complex zero nearer to it than any real root, and its damping is nearer to a half
-#   of that than to the median of the set;
-# - or that zero is so much nearer than any real root that damping need not tell, as where two antiresonances
-#   have just met;
-# - or, whatever the model has, its damping differs from the median by more than 2 % and by more than twice
-#   the median.
-
+# Between two antiresonances of the undamped structure that have met, the zeros of H_ik are complex,
+# f (1 + j d) and f (1 - j d) in frequency; with damping zeta they lie at damping ratios near zeta + d and
+# zeta - d. Identification keeps the first, if it looks like a strongly damped antiresonance; it is left out,
+# and named, if the nominal model has a complex zero nearer to it than any real root, its damping being nearer
+# to a half of that than to the median of the set; or one so much nearer that damping need not tell; or if its
+# damping differs from the median by more than 2 % and by more than twice the median.
 
 #: Damping ratios whose median says what is usual.
 _LEAST_KNOWN = 4
@@ -102,29 +78,6 @@ def complex_zeros(
     kept = (root.imag > 0.0) & (part > parts[0]) & (part <= parts[1]) & (freq <= f_max_hz)
     order = np.argsort(freq[kept])
     return freq[kept][order], part[kept][order]
-
-
-def of_one_kind(
-    model: StructuralModel,
-    sets: Sequence[AntiresonanceSet],
-    dofs: Sequence[Sequence[int]],
-    forces: Sequence[int],
-) -> tuple[list[list[NDArray[np.bool_]]], tuple[str, ...]]:
-    """For each set and response which values are antiresonances, and a sentence on each that is not."""
-    masks, notes = [], []
-    for found, numbers, force in zip(sets, dofs, forces, strict=True):
-        tables = list(found.tables.values())
-        of_set = [np.ones(len(table), dtype=bool) for table in tables]
-        masks.append(of_set)
-        usual = usual_damping(found)
-        if usual is None:
-            continue
-        limit_hz = looked_up_to(max(found[dof].max(initial=0.0) for dof in found))
-        real = real_zeros(model, numbers, force, limit_hz)
-        for label, table, dof, roots, keep in zip(found, tables, numbers, real, of_set, strict=True):
-            series = partial(zero_series, model, dof, force, limit_hz)
-            notes += sorted_out(label, table, usual, roots, series, keep)
-    return masks, tuple(notes)
 
 
 def looked_up_to(highest_hz: float) -> float:
@@ -187,9 +140,9 @@ def _complex(
 ) -> str:
     """Why a value is not an antiresonance; nothing if it is one."""
     apart = np.abs(hz - freq)
-    told = (apart <= min(to_real, _REACH * freq)) & (part >= _LEAST) & (excess > part / 2.0)
-    told |= (apart <= _CLEAR * freq) & (to_real > _FAR * freq)
-    near = np.flatnonzero(told)
+    is_half = (apart <= min(to_real, _REACH * freq)) & (part >= _LEAST) & (excess > part / 2.0)
+    is_half |= (apart <= _CLEAR * freq) & (to_real > _FAR * freq)
+    near = np.flatnonzero(is_half)
     if near.size:
         at = near[np.argmin(apart[near])]
         return f"half of a complex zero, in the model {hz[at]:.2f} Hz (1 \u00b1 {part[at]:.3f}j)"
@@ -197,6 +150,15 @@ def _complex(
         return "half of a complex zero, or spurious; the model has real antiresonances only"
     return ""
 
+
+# -- Roots of the intact model that a test shows, and how far they can be counted on
+#
+# The smallest damage that can be seen follows from the antiresonances that the intact structure has and a
+# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show (of all
+# responses for transmissibilities, on a resonance for FRFs), nor new ones, made of zeros that were complex.
+# Others count less or not at all, since small differences between the members move them far, damage or not:
+# where a symmetric response is weak, or where two roots are all but one. The sensitivities of an ordinary
+# root to all stiffnesses add up to about one, for it goes with the common scale of K.
 
 #: Roots of all responses within this share are taken for one: a hidden mode, with double roots beside it that
 #: hardly any difference between the members splits by so much.
@@ -237,17 +199,18 @@ def steady(
 
     ``moved`` are the models with one stiffness less by ``STEP``.
     """
+    listed = sorted({*dofs, *channels})
     every = {
         dof: None if freq is None else (freq, complex_zeros(model, dof, force, limit_hz, _COMPLEX)[0])
-        for dof, freq in _by_dof(model, {*dofs, *channels}, force, limit_hz).items()
+        for dof, freq in zip(listed, roots_of(model, listed, force, limit_hz, True), strict=True)
     }
     none = (np.empty(0), np.empty(0))
     own = [(every[dof] or none)[0] for dof in dofs]
-    hidden = (
-        _hidden(dofs, every, channels)
-        if sees == "transmissibility"
-        else _on_poles(own, model, limit_hz, sees)
-    )
+    if sees == "transmissibility":
+        hidden = [_shared_by_all(dof, every, channels) for dof in dofs]
+    else:  # where it is not known what was seen, nothing is hidden
+        poles = model.modes(f_max_hz=1.1 * limit_hz).freq_hz if sees == "frf" else np.empty(0)
+        hidden = [_near(freq, poles, _ON_POLE) for freq in own]
     change = [np.zeros(freq.size) for freq in own]
     for other in moved:
         for nth, freq in enumerate(roots_of(other, dofs, force, 1.1 * limit_hz, True)):
@@ -282,33 +245,14 @@ def followed(own: tuple[FloatArray, FloatArray], now: FloatArray | None) -> tupl
     return now[kept > 0.0], kept[kept > 0.0]
 
 
-def _by_dof(
-    model: StructuralModel, dofs: set[int], force: int, limit_hz: float
-) -> dict[int, FloatArray | None]:
-    """All roots by response."""
-    ordered = sorted(dofs)
-    return dict(zip(ordered, roots_of(model, ordered, force, limit_hz, True), strict=True))
-
-
-def _hidden(
-    dofs: list[int], every: dict[int, tuple[FloatArray, FloatArray] | None], channels: list[int]
-) -> list[NDArray[np.bool_]]:
-    """Which roots of each response all others share, also where theirs have just become complex."""
-    found = []
-    for dof in dofs:
-        freq = (every[dof] or (np.empty(0),))[0]
-        others = [every[other] for other in channels if other != dof]
-        shared = [_near(freq, np.concatenate(both), _SHARED) for both in others if both is not None]
-        found.append(np.logical_and.reduce(shared or [np.zeros(freq.size, dtype=bool)]))
-    return found
-
-
-def _on_poles(
-    own: list[FloatArray], model: StructuralModel, limit_hz: float, sees: Any
-) -> list[NDArray[np.bool_]]:
-    """Which roots an FRF does not show, for they lie on a resonance; where that is not known, none."""
-    poles = model.modes(f_max_hz=1.1 * limit_hz).freq_hz if sees == "frf" else np.empty(0)
-    return [_near(freq, poles, _ON_POLE) for freq in own]
+def _shared_by_all(
+    dof: int, every: dict[int, tuple[FloatArray, FloatArray] | None], channels: list[int]
+) -> NDArray[np.bool_]:
+    """Which roots of a response all others share, also where theirs have just become complex."""
+    freq = (every[dof] or (np.empty(0),))[0]
+    others = [every[other] for other in channels if other != dof]
+    shared = [_near(freq, np.concatenate(both), _SHARED) for both in others if both is not None]
+    return np.asarray(np.logical_and.reduce(shared or [np.zeros(freq.size, dtype=bool)]))
 
 
 def _near(freq: FloatArray, others: FloatArray, within: float) -> NDArray[np.bool_]:
@@ -317,66 +261,19 @@ def _near(freq: FloatArray, others: FloatArray, within: float) -> NDArray[np.boo
     return np.asarray(apart.min(axis=1, initial=np.inf) <= within * freq)
 
 
-# -- Weights of the residuals from the uncertainty of the measured values
+# -- Measured antiresonances, as an updating problem sees them: those of the kind that the model has
+#
+# What a set was identified from (``sees``) decides which roots of the model may be partners; the core knows
+# them by that name.
 
-
-# Relative error of omega^2 that a model has anyway: values known better than this get no more weight.
+#: Relative error of omega^2 that a model has anyway: values known better than this get no more weight.
 MODEL_ERROR = 2e-3
-
-
-def residual_weights(
-    weights: Any,
-    sets: Sequence[AntiresonanceSet],
-    measured_hz: FloatArray,
-    kept: NDArray[np.bool_] | None = None,
-) -> FloatArray | None:
-    """Weight of every measured value, mean one; None for equal weights.
-
-    "std" gives 1 / sqrt(s^2 + 0.002^2), scaled to mean one, where s = 2 std_hz / freq_hz is the deviation of
-    the residual omega_A^2 / omega_E^2 - 1; a value whose deviation is not known counts like the median of
-    those known. ``kept`` tells which values of the sets are compared; weights may be given for all of them.
-    """
-    if weights is None:
-        return None
-    if isinstance(weights, str):
-        if weights != "std":
-            reject(
-                "weights",
-                repr(weights),
-                "None, 'std', or one number for each measured value",
-                "Leave them out to count all values alike.",
-            )
-        std = np.concatenate([table.std_hz for each in sets for table in each.tables.values()])
-        if not np.isfinite(std if kept is None else std[kept]).any():
-            reject(
-                "weights",
-                "'std' for values without standard deviations",
-                "sets with std_hz",
-                "Identify an averaged record with formulation='numerators' (its default), or give std_hz.",
-            )
-        spread = 2.0 * (std if kept is None else std[kept]) / measured_hz
-        spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
-        made = 1.0 / np.hypot(spread, MODEL_ERROR)
-        return np.asarray(made / made.mean(), dtype=np.float64)
-    wanted = f"{measured_hz.size} numbers of at least 0, one for each measured value"
-    given = real_array("weights", weights, ndim=1, wanted=wanted)
-    if kept is not None and given.size == kept.size:
-        given = given[kept]
-    if given.size != measured_hz.size or given.min() < 0.0 or not given.any():
-        reject(
-            "weights",
-            f"{given.size} numbers from {given.min():g} to {given.max():g}",
-            wanted,
-            "Leave them out to count all values alike.",
-        )
-    return given
-
-
-# -- Measured dofs as dofs of the model, and the core's objectives of them
-
+_ALIKE = "Leave them out to count all values alike."
 
 #: Response, force, values (Hz), what the set can see, number of the set.
 Part = tuple[int, int, FloatArray, str | None, int]
+#: What a model would have given if measured exactly, with weights; None if nothing.
+Exact = Callable[["StructuralModel"], tuple[list[Any], FloatArray | None] | None]
 
 
 def model_dof(model: StructuralModel, name: str, label: Any) -> int:
@@ -384,28 +281,19 @@ def model_dof(model: StructuralModel, name: str, label: Any) -> int:
     return model._dof(name, label)
 
 
-def known_dof(model: StructuralModel, label: Any) -> int | None:
-    """The same; None where it is no dof of the model."""
-    try:
-        return model._dof("dof", label)
-    except InvalidInputError:
-        return None
+def by_rows(model: StructuralModel, parts: Sequence[Part]) -> tuple[_core.Model, list[Part]]:
+    """The core's model in which all measured dofs are dofs, and the parts by its rows."""
+    core, rows = model._core_for([dof for part in parts for dof in part[:2]])
+    ends = zip(rows[::2], rows[1::2], strict=True)
+    return core, [(*end, *part[2:]) for end, part in zip(ends, parts, strict=True)]
 
 
 def antiresonance_objective(
     model: StructuralModel, parameters: Any, parts: Sequence[Part], *rest: Any
 ) -> _core.Objective:
-    """The core's objective of responses, by their rows."""
-    core, rows = model._core_for([dof for part in parts for dof in part[:2]])
-    ends = zip(rows[::2], rows[1::2], strict=True)
-    placed = [(*end, *part[2:]) for end, part in zip(ends, parts, strict=True)]
+    """The core's objective of responses."""
+    core, placed = by_rows(model, parts)
     return _core.Objective.antiresonance(core, parameters, placed, *rest)
-
-
-# -- Measured antiresonances, as an updating problem sees them: those of the kind that the model has
-#
-# What a set was identified from (``sees``) decides which roots of the model may be partners; the core knows
-# them by that name.
 
 
 class AntiresonanceTargets:
@@ -418,27 +306,15 @@ class AntiresonanceTargets:
         self.forces = [model_dof(model, "excitation", s.excitation) for s in sets]
         self.dofs_of = [[model_dof(model, "measured dof", dof) for dof in s] for s in sets]
         self._channels = [_channels(model, s) for s in sets]
-        kept, self.left_out = of_one_kind(model, sets, self.dofs_of, self.forces)
-        self._steady: tuple[StructuralModel, list[Any]] | None = None
-        self._kept = np.concatenate([np.empty(0, dtype=bool), *(mask for masks in kept for mask in masks)])
-        self.parts: list[tuple[int, int, FloatArray, str | None, int]] = []
+        self.parts: list[Part] = []
         #: Whether each part was identified from one curve, without averages that tell its scatter.
         self.single: list[bool] = []
         #: Standard deviations (Hz) of the values of each part.
         self.stds: list[FloatArray] = []
-        for number, (s, dofs, force, masks) in enumerate(
-            zip(sets, self.dofs_of, self.forces, kept, strict=True)
-        ):
-            values = dict(zip(dofs, (s[dof][mask] for dof, mask in zip(s, masks, strict=True)), strict=True))
-            channels = self._channels[number]
-            # Without all that measured together nothing is known to be shared.
-            sees = None if s.sees == "transmissibility" and not channels else s.sees
-            others = [dof for dof in channels if dof not in values] if sees == "transmissibility" else []
-            self.parts += [(dof, force, np.array(freq), sees, number) for dof, freq in values.items()]
-            self.parts += [(dof, force, np.empty(0), sees, number) for dof in others]
-            std = [t.std_hz[mask] for t, mask in zip(s.tables.values(), masks, strict=True)]
-            self.stds += [*std, *(np.empty(0) for _ in others)]
-            self.single += [bool("share" in t.scores) for t in s.tables.values()] + [False] * len(others)
+        self._kept = np.empty(0, dtype=bool)
+        self.left_out: tuple[str, ...] = ()
+        for number in range(len(sets)):
+            self._add(model, number)
         counts = [len(freq) for _, _, freq, _, _ in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
         self.dofs = np.repeat([part[0] for part in self.parts], counts)
@@ -449,13 +325,57 @@ class AntiresonanceTargets:
             dof: label.removeprefix("node ") for dof, label in labels.items() if label != f"dof {dof}"
         }
 
-    def weights(self, given: Any) -> FloatArray | None:
-        """Factors on the residuals, one a measured antiresonance that is compared."""
-        return residual_weights(given, self.sets, self.hz, self._kept)
+    def _add(self, model: StructuralModel, number: int) -> None:
+        """The parts of one set: its responses, and channels without values that decide what is shared."""
+        found, dofs, force = self.sets[number], self.dofs_of[number], self.forces[number]
+        channels, tables = self._channels[number], list(found.tables.values())
+        masks = [np.ones(len(table), dtype=bool) for table in tables]
+        usual = usual_damping(found)
+        if usual is not None:
+            limit_hz = looked_up_to(max(found[dof].max(initial=0.0) for dof in found))
+            real = real_zeros(model, dofs, force, limit_hz)
+            for label, table, dof, roots, keep in zip(found, tables, dofs, real, masks, strict=True):
+                series = partial(zero_series, model, dof, force, limit_hz)
+                self.left_out += tuple(sorted_out(label, table, usual, roots, series, keep))
+        # Without all that measured together nothing is known to be shared.
+        sees = None if found.sees == "transmissibility" and not channels else found.sees
+        others = [dof for dof in channels if dof not in dofs] if sees == "transmissibility" else []
+        values = [found[dof][mask] for dof, mask in zip(found, masks, strict=True)]
+        none = [np.empty(0) for _ in others]
+        both = zip([*dofs, *others], [*values, *none], strict=True)
+        self.parts += [(dof, force, np.array(freq), sees, number) for dof, freq in both]
+        self.stds += [*(t.std_hz[mask] for t, mask in zip(tables, masks, strict=True)), *none]
+        self.single += [*("share" in table.scores for table in tables), *(False for _ in others)]
+        self._kept = np.concatenate([self._kept, *masks])
 
-    def core(self, *parts: Any) -> _core.Objective:
+    @property
+    def relative_std(self) -> FloatArray:
+        """Standard deviation of omega squared of each value, relative, (m,); NaN where none is stated."""
+        return np.asarray(2.0 * np.concatenate([np.empty(0), *self.stds]) / self.hz)
+
+    def weights(self, given: Any) -> FloatArray | None:
+        """Factors on the residuals, mean one of those from standard deviations; None for equal ones.
+
+        These are 1 / sqrt(s^2 + 0.002^2), s that of the residual; a value whose s is not known counts like
+        the median of those known.
+        """
+        if not (isinstance(given, str) and given == "std"):
+            wanted = "None, 'std', or one number for each measured value"
+            return _given_weights(given, self.hz.size, self._kept, wanted, _ALIKE)
+        spread = self.relative_std
+        if not np.isfinite(spread).any():
+            reject(
+                "weights",
+                "'std' for values without standard deviations",
+                "sets with std_hz",
+                "Identify an averaged record with formulation='numerators' (its default), or give std_hz.",
+            )
+        spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
+        made = 1.0 / np.hypot(spread, MODEL_ERROR)
+        return np.asarray(made / made.mean(), dtype=np.float64)
+
+    def core(self, model: StructuralModel, parameters: Any, *rest: Any) -> _core.Objective:
         """The core's objective."""
-        model, parameters, *rest = parts
         return antiresonance_objective(model, parameters, self.parts, *rest)
 
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
@@ -464,92 +384,75 @@ class AntiresonanceTargets:
         assert found is not None  # an objective of antiresonances has them
         return found
 
+    #: Differences that a Gaussian likelihood is of, row by row.
+    errors = residuals
+
+    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+        """Measured value, kind (0 for frequencies, 1 for entries of shapes) and stated error of each row."""
+        return np.arange(self.hz.size), np.zeros(self.hz.size, dtype=np.intp), self.relative_std
+
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> FrequencyTable:
         """Measured, before and after."""
-        return FrequencyTable(
-            self.dofs, self.excitations, self.hz, core.pairs(before)[0], core.pairs(after)[0], self.names
-        )
+        hz = core.pairs(before)[0], core.pairs(after)[0]
+        return FrequencyTable(self.dofs, self.excitations, self.hz, *hz, self.names)
 
     def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
-        """How what was measured differs between two parameter vectors."""
+        """How what was measured differs between two parameter vectors; NaN without a partner."""
         return np.asarray((core.pairs(ahead)[0] ** 2 - core.pairs(behind)[0] ** 2) / self.hz**2)
 
-    def exact(
-        self,
-        model: StructuralModel,
-        nominal: StructuralModel,
-        nominal_hz: FloatArray,
-        moved: Sequence[StructuralModel],
-    ) -> tuple[list[AntiresonanceSet], FloatArray | None] | None:
-        """Antiresonances up to the highest measured one that can be followed from the nominal model."""
+    def exact(self, nominal: StructuralModel, _: FloatArray, moved: Sequence[StructuralModel]) -> Exact:
+        """Antiresonances up to the highest measured one that can be followed from the nominal model.
+
+        ``moved`` are models hardly different from it.
+        """
         band_hz = float(self.hz.max())
-        if self._steady is None or self._steady[0] is not nominal:
-            parts = zip(self.sets, self.dofs_of, self.forces, self._channels, strict=True)
-            self._steady = (
-                nominal,
-                [
-                    steady(nominal, moved, dofs, force, 1.5 * band_hz, s.sees, ch)
-                    for s, dofs, force, ch in parts
-                ],
-            )
-        found, weights = [], [np.empty(0)]
-        for s, dofs, force, roots in zip(self.sets, self.dofs_of, self.forces, self._steady[1], strict=True):
-            there = roots_of(model, dofs, force, band_hz, s.sees != "frf")
-            # Below the band a root on its way to zero would differ without bound.
-            there = [None if freq is None else freq[freq >= 0.5 * self.hz.min()] for freq in there]
-            both = [followed(own, now) for own, now in zip(roots, there, strict=True)]
-            columns = dict(zip(s, (freq for freq, _ in both), strict=True))
-            found.append(AntiresonanceSet(s.excitation, columns, sees=s.sees, channels=s.channels))
-            weights += [weight for _, weight in both]
-        joined = np.concatenate(weights)
-        return (found, joined) if joined.size else None
+        tests = list(zip(self.sets, self.dofs_of, self.forces, self._channels, strict=True))
+        intact = [steady(nominal, moved, d, f, 1.5 * band_hz, s.sees, ch) for s, d, f, ch in tests]
+
+        def measured(model: StructuralModel) -> tuple[list[Any], FloatArray | None] | None:
+            found, weights = [], [np.empty(0)]
+            for (s, dofs, force, _), roots in zip(tests, intact, strict=True):
+                there = roots_of(model, dofs, force, band_hz, s.sees != "frf")
+                # Below the band a root on its way to zero would differ without bound.
+                there = [None if freq is None else freq[freq >= 0.5 * self.hz.min()] for freq in there]
+                both = [followed(own, now) for own, now in zip(roots, there, strict=True)]
+                columns = dict(zip(s, (freq for freq, _ in both), strict=True))
+                found.append(AntiresonanceSet(s.excitation, columns, sees=s.sees, channels=s.channels))
+                weights += [weight for _, weight in both]
+            joined = np.concatenate(weights)
+            return (found, joined) if joined.size else None
+
+        return measured
 
 
 def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[int]:
     """All responses that were measured together, none where one is no dof of the model."""
-    channels = [known_dof(model, dof) for dof in found.channels]
-    return [] if None in channels else [dof for dof in channels if dof is not None]
+    try:
+        return [model._dof("dof", dof) for dof in found.channels]
+    except InvalidInputError:
+        return []
+
+
+def _given_weights(
+    given: Any, count: int, kept: NDArray[np.bool_] | None, wanted: str, remedy: str
+) -> FloatArray | None:
+    """Weights as they were given, for the values compared or, by ``kept``, for all that were measured."""
+    if given is None:
+        return None
+    if isinstance(given, str):
+        reject("weights", repr(given), wanted, remedy)
+    wanted = f"{count} numbers of at least 0, one for each measured value"
+    found = real_array("weights", given, ndim=1, wanted=wanted)
+    if kept is not None and found.size == kept.size:
+        found = found[kept]
+    if found.size != count or found.min() < 0.0 or not found.any():
+        got = f"{found.size} numbers from {found.min():g} to {found.max():g}"
+        reject("weights", got, wanted, _ALIKE)
+    return found
 
 
 #: A shape smaller than this at the measured dofs, relative to its largest entry, cannot be measured there.
 _AT_REST = 1e-9
-
-
-class Targets(Protocol):
-    """What both kinds offer."""
-
-    noun: str
-    objective: str
-    sets: tuple[Any, ...]
-    hz: FloatArray
-    left_out: tuple[str, ...]
-
-    def weights(self, given: Any) -> FloatArray | None:
-        """Factors on the residuals, one a measured value."""
-
-    def core(self, *parts: Any) -> _core.Objective:
-        """The core's objective."""
-
-    def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
-        """Signed residuals at ``x``."""
-
-    def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> Any:
-        """Measured, before and after."""
-
-    def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
-        """How what was measured differs between two parameter vectors; NaN without a partner."""
-
-    def exact(
-        self,
-        model: StructuralModel,
-        nominal: StructuralModel,
-        nominal_hz: FloatArray,
-        moved: Sequence[StructuralModel],
-    ) -> Any:
-        """What a model would have given if measured exactly at the same dofs, with weights; None if nothing.
-
-        ``nominal`` is the intact one with its partners, ``moved`` are others hardly different from it.
-        """
 
 
 class ModalTargets:
@@ -560,50 +463,40 @@ class ModalTargets:
 
     def __init__(self, model: StructuralModel, sets: tuple[ModalSet, ...]) -> None:
         self.sets = sets
+        self._dofs = [[model_dof(model, "measured dof", dof) for dof in each.dofs] for each in sets]
+        rows = model._core_for([dof for dofs in self._dofs for dof in dofs])[1]
+        ends = np.cumsum([0, *map(len, self._dofs)])
+        #: Frequencies, rows of the core's matrices, and shapes of each set.
         self._parts: list[tuple[FloatArray, list[int], ComplexArray]] = []
-        for each in sets:
-            dofs = [model_dof(model, "measured dof", dof) for dof in each.dofs]
+        for each, a, b in zip(sets, ends[:-1], ends[1:], strict=True):
             flexible = each.freq_hz != 0.0
-            self._parts.append(
-                (
-                    each.freq_hz[flexible],
-                    dofs,
-                    np.ascontiguousarray(each.shapes[flexible], dtype=np.complex128),
-                )
-            )
-        listed = [dofs for _, dofs, _ in self._parts]
-        self._dofs = [dof for dofs in listed for dof in dofs]
-        rows = model._core_for(self._dofs)[1]
-        ends = np.cumsum([0, *map(len, listed)])
-        #: Rows of the core's matrices.
-        self._rows = [rows[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+            shapes = np.ascontiguousarray(each.shapes[flexible], dtype=np.complex128)
+            self._parts.append((each.freq_hz[flexible], rows[a:b], shapes))
         self.hz = np.concatenate([freq for freq, _, _ in self._parts])
         self.numbers = np.concatenate([np.flatnonzero(each.freq_hz != 0.0) for each in sets])
 
     def weights(self, given: Any) -> FloatArray | None:
-        """Factors on the residuals, one a measured antiresonance or mode."""
-        if isinstance(given, str):
-            reject(
-                "weights",
-                repr(given),
-                "None, or one number for each measured mode",
-                "A ModalSet has no standard deviations.",
-            )
-        return residual_weights(given, (), self.hz)
+        """Factors on the residuals, one a mode; None for equal ones."""
+        wanted = "None, or one number for each measured mode"
+        return _given_weights(given, self.hz.size, None, wanted, "A ModalSet has no standard deviations.")
 
-    def core(self, *parts: Any) -> _core.Objective:
+    def core(self, model: StructuralModel, parameters: Any, *rest: Any) -> _core.Objective:
         """The core's objective."""
-        model, parameters, *rest = parts
-        placed = [
-            (freq, rows, shapes) for (freq, _, shapes), rows in zip(self._parts, self._rows, strict=True)
-        ]
-        return _core.Objective.modal(model._core_for(self._dofs)[0], parameters, placed, *rest)
+        core = model._core_for([dof for dofs in self._dofs for dof in dofs])[0]
+        return _core.Objective.modal(core, parameters, self._parts, *rest)
 
     @staticmethod
     def _pairs(core: _core.Objective, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Frequency, MAC and shape of the partners."""
         freq, shapes = core.pairs(x)
         assert shapes is not None  # a modal objective has them
         return freq, *shapes
+
+    def _by_set(self, shapes: FloatArray) -> Iterator[FloatArray]:
+        """Shapes of the partners at the sensors of each set, at unit length."""
+        ends = np.cumsum([0, *(len(freq) for freq, _, _ in self._parts)])
+        for first, last, (_, rows, _) in zip(ends[:-1], ends[1:], self._parts, strict=True):
+            yield _unit(shapes[first:last][:, rows])
 
     def mac(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """MAC of each measured mode with its partner, NaN without one."""
@@ -615,80 +508,87 @@ class ModalTargets:
         both = np.concatenate([(paired / self.hz) ** 2 - 1.0, 1.0 - mac])
         return np.where(np.isnan(both), 1.0, both)
 
+    def errors(self, core: _core.Objective, x: FloatArray) -> FloatArray:
+        """As of antiresonances; of shapes at unit length, for 1 - MAC has no slope at a perfect fit."""
+        paired, _, shapes = self._pairs(core, x)
+        found = [np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)]
+        models = self._by_set(np.nan_to_num(shapes))
+        for (_, _, measured), own in zip(self._parts, models, strict=True):
+            # Along its longest real direction a measured shape has the phase that a mode of the model has.
+            turned = np.exp(-0.5j * np.angle(np.sum(measured**2, axis=1, keepdims=True)))
+            found.append(_apart(_unit((measured * turned).real), own))
+        return np.concatenate(found)
+
+    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+        """As of antiresonances; no errors are stated."""
+        number = np.arange(self.hz.size)
+        entries = np.repeat(number, [len(rows) for freq, rows, _ in self._parts for _ in freq])
+        kind = np.repeat(np.arange(2), [number.size, entries.size])
+        return np.append(number, entries), kind, np.full(kind.size, np.nan)
+
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> ModalTable:
         """Measured, before and after."""
         (hz, mac, _), (hz_after, mac_after, _) = self._pairs(core, before), self._pairs(core, after)
         return ModalTable(self.numbers, self.hz, hz, hz_after, mac, mac_after)
 
     def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
-        """Of the frequencies, then of the shapes at unit length: 1 - MAC has no slope at a perfect fit."""
+        """Of the frequencies, then of the shapes at unit length."""
         (f0, _, shapes0), (f1, _, shapes1) = self._pairs(core, behind), self._pairs(core, ahead)
-        changes = [(f1**2 - f0**2) / self.hz**2]
-        first = 0
-        for (freq, _, _), own in zip(self._parts, self._rows, strict=True):
-            rows = slice(first, first + len(freq))
-            first += len(freq)
-            u, v = (unit_shapes(shapes[rows][:, own]) for shapes in (shapes0, shapes1))
-            sign = np.where(np.sum(u * v, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-            changes.append((sign * v - u).ravel())
-        return np.concatenate(changes)
+        both = zip(self._by_set(shapes0), self._by_set(shapes1), strict=True)
+        return np.concatenate([(f1**2 - f0**2) / self.hz**2, *(_apart(u, v) for u, v in both)])
 
-    def exact(
-        self,
-        model: StructuralModel,
-        nominal: StructuralModel,
-        nominal_hz: FloatArray,
-        moved: Sequence[StructuralModel],
-    ) -> tuple[list[ModalSet], None] | None:
+    def exact(self, nominal: StructuralModel, nominal_hz: FloatArray, _: Sequence[StructuralModel]) -> Exact:
         """The modes whose numbers are those of the nominal model's partners."""
-        modes, intact = model.modes(), nominal.modes()
-        found, first = [], 0
-        for freq, dofs, _ in self._parts:
-            partners = nominal_hz[first : first + len(freq)]
-            first += len(freq)
-            near = np.abs(intact.freq_hz - partners[np.isfinite(partners)][:, None])
-            numbers = np.unique(np.argmin(near, axis=1)).astype(int)
-            shapes = modes.shapes[numbers]
-            at = shapes[:, dofs]
-            moving = np.linalg.norm(at, axis=1) > _AT_REST * np.abs(shapes).max(axis=1, initial=0.0)
-            found.append(ModalSet(modes.freq_hz[numbers][moving], at[moving], dofs))
-        return (found, None) if any(np.any(s.freq_hz > 0.0) for s in found) else None
+        intact = nominal.modes()
+
+        def measured(model: StructuralModel) -> tuple[list[Any], FloatArray | None] | None:
+            modes, found, first = model.modes(), [], 0
+            for (freq, _, _), dofs in zip(self._parts, self._dofs, strict=True):
+                partners = nominal_hz[first : first + len(freq)]
+                first += len(freq)
+                near = np.abs(intact.freq_hz - partners[np.isfinite(partners)][:, None])
+                numbers = np.unique(np.argmin(near, axis=1)).astype(int)
+                shapes = modes.shapes[numbers]
+                at = shapes[:, dofs]
+                moving = np.linalg.norm(at, axis=1) > _AT_REST * np.abs(shapes).max(axis=1, initial=0.0)
+                found.append(ModalSet(modes.freq_hz[numbers][moving], at[moving], dofs))
+            return (found, None) if any(np.any(s.freq_hz > 0.0) for s in found) else None
+
+        return measured
+
+
+def _unit(shapes: FloatArray) -> FloatArray:
+    """Shapes at unit length, a row each; zero stays zero."""
+    size = np.linalg.norm(shapes, axis=1, keepdims=True)
+    return np.asarray(shapes / np.where(size > 0.0, size, 1.0))
+
+
+def _apart(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Differences of two sets of shapes, with the sign of the second in which they are least."""
+    sign = np.where(np.sum(one * other, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
+    return np.asarray((sign * other - one).ravel())
+
+
+Targets: TypeAlias = AntiresonanceTargets | ModalTargets
 
 
 def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> Targets:
     """The kind that the measured sets are, which must be the one asked for."""
     sets = (measured,) if isinstance(measured, AntiresonanceSet | ModalSet) else measured
-    if not isinstance(sets, Sequence) or not sets:
-        reject(
-            "measured",
-            measured,
-            "an AntiresonanceSet or a ModalSet, or several of one kind",
-            "Identify it from a record, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]}).",
-        )
-    if all(isinstance(s, AntiresonanceSet) for s in sets):
-        kind: Any = AntiresonanceTargets
-    elif all(isinstance(s, ModalSet) for s in sets):
+    listed = isinstance(sets, Sequence) and len(sets) > 0
+    kind: Any = None
+    if listed and all(isinstance(s, AntiresonanceSet) for s in sets):
+        kind = AntiresonanceTargets
+    elif listed and all(isinstance(s, ModalSet) for s in sets):
         kind = ModalTargets
-    else:
-        reject(
-            "measured",
-            measured,
-            "an AntiresonanceSet or a ModalSet, or several of one kind",
-            "Identify it from a record, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]}).",
+    if kind is None:
+        remedy = (
+            "Identify it from a record, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]})."
         )
+        reject("measured", measured, "an AntiresonanceSet or a ModalSet, or several of one kind", remedy)
     if objective is not None and objective != kind.objective:
         needed = "an AntiresonanceSet" if objective == "antiresonance" else "a ModalSet"
-        reject(
-            "measured",
-            f"a {type(sets[0]).__name__}",
-            f"{needed} for objective={objective!r}",
-            "Leave objective out: the measured set tells it.",
-        )
+        remedy = "Leave objective out: the measured set tells it."
+        reject("measured", f"a {type(sets[0]).__name__}", f"{needed} for objective={objective!r}", remedy)
     made: Targets = kind(model, tuple(sets))
     return made
-
-
-def unit_shapes(shapes: FloatArray) -> FloatArray:
-    """Shapes at unit length, a row each; zero stays zero."""
-    size = np.linalg.norm(shapes, axis=1, keepdims=True)
-    return np.asarray(shapes / np.where(size > 0.0, size, 1.0))

@@ -1,20 +1,21 @@
-"""Run the search of an updating problem."""
+"""Run the search of an updating problem, or those of many."""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import repeat
 from typing import Any, Literal
 
 import numpy as np
 
-from ..exceptions import NumericalError, reject
-from ..optimize.checkpoint import Checkpoint
-from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, seed_of, thread_count
-from ..support.checks import FloatArray
-from ..support.progress import watched
+from ..exceptions import NumericalError, part, reject
+from ..optimize.island_ga import IslandGA, OptimizeResult, guesses, resumed, seed_of, thread_count
+from ..support.checks import FloatArray, integer
+from ..support.progress import waiting, watched
+from ..support.workers import Failed, in_order
 from .problem import UpdatingProblem, fingerprint
 from .reduced_search import Reduction, ReductionReport, reduced_search, wanted_reduction
 from .result import UpdateResult
@@ -39,26 +40,14 @@ def update(
     problem : UpdatingProblem
     optimizer : IslandGA, optional
         Settings of the search.
-    rng : int or numpy.random.Generator, optional
-        The same seed gives bit-identical results for any number of threads.
+    rng, callback, x0, progress, checkpoint
+        As of :meth:`IslandGA.minimize`.
     workers : int, optional
-        Threads; all processors by default.
-    callback : callable, optional
-        Called after each generation with a dict (``nit, nfev, fun, x, islands, migrations``); return True
-        to stop.
-    x0 : array_like, (n,) or (m, n), optional
-        Guesses that join the initial populations.
-    progress : bool, optional
-        Show progress on standard error; by default on a terminal, after one second.
-    checkpoint : path-like, optional
-        File in which the search is kept, written every two seconds and at the end. If it is there, the search
-        goes on from it, bit-identical to one that never stopped; see
-        :mod:`antires_rs.optimize.checkpoint`.
+        Threads; all processors by default. The bits are the same for any number.
     reduction : {'auto', True, False} or Reduction, optional
-        Whether to search on a reduced model, which is made anew where the search arrives until it agrees
-        there with the full one; all that the result tells is of the full model. 'auto' does so above 2,000
-        dofs, where antiresonances were measured, the parameters (60 at most) scale terms, and no checkpoint
-        is kept. See :class:`Reduction`, and ``reduction`` of the result.
+        Whether to search on a reduced model, see :class:`Reduction`; all that the result tells is of the full
+        one. 'auto' does so above 2,000 dofs, where antiresonances were measured, the parameters (60 at most)
+        scale terms, and no checkpoint is kept.
 
     Returns
     -------
@@ -87,22 +76,17 @@ def update(
     array([1.1 , 0.96])
     """
     if not isinstance(problem, UpdatingProblem):
-        reject(
-            "problem",
-            problem,
-            "an UpdatingProblem",
-            "Join model, parameters and measurement by UpdatingProblem first.",
-        )
+        remedy = "Join model, parameters and measurement by UpdatingProblem first."
+        reject("problem", problem, "an UpdatingProblem", remedy)
     wanted = wanted_reduction(problem, reduction, checkpoint)
+    asked = (optimizer, rng, workers, callback, x0, progress, checkpoint)
     if wanted is not None:
-        asked = (wanted, optimizer, rng, workers, callback, x0, progress)
         try:
-            return UpdateResult(problem, *_search_reduced(problem, *asked))
+            return UpdateResult(problem, *search(problem, *asked, wanted))
         except NumericalError:
             if reduction != "auto":
                 raise
-    found, seed = search(problem, optimizer, rng, workers, callback, x0, progress, checkpoint)
-    return UpdateResult(problem, found, seed)
+    return UpdateResult(problem, *search(problem, *asked))
 
 
 def search(
@@ -114,93 +98,242 @@ def search(
     x0: Any,
     progress: bool | None,
     checkpoint: Any,
-) -> tuple[OptimizeResult, int]:
-    """The core's search as ``update`` and ``assess_damage`` run it, and the seed that was used.
+    reduction: Reduction | None = None,
+) -> tuple[OptimizeResult, int, ReductionReport | None]:
+    """The core's search as ``update`` and ``assess_damage`` run it, the seed used, how reductions served.
 
     The nominal model is evaluated first: what comes back is never worse, however short the search was.
     """
-    ga = _optimizer(optimizer)
+    ga = IslandGA() if optimizer is None else optimizer
+    if not isinstance(ga, IslandGA):
+        reject("optimizer", optimizer, "an IslandGA", "Leave it out for IslandGA().")
     first = guesses(x0, len(problem.parameters))
-    kept = None if checkpoint is None else Checkpoint(checkpoint)
-    seed = kept.seed if kept and rng is None and kept.seed is not None else seed_of(rng)
-    if kept:
-        kept.begin(fingerprint(problem, ga.options, first), seed)
-    nominal = nominal_first(problem)
-    with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
-        raw = problem._core.minimize(
-            problem.bounds[:, 0].copy(),
-            problem.bounds[:, 1].copy(),
-            first,
-            ga.options,
-            seed,
-            thread_count(workers),
-            ga.max_seconds,
-            watcher,
-            kept,
-        )
-    found = OptimizeResult._of(raw, ga._in_force)
-    if nominal is not None and nominal[1] < found.fun:
-        found = replace(found, x=nominal[0], fun=nominal[1])
-    return found, seed
-
-
-def _search_reduced(
-    problem: UpdatingProblem,
-    reduction: Reduction,
-    optimizer: IslandGA | None,
-    rng: Any,
-    workers: int | None,
-    callback: Callable[[dict[str, Any]], bool | None] | None,
-    x0: Any,
-    progress: bool | None,
-) -> tuple[OptimizeResult, int, ReductionReport]:
-    """The same on reduced models, and how they served."""
-    ga, seed = _optimizer(optimizer), seed_of(rng)
+    kept, seed = resumed(checkpoint, rng, lambda: fingerprint(problem, ga.options, first))
     end = float("inf") if ga.max_seconds is None else time.monotonic() + ga.max_seconds
+    x, (low, high) = problem.nominal, problem.bounds.T
+    inside = bool(np.all((low <= x) & (x <= high)))  # NaN, no nominal value, is outside
+    cost = problem.cost(x) if inside else float("inf")
 
     def seconds_left() -> float:
         return max(0.0, end - time.monotonic())
 
-    first = guesses(x0, len(problem.parameters))
-    nominal = nominal_first(problem)
-    low, high = problem.bounds.T
-    start = np.clip(problem.nominal, low, high)
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
 
         def minimize(
-            core: Any, lower: FloatArray, upper: FloatArray, at: FloatArray, options: dict[str, Any] | None
+            core: Any,
+            low: FloatArray,
+            high: FloatArray,
+            at: FloatArray | None,
+            options: dict[str, Any] | None,
         ) -> OptimizeResult:
-            begin = at.tolist()
+            own = [] if at is None else [at.tolist()]
             raw = core.minimize(
-                np.ascontiguousarray(lower),
-                np.ascontiguousarray(upper),
-                [*first, begin] if options is None else [begin],
+                np.ascontiguousarray(low),
+                np.ascontiguousarray(high),
+                [*first, *own] if options is None else own,
                 ga.options if options is None else options,
                 seed,
                 thread_count(workers),
                 None if ga.max_seconds is None else seconds_left(),
                 watcher,
-                None,
-                begin,
+                kept,
+                own[0] if own else None,
             )
             return OptimizeResult._of(raw, ga._in_force)
 
-        found, report = reduced_search(problem, reduction, minimize, start, seed, seconds_left)
-    if nominal is not None and nominal[1] < found.fun:
-        found = replace(found, x=nominal[0], fun=nominal[1])
-    return found, seed, report
+        if reduction is None:
+            found, report = minimize(problem._core, low, high, None, None), None
+        else:
+            start = np.clip(x, low, high)
+            found, report = reduced_search(problem, reduction, minimize, start, seed, seconds_left)
+    return (replace(found, x=x, fun=cost) if cost < found.fun else found), seed, report
 
 
-def _optimizer(given: IslandGA | None) -> IslandGA:
-    ga = IslandGA() if given is None else given
-    if not isinstance(ga, IslandGA):
-        reject("optimizer", given, "an IslandGA", "Leave it out for IslandGA().")
-    return ga
+# -- Many updating problems: seeds, drawn measurements, scenarios; by threads, processes or a cluster
 
 
-def nominal_first(problem: UpdatingProblem) -> tuple[FloatArray, float] | None:
-    """The nominal values and their cost; none where a parameter has no nominal value within its bounds."""
-    x, (low, high) = problem.nominal, problem.bounds.T
-    if not np.all((low <= x) & (x <= high)):  # NaN is outside
-        return None
-    return x, problem.cost(x)
+@dataclass(frozen=True, eq=False, repr=False)
+class UpdateEnsemble:
+    """Results of many updatings, in the order of their problems. Read-only.
+
+    Attributes
+    ----------
+    results : tuple of UpdateResult or None
+        None where an updating failed.
+    seeds : tuple of int
+        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
+    failed : mapping of int to str
+        Why, by the number of the problem.
+    interrupted : bool
+        Whether Ctrl-C ended it; the results are those that were there.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> found = ar.update_ensemble(ar.cases.chain8().damage_problem(), count=3, rng=0)
+    >>> len(found), found.x[:, 4].round(2).tolist()
+    (3, [0.55, 0.55, 0.55])
+    """
+
+    results: tuple[UpdateResult | None, ...]
+    seeds: tuple[int, ...]
+    failed: dict[int, str]
+    interrupted: bool = False
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __getitem__(self, k: int) -> UpdateResult | None:
+        return self.results[k]
+
+    def __iter__(self) -> Iterator[UpdateResult | None]:
+        return iter(self.results)
+
+    @property
+    def x(self) -> FloatArray:
+        """Parameters of every result, (n_problems, n_parameters); NaN where it failed.
+
+        Raises
+        ------
+        InvalidInputError
+            The problems have different numbers of parameters.
+        """
+        sizes = {result.x.size for result in self.results if result is not None}
+        if len(sizes) > 1:
+            got = f"problems of {', '.join(map(str, sorted(sizes)))} parameters"
+            reject("x", got, "problems of one number of parameters", "Take .x of each result.")
+        size = sizes.pop() if sizes else 0
+        return np.array([np.full(size, np.nan) if r is None else r.x for r in self.results]).reshape(-1, size)
+
+    @property
+    def fun(self) -> FloatArray:
+        """Objective of every result, (n_problems,); NaN where it failed."""
+        return np.array([np.nan if result is None else result.fun for result in self.results])
+
+    def __str__(self) -> str:
+        there = [result for result in self.results if result is not None]
+        lines = [f"{len(self.results)} updatings, {len(there)} with a result"]
+        if len({result.x.size for result in there}) == 1:
+            names, columns = there[0].problem.names, np.array([result.x for result in there]).T
+            width = max(map(len, names))
+            lines.append(f"{'parameter':{width}s}       mean        std     lowest    highest")
+            for name, column in zip(names, columns, strict=True):
+                spread = column.std(ddof=1) if column.size > 1 else 0.0
+                numbers = (column.mean(), spread, column.min(), column.max())
+                lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in numbers))
+        lines += [f"updating {k} failed: {why}" for k, why in self.failed.items()]
+        if self.interrupted:
+            lines.append("interrupted: these are the results that were there")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def update_ensemble(
+    problems: UpdatingProblem | Iterable[UpdatingProblem],
+    *,
+    count: int | None = None,
+    optimizer: IslandGA | None = None,
+    rng: int | np.random.Generator | None = None,
+    workers: Any = None,
+    progress: bool | None = None,
+) -> UpdateEnsemble:
+    """Update many problems: one from several seeds, drawn measurements, scenarios of what is unknown.
+
+    Parameters
+    ----------
+    problems : UpdatingProblem, or an iterable of them
+        A generator is read a few ahead only. One problem alone is updated ``count`` times, with other seeds.
+    count : int, optional
+        How many seeds one problem gets.
+    optimizer, progress
+        As of :func:`update`.
+    rng : int or numpy.random.Generator, optional
+        Seed of all: search k has the seed ``SeedSequence(seed, spawn_key=(k,))``.
+    workers : int, str or executor, optional
+        Who searches, as of :meth:`IslandGA.minimize`; None is one search after another, each by all
+        processors. The bits are the same. A problem alone goes to each worker once.
+
+    Returns
+    -------
+    UpdateEnsemble
+        Also after Ctrl-C: what was there.
+
+    Raises
+    ------
+    InvalidInputError
+        Something that is not an UpdatingProblem; ``count`` beside several problems, or none beside one.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
+    >>> exact, rng = true.antiresonances([0, 1, 2], 0), np.random.default_rng(0)
+    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> def drawn():  # measured values drawn anew tell how far parameters scatter
+    ...     for _ in range(4):
+    ...         noisy = [hz * (1 + 0.002 * rng.standard_normal(hz.size)) for hz in exact]
+    ...         yield ar.UpdatingProblem(nominal, springs, ar.AntiresonanceSet(0, dict(enumerate(noisy))))
+    >>> found = ar.update_ensemble(drawn(), rng=0)
+    >>> bool((found.x.std(axis=0) < 0.02).all())
+    True
+    """
+    alone = isinstance(problems, UpdatingProblem)
+    if alone == (count is None):
+        got = "none beside one problem" if alone else f"{count} beside several problems"
+        remedy = "Pass count=20." if alone else "Leave it out."
+        reject("count", got, "how many seeds one problem gets; nothing beside several", remedy)
+    if alone:
+        given: Iterable[Any] = repeat(None, integer("count", count, low=1))
+    elif isinstance(problems, Iterable):
+        given = problems
+    else:
+        reject("problems", problems, "an UpdatingProblem, or an iterable of them", "Make them first.")
+    seed = seed_of(rng)
+    kept: list[UpdatingProblem] = []
+    seeds: list[int] = []
+
+    def tasks() -> Iterator[tuple[UpdatingProblem | None, int]]:
+        for k, problem in enumerate(given):
+            if not (alone or isinstance(problem, UpdatingProblem)):
+                reject(part("problems", k), problem, "an UpdatingProblem", "Make one of it first.")
+            kept.append(problems if problem is None else problem)  # type: ignore[arg-type]
+            own = np.random.SeedSequence(seed, spawn_key=(k,))
+            seeds.append(int(own.generate_state(1, np.uint64)[0] >> 1))
+            yield problem, seeds[-1]
+
+    results: list[UpdateResult | None] = []
+    failed: dict[int, str] = {}
+    interrupted = False
+    shared = (problems if alone else None, optimizer, None if workers is None else 1)
+    with waiting("updating", progress):
+        answers = in_order(_updated, tasks(), workers, shared=shared, errors="return", what="problem")
+        try:
+            for k, answer in enumerate(answers):
+                if isinstance(answer, Failed):
+                    if isinstance(answer.error, KeyboardInterrupt):
+                        raise answer.error
+                    failed[k] = f"{type(answer.error).__name__}: {answer.error}"
+                    results.append(None)
+                    continue
+                results.append(UpdateResult(kept[k], *answer))
+                if answer[0].status == "interrupted":
+                    interrupted = True
+                    break
+        except KeyboardInterrupt:
+            if not results:
+                raise
+            interrupted = True
+        finally:
+            answers.close()  # type: ignore[attr-defined]
+    return UpdateEnsemble(tuple(results), tuple(seeds[: len(results)]), failed, interrupted)
+
+
+def _updated(shared: tuple[Any, ...], task: tuple[UpdatingProblem | None, int]) -> tuple[Any, ...]:
+    """What makes a result of a problem: its search, seed and reduction. The problem itself stays at home."""
+    alone, optimizer, threads = shared
+    problem, seed = task
+    options: dict[str, Any] = {"optimizer": optimizer, "rng": seed, "workers": threads, "progress": False}
+    found = update(alone if problem is None else problem, **options)
+    return found.search, found.seed, found.reduction

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import paired
-from ..measured.response_table import ResponseTable
+from ..measured.response_table import ResponseTable, label_array
 from ..support.checks import FloatArray
 
 #: A value that so large a part of the baseline's tests has is followed; the others are told as clutter.
@@ -88,36 +88,26 @@ def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
     counts = [sum(map(len, one.tables.values())) for one in sets]
     # Begin with a test that is as rich as most.
     typical = float(np.median(counts))
-    order = sorted(range(len(sets)), key=lambda i: abs(counts[i] - typical))
+    first, *others = sorted(range(len(sets)), key=lambda i: abs(counts[i] - typical))
     dofs = tuple(dict.fromkeys(dof for one in sets for dof in one))
-    groups: dict[Any, list[list[float]]] = {
-        dof: [[f] for f in sets[order[0]].get(dof, np.empty(0)).tolist()] for dof in dofs
-    }
-    for count, i in enumerate(order[1:], start=1):
+    groups: dict[Any, list[list[float]]] = {dof: [[f] for f in sets[first].get(dof, ())] for dof in dofs}
+    for count, i in enumerate(others, start=1):
         if count % _PRUNE == 0:
             groups = {dof: [one for one in groups[dof] if len(one) >= RARE * count] for dof in dofs}
         where = {dof: np.array([_median(group) for group in groups[dof]]) for dof in dofs}
         matches, shift = _matched(where, sets[i], max_shift)
-        for dof, pairs in matches.items():
+        for dof, (pairs, new) in matches.items():
             values = sets[i][dof] / np.exp(shift)
             for place, row in pairs:
-                insort(groups[dof][place], float(values[row]))
-            taken = {row for _, row in pairs}
-            groups[dof] += [[float(f)] for row, f in enumerate(values) if row not in taken]
+                insort(groups[dof][place], values[row])
+            groups[dof] += [[values[row]] for row in new]
     columns: list[tuple[Any, float, float]] = []
     for dof in dofs:
         tests = sum(dof in one for one in sets)
         seen = [one for one in groups[dof] if len(one) >= max(2.0, RARE * tests)]
-        columns += sorted((dof, _median(one), len(one) / tests) for one in seen)
-    names = np.empty(len(columns), dtype=object)
-    names[:] = [dof for dof, _, _ in columns]
-    return Places(
-        sets[0].excitation,
-        dofs,
-        names,
-        np.array([freq for _, freq, _ in columns]),
-        np.array([rate for _, _, rate in columns]),
-    )
+        columns += sorted((dof, float(_median(one)), len(one) / tests) for one in seen)
+    freq, rate = np.array([column[1:] for column in columns]).reshape(-1, 2).T.copy()
+    return Places(sets[0].excitation, dofs, label_array([dof for dof, _, _ in columns]), freq, rate)
 
 
 def _median(ascending: Sequence[float]) -> float:
@@ -127,46 +117,49 @@ def _median(ascending: Sequence[float]) -> float:
 
 def values_of(sets: Sequence[AntiresonanceSet | None], places: Places, max_shift: float) -> Values:
     """Values of tests at the places; a row of NaN for a test without a set."""
-    n, m = len(sets), places.freq_hz.size
-    log_hz, std = np.full((n, m), np.nan), np.full((n, m), np.nan)
-    looked = np.zeros((n, m), dtype=bool)
+    shape = len(sets), places.freq_hz.size
+    log_hz, std, looked = np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, dtype=bool)
     strange: list[tuple[tuple[Any, float], ...]] = []
     at = {dof: places.of(dof) for dof in places.dofs}
     where = {dof: places.freq_hz[rows] for dof, rows in at.items()}
     for i, one in enumerate(sets):
         left: list[tuple[Any, float]] = []
         if one is not None:
-            matches, _ = _matched(where, one, max_shift, places)
-            for dof, pairs in matches.items():
+            for dof, (pairs, new) in _matched(where, one, max_shift, places)[0].items():
                 table = one.tables[dof]
                 looked[i, at[dof]] = True
-                if pairs:
-                    place, row = (list(column) for column in zip(*pairs, strict=True))
-                    log_hz[i, at[dof][place]] = np.log(table.freq_hz[row])
-                    std[i, at[dof][place]] = table.std_hz[row] / table.freq_hz[row]
-                taken = {row for _, row in pairs}
-                left += [(dof, float(f)) for row, f in enumerate(table.freq_hz) if row not in taken]
+                place, row = np.array(pairs, dtype=int).reshape(-1, 2).T
+                log_hz[i, at[dof][place]] = np.log(table.freq_hz[row])
+                std[i, at[dof][place]] = table.std_hz[row] / table.freq_hz[row]
+                left += [(dof, freq) for freq in table.freq_hz[new].tolist()]
         strange.append(tuple(left))
     return Values(log_hz, std, looked, tuple(strange))
 
 
+#: By response: (place, row) of what is at a place, and rows of what is not.
+Matches = dict[Any, tuple[list[tuple[int, int]], list[int]]]
+
+
 def _matched(
     where: dict[Any, FloatArray], one: AntiresonanceSet, max_shift: float, places: Places | None = None
-) -> tuple[dict[Any, list[tuple[int, int]]], float]:
-    """(place, row) by response, and the logarithm of the shift that all values have in common."""
+) -> tuple[Matches, float]:
+    """What of a test is where, and the logarithm of the shift that all values have in common."""
     tables = {dof: table for dof, table in one.tables.items() if dof in where}
-    first = {dof: _pairs(where[dof], table, max_shift) for dof, table in tables.items()}
+    pairs = {dof: _pairs(where[dof], table, max_shift) for dof, table in tables.items()}
     moved = [
         np.log(tables[dof].freq_hz[row] / where[dof][place])
-        for dof, pairs in first.items()
-        for place, row in pairs
+        for dof, own in pairs.items()
+        for place, row in own
         if places is None or places.regular[places.of(dof)[place]]
     ]
-    if len(moved) < FEWEST:
-        return first, 0.0
-    shift = float(np.median(moved))
-    shifted = np.exp(shift)
-    return {dof: _pairs(where[dof] * shifted, table, max_shift) for dof, table in tables.items()}, shift
+    shift = float(np.median(moved)) if len(moved) >= FEWEST else 0.0
+    if len(moved) >= FEWEST:
+        pairs = {dof: _pairs(where[dof] * np.exp(shift), table, max_shift) for dof, table in tables.items()}
+    taken = {dof: {row for _, row in own} for dof, own in pairs.items()}
+    return {
+        dof: (own, [row for row in range(len(tables[dof])) if row not in taken[dof]])
+        for dof, own in pairs.items()
+    }, shift
 
 
 def _pairs(where_hz: FloatArray, table: ResponseTable, max_shift: float) -> list[tuple[int, int]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import lgamma
 
 import numpy as np
@@ -14,7 +14,6 @@ from ..support.checks import FloatArray
 # -- Straight lines through values with gaps and wild points: least squares with Huber's weights
 #
 # Reference: P. J. Huber, Robust Statistics, 1981, chapter 7.
-
 
 #: Residuals beyond so many standard deviations count less, with 95 % efficiency for normal ones.
 HUBER = 1.345
@@ -44,11 +43,10 @@ class Regression:
 def fitted(y: FloatArray, x: FloatArray) -> Regression:
     """Each column of y (n, m), NaN where there is no value, on the rows of x (n, q)."""
     there = ~np.isnan(y)
-    filled = np.where(there, y, 0.0)
     weight = there.astype(np.float64)
     # About its median: logarithms of hertz are of one size, their changes 1e-3 of it.
     middle = _median(y)
-    filled = np.where(there, filled - middle, 0.0)
+    filled = np.where(there, y - middle, 0.0)
     size = np.maximum(np.sqrt(np.mean(x**2, axis=0)), 1e-300)
     scaled = x / size
     eye = np.eye(x.shape[1])
@@ -58,12 +56,11 @@ def fitted(y: FloatArray, x: FloatArray) -> Regression:
         gram += _RIDGE * np.maximum(np.trace(gram, axis1=1, axis2=2), 1e-300)[:, None, None] * eye
         right = (weight * filled).T @ scaled
         coefficients = np.linalg.solve(gram, right[..., None])[..., 0].T
-        rest = np.where(there, filled - scaled @ coefficients, np.nan)
         if x.shape[0] < 4:
             break
+        rest = np.abs(np.where(there, filled - scaled @ coefficients, np.nan))
         with np.errstate(invalid="ignore", divide="ignore"):
-            scale = _median(np.abs(rest)) / _MAD
-            wild = np.abs(rest) / (HUBER * np.maximum(scale, 1e-300))
+            wild = rest / (HUBER * np.maximum(_median(rest) / _MAD, 1e-300))
             weight = np.where(there, 1.0 / np.maximum(wild, 1.0), 0.0)
     coefficients = coefficients / size[:, None]
     coefficients[0] += middle  # the first column of every basis is 1
@@ -86,7 +83,6 @@ def _median(values: FloatArray) -> FloatArray:
 # predicts them better again by more than its standard error. Beyond the baseline's range the line goes on,
 # with what is not known of it as a standard deviation.
 
-
 #: Parts in which the baseline is left out in turn, at most.
 FOLDS = 20
 #: Where a line may bend: these shares of the baseline are below.
@@ -108,49 +104,45 @@ class Column:
     low: float
     high: float
 
+    def of(self, conditions: Mapping[str, FloatArray]) -> FloatArray:
+        """The condition (n,) of some tests, at its middle where it is not known."""
+        value = conditions[self.name]
+        return np.where(np.isnan(value), self.middle, value)
+
+    def away(self, conditions: Mapping[str, FloatArray]) -> FloatArray:
+        """How far it is outside the baseline's range, (n,)."""
+        value = self.of(conditions)
+        return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
+
 
 @dataclass(frozen=True)
 class Basis:
-    """The columns that are used; what was given and is not, in ``unused``."""
+    """The constant, and one function of each condition that is used, two where its line bends."""
 
     columns: tuple[Column, ...]
-    unused: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
-        """Number of functions, with the constant."""
+        """Number of functions."""
         return 1 + sum(1 if one.bend is None else 2 for one in self.columns)
 
     def rows(self, conditions: Mapping[str, FloatArray], n: int) -> FloatArray:
-        """The functions at some tests, (n, size); a condition that is not known is taken at its middle."""
+        """The functions at some tests, (n, size)."""
         made = [np.ones(n)]
         for one in self.columns:
-            value = np.where(np.isnan(conditions[one.name]), one.middle, conditions[one.name]) - one.middle
+            value = one.of(conditions) - one.middle
             made.append(value / one.std)
             if one.bend is not None:
                 made.append(np.maximum(value - (one.bend - one.middle), 0.0) / one.std)
         return np.stack(made, axis=1)
 
-    def slopes(self, coefficients: FloatArray, name: str, above: bool) -> FloatArray:
+    def slopes(self, coefficients: FloatArray, column: Column, above: bool) -> FloatArray:
         """Change of each value with one condition, (m,), at its high or its low end."""
-        place = 1
-        for one in self.columns:
-            if one.name == name:
-                slope = coefficients[place] / one.std
-                if one.bend is not None and above:
-                    slope = slope + coefficients[place + 1] / one.std
-                return np.asarray(slope)
-            place += 1 if one.bend is None else 2
-        raise KeyError(name)
-
-    def outside(self, conditions: Mapping[str, FloatArray], n: int) -> NDArray[np.bool_]:
-        """Tests at a condition that the baseline does not have, (n,)."""
-        out = np.zeros(n, dtype=bool)
-        for one in self.columns:
-            value = conditions[one.name]
-            with np.errstate(invalid="ignore"):
-                out |= (value < one.low) | (value > one.high)
-        return out
+        place = Basis(self.columns[: self.columns.index(column)]).size
+        slope = coefficients[place] / column.std
+        if column.bend is not None and above:
+            slope = slope + coefficients[place + 1] / column.std
+        return np.asarray(slope)
 
 
 def folds_of(n: int) -> NDArray[np.intp]:
@@ -159,42 +151,30 @@ def folds_of(n: int) -> NDArray[np.intp]:
 
 
 def basis_of(y: FloatArray, conditions: Mapping[str, FloatArray]) -> Basis:
-    """The basis that the baseline supports.
-
-    Parameters
-    ----------
-    y : (n, m)
-        Values with NaN.
-    conditions : mapping of str to (n,)
-    """
-    if not conditions:
-        return Basis(())
-    used: tuple[Column, ...] = ()
-    unused: list[str] = []
-    error = _left_out(y, Basis(()), conditions)
+    """The basis that values (n, m) with NaN support at the conditions (n,) of the baseline."""
+    basis = Basis(())
+    error = _left_out(y, basis, conditions) if conditions else np.empty(0)
     for name, values in conditions.items():
         known = values[~np.isnan(values)]
         if known.size < _SIDE or np.std(known) <= _STILL * max(np.abs(known).max(), 1e-300):
-            unused.append(name)
             continue
-        line = Column(
-            name, None, float(known.mean()), float(known.std()), float(known.min()), float(known.max())
-        )
-        best, best_error = line, _left_out(y, Basis((*used, line)), conditions)
+        numbers = map(float, (known.mean(), known.std(), known.min(), known.max()))
+        line = Column(name, None, *numbers)
+        best = Basis((*basis.columns, line))
+        best_error = _left_out(y, best, conditions)
         if np.nanmean(best_error) >= np.nanmean(error):
-            unused.append(name)
             continue
         for share in BENDS:
             at = float(np.quantile(known, share))
             if min(np.sum(known < at), np.sum(known > at)) < _SIDE:
                 continue
-            bent = Column(name, at, line.middle, line.std, line.low, line.high)
-            bent_error = _left_out(y, Basis((*used, bent)), conditions)
+            bent = Basis((*basis.columns, replace(line, bend=at)))
+            bent_error = _left_out(y, bent, conditions)
             gain = best_error - bent_error
             if np.nanmean(gain) > 2.0 * np.nanstd(gain) / np.sqrt(np.sum(~np.isnan(gain))):
                 best, best_error = bent, bent_error
-        used, error = (*used, best), best_error
-    return Basis(used, tuple(unused))
+        basis, error = best, best_error
+    return basis
 
 
 def _left_out(y: FloatArray, basis: Basis, conditions: Mapping[str, FloatArray]) -> FloatArray:
@@ -220,7 +200,6 @@ def _left_out(y: FloatArray, basis: Basis, conditions: Mapping[str, FloatArray])
 #
 # Reference: K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. Am. Stat. Assoc. 84 (1989) 881-896.
 
-
 #: Degrees of freedom that are tried, from heavy tails to the normal law.
 DEGREES = (2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, np.inf)
 #: What is told by a stated standard deviation counts as so many tests.
@@ -230,28 +209,20 @@ _LARGEST = 30.0
 
 
 def variances(rest: FloatArray, stated: FloatArray, degrees: float, lost: float) -> FloatArray:
-    """Variance of each column of residuals (n, m) with NaN.
+    """Variance of each column of residuals (n, m) with NaN, less ``lost`` parameters fitted to each.
 
-    Parameters
-    ----------
-    rest : (n, m)
-    stated : (m,)
-        Standard deviation that identification states, NaN where not known: it counts as some more tests.
-    degrees : float
-    lost : float
-        Parameters that were fitted to each column.
+    The standard deviation that identification has ``stated``, (m,), counts as some more tests, where it is
+    not NaN.
     """
-    there = ~np.isnan(rest)
-    count = there.sum(axis=0)
-    squares = np.where(there, rest, 0.0) ** 2
+    count = np.sum(~np.isnan(rest), axis=0)
+    free = np.maximum(count - lost, 1.0)
+    squares = np.nan_to_num(rest) ** 2
     variance = np.maximum(squares.sum(axis=0) / np.maximum(count, 1), 1e-300)
     for _ in range(ROUNDS_NORMAL if np.isfinite(degrees) else 1):
         weight = 1.0 if np.isinf(degrees) else (degrees + 1.0) / (degrees + squares / variance)
-        variance = np.maximum(np.sum(weight * squares, axis=0) / np.maximum(count - lost, 1.0), 1e-300)
-    own = np.isnan(stated)
-    share = np.where(own, 0.0, STATED)
-    free = np.maximum(count - lost, 1.0)
-    mixed = (free * variance + share * np.where(own, 0.0, stated) ** 2) / (free + share)
+        variance = np.maximum(np.sum(weight * squares, axis=0) / free, 1e-300)
+    share = np.where(np.isnan(stated), 0.0, STATED)
+    mixed = (free * variance + share * np.nan_to_num(stated) ** 2) / (free + share)
     return np.asarray(np.maximum(mixed, 1e-18))
 
 
@@ -265,8 +236,14 @@ def degrees_of(rest: FloatArray) -> float:
     best = (-np.inf, np.inf)
     for degrees in DEGREES:
         scale = np.sqrt(variances(rest, none, degrees, 0.0))
-        law = np.nansum(_log_density(rest / scale, degrees) - np.log(scale))
-        best = max(best, (float(law), degrees))
+        x = rest / scale
+        # The logarithm of the density, less what is the same for all degrees of freedom.
+        if np.isinf(degrees):
+            law = -0.5 * x**2 - 0.5 * np.log(2.0)
+        else:
+            half = lgamma((degrees + 1.0) / 2.0) - lgamma(degrees / 2.0) - 0.5 * np.log(degrees)
+            law = half - 0.5 * (degrees + 1.0) * np.log1p(x**2 / degrees)
+        best = max(best, (float(np.nansum(law - np.log(scale))), degrees))
     return best[1]
 
 
@@ -280,14 +257,6 @@ def scores(scaled: FloatArray, degrees: float) -> FloatArray:
     return np.asarray(np.clip(-np.sign(scaled) * ndtri(tail), -_LARGEST, _LARGEST))
 
 
-def _log_density(x: FloatArray, degrees: float) -> FloatArray:
-    """Of Student's t, less what is the same for all degrees of freedom."""
-    if np.isinf(degrees):
-        return np.asarray(-0.5 * x**2 - 0.5 * np.log(2.0))
-    half = lgamma((degrees + 1.0) / 2.0) - lgamma(degrees / 2.0) - 0.5 * np.log(degrees)
-    return np.asarray(half - 0.5 * (degrees + 1.0) * np.log1p(x**2 / degrees))
-
-
 # -- Correlations of many values from few tests
 #
 # Factors that all values share (eigenvalues above what noise of this size makes, Marchenko and Pastur) are
@@ -298,7 +267,6 @@ def _log_density(x: FloatArray, degrees: float) -> FloatArray:
 # References: V. A. Marchenko, L. A. Pastur, Math. USSR-Sbornik 1 (1967) 457-483; J. Schaefer, K. Strimmer,
 # Stat. Appl. Genet. Mol. Biol. 4 (2005) 32.
 
-
 #: Eigenvalues this much above the edge of noise are factors; at most so many of them.
 _ABOVE, _MOST = 1.3, 4
 _LEAST = 0.05
@@ -306,9 +274,9 @@ _LEAST = 0.05
 
 def correlations(z: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Correlation matrix (m, m) of normal scores (n, m) with NaN, and loadings (m, k) of its factors."""
-    there = ~np.isnan(z)
-    filled = np.where(there, z, 0.0)
-    count = there.T.astype(float) @ there.astype(float)
+    there = (~np.isnan(z)).astype(float)
+    filled = np.nan_to_num(z)
+    count = there.T @ there
     sums = filled.T @ filled
     size = np.sqrt(np.maximum(np.diag(sums), 1e-300) / np.maximum(np.diag(count), 1.0))
     r = sums / np.maximum(count, 1.0) / np.outer(size, size)
@@ -316,40 +284,34 @@ def correlations(z: FloatArray) -> tuple[FloatArray, FloatArray]:
     r = np.where(count >= 4, np.clip(r, -0.98, 0.98), 0.0)
     np.fill_diagonal(r, 1.0)
     m, n = len(r), max(4.0, float(np.median(count)))
-    loadings = _factors(r, n)
+    loadings = np.empty((m, 0))
+    if m >= 4:
+        values, vectors = np.linalg.eigh(r)
+        kept = np.flatnonzero(values > _ABOVE * (1.0 + np.sqrt(m / n)) ** 2)[::-1][: min(_MOST, m // 4)]
+        # What noise adds to an eigenvalue is taken off it.
+        loadings = vectors[:, kept] * np.sqrt(np.maximum(values[kept] - 1.0 - m / n, 0.0))
     common = loadings @ loadings.T
-    own = np.maximum(1.0 - np.diag(common), _LEAST)
     rest = r - common
-    off = rest[~np.eye(m, dtype=bool)]
-    noise = ((1.0 - r**2) ** 2 / np.maximum(count - 1.0, 1.0))[~np.eye(m, dtype=bool)]
-    share = 1.0 if not off.size else float(np.clip(noise.sum() / max(np.sum(off**2), 1e-300), 0.0, 1.0))
+    pairs = ~np.eye(m, dtype=bool)
+    noise = ((1.0 - r**2) ** 2 / np.maximum(count - 1.0, 1.0))[pairs]
+    share = float(np.clip(noise.sum() / max(np.sum(rest[pairs] ** 2), 1e-300), 0.0, 1.0)) if m > 1 else 1.0
     rest = (1.0 - share) * rest
-    np.fill_diagonal(rest, own)
-    return _positive(rest) + common, loadings
+    np.fill_diagonal(rest, np.maximum(1.0 - np.diag(common), _LEAST))
+    # No eigenvalue near or below 0.
+    values, vectors = np.linalg.eigh(0.5 * (rest + rest.T))
+    return (vectors * np.maximum(values, _LEAST)) @ vectors.T + common, loadings
 
 
-def _factors(r: FloatArray, n: float) -> FloatArray:
-    """Loadings of what stands above noise."""
-    m = len(r)
-    if m < 4:
-        return np.empty((m, 0))
-    values, vectors = np.linalg.eigh(r)
-    edge = _ABOVE * (1.0 + np.sqrt(m / n)) ** 2
-    kept = np.flatnonzero(values > edge)[::-1][: min(_MOST, m // 4)]
-    # What noise adds to an eigenvalue is taken off it.
-    return np.asarray(vectors[:, kept] * np.sqrt(np.maximum(values[kept] - 1.0 - m / n, 0.0)))
-
-
-def _positive(a: FloatArray) -> FloatArray:
-    """The matrix with no eigenvalue near or below 0."""
-    values, vectors = np.linalg.eigh(0.5 * (a + a.T))
-    return np.asarray((vectors * np.maximum(values, _LEAST)) @ vectors.T)
-
+# -- What is learned, and what may move values without damage: conditions not known, or out of range
 
 #: A stated deviation above the usual by this factor is that of a poor test: the excess is added.
 _POOR = 1.5
 #: Beyond the baseline's range the slope of each value may differ from its line's by this share.
 _CURVED = 0.01
+#: Beyond it the slope of all values together is known to so large a share.
+_SLOPE = 0.3
+#: Standard deviation of a condition that is not known, and of a shared factor, in units of the baseline's.
+_UNKNOWN, _FACTOR = 2.0, 5.0
 
 
 @dataclass(frozen=True)
@@ -386,15 +348,39 @@ class Learned:
         """Standard deviation, (n, m), of what each value does by itself outside the baseline's range."""
         variance = np.zeros((n, self.variance.size))
         for one in self.basis.columns:
-            value = np.where(np.isnan(conditions[one.name]), one.middle, conditions[one.name])
-            away = np.maximum(np.maximum(one.low - value, value - one.high), 0.0)
+            away = one.away(conditions)
             if away.any():
-                ends = [
-                    np.abs(self.basis.slopes(self.regression.coefficients, one.name, above))
-                    for above in (True, False)
-                ]
-                variance += (_CURVED * away[:, None] * np.maximum(*ends)) ** 2
+                steepest = np.maximum(*(np.abs(self._slopes(one, above)) for above in (True, False)))
+                variance += (_CURVED * away[:, None] * steepest) ** 2
         return np.sqrt(variance)
+
+    def outside(self, conditions: Mapping[str, FloatArray], n: int) -> NDArray[np.bool_]:
+        """Tests at a condition that the baseline does not have, (n,)."""
+        away = [one.away(conditions) for one in self.basis.columns]
+        return np.asarray(np.any([np.zeros(n), *away], axis=0))
+
+    def directions(self, conditions: Mapping[str, FloatArray], test: int, *, free: bool) -> FloatArray:
+        """Changes of all values without damage, of one standard deviation each, (m, k), in the logarithm.
+
+        ``free`` lets the shared factors of the baseline go where they will: no condition tells what they
+        follow.
+        """
+        columns = []
+        for one in self.basis.columns:
+            value = float(conditions[one.name][test])
+            if np.isnan(value):
+                columns.append(self._slopes(one, True) * _UNKNOWN * one.std)
+                continue
+            away = max(one.low - value, value - one.high, 0.0)
+            if away > 0.0:
+                unsure = _SLOPE * away + self.attenuation[one.name] * abs(value - one.middle)
+                columns.append(self._slopes(one, value > one.high) * unsure)
+        if free:
+            columns += list((_FACTOR * self.factors * np.sqrt(self.variance)[:, None]).T)
+        return np.stack(columns, axis=1) if columns else np.empty((self.variance.size, 0))
+
+    def _slopes(self, column: Column, above: bool) -> FloatArray:
+        return self.basis.slopes(self.regression.coefficients, column, above)
 
 
 def learned(
@@ -404,15 +390,12 @@ def learned(
     x = basis.rows(conditions, len(y))
     regression = fitted(y, x)
     rest = y - regression.at(x)
-    known = ~np.isnan(std)
-    usual = np.where(known.any(axis=0), np.nanmedian(np.where(known.any(axis=0), std, 0.0), axis=0), np.nan)
+    known = np.any(~np.isnan(std), axis=0)
+    usual = np.where(known, np.nanmedian(np.where(known, std, 0.0), axis=0), np.nan)
     variance = variances(rest, usual, degrees, float(basis.size))
-    z = scores(rest / np.sqrt(variance), degrees)
-    correlation, factors = correlations(z)
+    correlation, factors = correlations(scores(rest / np.sqrt(variance), degrees))
     attenuation = {
-        one.name: _attenuation(
-            rest, variance, basis.slopes(regression.coefficients, one.name, above=True), one.std
-        )
+        one.name: _attenuation(rest, variance, basis.slopes(regression.coefficients, one, True), one.std)
         for one in basis.columns
     }
     return Learned(basis, regression, variance, usual, degrees, correlation, factors, attenuation)
@@ -426,44 +409,10 @@ def _attenuation(rest: FloatArray, variance: FloatArray, slope: FloatArray, std:
     scatter makes.
     """
     weight = np.where(np.isnan(rest), 0.0, slope / variance)
-    told = weight @ slope
-    enough = told > 0.0
+    power = weight @ slope
+    enough = power > 0.0
     if enough.sum() < 3:
         return 0.0
-    away = np.sum(weight * np.nan_to_num(rest), axis=1)[enough] / told[enough]
-    share = max(0.0, float(np.mean(away**2) - np.mean(1.0 / told[enough]))) / std**2
+    away = np.sum(weight * np.nan_to_num(rest), axis=1)[enough] / power[enough]
+    share = max(0.0, float(np.mean(away**2) - np.mean(1.0 / power[enough]))) / std**2
     return share / (1.0 + share)
-
-
-# -- What may move values without damage: conditions not known, or outside the baseline's range
-
-
-#: Beyond the baseline's range a slope is known to so large a share.
-_SLOPE = 0.3
-#: Standard deviation of a condition that is not known, and of a shared factor, in units of the baseline's.
-_UNKNOWN, _FACTOR = 2.0, 5.0
-
-
-def directions(
-    learned: Learned, conditions: Mapping[str, FloatArray], test: int, *, free: bool
-) -> FloatArray:
-    """Changes of all values of one standard deviation each, (m, k), in the logarithm.
-
-    ``free`` lets the shared factors of the baseline go where they will: no condition tells what they follow.
-    """
-    columns = []
-    for one in learned.basis.columns:
-        value = float(conditions[one.name][test])
-        if np.isnan(value):
-            columns.append(
-                learned.basis.slopes(learned.regression.coefficients, one.name, True) * _UNKNOWN * one.std
-            )
-            continue
-        away = max(one.low - value, value - one.high, 0.0)
-        if away > 0.0:
-            slope = learned.basis.slopes(learned.regression.coefficients, one.name, value > one.high)
-            unsure = _SLOPE * away + learned.attenuation[one.name] * abs(value - one.middle)
-            columns.append(slope * unsure)
-    if free:
-        columns += list((_FACTOR * learned.factors * np.sqrt(learned.variance)[:, None]).T)
-    return np.stack(columns, axis=1) if columns else np.empty((learned.variance.size, 0))

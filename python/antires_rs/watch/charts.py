@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from ..support.checks import FloatArray
 from ..support.values import ReadOnly, frozen
 from .association import Values
-from .baseline import Learned, basis_of, degrees_of, directions, folds_of, learned, scores
+from .baseline import Learned, basis_of, degrees_of, fitted, folds_of, learned, scores
 
 # -- Hotelling's distance of single tests from what the baseline expects
 #
@@ -37,22 +38,17 @@ class Distances:
 class Inverses:
     """R^-1 of the values that are there, kept for patterns that come again."""
 
-    _MOST = 200
-
     def __init__(self, correlation: FloatArray) -> None:
         self._correlation = correlation
-        self._kept: dict[bytes, FloatArray] = {}
+        self._kept = lru_cache(200)(self._made)
 
     def of(self, there: NDArray[np.bool_]) -> FloatArray:
         """The inverse of the part of R that belongs to a mask (m,)."""
-        key = there.tobytes()
-        if key not in self._kept:
-            if len(self._kept) >= self._MOST:
-                self._kept.clear()
-            self._kept[key] = np.asarray(
-                np.linalg.inv(self._correlation[np.ix_(there, there)]), dtype=np.float64
-            )
-        return self._kept[key]
+        return self._kept(there.tobytes())
+
+    def _made(self, mask: bytes) -> FloatArray:
+        there = np.frombuffer(mask, dtype=np.bool_)
+        return np.asarray(np.linalg.inv(self._correlation[np.ix_(there, there)]), dtype=np.float64)
 
     def t2(self, z: FloatArray) -> float:
         """z' R^-1 z of the values that are not NaN; 0 without any."""
@@ -66,24 +62,19 @@ def distances(
     y: FloatArray,
     std: FloatArray,
     conditions: Mapping[str, FloatArray],
-    *,
-    free: bool,
     inverses: Inverses | None = None,
 ) -> Distances:
-    """T^2 of tests (n, m); ``free`` as for :func:`directions`."""
+    """T^2 of tests (n, m); without any condition shared factors of the baseline are free."""
     inverses = inverses or Inverses(learned.correlation)
-    n = len(y)
-    rest = y - learned.expected(conditions, n)
     deviation = learned.deviation(std, conditions)
-    scaled = rest / deviation
-    z = np.full(y.shape, np.nan)
-    t2 = np.zeros(n)
-    for i in range(n):
-        there = ~np.isnan(scaled[i])
+    scaled = (y - learned.expected(conditions, len(y))) / deviation
+    z, t2 = np.full(y.shape, np.nan), np.zeros(len(y))
+    for i, rest in enumerate(scaled):
+        there = ~np.isnan(rest)
         if not there.any():
             continue
-        own, extra = scaled[i, there], 0.0
-        g = directions(learned, conditions, i, free=free)
+        own, extra = rest[there], 0.0
+        g = learned.directions(conditions, i, free=not learned.basis.columns)
         if g.shape[1]:
             g = g[there] / deviation[i, there, None]
             inverse = inverses.of(there)
@@ -107,7 +98,6 @@ def distances(
 #
 # References: E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684-688; J. R. M. Hosking,
 # J. R. Wallis, Technometrics 29 (1987) 339-349.
-
 
 #: The tail is fitted to so large a part.
 TAIL = 0.2
@@ -173,7 +163,6 @@ def needed(rate: float, coefficients: int) -> int:
 #
 # Reference: C. A. Lowry, W. H. Woodall, C. W. Champ, S. E. Rigdon, Technometrics 34 (1992) 46-53.
 
-
 #: lambda: a mean over some twenty tests.
 WEIGHT = 0.1
 #: A value whose mean holds less than this part of what it would of complete tests is left out.
@@ -186,13 +175,6 @@ _BY_CHANCE = 1.645
 _ALARMS = 1.5
 
 
-class Means:
-    """The chart in order: T^2, number of values behind it, whether a test agrees with its mean."""
-
-    def __init__(self, t2: FloatArray, count: FloatArray, agrees: NDArray[np.bool_]) -> None:
-        self.t2, self.count, self.agrees = t2, count, agrees
-
-
 def means(
     z: FloatArray,
     bounds: FloatArray,
@@ -200,20 +182,13 @@ def means(
     x: FloatArray,
     inverse: FloatArray,
     beyond: FloatArray,
-) -> Means:
-    """Chart of scores (n, m).
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Chart of scores z (n, m) in order: T^2, number of values behind it, whether a test agrees with it.
 
-    Parameters
-    ----------
-    z : (n, m)
-    bounds : (n,)
-        What each test is multiplied by.
-    inverses : Inverses
-        Of the correlations.
-    x, inverse : (n, q), (q, q)
-        Rows of the basis, and (X'X)^-1 of the baseline: its coefficients have one error for all tests.
-    beyond : (n, m)
-        What is not known outside the baseline's range, over the standard deviation of a test: one error too.
+    ``bounds`` (n,) is what each test is multiplied by, ``inverses`` are those of the correlations. The
+    coefficients of the baseline have one error for all tests: ``x`` (n, q) are rows of the basis, ``inverse``
+    (q, q) is (X'X)^-1. So has what is not known outside its range: ``beyond`` (n, m), over the standard
+    deviation of a test.
     """
     n, m = z.shape
     row, lasting = np.zeros(x.shape[1]), np.zeros(m)
@@ -233,13 +208,14 @@ def means(
         used = variance > 0.0
         if used.any():
             error = float(row @ inverse @ row) + lasting[used] ** 2
-            scaled = mean[used] / np.sqrt(variance[used] + error)
-            full = np.full(m, np.nan)
-            full[used] = scaled
-            t2[i], count[i] = inverses.t2(full), float(used.sum())
-        agrees[i] = _agrees(z[i], before, inverses) and strong.agrees(z[i], inverses)
+            scaled = np.full(m, np.nan)
+            scaled[used] = mean[used] / np.sqrt(variance[used] + error)
+            t2[i], count[i] = inverses.t2(scaled), float(used.sum())
+        # Whether it may have the mean's change, by the likelihood of both.
+        along, size = _along(z[i], before, inverses)
+        agrees[i] = along >= size - _BY_CHANCE * np.sqrt(size) and strong.agrees(z[i], inverses)
         strong.follow(z[i], alarmed=bool(bounds[i] < 1.0))
-    return Means(t2, count, agrees)
+    return t2, count, agrees
 
 
 class _Strong:
@@ -250,35 +226,26 @@ class _Strong:
 
     def follow(self, z: FloatArray, *, alarmed: bool) -> None:
         """Count a test in, if it alarms."""
-        for kept, power in ((self._sum, 1), (self._weights, 1), (self._squares, 2)):
+        there = ~np.isnan(z) & alarmed
+        for kept, power, new in ((self._sum, 1, z), (self._weights, 1, 1.0), (self._squares, 2, 1.0)):
             kept *= (1.0 - WEIGHT) ** power
-        if alarmed:
-            there = ~np.isnan(z)
-            self._sum[there] += z[there]
-            self._weights[there] += 1.0
-            self._squares[there] += 1.0
+            kept += np.where(there, new, 0.0)
 
     def agrees(self, z: FloatArray, inverses: Inverses) -> bool:
         """Whether a test is nearer to that change than to none."""
-        both = ~np.isnan(z) & (self._weights > _ALARMS)
-        if not both.any():
-            return True
-        mean = self._sum[both] / self._weights[both]
-        along = inverses.of(both) @ mean
+        known = self._weights > _ALARMS
+        weights = np.where(known, self._weights, np.nan)
+        along, size = _along(z, self._sum / weights, inverses)
         # The mean's own errors are no part of the change.
-        noise = float(np.sum(self._squares[both] / self._weights[both] ** 2))
-        return bool(float(along @ z[both]) >= 0.5 * max(float(along @ mean) - noise, 0.0))
+        noise = float(np.sum((self._squares / weights**2)[known & ~np.isnan(z)]))
+        return along >= 0.5 * max(size - noise, 0.0)
 
 
-def _agrees(z: FloatArray, mean: FloatArray, inverses: Inverses) -> bool:
-    """Whether a test may have the mean's change, by the likelihood of both."""
-    both = ~np.isnan(z) & ~np.isnan(mean)
-    if not both.any():
-        return True
-    inverse = inverses.of(both)
-    along = inverse @ mean[both]
-    size = float(mean[both] @ along)
-    return bool(float(along @ z[both]) >= size - _BY_CHANCE * np.sqrt(size))
+def _along(z: FloatArray, change: FloatArray, inverses: Inverses) -> tuple[float, float]:
+    """z' R^-1 c and c' R^-1 c of a test and a change c, over the values that are in both."""
+    both = ~np.isnan(z) & ~np.isnan(change)
+    along = inverses.of(both) @ change[both]
+    return float(along @ z[both]), float(change[both] @ along)
 
 
 def drawn(z: FloatArray, correlation: FloatArray, error: float, rate: float) -> tuple[float, float]:
@@ -325,7 +292,6 @@ def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
 # twice: chance does not do the same again. The limit for a rate goes beyond the baseline by an exponential
 # tail, whose scale is at least that of one place that was never missed.
 
-
 #: Strange values of two tests are one if they are this near.
 _SAME = 0.01
 
@@ -333,58 +299,39 @@ _SAME = 0.01
 class _Costs:
     """Costs learned from presence (n, m) with what was looked at (n, m), and strange values by test."""
 
-    def __init__(
-        self,
-        there: NDArray[np.bool_],
-        looked: NDArray[np.bool_],
-        strange: Sequence[Sequence[tuple[Any, float]]],
-    ) -> None:
-        tests = looked.sum(axis=0)
-        share = (np.sum(there & looked, axis=0) + 0.5) / (tests + 1.0)
+    def __init__(self, baseline: Values) -> None:
+        tests = baseline.looked.sum(axis=0)
+        there = ~np.isnan(baseline.log_hz) & baseline.looked
+        share = (np.sum(there, axis=0) + 0.5) / (tests + 1.0)
         self.present, self.absent = -np.log(share), -np.log(1.0 - share)
         self.usual = share * self.present + (1.0 - share) * self.absent
         # A new value is as rare as there are tests without one, and costs more the fewer there were.
-        self.strange = np.log((len(strange) + 1.0) / (sum(map(len, strange)) + 0.5))
-        self.strange = max(float(self.strange), 0.0) + 1.0
-
-    def of(
-        self, there: NDArray[np.bool_], looked: NDArray[np.bool_], strange: Sequence[tuple[Any, float]]
-    ) -> tuple[FloatArray, float]:
-        """By place, and of all strange values."""
-        cost = np.where(there, self.present, self.absent) - self.usual
-        return np.where(looked, cost, 0.0), self.strange * len(strange)
+        strange = sum(map(len, baseline.strange))
+        self.strange = max(float(np.log((len(baseline.strange) + 1.0) / (strange + 0.5))), 0.0) + 1.0
 
 
-def events(values: Values, baseline: Values) -> FloatArray:
-    """The chart of tests, (n,)."""
-    costs = _Costs(~np.isnan(baseline.log_hz), baseline.looked, baseline.strange)
-    return _chart(values, [costs] * len(values.strange))
-
-
-def left_out_events(baseline: Values, folds: NDArray[np.intp]) -> FloatArray:
-    """The chart of the baseline (n,), each part judged by the others."""
-    parts = []
-    for fold in range(int(folds.max()) + 1):
-        kept = baseline.take(np.flatnonzero(folds != fold))
-        parts.append(_Costs(~np.isnan(kept.log_hz), kept.looked, kept.strange))
-    return _chart(baseline, [parts[fold] for fold in folds.tolist()])
+def events(values: Values, baseline: NDArray[np.intp], folds: NDArray[np.intp]) -> FloatArray:
+    """The chart of tests, (n,); each part of the baseline, by ``folds``, is judged by the others."""
+    chart = _chart(values, [_Costs(values.take(baseline))] * len(values.strange))
+    own = values.take(baseline)
+    parts = [_Costs(own.take(np.flatnonzero(folds != fold))) for fold in range(int(folds.max()) + 1)]
+    chart[baseline] = _chart(own, [parts[fold] for fold in folds.tolist()])
+    return chart
 
 
 def _chart(values: Values, costs: Sequence[_Costs]) -> FloatArray:
     chart = np.zeros(len(values.strange))
-    before: tuple[FloatArray, Sequence[tuple[Any, float]]] | None = None
+    before: FloatArray = np.zeros(values.log_hz.shape[1])
+    strange_before: Sequence[tuple[Any, float]] = ()
     for i, cost in enumerate(costs):
-        there, looked = ~np.isnan(values.log_hz[i]), values.looked[i]
-        strange = values.strange[i]
-        place, new = cost.of(there, looked, strange)
-        chart[i] = float(place.sum()) + new
-        if before is not None:
-            chart[i] += float(np.minimum(np.maximum(place, 0.0), np.maximum(before[0], 0.0)).sum())
-            again = sum(
-                any(dof == d and abs(f / g - 1.0) < _SAME for d, g in before[1]) for dof, f in strange
-            )
-            chart[i] += cost.strange * again
-        before = (place, strange)
+        there, strange = ~np.isnan(values.log_hz[i]), values.strange[i]
+        place = np.where(values.looked[i], np.where(there, cost.present, cost.absent) - cost.usual, 0.0)
+        chart[i] = float(place.sum()) + cost.strange * len(strange)
+        chart[i] += float(np.minimum(np.maximum(place, 0.0), np.maximum(before, 0.0)).sum())
+        chart[i] += cost.strange * sum(
+            any(dof == d and abs(f / g - 1.0) < _SAME for d, g in strange_before) for dof, f in strange
+        )
+        before, strange_before = place, strange
     return chart
 
 
@@ -441,13 +388,11 @@ class Chart(ReadOnly):
 
 @dataclass(frozen=True)
 class Charts:
-    """All charts of n tests by name, what the baseline taught, and the distances behind them."""
+    """All charts of n tests by name, what the baseline taught, and the scores (n, m) behind them."""
 
     charts: Mapping[str, Chart]
     learned: Learned
-    distances: Distances
-    free: bool
-    limit_w: float
+    z: FloatArray
     inverses: Inverses
 
 
@@ -458,80 +403,45 @@ def charts_of(
     conditions: Mapping[str, FloatArray],
     rate: float,
 ) -> Charts:
-    """Charts of all tests.
+    """Charts of n tests by the k of the ``baseline``, at a ``rate`` of false alarms of all charts together.
 
-    Parameters
-    ----------
-    values : Values
-        Of n tests, without the responses that are at fault.
-    regular : (m,) bool
-        Places that are followed.
-    baseline : (k,) int
-        Tests of the baseline that have a set.
-    conditions : mapping of str to (n,)
-    rate : float
-        Of false alarms of all charts together.
+    ``values`` are without the responses at fault; ``regular`` (m,) says which places are followed.
     """
     y, std = values.log_hz[:, regular], values.std[:, regular]
     own = {name: column[baseline] for name, column in conditions.items()}
     basis = basis_of(y[baseline], own)
-    x = basis.rows(own, baseline.size)
-    degrees = degrees_of(
-        y[baseline] - learned(y[baseline], std[baseline], own, basis, np.inf).regression.at(x)
-    )
+    x = basis.rows(conditions, len(y))
+    degrees = degrees_of(y[baseline] - fitted(y[baseline], x[baseline]).at(x[baseline]))
     whole = learned(y[baseline], std[baseline], own, basis, degrees)
-    free = not basis.columns
     inverses = Inverses(whole.correlation)
-    found = distances(whole, y, std, conditions, free=free, inverses=inverses)
+    found = distances(whole, y, std, conditions, inverses)
+    z, t2, count = found.z.copy(), found.t2.copy(), found.count
     # The baseline's tests as what they would be if they came later.
-    folds, z, t2 = folds_of(baseline.size), found.z.copy(), found.t2.copy()
+    folds = folds_of(baseline.size)
     for fold in range(int(folds.max()) + 1):
-        out, kept = baseline[folds == fold], folds != fold
-        rest = {name: column[kept] for name, column in own.items()}
-        part = learned(y[baseline][kept], std[baseline][kept], rest, basis, degrees)
-        there = {name: column[out] for name, column in conditions.items()}
-        seen = distances(part, y[out], std[out], there, free=free)
+        out, kept = baseline[folds == fold], baseline[folds != fold]
+        others, there = ({name: column[at] for name, column in conditions.items()} for at in (kept, out))
+        part = learned(y[kept], std[kept], others, basis, degrees)
+        seen = distances(part, y[out], std[out], there)
         z[out], t2[out] = seen.z, seen.t2
-    found = Distances(z, t2, found.count)
-    w = wilson_hilferty(t2[baseline], found.count[baseline])
-    limit_w = upper_limit(w, SHARES["T2"] * rate)
-    hotelling = Chart(
-        frozen(np.where(found.count > 0, t2, np.nan)),
-        frozen(chi_square(limit_w, found.count)),
-        SHARES["T2"] * rate,
-    )
+    rates = {name: share * rate for name, share in SHARES.items()}
+    limit = chi_square(upper_limit(wilson_hilferty(t2[baseline], count[baseline]), rates["T2"]), count)
+    single = _chart_over(t2, limit, count > 0, rates["T2"])
+    # Slow changes.
+    bounds = np.sqrt(1.0 / np.maximum(single.ratio, 1.0))
     unsure = whole.beyond(conditions, len(y)) / whole.deviation(std, conditions)
-    slow = _ewma(found, hotelling, baseline, whole, inverses, rate, basis.rows(conditions, len(y)), unsure)
-    learned_events = values.take(baseline)
-    chart = events(values, learned_events)
-    chart[baseline] = left_out_events(learned_events, folds)
-    limit = event_limit(chart[baseline], baseline.size, SHARES["events"] * rate)
-    judged = np.any(values.looked, axis=1)
-    vanished = Chart(
-        frozen(np.where(judged, chart, np.nan)), frozen(np.full(chart.size, limit)), SHARES["events"] * rate
-    )
-    return Charts({"T2": hotelling, "EWMA": slow, "events": vanished}, whole, found, free, limit_w, inverses)
-
-
-def _ewma(
-    found: Distances,
-    hotelling: Chart,
-    baseline: NDArray[np.intp],
-    whole: Learned,
-    inverses: Inverses,
-    rate: float,
-    x: FloatArray,
-    beyond: FloatArray,
-) -> Chart:
-    """The chart of slow changes."""
-    bounds = np.sqrt(1.0 / np.maximum(hotelling.ratio, 1.0))
-    error = whole.basis.size / baseline.size
-    slow = means(found.z, bounds, inverses, x, whole.regression.inverse, beyond)
-    share = SHARES["EWMA"] * rate
-    limit_w, usual = drawn(found.z[baseline], whole.correlation, error, share)
+    slow, values_behind, agrees = means(z, bounds, inverses, x, whole.regression.inverse, unsure)
+    limit_w, usual = drawn(z[baseline], whole.correlation, basis.size / baseline.size, rates["EWMA"])
     first = np.sort(baseline)
-    t2 = slow.t2 / autocorrelation(slow.t2[first], slow.count[first], usual)
-    limit = chi_square(limit_w, slow.count)
-    t2 = np.where(slow.agrees, t2, np.minimum(t2, limit))
-    judged = (found.count > 0) & (slow.count > 0)
-    return Chart(frozen(np.where(judged, t2, np.nan)), frozen(limit), share)
+    slow = slow / autocorrelation(slow[first], values_behind[first], usual)
+    limit = chi_square(limit_w, values_behind)
+    slow = np.where(agrees, slow, np.minimum(slow, limit))
+    mean = _chart_over(slow, limit, (count > 0) & (values_behind > 0), rates["EWMA"])
+    chart = events(values, baseline, folds)
+    highest = np.full(chart.size, event_limit(chart[baseline], baseline.size, rates["events"]))
+    vanished = _chart_over(chart, highest, np.any(values.looked, axis=1), rates["events"])
+    return Charts({"T2": single, "EWMA": mean, "events": vanished}, whole, z, inverses)
+
+
+def _chart_over(statistic: FloatArray, limit: FloatArray, judged: NDArray[np.bool_], rate: float) -> Chart:
+    return Chart(frozen(np.where(judged, statistic, np.nan)), frozen(limit), rate)

@@ -9,7 +9,7 @@ be. One that has as many as before elsewhere has lost none: large damage moved t
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,32 +64,24 @@ def obvious(
     sets: Sequence[AntiresonanceSet | None], values: Values, places: Places, baseline: Sequence[int]
 ) -> dict[int, list[Fault]]:
     """Faults that need no chart, by test."""
-    told = [{} if one is None else _findings(one) for one in sets]
-    usual = Counter(key for i in baseline for key in told[i])
-    sure = places.rate >= _SURE
+    findings = [{} if one is None else _findings(one) for one in sets]
+    usual = Counter(key for i in baseline for key in findings[i])
     found: dict[int, list[Fault]] = {}
     for i, one in enumerate(sets):
         if one is None:
             continue
         here: dict[Any, str] = {}
-        for (dof, name), text in told[i].items():
+        for (dof, name), text in findings[i].items():
             if dof in places.dofs and usual[dof, name] <= _USUAL * len(baseline):
                 here.setdefault(dof, text)
-        there = ~np.isnan(values.log_hz[i])
         for dof in places.dofs:
-            own = (places.dof == dof) & sure
-            others = ~np.isin(places.dof, [dof, *here]) & sure & values.looked[i]
-            if dof in here or not own.any():
+            sure, lost = _lost(values, places, i, dof, here)
+            if dof in here or not sure:
                 continue
             if dof not in one:
                 here[dof] = "not in this test"
-            elif (
-                own.sum() >= 2
-                and not there[own].any()
-                and not _moved(values, i, dof, int(own.sum()))
-                and np.mean(there[others] if others.any() else 0) >= _OTHERS
-            ):
-                here[dof] = f"none of its {own.sum()} antiresonances, those of the others in place"
+            elif lost == sure:
+                here[dof] = f"none of its {sure} antiresonances, those of the others in place"
         if here:
             found[i] = [Fault(dof, text) for dof, text in here.items()]
     return found
@@ -100,43 +92,38 @@ def lost_alone(
 ) -> Fault | None:
     """A response that alone makes a test alarm and that has lost its antiresonances.
 
-    Parameters
-    ----------
-    values, places, test
-    without : mapping of dof to float
-        Statistic of the test without each response.
-    limit : float
-        Below which the others are as they should be.
+    ``without`` has the statistic of the test without each response; below ``limit`` the others are as they
+    should be.
     """
-    there = ~np.isnan(values.log_hz[test])
     for dof, statistic in sorted(without.items(), key=lambda item: item[1]):
-        own = (places.dof == dof) & (places.rate >= _SURE)
-        others = (places.dof != dof) & (places.rate >= _SURE) & values.looked[test]
-        lost = int(own.sum() - there[own].sum())
-        if (
-            own.sum() >= 2
-            and np.mean(there[own]) <= _LEFT
-            and statistic < limit
-            and not _moved(values, test, dof, lost)
-            and np.mean(there[others] if others.any() else 0) >= _OTHERS
-        ):
-            return Fault(dof, f"{lost} of its {own.sum()} antiresonances lost, those of the others in place")
+        sure, lost = _lost(values, places, test, dof)
+        if lost and (sure - lost) / sure <= _LEFT and statistic < limit:
+            return Fault(dof, f"{lost} of its {sure} antiresonances lost, those of the others in place")
     return None
 
 
-def _moved(values: Values, test: int, dof: Any, lost: int) -> bool:
-    """Whether a response has as many antiresonances elsewhere as are not in their places."""
-    return sum(bool(one == dof) for one, _ in values.strange[test]) > _ELSEWHERE * lost
+def _lost(
+    values: Values, places: Places, test: int, dof: Any, faulty: Collection[Any] = ()
+) -> tuple[int, int]:
+    """How many sure antiresonances a response has, and how many of them a test has lost.
+
+    None is lost where it has one only, as many are there elsewhere, or those of the others are gone too.
+    """
+    there, sure = ~np.isnan(values.log_hz[test]), places.rate >= _SURE
+    own = sure & (places.dof == dof)
+    others = sure & values.looked[test] & ~np.isin(places.dof, [dof, *faulty])
+    count = int(own.sum())
+    lost = count - int(there[own].sum())
+    moved = sum(bool(one == dof) for one, _ in values.strange[test]) > _ELSEWHERE * lost
+    in_place = others.any() and np.mean(there[others]) >= _OTHERS
+    return count, lost if count >= 2 and in_place and not moved else 0
 
 
 def _findings(one: AntiresonanceSet) -> dict[tuple[Any, str], str]:
     """What the data check says of single channels, by (dof, name)."""
-    if one.data_check is None:
-        return {}
-    found: dict[tuple[Any, str], str] = {}
-    for finding in one.data_check.findings:
-        name, where = getattr(finding, "name", ""), getattr(finding, "where", ())
-        if finding.severity != "note" and name in SENSOR:
-            for dof in where:
-                found[dof, name] = f"data check: {name.replace('_', ' ')}"
-    return found
+    return {
+        (dof, finding.name): f"data check: {finding.name.replace('_', ' ')}"
+        for finding in (one.data_check.findings if one.data_check is not None else ())
+        if finding.severity != "note" and finding.name in SENSOR
+        for dof in finding.where
+    }

@@ -6,12 +6,11 @@ import json
 import re
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from queue import SimpleQueue
-from threading import Thread
 from time import monotonic
 from typing import Any, TypeVar
 
@@ -29,7 +28,6 @@ from .series import Series
 from .sources import (
     Instructions,
     Outcome,
-    Source,
     Sources,
     checked_reading,
     fingerprint,
@@ -38,15 +36,13 @@ from .sources import (
     loaded,
     why_not,
 )
-from .store import Store, open_store
-from .stored_tests import Row, parts_of
+from .store import Store
+from .stored_tests import Entry, Row, parts_of
 
-# -- The next source is read while the one before it is computed
-
+# -- The sources of a series computed, by whatever workers, in their order
 
 Task = TypeVar("Task")
 Read = TypeVar("Read")
-_OVER = object()
 
 
 def read_ahead(read: Callable[[Task], Read], tasks: Iterable[Task]) -> Iterator[Read]:
@@ -60,39 +56,19 @@ def read_ahead(read: Callable[[Task], Read], tasks: Iterable[Task]) -> Iterator[
     >>> list(read_ahead(len, ["a", "bc"]))
     [1, 2]
     """
-    asked: SimpleQueue[Any] = SimpleQueue()
-    answers: SimpleQueue[tuple[Any, BaseException | None]] = SimpleQueue()
-
-    def work() -> None:
-        while (task := asked.get()) is not _OVER:
-            try:
-                answers.put((read(task), None))
-            except BaseException as exc:  # raised again in the caller's thread
-                answers.put((None, exc))
-            del task  # or it would be held while the next one is waited for
-
-    def answer() -> Any:
-        value, error = answers.get()
-        if error is not None:
-            raise error
-        return value
-
-    Thread(target=work, daemon=True).start()
-    waiting = 0
+    pool = ThreadPoolExecutor(1)
+    before: Future[Read] | None = None
     try:
         for task in tasks:
-            asked.put(task)
-            waiting += 1
-            if waiting > 1:
-                yield answer()
-                waiting -= 1
-        if waiting:
-            yield answer()
+            coming = pool.submit(read, task)
+            del task  # or it would be held while the next one is waited for
+            if before is not None:
+                yield before.result()
+            before = coming
+        if before is not None:
+            yield before.result()
     finally:
-        asked.put(_OVER)
-
-
-# -- The sources of a series computed, by whatever workers, in their order
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> Iterator[Outcome]:
@@ -106,15 +82,13 @@ def computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> 
             yield identified(instructions, signal)
         return
     for outcome in in_order(identified, tasks, workers, shared=instructions, errors="return"):
-        yield _failed(outcome.error) if isinstance(outcome, Failed) else outcome
-
-
-def _failed(error: BaseException) -> str:
-    """Why a test failed together with its worker; what concerns all tests is raised."""
-    of_all = isinstance(error, MissingDependencyError | MemoryError | InvalidInputError)
-    if of_all or not isinstance(error, Exception):
-        raise error
-    return why_not(error)
+        if not isinstance(outcome, Failed):
+            yield outcome
+            continue
+        of_all = isinstance(outcome.error, MissingDependencyError | MemoryError | InvalidInputError)
+        if of_all or not isinstance(outcome.error, Exception):
+            raise outcome.error
+        yield why_not(outcome.error)  # a test failed together with its worker
 
 
 def identify_series(
@@ -210,19 +184,20 @@ def identify_series(
     >>> series.tracks("temperature_c").freq_hz.shape
     (3, 28)
     """
-    excitation, band = label("excitation", excitation), _band(band_hz)
+    excitation = label("excitation", excitation)
+    band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=np.inf)
     chosen = _checked(options)
     table, beside = condition_table(conditions)
     found = listed(sources, beside)
     table.expect(found.count)
     read = checked_reading(reading, found.files)
-    given = {"excitation": excitation, "band_hz": band, "reading": read, **chosen}
-    instructions = Instructions(read, {"excitation": excitation, "band_hz": band, **chosen})
-    opened = open_store(store, json.loads(json.dumps(given, default=_plain)))
+    given = {"excitation": excitation, "band_hz": band, **chosen}
+    config = json.loads(json.dumps(given | {"reading": read}, default=_plain))
+    opened = Store(store, config)
     run = _Run(found, table, opened)
     try:
         with waiting("identifying a series", progress):
-            interrupted = run.carried_out(instructions, workers)
+            interrupted = run.carried_out(Instructions(read, given), workers)
         rows: Sequence[Row] = run.rows
         if not interrupted:
             table.over(len(rows))
@@ -245,8 +220,8 @@ class _Run:
     def __init__(self, sources: Sources, table: ConditionTable, store: Store) -> None:
         self._sources, self._table, self._store = sources, table, store
         self._rows: list[Row | None] = []
-        #: What is being computed: its number, name, fingerprint, conditions and time.
-        self._pending: deque[tuple[int, str, str, dict[str, float], Any]] = deque()
+        #: What is being computed, by its number.
+        self._pending: deque[tuple[int, Entry]] = deque()
         self._failed = 0
 
     @property
@@ -259,9 +234,8 @@ class _Run:
         start, done = monotonic(), 0
         try:
             for outcome in computed(instructions, self._tasks(), workers):
-                number, name, content, conditions, time = self._pending.popleft()
-                row = self._store.keep(name, content, conditions, time, outcome)
-                self._rows[number] = row
+                number, entry = self._pending.popleft()
+                row = self._rows[number] = self._store.keep(entry, outcome)
                 self._failed += row.failed is not None
                 done += 1
                 step(_progress(number + 1, self._sources.count, self._failed, monotonic() - start, done))
@@ -273,20 +247,17 @@ class _Run:
 
     def _tasks(self) -> Iterator[Any]:
         for number, source in enumerate(self._sources.each):
-            conditions, time = self._beside(number, source)
+            conditions, time = self._table.at(number, source.name)
+            own, own_time = of_source(number, source.conditions)
+            conditions, time = conditions | own, time if own_time is None else own_time
             content = "" if self._store.path is None else fingerprint(source.given)
             row = self._store.known(source.name, content)
             self._rows.append(None if row is None else replace(row, conditions=conditions, time=time))
             if row is None:
-                self._pending.append((number, source.name, content, conditions, time))
+                self._pending.append((number, Entry(source.name, conditions, time, content)))
                 yield source.given
             else:
                 self._failed += row.failed is not None
-
-    def _beside(self, number: int, source: Source) -> tuple[dict[str, float], Any]:
-        conditions, time = self._table.at(number, source.name)
-        own, own_time = of_source(number, source.conditions)
-        return conditions | own, time if own_time is None else own_time
 
 
 def _progress(at: int, count: int | None, failed: int, seconds: float, done: int) -> str:
@@ -300,18 +271,14 @@ def _progress(at: int, count: int | None, failed: int, seconds: float, done: int
 
 def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options of the identification that are not the default; a wrong one is not kept as a failed test."""
-    known = declared()
     for name in options:
-        if name not in known and name not in ("dofs", "fit", "second_opinion"):
+        if name not in {*declared(), "dofs", "fit", "second_opinion"}:
             raise TypeError(f"identify_series() got an unexpected keyword argument {name!r}")
     chosen = flat(options)
-    if isinstance(chosen.get("dofs"), Iterable) and not isinstance(chosen["dofs"], str):
-        chosen["dofs"] = list(chosen["dofs"])
-    return {name: value for name, value in chosen.items() if name != "dofs" or value is not None}
-
-
-def _band(band_hz: Any) -> tuple[float, float]:
-    return frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=np.inf)
+    dofs = chosen.pop("dofs", None)
+    if dofs is None:
+        return chosen
+    return chosen | {"dofs": list(dofs) if isinstance(dofs, Iterable) and not isinstance(dofs, str) else dofs}
 
 
 def _plain(value: Any) -> Any:

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..damage.assess import assess_damage, checked_search, elements_of
+from ..damage.assess import DamageResult, assess_damage, checked_search, elements_of
 from ..damage.assessor import AssessedTest, Assessor
 from ..damage.options import TWO_STATES, SearchOptions, checked_prior, sorted_out
-from ..damage.result import DamageResult
 from ..exceptions import reject
 from ..io.data_frames import frame_of
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.matching import MAX_SHIFT, check_shift
+from ..measured.matching import MAX_SHIFT, within
 from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray, finite_scalar
@@ -29,7 +28,7 @@ from ..support.values import FrozenDict, ReadOnly, frozen
 from ..updating.problem import UpdatingProblem
 from ..views import Viewed
 from .association import Places, Values, places_of, values_of
-from .baseline import Learned, directions
+from .baseline import Learned
 from .charts import Chart, Charts, charts_of, needed, wilson_hilferty
 from .conditions import condition_table
 from .faults import Fault, lost_alone, obvious
@@ -37,29 +36,8 @@ from .series import Series
 
 # -- A watch as text: the rate and how it was checked, alarms, damage, faults
 
-
 #: So many runs and faults are listed; the others are counted.
 _LISTED = 8
-
-
-def printed(watched: Watched) -> str:
-    """The summary."""
-    count = int(watched.outside_baseline.sum())
-    alarms = int(watched.alarm[watched.outside_baseline].sum())
-    title = (
-        f"{len(watched):,} tests watched, {watched.baseline.size} of them the baseline, "
-        f"by {watched.dof.size} antiresonances"
-    )
-    found = (
-        f"{alarms} of {count:,} tests outside the baseline alarm" if count else "no test outside the baseline"
-    )
-    lines = [title, found, *rate_lines(watched), *alarm_lines(watched), *fault_lines(watched)]
-    unjudged = int(watched.unjudged.sum())
-    if unjudged:
-        lines.append(f"not judged, most responses being at fault: {unjudged} tests, see .unjudged")
-    if watched.failed:
-        lines.append(f"failed, not judged: {len(watched.failed)} tests, see .failed")
-    return "\n".join(lines)
 
 
 def rate_lines(watched: Watched) -> list[str]:
@@ -71,26 +49,18 @@ def rate_lines(watched: Watched) -> list[str]:
         f"({100.0 * hits / base.size:.1f} %) alarm when left out"
     ]
     if base.size < watched.needed:
-        lines.append(
-            f"the baseline is short for this rate: {base.size} tests, "
-            f"{watched.needed} are needed to rely on it"
-        )
+        text = f"the baseline is short for this rate: {base.size} tests, {watched.needed} are needed"
+        lines.append(f"{text} to rely on it")
     if watched.used:
-        told = [
-            name + (f" (bent at {watched.bends[name]:.3g})" if name in watched.bends else "")
-            for name in watched.used
-        ]
-        lines.append(f"corrected for {', '.join(told)}")
-        out = int(np.sum(watched.outside & watched.outside_baseline))
-        if out:
-            lines.append(
-                f"{out:,} tests at conditions that the baseline does not have: lines go on, "
-                "their uncertainty counted"
-            )
+        bends = {name: f" (bent at {at:.3g})" for name, at in watched.bends.items()}
+        lines.append(f"corrected for {', '.join(name + bends.get(name, '') for name in watched.used)}")
     else:
-        lines.append(
-            "corrected for what the baseline's antiresonances do together, no condition being of use"
-        )
+        text = "corrected for what the baseline's antiresonances do together"
+        lines.append(f"{text}, no condition being of use")
+    out = int(np.sum(watched.outside & watched.outside_baseline))
+    if out:
+        text = f"{out:,} tests at conditions that the baseline does not have: lines go on"
+        lines.append(f"{text}, their uncertainty counted")
     if watched.clocks:
         lines.append(f"not used, since it only grows or falls with the tests: {', '.join(watched.clocks)}")
     return lines
@@ -104,11 +74,12 @@ def alarm_lines(watched: Watched) -> list[str]:
     longest = sorted(sorted(runs, key=lambda run: run[0] - run[1])[:_LISTED])
     lines = []
     for first, last in longest:
-        hits = int(watched.alarm[first : last + 1].sum())
-        why = Counter(name for i in range(first, last + 1) if watched.alarm[i] for name in watched.why(i))
-        names = watched.names[first] if first == last else f"{watched.names[first]} to {watched.names[last]}"
-        text = f"alarm: test {names}, " if first == last else f"alarm: tests {names}, {hits} alarms, "
-        lines.append(text + ", ".join(name for name, _ in why.most_common()))
+        hits = np.flatnonzero(watched.alarm[first : last + 1]) + first
+        why = Counter(name for i in hits.tolist() for name in watched.why(i))
+        tests = f"test {watched.names[first]}"
+        if first != last:
+            tests = f"tests {watched.names[first]} to {watched.names[last]}, {hits.size} alarms"
+        lines.append(f"alarm: {tests}, {', '.join(name for name, _ in why.most_common())}")
         if first in watched.assessments:
             lines.append("  " + watched.assessments[first].headline.replace("\n", "\n  "))
     if len(runs) > len(longest):
@@ -118,43 +89,14 @@ def alarm_lines(watched: Watched) -> list[str]:
 
 def fault_lines(watched: Watched) -> list[str]:
     """Responses at fault, counted."""
-    told = Counter((str(f.dof), f.text) for here in watched.faults.values() for f in here)
+    counts = Counter((str(f.dof), f.text) for here in watched.faults.values() for f in here)
     lines = [
         f"sensor fault: dof {dof}, {text}" + (f" ({count} tests)" if count > 1 else "")
-        for (dof, text), count in told.most_common(_LISTED)
+        for (dof, text), count in counts.most_common(_LISTED)
     ]
-    if len(told) > _LISTED:
-        lines.append(f"and {len(told) - _LISTED} other faults, see .faults")
+    if len(counts) > _LISTED:
+        lines.append(f"and {len(counts) - _LISTED} other faults, see .faults")
     return lines
-
-
-# -- A watch for pandas
-
-
-def watched_frame(watched: Watched) -> Any:
-    """A pandas.DataFrame, one row a test."""
-    inside = set(watched.baseline.tolist())
-    rows: list[dict[str, Any]] = []
-    for i, name in enumerate(watched.names):
-        row: dict[str, Any] = {"test": i, "name": name}
-        if watched.times is not None:
-            row["time"] = watched.times[i]
-        row |= {key: float(column[i]) for key, column in watched.conditions.items()}
-        row |= {
-            "baseline": i in inside,
-            "alarm": bool(watched.alarm[i]),
-            "statistic": float(watched.statistic[i]),
-        }
-        for key, chart in watched.charts.items():
-            row |= {key: float(chart.statistic[i]), f"{key}_limit": float(chart.limit[i])}
-        row |= {
-            "why": ", ".join(watched.why(i)) if watched.alarm[i] else "",
-            "outside_range": bool(watched.outside[i]),
-            "faults": "; ".join(f"{fault.dof}: {fault.text}" for fault in watched.faults.get(i, ())),
-            "failed": watched.failed.get(i, ""),
-        }
-        rows.append(row)
-    return frame_of(rows, list(rows[0]) if rows else ["test"])
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -252,11 +194,8 @@ class Watched(ReadOnly, Viewed):
 
     def why(self, test: int) -> tuple[str, ...]:
         """Names of the charts in which a test is above the limit."""
-        if (
-            isinstance(test, bool)
-            or not isinstance(test, int | np.integer)
-            or not -len(self) <= test < len(self)
-        ):
+        whole = isinstance(test, int | np.integer) and not isinstance(test, bool)
+        if not whole or not -len(self) <= test < len(self):
             reject("test", test, f"the number of a test, 0 to {len(self) - 1}", "Tests are counted from 0.")
         return tuple(name for name, chart in self.charts.items() if chart.ratio[test] > 1.0)
 
@@ -269,7 +208,24 @@ class Watched(ReadOnly, Viewed):
         return f"Watched({len(self)} tests, {alarms} alarms outside the baseline, rate {rate:g})"
 
     def __str__(self) -> str:
-        return printed(self)
+        rest = self.outside_baseline
+        count, alarms = int(rest.sum()), int(self.alarm[rest].sum())
+        title = f"{len(self):,} tests watched, {self.baseline.size} of them the baseline"
+        answer = f"{alarms} of {count:,} tests outside the baseline alarm"
+        lines = [
+            f"{title}, by {self.dof.size} antiresonances",
+            answer if count else "no test outside the baseline",
+            *rate_lines(self),
+            *alarm_lines(self),
+            *fault_lines(self),
+        ]
+        if self.unjudged.any():
+            lines.append(
+                f"not judged, most responses being at fault: {self.unjudged.sum()} tests, see .unjudged"
+            )
+        if self.failed:
+            lines.append(f"failed, not judged: {len(self.failed)} tests, see .failed")
+        return "\n".join(lines)
 
     def plot(self, panel: str = "charts", ax: Any = None) -> Any:
         """Draw charts and conditions; see :func:`~antires_rs.figures.plot_monitor`."""
@@ -278,32 +234,37 @@ class Watched(ReadOnly, Viewed):
     def to_dataframe(self) -> Any:
         """One row a test: name, time, conditions, charts with their limits, alarm, faults, reason.
 
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
+        A ``pandas.DataFrame``; needs pandas.
         """
-        return watched_frame(self)
+        inside = set(self.baseline.tolist())
+        columns = {} if self.times is None else {"time": list(self.times)}
+        columns |= {key: column.tolist() for key, column in self.conditions.items()}
+        columns["baseline"] = [i in inside for i in range(len(self))]
+        columns |= {"alarm": self.alarm.tolist(), "statistic": self.statistic.tolist()}
+        for key, chart in self.charts.items():
+            columns |= {key: chart.statistic.tolist(), f"{key}_limit": chart.limit.tolist()}
+        rows = [
+            {"test": i, "name": name}
+            | {key: column[i] for key, column in columns.items()}
+            | {
+                "why": ", ".join(self.why(i)) if self.alarm[i] else "",
+                "outside_range": bool(self.outside[i]),
+                "faults": "; ".join(f"{fault.dof}: {fault.text}" for fault in self.faults.get(i, ())),
+                "failed": self.failed.get(i, ""),
+            }
+            for i, name in enumerate(self.names)
+        ]
+        return frame_of(rows, list(rows[0]))
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Write one page of HTML: summary, charts, alarms, faults and damage; an older one is replaced.
+        """Write one page of HTML: summary, charts, alarms, faults and damage; needs matplotlib.
 
-        Raises
-        ------
-        InvalidInputError
-            No path, or one in a folder that does not exist.
-        MissingDependencyError
-            matplotlib is not installed.
+        An older page is replaced. An InvalidInputError names a folder that does not exist.
         """
         self._view("report")(self, path)
 
 
 # -- Damage assessed where alarms stand together: tests of a run against the baseline, at one condition
-
 
 #: Alarms with so many quiet tests between them, at most, are of one run.
 _QUIET = 5
@@ -318,16 +279,12 @@ _COMMON = 5e-4
 def runs_of(alarm: NDArray[np.bool_], judged: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First and last test of each run of alarms; tests that could not be judged do not end one."""
     found: list[tuple[int, int]] = []
-    quiet = 0
-    for i in range(alarm.size):
-        if alarm[i]:
-            if found and quiet <= _QUIET:
-                found[-1] = (found[-1][0], i)
-            else:
-                found.append((i, i))
-            quiet = 0
+    order = np.cumsum(judged | alarm)
+    for i in np.flatnonzero(alarm).tolist():
+        if found and order[i] - order[found[-1][1]] - 1 <= _QUIET:
+            found[-1] = (found[-1][0], i)
         else:
-            quiet += int(judged[i])
+            found.append((i, i))
     return found
 
 
@@ -337,63 +294,52 @@ def assessed(
     learned: Learned,
     values: Values,
     places: Places,
-    sets: Sequence[AntiresonanceSet | None],
+    first: AntiresonanceSet,
     conditions: Mapping[str, FloatArray],
     options: Mapping[str, Any],
 ) -> DamageResult | AssessedTest | None:
     """``assess_damage`` of the tests of a run against the baseline, or an assessor's answer; None if they
-    have no antiresonance."""
-    first = next(one for one in sets if one is not None)
+    have no antiresonance. The sight of the tests is that of the ``first`` of the series."""
     tests = np.array([i for i in range(run[0], run[1] + 1) if values.looked[i].any()][-_MOST:])
     regular = places.regular
     own = {name: column[tests] for name, column in conditions.items()}
     middle = {name: np.array([np.nan]) for name in conditions}  # not known: at its middle
     reference = learned.expected(middle, 1)[0]
+    hz = np.exp(reference)
     rest = values.log_hz[tests][:, regular] - learned.expected(own, len(tests))
     seen, looked = ~np.isnan(rest), values.looked[tests][:, regular]
     count = seen.sum(axis=0)
     kept = count >= np.maximum(1, 0.5 * looked.sum(axis=0))
-    moved = np.array([np.median(rest[seen[:, k], k]) if kept[k] else np.nan for k in range(count.size)])
     std = np.sqrt(learned.variance * np.pi / 2.0 / np.maximum(count, 1))  # of a median
-    base_std = np.sqrt(learned.variance * learned.regression.inverse[0, 0])
+    usual = float(np.median(np.sqrt(learned.variance))) / np.sqrt(len(tests))
     new = _again([values.strange[i] for i in tests.tolist()])
-    dofs = [dof for dof in places.dofs if np.any(looked[:, places.dof[regular] == dof]) or dof in new]
-    now: dict[Any, tuple[list[float], list[float]]] = {dof: ([], []) for dof in dofs}
-    for k in np.flatnonzero(kept).tolist():
-        dof = places.dof[regular][k]
-        freq = float(np.exp(reference[k] + moved[k]))
-        now[dof][0].append(freq)
-        now[dof][1].append(freq * float(std[k]))
-    usual = float(np.median(np.sqrt(learned.variance)))
-    for dof, freqs in new.items():
-        now[dof][0].extend(freqs)
-        now[dof][1].extend(f * usual / np.sqrt(len(tests)) for f in freqs)
-    if not any(freqs for freqs, _ in now.values()):
+    at = {dof: places.dof[regular] == dof for dof in places.dofs}
+    at = {dof: rows for dof, rows in at.items() if looked[:, rows].any() or dof in new}
+    now: dict[Any, list[tuple[float, float]]] = {dof: [] for dof in at}
+    for dof, rows in at.items():
+        for k in np.flatnonzero(kept & rows).tolist():
+            freq = float(np.exp(reference[k] + np.median(rest[seen[:, k], k])))
+            now[dof].append((freq, freq * float(std[k])))
+        now[dof] += [(freq, freq * usual) for freq in new.get(dof, ())]
+    if not any(now.values()):
         return None
     sight: dict[str, Any] = {"sees": first.sees, "channels": first.channels or None}
-    measured = AntiresonanceSet(
-        first.excitation,
-        {d: f for d, (f, _) in now.items()},
-        std_hz={d: s for d, (_, s) in now.items()},
-        **sight,
-    )
+
+    def set_of(rows: Mapping[Any, Any]) -> AntiresonanceSet:
+        freq, stds = ({dof: [one[i] for one in own] for dof, own in rows.items()} for i in (0, 1))
+        return AntiresonanceSet(first.excitation, freq, std_hz=stds, **sight)
+
     if isinstance(by, Assessor):
-        return by.assess(measured)
-    at = {dof: places.dof[regular] == dof for dof in dofs}
-    hz = np.exp(reference)
-    baseline = AntiresonanceSet(
-        first.excitation,
-        {dof: hz[rows] for dof, rows in at.items()},
-        std_hz={dof: (hz * base_std)[rows] for dof, rows in at.items()},
-        **sight,
-    )
-    unsure = [directions(learned, own, i, free=False) for i in range(len(tests))]
+        return by.assess(set_of(now))
+    base_std = hz * np.sqrt(learned.variance * learned.regression.inverse[0, 0])
+    baseline = {dof: list(zip(hz[rows], base_std[rows], strict=True)) for dof, rows in at.items()}
+    unsure = [learned.directions(own, i, free=False) for i in range(len(tests))]
     common = max([_COMMON] + [float(np.sqrt(np.mean(g**2)) * np.sqrt(g.shape[1])) for g in unsure if g.size])
     given = sorted_out({"search": None, "progress": False} | dict(options))
     search = given["search"] or SearchOptions()
     if "std_common" not in search.given:
         given["search"] = search.joined({"std_common": min(common, 0.1)})
-    return assess_damage(by, measured, baseline=baseline, **given)
+    return assess_damage(by, set_of(now), baseline=set_of(baseline), **given)
 
 
 def _again(strange: Sequence[Sequence[tuple[Any, float]]]) -> dict[Any, list[float]]:
@@ -415,7 +361,6 @@ def _again(strange: Sequence[Sequence[tuple[Any, float]]]) -> dict[Any, list[flo
 
 # -- What may be given to the watch: a series or sets, its baseline, conditions, options of damage
 
-
 #: Fewer tests than this are no baseline.
 LEAST = 8
 #: Further outside the baseline than so many times its range, a condition is an error of its logger.
@@ -430,17 +375,13 @@ def series_of(given: Any) -> Series:
     if isinstance(given, Series):
         return given
     if not isinstance(given, Sequence) or isinstance(given, str | Mapping):
-        reject(
-            "series", type(given).__name__, "a Series or a list of AntiresonanceSets", "Put them in a list."
-        )
+        wanted = "a Series or a list of AntiresonanceSets"
+        reject("series", type(given).__name__, wanted, "Put them in a list.")
     for i, one in enumerate(given):
         if one is not None and not isinstance(one, AntiresonanceSet):
-            reject(
-                f"series[{i}]",
-                type(one).__name__,
-                "an AntiresonanceSet, or None for a test that failed",
-                "Identify the records first: identify_series(records, ...).",
-            )
+            wanted = "an AntiresonanceSet, or None for a test that failed"
+            remedy = "Identify the records first: identify_series(records, ...)."
+            reject(f"series[{i}]", type(one).__name__, wanted, remedy)
     return Series.from_sets(list(given))
 
 
@@ -455,43 +396,23 @@ def baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
             reject("baseline", int(given), wanted, f"Give a number from {LEAST} to {n}.")
         given = slice(0, int(given))
     try:
-        at = np.asarray(given) if not isinstance(given, slice) else given
-        chosen = np.unique(np.arange(n)[at])
+        chosen = np.unique(np.arange(n)[given if isinstance(given, slice) else np.asarray(given)])
     except (IndexError, TypeError, ValueError):
         reject("baseline", given, wanted, "As in baseline=slice(0, 100).")
     sound = np.array([i for i in chosen.tolist() if i not in series.failed], dtype=np.intp)
     if sound.size < LEAST:
-        reject(
-            "baseline",
-            f"{sound.size} tests with antiresonances",
-            f"at least {LEAST}, from which limits can be learned",
-            "Take more tests of the intact structure; a rate of 1 % wants 50.",
-        )
+        wanted = f"at least {LEAST}, from which limits can be learned"
+        remedy = "Take more tests of the intact structure; a rate of 1 % wants 50."
+        reject("baseline", f"{sound.size} tests with antiresonances", wanted, remedy)
     return sound
 
 
-def conditions_of(given: Any, series: Series) -> dict[str, FloatArray]:
-    """Columns (n,) by name, of any table; by default those of the series."""
-    found = dict(series.conditions)
-    if given is not None:
-        table, _ = condition_table(given)
-        table.expect(len(series))
-        rows = [table.at(i, name)[0] for i, name in enumerate(series.names)]
-        table.over(len(series))
-        found = {key: np.array([row[key] for row in rows]) for key in table.columns}
-    return found
-
-
-def clocks(conditions: Mapping[str, FloatArray]) -> tuple[str, ...]:
-    """Those that only count the tests: a line over time would take damage that grows for weather."""
-    found = []
-    for name, column in conditions.items():
-        known = column[~np.isnan(column)]
-        if known.size > 2 and known[0] != known[-1]:
-            steps = np.diff(known) * np.sign(known[-1] - known[0])
-            if np.all(steps >= 0.0):
-                found.append(name)
-    return tuple(found)
+def is_clock(column: FloatArray) -> bool:
+    """Whether it only counts the tests: a line over time would take damage that grows for weather."""
+    known = column[~np.isnan(column)]
+    if known.size <= 2 or known[0] == known[-1]:
+        return False
+    return bool(np.all(np.diff(known) * np.sign(known[-1] - known[0]) >= 0.0))
 
 
 def believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
@@ -503,50 +424,35 @@ def believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
     return np.where((column < own.min() - reach) | (column > own.max() + reach), np.nan, column)
 
 
-def check_judge(model: Any, assessor: Any, options: Mapping[str, Any]) -> None:
-    """Refuse what cannot assess damage, and options that have no effect."""
+def check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
+    """Refuse what cannot assess damage, and options that have no effect: now, not at the first alarm."""
     if model is not None and not isinstance(model, StructuralModel):
-        reject(
-            "model",
-            model,
-            "a MassSpringChain, FrameModel or MatrixModel",
-            "Leave it out to have alarms only.",
-        )
+        wanted = "a MassSpringChain, FrameModel or MatrixModel"
+        reject("model", model, wanted, "Leave it out to have alarms only.")
     if assessor is not None and not isinstance(assessor, Assessor):
         reject("assessor", assessor, "an Assessor", "Load it first: Assessor.load(path).")
+    name = next(iter(options), "")
     if assessor is not None and (model is not None or options):
-        name = "model" if model is not None else next(iter(options))
+        name = name if model is None else "model"
         reject(name, "together with an assessor", "only one of them", "The assessor has its own.")
     if assessor is None and model is None and options:
-        name = next(iter(options))
         reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
+    if model is not None:
+        _check_assessment(model, one, options)
+    if assessor is not None:
+        force, own = one.excitation, {each.excitation: tuple(each) for each in assessor.baseline}
+        remedy = "Make it from some of their baseline."
+        if force not in own:
+            got = f"one for forces at {', '.join(map(repr, own))}"
+            reject("assessor", got, f"one for the force of these tests, {force!r}", remedy)
+        if not set(own[force]) & set(one):
+            got = f"one for dofs {', '.join(map(repr, own[force]))}"
+            reject("assessor", got, f"one for dofs of these tests: {', '.join(map(repr, one))}", remedy)
 
 
-def check_assessor(assessor: Assessor, one: AntiresonanceSet) -> None:
-    """Refuse one made for other tests now, not at the first alarm."""
-    own = {each.excitation: tuple(each) for each in assessor.baseline}
-    if one.excitation not in own:
-        reject(
-            "assessor",
-            f"one for forces at {', '.join(map(repr, own))}",
-            f"one for the force of these tests, {one.excitation!r}",
-            "Make it from some of their baseline.",
-        )
-    if not set(own[one.excitation]) & set(one):
-        reject(
-            "assessor",
-            f"one for dofs {', '.join(map(repr, own[one.excitation]))}",
-            f"one for dofs of these tests: {', '.join(map(repr, one))}",
-            "Make it from some of their baseline.",
-        )
-
-
-def check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
-    """Refuse wrong options of ``assess_damage`` now, not at the first alarm."""
-    known = [
-        *(name for name in inspect.signature(assess_damage).parameters if name not in _OWN),
-        *SearchOptions.declared(),
-    ]
+def _check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
+    parameters = inspect.signature(assess_damage).parameters
+    known = [*(name for name in parameters if name not in _OWN), *SearchOptions.declared()]
     for name, value in options.items():
         if name not in known:
             reject(name, "an unknown option", f"one of assess_damage: {', '.join(known)}", "Look for a typo.")
@@ -652,63 +558,54 @@ def monitor(
     """
     tests = series_of(series)
     rate = finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.2, low_open=True)
-    shift = check_shift(max_shift)
-    check_judge(model, assessor, assessment)
+    shift = within("max_shift", max_shift)
     own = baseline_tests(baseline, tests)
-    first = next(one for one in tests.sets if one is not None)
-    if model is not None:
-        check_assessment(model, first, assessment)
-    if assessor is not None:
-        check_assessor(assessor, first)
-    given = conditions_of(conditions, tests)
-    counting = clocks(given)
-    used = {name: believed(column, own) for name, column in given.items() if name not in counting}
     sets = list(tests.sets)
+    first = next(one for one in sets if one is not None)
+    check_judge(model, assessor, first, assessment)
+    given: Mapping[str, FloatArray] = tests.conditions
+    if conditions is not None:
+        columns, _ = condition_table(conditions)[0].in_order(tests.names)
+        given = {name: np.array(column) for name, column in columns.items()}
+    clocks = tuple(name for name, column in given.items() if is_clock(column))
+    used = {name: believed(column, own) for name, column in given.items() if name not in clocks}
     step("matching antiresonances")
     places = places_of([one for i in own.tolist() if (one := sets[i]) is not None], shift)
     values = values_of(sets, places, shift)
     faults = obvious(sets, values, places, own.tolist())
-    _too_many(faults, places.dofs)
+    for here in faults.values():  # where most responses are at fault, none can be judged
+        if len(here) > _MOST_FAULTS * len(places.dofs):
+            known = {fault.dof for fault in here}
+            left = [dof for dof in places.dofs if dof not in known]
+            here += [Fault(dof, "most other responses are at fault") for dof in left]
     sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
     regular = places.regular & (np.sum(~np.isnan(sound.log_hz[own]), axis=0) >= _FEWEST)
     if not regular.any():
-        reject(
-            "baseline",
-            f"no antiresonance that half of its {own.size} tests have",
-            "antiresonances in common",
-            "Look at ar.track(sets) to see what comes and goes.",
-        )
+        got = f"no antiresonance that half of its {own.size} tests have"
+        remedy = "Look at ar.track(sets) to see what comes and goes."
+        reject("baseline", got, "antiresonances in common", remedy)
     step("charts")
     charts = charts_of(sound, regular, own, used, rate)
-    more = _lost(charts, sound, regular, places)
-    if more:
+    if more := _lost(charts, sound, regular, places):
         for i, fault in more.items():
             faults.setdefault(i, []).append(fault)
         sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
         charts = charts_of(sound, regular, own, used, rate)
-    statistic = np.max([chart.ratio for chart in charts.charts.values()], axis=0)
     # Without any value near a place there is no T2, and the chart of events tells it all.
     judged = np.any([~np.isnan(chart.statistic) for chart in charts.charts.values()], axis=0)
-    statistic = np.where(judged, statistic, np.nan)
+    statistic = np.where(judged, np.max([chart.ratio for chart in charts.charts.values()], axis=0), np.nan)
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
-    runs = runs_of(alarm, judged)
-    assessments = {}
+    learned, runs, assessments = charts.learned, runs_of(alarm, judged), {}
     by = model if assessor is None else assessor
-    if by is not None:
-        inside = set(own.tolist())
-        for run in runs:
-            if run[1] not in inside:
-                step(f"assessing test {run[0]}")
-                found = assessed(by, run, charts.learned, sound, places, sets, used, assessment)
-                if found is not None:
-                    assessments[run[0]] = found
-    enough = needed(rate, charts.learned.basis.size)
+    for run in runs:
+        if by is not None and run[1] not in own:
+            step(f"assessing test {run[0]}")
+            assessments[run[0]] = assessed(by, run, learned, sound, places, first, used, assessment)
+    enough = needed(rate, learned.basis.size)
     if own.size < enough:
-        warn(
-            "short_baseline",
-            f"monitor: a baseline of {own.size} tests is short for {100 * rate:g} % false alarms; with "
-            f"{enough} the limits can be relied on.",
-        )
+        text = f"monitor: a baseline of {own.size} tests is short for {100 * rate:g} % false alarms; with "
+        warn("short_baseline", f"{text}{enough} the limits can be relied on.")
+    expected = np.exp(learned.expected(used, len(tests)))
     return Watched(
         alarm=frozen(alarm),
         statistic=frozen(statistic),
@@ -718,33 +615,20 @@ def monitor(
         names=tests.names,
         times=tests.times,
         conditions=FrozenDict(given),
-        used=tuple(one.name for one in charts.learned.basis.columns),
-        bends=FrozenDict(
-            {one.name: one.bend for one in charts.learned.basis.columns if one.bend is not None}
-        ),
-        clocks=counting,
-        outside=frozen(charts.learned.basis.outside(given, len(tests))),
+        used=tuple(one.name for one in learned.basis.columns),
+        bends=FrozenDict({one.name: one.bend for one in learned.basis.columns if one.bend is not None}),
+        clocks=clocks,
+        outside=frozen(learned.outside(given, len(tests))),
         faults=FrozenDict({i: tuple(here) for i, here in sorted(faults.items())}),
         failed=tests.failed,
         runs=tuple(runs),
-        assessments=FrozenDict(assessments),
+        assessments=FrozenDict({i: found for i, found in assessments.items() if found is not None}),
         needed=enough,
         dof=frozen(places.dof[regular]),
         freq_hz=frozen(np.exp(sound.log_hz[:, regular])),
-        expected_hz=frozen(np.exp(charts.learned.expected(used, len(tests)))),
-        std_hz=frozen(
-            np.exp(charts.learned.expected(used, len(tests)))
-            * charts.learned.deviation(sound.std[:, regular], used)
-        ),
+        expected_hz=frozen(expected),
+        std_hz=frozen(expected * learned.deviation(sound.std[:, regular], used)),
     )
-
-
-def _too_many(faults: dict[int, list[Fault]], dofs: Sequence[Any]) -> None:
-    """Where most responses are at fault, none can be judged."""
-    for here in faults.values():
-        if len(here) > _MOST_FAULTS * len(dofs):
-            known = {fault.dof for fault in here}
-            here += [Fault(dof, "most other responses are at fault") for dof in dofs if dof not in known]
 
 
 def _lost(charts: Charts, values: Values, regular: Any, places: Any) -> dict[int, Fault]:
@@ -753,7 +637,7 @@ def _lost(charts: Charts, values: Values, regular: Any, places: Any) -> dict[int
     single = np.maximum(charts.charts["T2"].ratio, charts.charts["events"].ratio)
     dof = places.dof[regular]
     for i in np.flatnonzero(single > 1.0).tolist():
-        z = charts.distances.z[i]
+        z = charts.z[i]
         without = {}
         for one in dict.fromkeys(dof.tolist()):
             rest = np.where(dof == one, np.nan, z)

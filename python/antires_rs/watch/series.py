@@ -20,42 +20,41 @@ from ..measured.response_table import ResponseTable
 from ..measured.track import Tracks, followed
 from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly
-from .conditions import checked_conditions, checked_names, checked_times, in_order
+from .conditions import checked_conditions, checked_names, checked_times, condition_table
 from .store import read_series, write_series
-from .stored_tests import Row, StoredSets, encoded, parts_of
+from .stored_tests import Entry, Row, StoredSets, encoded, parts_of
 
 #: Reason of a test that was given as None.
 NO_SET = "no set was given"
 
 
-def _checked_failed(given: Any, sets: Sequence[AntiresonanceSet | None]) -> Mapping[int, str]:
-    """Reasons by the index of a test that has no set."""
+#: So many reasons are printed, cut to this length; the others are counted.
+REASONS, LONG = 3, 90
+#: Part of the tests that must have an antiresonance that their average has.
+MOST = 0.5
+
+
+def _read_through(
+    sets: Sequence[AntiresonanceSet | None], failed: Any
+) -> tuple[Any, tuple[Any, ...], dict[int, str]]:
+    """Excitation, responses and reasons of failed tests, of sets that nothing is known of."""
+    if not len(sets):
+        reject("sets", "none", "one test or more", "Give the sets.")
     wanted = "why a test has no set, by its index"
-    if given is None:
-        return {}
-    if not isinstance(given, Mapping):
-        reject("failed", type(given).__name__, wanted, "As in failed={2: 'cable cut'}.")
-    for i in given:
+    if failed is not None and not isinstance(failed, Mapping):
+        reject("failed", type(failed).__name__, wanted, "As in failed={2: 'cable cut'}.")
+    for i in failed or ():
         if isinstance(i, bool) or not isinstance(i, int | np.integer) or not 0 <= i < len(sets):
             reject("failed", f"a test {i!r}", f"{wanted}, from 0 to {len(sets) - 1}", "Count from 0.")
         if sets[int(i)] is not None:
             reject("failed", f"test {i}, which has a set", wanted, "Give None in place of its set.")
-    return {int(i): str(why) for i, why in given.items()}
-
-
-def _read_through(
-    sets: Sequence[AntiresonanceSet | None], failed: Mapping[int, str]
-) -> tuple[Any, tuple[Any, ...], dict[int, str]]:
-    """Excitation, responses and failed tests of sets that nothing is known of."""
-    if not len(sets):
-        reject("sets", "none", "one test or more", "Give the sets.")
+    reasons = {int(i): str(why) for i, why in (failed or {}).items()}
     excitation: Any = None
     dofs: dict[Any, None] = {}
-    told: dict[int, str] = {}
     for i, one in enumerate(sets):
         name = part("sets", i)
         if one is None:
-            told[i] = failed.get(i, NO_SET)
+            reasons.setdefault(i, NO_SET)
             continue
         if not isinstance(one, AntiresonanceSet):
             reject(name, type(one).__name__, "an AntiresonanceSet or None", "Identify the record first.")
@@ -64,111 +63,33 @@ def _read_through(
             reject(name, got, wanted, "Make a series for each excitation.")
         excitation = one.excitation
         dofs |= dict.fromkeys(one)
-    return excitation, tuple(dofs), told
+    return excitation, tuple(dofs), reasons
 
 
-def _same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    return one.keys() == other.keys() and all(
-        a is b or (a is not None and b is not None and np.array_equal(a, b, equal_nan=True))
-        for a, b in zip(one.values(), other.values(), strict=True)
-    )
-
-
-# -- Which tests of a series are meant by an index, a slice, indices or a mask
-
-
-_WANTED = "an index, a slice, a list of indices, or a mask with a truth value for each test"
-
-
-def one_or_some(at: Any, count: int) -> int | NDArray[np.intp]:
-    """The index of one test, or those of some.
-
-    Raises
-    ------
-    IndexError
-        No such test.
-    InvalidInputError
-        Nothing that tests are named by, a mask of another length, or a test more than once.
-    """
+def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
+    """The index of one test, or those of some, by an index, a slice, indices or a mask."""
     if isinstance(at, slice):
         return np.arange(count)[at]
     if isinstance(at, int | np.integer) and not isinstance(at, bool):
-        _there(int(at), count)
-        return int(at)
-    found = np.asarray(at) if np.size(at) else np.empty(0, int)
+        found = np.array([at])
+    else:
+        found = np.asarray(at) if np.size(at) else np.empty(0, int)
     if found.ndim != 1 or found.dtype.kind not in "biu":
-        reject("series[...]", at, _WANTED, "As in series[3], series[:100] or series[temperature_c < 20].")
+        wanted = "an index, a slice, a list of indices, or a mask with a truth value for each test"
+        reject("series[...]", at, wanted, "As in series[3], series[:100] or series[temperature_c < 20].")
     if found.dtype.kind == "b":
         if len(found) != count:
             reject("series[...]", f"a mask of {len(found)}", f"one of {count}", "Make it of all tests.")
         return np.flatnonzero(found)
     for i in found.tolist():
-        _there(i, count)
+        if not -count <= i < count:
+            raise IndexError(f"test {i} of a series of {count}, which are counted from 0")
+    if np.ndim(at) == 0:
+        return int(found[0])
     found = found.astype(np.intp) % max(count, 1)
     if len(np.unique(found)) < len(found):
         reject("series[...]", "a test more than once", "each test once", "Use np.unique.")
     return found
-
-
-def _there(at: int, count: int) -> None:
-    if not -count <= at < count:
-        raise IndexError(f"test {at} of a series of {count}, which are counted from 0")
-
-
-# -- A series for pandas
-
-
-def series_frame(series: Series) -> Any:
-    """A pandas.DataFrame, one row an antiresonance; failed tests have none."""
-    rows: list[dict[str, Any]] = []
-    names: dict[str, None] = dict.fromkeys(("test", "name"))
-    if series.times is not None:
-        names["time"] = None
-    names |= dict.fromkeys(series.conditions)
-    for i, found in enumerate(series):
-        if found is None:
-            continue
-        beside: dict[str, Any] = {"test": i, "name": series.names[i]}
-        if series.times is not None:
-            beside["time"] = series.times[i]
-        beside |= {name: float(column[i]) for name, column in series.conditions.items()}
-        columns, own = rows_of(found)
-        names |= dict.fromkeys(columns)
-        rows += [beside | row for row in own]
-    return frame_of(rows, list(names))
-
-
-# -- A series as text: how many tests, what failed and why, what was measured beside
-
-
-#: So many reasons are told; the others are counted.
-REASONS = 3
-#: A reason longer than this is cut.
-LONG = 90
-
-
-def printed(series: Series) -> str:
-    """One line for each fact."""
-    count, failed = len(series), len(series.failed)
-    rows = [("identified", f"{count - failed}{_antiresonances(series)}")]
-    if failed:
-        rows.append(("failed", f"{failed}: {_reasons(series)}"))
-    if series.times is not None:
-        known = series.times[~np.isnat(series.times)]
-        if known.size:
-            first, last = np.datetime_as_string(np.sort(known)[[0, -1]], unit="m")
-            rows.append(("times", f"{first} to {last}{_missing(count - known.size)}"))
-    for name, column in series.conditions.items() if count else ():
-        values = column[~np.isnan(column)]
-        span = f"{values.min():g} to {values.max():g}" if values.size else "not known"
-        rows.append((name, span + _missing(count - values.size if values.size else 0)))
-    width = max(len(name) for name, _ in rows)
-    force = "" if series.excitation is None else f", force at {series.excitation}"
-    dofs = f", {_counted(len(series.dofs), 'response')}" if series.dofs else ""
-    title = f"series of {_counted(count, 'test')}{force}{dofs}"
-    if series.interrupted:
-        title += "; interrupted, more tests are to come"
-    return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in rows)])
 
 
 def _counted(count: int, what: str) -> str:
@@ -177,51 +98,6 @@ def _counted(count: int, what: str) -> str:
 
 def _missing(count: int) -> str:
     return f", {count} not known" if count else ""
-
-
-def _antiresonances(series: Series) -> str:
-    """How many each has; a file says so without its sets being read."""
-    if isinstance(series.sets, StoredSets):
-        counts = series.sets.counts
-    else:
-        counts = [sum(map(len, one.tables.values())) for one in series if one is not None]
-    if not len(counts):
-        return ""
-    low, high = min(counts), max(counts)
-    return f", with {low if low == high else f'{low} to {high}'} antiresonances"
-
-
-def _reasons(series: Series) -> str:
-    told = Counter(_short(why) for why in series.failed.values()).most_common()
-    said = [f"{why} ({n} times)" if n > 1 else why for why, n in told[:REASONS]]
-    more = sum(n for _, n in told[REASONS:])
-    return "; ".join(said) + (f"; and {more} others, see .failed" if more else "")
-
-
-def _short(why: str) -> str:
-    return why if len(why) <= LONG else why[: LONG - 3].rstrip() + "..."
-
-
-# -- One set that stands for many tests of an unchanged structure
-
-
-#: Part of the tests that must have an antiresonance.
-MOST = 0.5
-
-
-def averaged(tracks: Tracks, dofs: tuple[object, ...]) -> AntiresonanceSet:
-    """Mean of each track that most tests have, with the standard deviation of that mean."""
-    freq = tracks.freq_hz
-    count = np.sum(~np.isnan(freq), axis=0)
-    tables = {}
-    for dof in dofs:
-        own = tracks.of(dof)
-        own = own[count[own] >= max(MOST * count[own].max(initial=0), 2)]
-        n = count[own]
-        std = np.nanstd(freq[:, own], axis=0, ddof=1) / np.sqrt(n) if own.size else np.empty(0)
-        mean = np.nanmean(freq[:, own], axis=0) if own.size else np.empty(0)
-        tables[dof] = ResponseTable(mean, std_hz=std, scores={"averages": n.astype(np.float64)})
-    return AntiresonanceSet.from_tables(tracks.excitation, tables)
 
 
 class Series(ReadOnly):
@@ -287,7 +163,6 @@ class Series(ReadOnly):
     ) -> None:
         count = len(sets)
         if failed is None or dofs is None:
-            failed = _checked_failed(failed, sets)
             excitation, dofs, failed = _read_through(sets, failed)
         self._fill(
             sets=sets,
@@ -310,12 +185,16 @@ class Series(ReadOnly):
         """Same tests in the same order: names, conditions, times, reasons and sets, bit for bit."""
         if not isinstance(other, Series):
             return NotImplemented
+        one, two = (
+            dict(each.conditions) | ({} if each.times is None else {"times": each.times})
+            for each in (self, other)
+        )
         return (
             self.names == other.names
             and self.failed == other.failed
-            and _same(dict(self.conditions), dict(other.conditions))
-            and _same({"times": self.times}, {"times": other.times})
-            and all(one == two for one, two in zip(self, other, strict=True))
+            and one.keys() == two.keys()
+            and all(np.array_equal(column, two[name], equal_nan=True) for name, column in one.items())
+            and all(a == b for a, b in zip(self, other, strict=True))
         )
 
     __hash__ = None  # type: ignore[assignment]
@@ -354,7 +233,11 @@ class Series(ReadOnly):
         if not isinstance(sets, Sequence) or isinstance(sets, str | Mapping):
             reject("sets", type(sets).__name__, "a list of sets", "Put the sets in a list.")
         if conditions is not None and not isinstance(conditions, Mapping):
-            conditions, names, dated = in_order(conditions, len(sets), names)
+            table, _ = condition_table(conditions)
+            if names is None and table.names is not None and len(table.names) == len(sets):
+                names = table.names
+            order = map(str, range(len(sets)) if names is None else names)
+            conditions, dated = table.in_order(list(order))
             times = dated if times is None else times
         return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=failed)
 
@@ -389,18 +272,23 @@ class Series(ReadOnly):
         return followed(sets, named, self.dofs, max_shift, std_between)
 
     def average(self, *, max_shift: float = MAX_SHIFT) -> AntiresonanceSet:
-        """One set that stands for all tests, if nothing changed between them.
+        """One set that stands for all tests, two or more, if nothing changed between them.
 
         Its frequencies are the means of the tracks that at least half of the tests have, its standard
         deviations those of the means by their scatter. ``ar.compare(january, february)`` of two series
         compares their averages.
-
-        Raises
-        ------
-        InvalidInputError
-            Fewer than two sets.
         """
-        return averaged(self.tracks(max_shift=max_shift), self.dofs)
+        tracks = self.tracks(max_shift=max_shift)
+        count = np.sum(~np.isnan(tracks.freq_hz), axis=0)
+        tables = {}
+        for dof in self.dofs:
+            own = tracks.of(dof)
+            own = own[count[own] >= max(MOST * count[own].max(initial=0), 2)]
+            n, freq = count[own], tracks.freq_hz[:, own]
+            mean, std = (np.nanmean(freq, axis=0), np.nanstd(freq, axis=0, ddof=1)) if own.size else (n, n)
+            scores = {"averages": n.astype(np.float64)}
+            tables[dof] = ResponseTable(mean, std_hz=std / np.sqrt(n), scores=scores)
+        return AntiresonanceSet.from_tables(self.excitation, tables)
 
     def compare(self, i: int, j: int, **options: Any) -> Comparison:
         """Two tests compared; options as for :func:`~antires_rs.compare`.
@@ -430,10 +318,9 @@ class Series(ReadOnly):
         """
         rows = []
         for i, one in enumerate(self.sets):
-            outcome = self.failed[i] if one is None else encoded(one)
             conditions = {name: float(column[i]) for name, column in self.conditions.items()}
-            time = None if self.times is None else self.times[i]
-            rows.append(Row.packed(self.names[i], conditions, time, "", outcome))
+            entry = Entry(self.names[i], conditions, None if self.times is None else self.times[i], "")
+            rows.append(Row.packed(entry, self.failed[i] if one is None else encoded(one)))
         write_series(Path(path), rows)
 
     @classmethod
@@ -461,16 +348,19 @@ class Series(ReadOnly):
     def to_dataframe(self) -> Any:
         """One row an antiresonance: test, name, time, the conditions, and the columns of a set.
 
-        Returns
-        -------
-        pandas.DataFrame
-
-        Raises
-        ------
-        MissingDependencyError
-            pandas is not installed.
+        A ``pandas.DataFrame``; needs pandas.
         """
-        return series_frame(self)
+        times = {} if self.times is None else {"time": self.times}
+        names: dict[str, None] = dict.fromkeys(("test", "name", *times, *self.conditions))
+        rows: list[dict[str, Any]] = []
+        for i, found in enumerate(self):
+            if found is not None:
+                beside = {"test": i, "name": self.names[i]} | {name: time[i] for name, time in times.items()}
+                beside |= {name: float(column[i]) for name, column in self.conditions.items()}
+                columns, own = rows_of(found)
+                names |= dict.fromkeys(columns)
+                rows += [beside | row for row in own]
+        return frame_of(rows, list(names))
 
     @overload
     def __getitem__(self, at: int) -> AntiresonanceSet | None: ...
@@ -486,27 +376,60 @@ class Series(ReadOnly):
         InvalidInputError
             Anything else, a mask of another length, or a test more than once.
         """
-        at = one_or_some(at, len(self))
-        return self.sets[at] if isinstance(at, int) else self._some(at)
-
-    def __repr__(self) -> str:
-        return f"Series({len(self)} tests, {len(self.failed)} failed, excitation={self.excitation!r})"
-
-    def __str__(self) -> str:
-        return printed(self)
-
-    def _some(self, at: NDArray[np.intp]) -> Series:
-        rank = {int(i): k for k, i in enumerate(at)}
+        chosen = _chosen(at, len(self))
+        if isinstance(chosen, int):
+            return self.sets[chosen]
+        rank = {int(i): k for k, i in enumerate(chosen)}
         return Series(
             self.sets.take(rank) if isinstance(self.sets, StoredSets) else [self.sets[i] for i in rank],
             names=[self.names[i] for i in rank],
-            conditions={name: column[at] for name, column in self.conditions.items()},
-            times=None if self.times is None else self.times[at],
+            conditions={name: column[chosen] for name, column in self.conditions.items()},
+            times=None if self.times is None else self.times[chosen],
             failed={rank[i]: why for i, why in self.failed.items() if i in rank},
             excitation=self.excitation,
             dofs=self.dofs,
             interrupted=self.interrupted,
         )
+
+    def __repr__(self) -> str:
+        return f"Series({len(self)} tests, {len(self.failed)} failed, excitation={self.excitation!r})"
+
+    def __str__(self) -> str:
+        count, failed = len(self), len(self.failed)
+        if isinstance(self.sets, StoredSets):  # without reading them
+            sizes = [row.count for row in self.sets.rows if row.failed is None]
+        else:
+            sizes = [sum(map(len, one.tables.values())) for one in self if one is not None]
+        low, high = min(sizes, default=0), max(sizes, default=0)
+        each = f", with {low if low == high else f'{low} to {high}'} antiresonances" if sizes else ""
+        rows = [("identified", f"{count - failed}{each}")]
+        if failed:
+            whys = [
+                why if len(why) <= LONG else why[: LONG - 3].rstrip() + "..." for why in self.failed.values()
+            ]
+            ranked = Counter(whys).most_common()
+            reasons = [f"{why} ({n} times)" if n > 1 else why for why, n in ranked[:REASONS]]
+            if len(ranked) > REASONS:
+                reasons.append(f"and {sum(n for _, n in ranked[REASONS:])} others, see .failed")
+            rows.append(("failed", f"{failed}: {'; '.join(reasons)}"))
+        if self.times is not None:
+            known = np.sort(self.times[~np.isnat(self.times)])
+            if known.size:
+                first, last = np.datetime_as_string(known[[0, -1]], unit="m")
+                rows.append(("times", f"{first} to {last}{_missing(count - known.size)}"))
+        for name, column in self.conditions.items() if count else ():
+            values = column[~np.isnan(column)]
+            if values.size:
+                rows.append((name, f"{values.min():g} to {values.max():g}{_missing(count - values.size)}"))
+            else:
+                rows.append((name, "not known"))
+        width = max(len(name) for name, _ in rows)
+        force = "" if self.excitation is None else f", force at {self.excitation}"
+        dofs = f", {_counted(len(self.dofs), 'response')}" if self.dofs else ""
+        title = f"series of {_counted(count, 'test')}{force}{dofs}"
+        if self.interrupted:
+            title += "; interrupted, more tests are to come"
+        return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in rows)])
 
     def _labels(self, conditions: Any) -> Any:
         if conditions is None:

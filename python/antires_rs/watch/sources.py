@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 import glob
 import hashlib
 import inspect
 import re
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
 
 from ..exceptions import (
-    AntiresWarning,
     Argument,
     InvalidInputError,
     MissingDependencyError,
@@ -33,8 +30,9 @@ from ..io.own_format import relabelled
 from ..io.registry import ENDINGS, READERS, format_by_ending
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import FrequencyResponse
-from ..signals.one_force import DataCheck, Finding
+from ..signals.one_force import Finding
 from ..signals.recording import Recording
+from ..support.messages import unheard
 from ..support.progress import apart
 from ..support.values import FrozenDict
 from .stored_tests import encoded
@@ -43,17 +41,12 @@ _WANTED = (
     "files, a folder, records or responses in memory, functions that give one, or a generator of any of them"
 )
 
+_ALL_ENDINGS = [ending for endings in ENDINGS.values() for ending in endings]
+
 
 @dataclass(frozen=True)
 class Source:
-    """One test: its name, what is to be identified, and what came with it.
-
-    Attributes
-    ----------
-    name : str
-    given : Path, Recording, FrequencyResponse, callable, or a list of them for repeats of one test
-    conditions : dict of str to value
-    """
+    """A test: a path, Recording, FrequencyResponse, function or list of repeats, and its conditions."""
 
     name: str
     given: Any
@@ -76,40 +69,42 @@ def listed(sources: Any, beside: Sequence[Path] = ()) -> Sources:
     """Sources in the order of the tests; files in ``beside`` are none."""
     if isinstance(sources, Recording | FrequencyResponse):
         reject("sources", f"one {type(sources).__name__}", _WANTED, "Put it in a list.")
-    if isinstance(sources, str | PathLike):
-        files = _files(Path(sources), beside)
-        return Sources(_of_files(files), len(files), files)
     if isinstance(sources, Mapping):
-        named = [_source(i, (str(name), given), None) for i, (name, given) in enumerate(sources.items())]
-        return Sources(_once(named), len(named))
-    if not isinstance(sources, Iterable):
+        sources = [(str(name), given) for name, given in sources.items()]
+    if isinstance(sources, str | PathLike):
+        sources = _files(Path(sources), beside)
+    elif not isinstance(sources, Iterable):
         reject("sources", type(sources).__name__, _WANTED, "Put them in a list.")
-    if isinstance(sources, Sequence):
-        if not len(sources):
-            reject("sources", "an empty list", "one test or more", "Name the records.")
-        if all(isinstance(one, str | PathLike) for one in sources):
-            files = [Path(one) for one in sources]
-            return Sources(_of_files(files), len(files), files)
-        return Sources(_once(_source(i, one, None) for i, one in enumerate(sources)), len(sources))
-    return Sources(_once(_source(i, one, None) for i, one in enumerate(sources)), None)
+    if not isinstance(sources, Sequence):
+        return Sources(_once(_source(i, one) for i, one in enumerate(sources)), None)
+    if not len(sources):
+        reject("sources", "none", "one test or more", "Name the records.")
+    if not all(isinstance(one, str | PathLike) for one in sources):
+        return Sources(_once(_source(i, one) for i, one in enumerate(sources)), len(sources))
+    files = [Path(one) for one in sources]
+    names = [file.name for file in files]
+    if len(set(names)) < len(names):  # then by their paths
+        names = [file.as_posix() for file in files]
+    return Sources(_once(map(Source, names, files)), len(files), files)
 
 
-def _source(number: int, one: Any, name: str | None) -> Source:
+def _source(number: int, one: Any) -> Source:
     """A source; a tuple may have its name before it and its conditions behind it."""
     argument = Argument("sources").item(number)
-    conditions: Mapping[str, Any] = FrozenDict({})
+    name, conditions = None, {}
     if isinstance(one, tuple):
         parts = list(one)
         if len(parts) > 1 and isinstance(parts[0], str):
             name = parts.pop(0)
         if len(parts) > 1 and isinstance(parts[-1], Mapping):
-            conditions = FrozenDict(parts.pop())
+            conditions = parts.pop()
         if len(parts) != 1:
             wanted = "(name, source), (source, conditions) or (name, source, conditions)"
             reject(argument, f"a tuple of {len(one)}", wanted, "Put repeats of one test in a list.")
         one = parts[0]
     given = _given(argument, one)
-    return Source(name or (given.name if isinstance(given, Path) else str(number)), given, conditions)
+    name = name or (given.name if isinstance(given, Path) else str(number))
+    return Source(name, given, FrozenDict(conditions))
 
 
 def _given(argument: Argument, one: Any) -> Any:
@@ -120,14 +115,6 @@ def _given(argument: Argument, one: Any) -> Any:
     if isinstance(one, Recording | FrequencyResponse | Callable):
         return one
     reject(argument, type(one).__name__, _WANTED, "Read or record it first.")
-
-
-def _of_files(files: list[Path]) -> Iterator[Source]:
-    """Files by their names, or by their paths if two names are the same."""
-    names = [file.name for file in files]
-    if len(set(names)) < len(names):
-        names = [file.as_posix() for file in files]
-    return _once(Source(name, file) for name, file in zip(names, files, strict=True))
 
 
 def _once(sources: Iterable[Source]) -> Iterator[Source]:
@@ -155,8 +142,8 @@ def _files(path: Path, beside: Sequence[Path]) -> list[Path]:
     others = {file.resolve() for file in beside}
     found = [file for file in found if file.resolve() not in others]
     if not found:
-        endings = " ".join(ending for ends in ENDINGS.values() for ending in ends)
-        reject("sources", where, f"a folder or a pattern of files that end in {endings}", "Name the files.")
+        wanted = f"a folder or a pattern of files that end in {' '.join(_ALL_ENDINGS)}"
+        reject("sources", where, wanted, "Name the files.")
     return sorted(found, key=natural)
 
 
@@ -166,7 +153,7 @@ def is_measurement(file: Path) -> bool:
         return False
     if file.is_dir():
         return not file.name.endswith(".parts")
-    return any(file.suffix.lower() in endings for endings in ENDINGS.values())
+    return file.suffix.lower() in _ALL_ENDINGS
 
 
 def natural(file: Path) -> tuple[Any, ...]:
@@ -177,35 +164,34 @@ def natural(file: Path) -> tuple[Any, ...]:
 
 # -- One test of a series: read, identified, and made plain data; or the reason why not
 
-
 #: Plain data of a set, or the reason why there is none.
 Outcome = dict[str, Any] | str
 #: Fewer responses than these make no transmissibility.
 LEAST = 2
 
 
+Reading = Mapping[str, Any] | Callable[[Path], Any]
+
+
 @dataclass(frozen=True)
 class Instructions:
     """What is done with every source: options of the readers and of the identification."""
 
-    reading: Mapping[str, Any] | Callable[[Path], Any]
+    reading: Reading
     options: Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class Unread:
+class Unread(str):
     """What stands in place of a source that could not be read: why."""
-
-    why: str
 
 
 def identified(instructions: Instructions, given: Any) -> Outcome:
     """The antiresonances of one source, or in words why there are none."""
     try:
-        with _quiet(), apart():
+        with unheard(), apart():
             signal = loaded(instructions, given)
             if isinstance(signal, Unread):
-                return signal.why
+                return str(signal)
             return encoded(_set_of(signal, instructions.options))
     except (MissingDependencyError, MemoryError):
         raise  # of this machine, not of the record
@@ -230,7 +216,7 @@ def why_not(exc: Exception) -> str:
     return f"{type(exc).__name__}: {exc}"
 
 
-def _signal(reading: Mapping[str, Any] | Callable[[Path], Any], given: Any) -> Any:
+def _signal(reading: Reading, given: Any) -> Any:
     if isinstance(given, list):
         return [_signal(reading, one) for one in given]
     if isinstance(given, Path):
@@ -244,8 +230,8 @@ def _read(file: Path, options: dict[str, Any]) -> Any:
         return read_frf_files(file, **options)
     kind = options.pop("format", None) or format_by_ending(file.name)
     if kind not in READERS:
-        endings = " ".join(ending for ends in ENDINGS.values() for ending in ends)
-        reject("path", repr(str(file)), f"an ending out of {endings}", "Name its format in reading=.")
+        wanted = f"an ending out of {' '.join(_ALL_ENDINGS)}"
+        reject("path", repr(str(file)), wanted, "Name its format in reading=.")
     return READERS[kind](file, **options)
 
 
@@ -258,28 +244,13 @@ def _set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
     found = identify_antiresonances(signal, **sorted_out(options), progress=False)
     if not sum(map(len, found.tables.values())):
         raise ValueError("no antiresonance was found in the band")
-    checked = found.data_check
-    if not dead or not isinstance(checked, DataCheck):
-        return found
-    out = Finding(
-        "dead_channel",
-        "warning",
-        dead,
-        0.0,
-        0.0,
-        f"Dofs {', '.join(map(str, dead))}: constant, left out of this test.",
-        "Check sensor and cable.",
-    )
-    return AntiresonanceSet.from_tables(
-        found.excitation,
-        found.tables,
-        left_out=found.left_out,
-        unexplained_hz=found.unexplained_hz,
-        sees=found.sees,
-        options=found.options,
-        channels=found.channels,
-        data_check=replace(checked, findings=(out, *checked.findings)),
-    )
+    check = found.data_check
+    if dead and check is not None:
+        text = f"Dofs {', '.join(map(str, dead))}: constant, left out of this test."
+        out = Finding("dead_channel", "warning", dead, 0.0, 0.0, text, "Check sensor and cable.")
+        found = copy.copy(found)
+        found._fill(data_check=replace(check, findings=(out, *check.findings)))
+    return found
 
 
 def _living(signal: Any) -> tuple[Any, tuple[Any, ...]]:
@@ -289,52 +260,18 @@ def _living(signal: Any) -> tuple[Any, tuple[Any, ...]]:
         return signal, ()
     constant = np.any([np.ptp(one.responses, axis=1) == 0.0 for one in records], axis=0)
     rows = np.flatnonzero(~constant).tolist()
-    if constant.sum() == 0 or len(rows) < LEAST:
+    if not constant.any() or len(rows) < LEAST:
         return signal, ()
     dofs = records[0].dofs
     kept = [relabelled(one, rows, [dofs[i] for i in rows]) for one in records]
     return (kept if isinstance(signal, list) else kept[0]), tuple(dofs[i] for i in np.flatnonzero(constant))
 
 
-_lock = Lock()
-_inside = 0
-_before: Any = None
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """No warnings of this package: findings are kept with each test. Threads share the filters."""
-    global _inside, _before
-    with _lock:
-        if _inside == 0:
-            _before = warnings.catch_warnings()
-            _before.__enter__()
-            warnings.simplefilter("ignore", AntiresWarning)
-        _inside += 1
-    try:
-        yield
-    finally:
-        with _lock:
-            _inside -= 1
-            if _inside == 0:
-                _before.__exit__(None, None, None)
-                _before = None
-
-
 # -- The argument ``reading=`` of a series, checked before the first file is read
 
 
-Reading = dict[str, Any] | Callable[[Path], Any]
-
-
 def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
-    """Options that a reader of these files has, or a function; a wrong one is not kept as failed tests.
-
-    Raises
-    ------
-    InvalidInputError
-        It is neither, or an option or a format is not known.
-    """
+    """Options that a reader of these files has, or a function; a wrong one is not kept as failed tests."""
     if given is None or callable(given):
         return given or {}
     if not isinstance(given, Mapping):
@@ -344,43 +281,31 @@ def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
     if chosen is not None and chosen not in READERS:
         wanted = f"one of {', '.join(READERS)}"
         reject(part("reading", "format"), repr(chosen), wanted, "Leave it out where the endings tell.")
-    readers = _readers(chosen, files)
-    known = {"format"}.union(*map(_options, readers))
+    if not files:  # any reader may come to read
+        readers = [READERS[chosen], read_frf_files] if chosen else [*READERS.values(), read_frf_files]
+    else:
+        readers = []
+        for file in files:
+            kind = chosen or format_by_ending(file.name)
+            if file.is_dir():
+                readers += [read_frf_files, *READERS.values()]  # it hands options on
+            elif kind in READERS:
+                readers.append(READERS[kind])
+        readers = list(dict.fromkeys(readers)) or list(READERS.values())
+    known = {"format"}
+    for reader in readers:
+        parameters = inspect.signature(reader).parameters.values()
+        known |= {one.name for one in parameters if one.kind in (one.KEYWORD_ONLY, one.POSITIONAL_OR_KEYWORD)}
+    known -= {"path", "files"}
     for name in given:
         if name not in known:
-            got = f"{name!r}, which {_named(readers)} {'does' if len(readers) == 1 else 'do'} not take"
+            names = ", ".join(reader.__name__ for reader in readers)
+            got = f"{name!r}, which {names} {'does' if len(readers) == 1 else 'do'} not take"
             reject("reading", got, f"options out of {', '.join(sorted(known))}", "Correct or remove it.")
     return dict(given)
 
 
-def _readers(chosen: str | None, files: Sequence[Path]) -> list[Callable[..., Any]]:
-    """Those that will read the files; all of them where that is not known."""
-    if not files:
-        return [READERS[chosen], read_frf_files] if chosen else [*READERS.values(), read_frf_files]
-    found: dict[Callable[..., Any], None] = {}
-    for file in files:
-        if file.is_dir():
-            found |= dict.fromkeys([read_frf_files, *READERS.values()])  # it hands options on
-        elif (kind := chosen or format_by_ending(file.name)) in READERS:
-            found[READERS[kind]] = None
-    return list(found) or list(READERS.values())
-
-
-def _options(reader: Callable[..., Any]) -> Iterable[str]:
-    """Names of its options, without the path."""
-    return [
-        name
-        for name, one in inspect.signature(reader).parameters.items()
-        if one.kind in (one.KEYWORD_ONLY, one.POSITIONAL_OR_KEYWORD) and name not in ("path", "files")
-    ]
-
-
-def _named(readers: list[Callable[..., Any]]) -> str:
-    return ", ".join(reader.__name__ for reader in readers)
-
-
 # -- What tells whether a source is the one that was identified before
-
 
 #: Of a longer file its beginning, middle and end are read: a year of records is looked through in seconds.
 WHOLE, PART = 1 << 20, 1 << 16
@@ -393,6 +318,7 @@ def fingerprint(given: Any) -> str:
     change when a file is copied.
     """
     digest = hashlib.blake2b(digest_size=16)
+    arrays: tuple[Any, ...] = ()
     if isinstance(given, list):
         for one in given:
             digest.update(fingerprint(one).encode())
@@ -402,14 +328,16 @@ def fingerprint(given: Any) -> str:
             _of_file(digest, file)
     elif isinstance(given, Recording):
         digest.update(repr((given.fs_hz, given.dofs)).encode())
-        _of_array(digest, given.responses)
-        _of_array(digest, given.force)
+        arrays = (given.responses, given.force)
     elif isinstance(given, FrequencyResponse):
         digest.update(repr((given.kind, given.reference, given.dofs, given.n_averages)).encode())
-        for array in (given.freq_hz, given.values, given.coherence, given.std):
-            _of_array(digest, array)
+        arrays = (given.freq_hz, given.values, given.coherence, given.std)
     else:
         return ""
+    for array in arrays:
+        if array is not None:
+            digest.update(repr(array.shape).encode())
+            digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()
 
 
@@ -423,9 +351,3 @@ def _of_file(digest: Any, file: Path) -> None:
                 digest.update(opened.read(WHOLE if size <= WHOLE else PART))
     except OSError as exc:  # it is not there, or may not be read: that is what is known of it
         digest.update(type(exc).__name__.encode())
-
-
-def _of_array(digest: Any, array: Any) -> None:
-    if array is not None:
-        digest.update(repr(array.shape).encode())
-        digest.update(np.ascontiguousarray(array).data)

@@ -22,11 +22,21 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.files import written_beside
-from .series_table import pyarrow, read_parquet_rows, write_table
 from .sources import natural
-from .stored_tests import Plain, Row
+from .stored_tests import (
+    FORMAT,
+    WANTED,
+    Entry,
+    Plain,
+    Row,
+    check_format,
+    nan_for_none,
+    pyarrow,
+    read_parquet_rows,
+    write_table,
+)
 
-FORMAT, VERSION = "antires_rs.Series", 2
+VERSION = 2
 DATABASES = (".sqlite", ".db")
 _SIGNATURE = b"SQLite format 3\0"
 _TABLES = """
@@ -36,7 +46,6 @@ CREATE TABLE tests (place INTEGER PRIMARY KEY, name TEXT UNIQUE, fingerprint TEX
 """
 #: So long the end of another process that writes is waited for.
 _BUSY_S = 1.0
-_WANTED = "a series that antires_rs wrote"
 Config = dict[str, Any]
 
 
@@ -54,7 +63,7 @@ def _reading(path: Path) -> Iterator[sqlite3.Connection]:
         with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
             yield db
     except sqlite3.Error as exc:
-        reject("path", f"{str(path)!r}, which cannot be read ({exc})", _WANTED, "Name another file.")
+        reject("path", f"{str(path)!r}, which cannot be read ({exc})", WANTED, "Name another file.")
 
 
 def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row], dict[str, Any]]:
@@ -65,18 +74,15 @@ def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row],
     if said != "ok":
         raise sqlite3.DatabaseError(said)
     facts = {name: json.loads(value) for name, value in db.execute("SELECT name, value FROM series")}
-    if facts.get("format") != FORMAT:
-        reject(argument, f"{str(path)!r} of another kind", _WANTED, "Name another.")
-    if facts["version"] > VERSION:
-        reject(argument, f"{str(path)!r} of version {facts['version']}", f"{VERSION}", "Update antires_rs.")
+    check_format(argument, path, facts, VERSION)
     found = db.execute(
         "SELECT name, conditions, time, fingerprint, failed, facts, columns FROM tests ORDER BY place"
     )
     rows = []
     for name, conditions, time, fingerprint, failed, known, columns in found:
-        given = _measured(json.loads(conditions), time)
+        entry = _entry(name, json.loads(conditions), time, fingerprint)
         plain = partial(_plain, path, name, crc32(columns or b""))
-        rows.append(Row.of(name, *given, fingerprint, failed, json.loads(known or "null"), plain))
+        rows.append(Row.of(entry, failed, json.loads(known or "null"), plain))
     return rows, facts
 
 
@@ -118,6 +124,19 @@ def _begin(db: sqlite3.Connection, config: Config | None, finished: bool) -> Non
     _set_facts(db, format=FORMAT, version=VERSION, config=config, finished=finished)
 
 
+def _entry(name: str, conditions: Mapping[str, float | None], time: str | None, fingerprint: str) -> Entry:
+    """A test out of its texts."""
+    return Entry(
+        name, nan_for_none(conditions), None if time is None else np.datetime64(time, "ms"), fingerprint
+    )
+
+
+def _texts(row: Row) -> tuple[str, str | None]:
+    """What was measured beside, with NaN equal to itself."""
+    beside = {name: None if value != value else float(value) for name, value in row.conditions.items()}
+    return json.dumps(beside), None if row.time is None or np.isnat(row.time) else str(row.time)
+
+
 def write_series(
     path: Path, rows: Iterable[Row], config: Config | None = None, finished: bool = True
 ) -> None:
@@ -138,15 +157,13 @@ def read_series(path: Path) -> tuple[list[Row], bool]:
         raise FileNotFoundError(f"there is no series {str(path)!r}")
     rows: dict[str, Row] = {}
     unfinished = part.exists()
-    for file in (path, part):
+    for file in filter(Path.exists, (path, part)):
         if _is_database(file):
             with _reading(file) as db:
                 found, facts = _read(file, db, "path")
             unfinished |= not facts.get("finished")
-        elif file == path and path.exists():
-            found, _ = read_parquet_rows(path)
         else:
-            found, _ = _journal(part) if part.exists() else ([], None)
+            found, _ = read_parquet_rows(path) if file == path else _journal(part)
         rows |= {row.name: row for row in found}
     return list(rows.values()), unfinished
 
@@ -159,7 +176,7 @@ def _is_database(path: Path) -> bool:
 
 
 def _journal(path: Path) -> tuple[list[Row], Config]:
-    """The tests of a run that an older version was stopped in: lines of checksum and JSON, the last torn."""
+    """The tests of a run that version 0.1.0 was stopped in: lines of checksum and JSON, the last torn."""
     rows: dict[str, Row] = {}
     config: Config = {}
     for line in path.read_bytes().splitlines(keepends=True):
@@ -170,21 +187,9 @@ def _journal(path: Path) -> tuple[list[Row], Config]:
         if "config" in data:
             config = data["config"]
             continue
-        given = _measured(data["conditions"], data["time"])
-        rows[data["name"]] = Row.packed(data["name"], *given, data["fingerprint"], data["outcome"])
+        entry = _entry(data["name"], data["conditions"], data["time"], data["fingerprint"])
+        rows[entry.name] = Row.packed(entry, data["outcome"])
     return list(rows.values()), config
-
-
-def _measured(conditions: Mapping[str, float | None], time: str | None) -> tuple[dict[str, float], Any]:
-    """What was measured beside a test, out of its texts."""
-    values = {name: np.nan if value is None else value for name, value in conditions.items()}
-    return values, None if time is None else np.datetime64(time, "ms")
-
-
-def _texts(row: Row) -> tuple[str, str | None]:
-    """What was measured beside, with NaN equal to itself."""
-    beside = {name: None if value != value else float(value) for name, value in row.conditions.items()}
-    return json.dumps(beside), None if row.time is None or np.isnat(row.time) else str(row.time)
 
 
 # -- The store of a series that runs
@@ -201,24 +206,28 @@ class LastingStore(PathLike[str]):
 
 
 class Store:
-    """Results in memory, where there is no path, or in a database.
+    """Results in memory, where a caller names no store, or in a database."""
 
-    Attributes
-    ----------
-    path : Path or None
-    changed : list of str
-        Sources that were identified before and are others now.
-    """
-
-    def __init__(self, path: Path | None, config: Config, *, lasting: bool = False) -> None:
-        self.path, self._config, self._lasting = path, config, lasting
+    def __init__(self, store: Any, config: Config) -> None:
+        self.path: Path | None = None
+        #: Sources that were identified before and are others now.
         self.changed: list[str] = []
+        self._config, self._lasting = config, isinstance(store, LastingStore)
         #: What the finished file holds, if that is of use; and all that is known.
         self._there: list[Row] | None = None
         self._known: dict[str, Row] = {}
         self._db: sqlite3.Connection | None = None
-        if path is None:
+        if store is None:
             return
+        if not isinstance(store, str | PathLike) or Path(store).suffix.lower() not in (
+            ".parquet",
+            *DATABASES,
+        ):
+            wanted = "the path of a file that ends in .parquet or .sqlite, or None for memory"
+            reject("store", store, wanted, "As in store='year.parquet'.")
+        path = self.path = Path(store)
+        if not path.parent.is_dir() or path.is_dir():
+            reject("store", repr(str(path)), "a file in a folder that exists", "Make the folder first.")
         self._file = path if path.suffix.lower() in DATABASES else part_path(path)
         if self._file != path:
             pyarrow("store")  # now rather than after a night
@@ -228,12 +237,11 @@ class Store:
         try:
             self._db, rows = self._opened()
         except sqlite3.DatabaseError as exc:
+            file = repr(str(self._file))
             if exc.sqlite_errorcode in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
-                got = f"{str(self._file)!r}, to which another process writes"
-                reject("store", got, "a store of this process alone", "Wait for it, or stop it first.")
-            reject(
-                "store", f"{str(self._file)!r}, which cannot be read ({exc})", _WANTED, "Name another file."
-            )
+                wanted, remedy = "a store of this process alone", "Wait for it, or stop it first."
+                reject("store", f"{file}, to which another process writes", wanted, remedy)
+            reject("store", f"{file}, which cannot be read ({exc})", WANTED, "Name another file.")
         self._known = {row.name: row for row in [*(self._there or []), *rows]}
 
     def _opened(self) -> tuple[sqlite3.Connection, list[Row]]:
@@ -293,24 +301,21 @@ class Store:
             return None
         return found
 
-    def keep(
-        self, name: str, fingerprint: str, conditions: Mapping[str, float], time: Any, outcome: Plain | str
-    ) -> Row:
+    def keep(self, entry: Entry, outcome: Plain | str) -> Row:
         """Keep a result, for good."""
-        row = Row.packed(name, conditions, time, fingerprint, outcome)
+        row = Row.packed(entry, outcome)
         if self._db is not None:
             row = _insert(self._db, self._file, row)
             _set_facts(self._db, finished=False)
             self._commit(self._db)
-            self._known[name] = row
+            self._known[row.name] = row
         return row
 
     def finish(self, rows: Sequence[Row]) -> Sequence[Row]:
         """All tests are there: write the file, unless it holds just these already."""
         if self.path is None or self._db is None:
             return rows
-        here = {row.name for row in rows}
-        gone = sorted(self._known.keys() - here)
+        gone = sorted(self._known.keys() - {row.name for row in rows})
         if gone and self._lasting:
             both = [*rows, *(self._known[name] for name in gone)]
             rows = sorted(both, key=lambda row: natural(Path(row.name)))
@@ -323,25 +328,21 @@ class Store:
                 "Put them back, or name another store for other sources.",
             )
         new = self._there is None or list(map(_identity, self._there)) != list(map(_identity, rows))
-        if new and self._file == self.path:
-            self._set_places(self._db, rows)
-        elif new:
-            write_table(self.path, rows, self._config)
-        if self._file == self.path:
-            self._db.execute("COMMIT")
-            self._db.execute("PRAGMA journal_mode = DELETE")  # one file, which a read-only place may hold
-        self.close()
         if self._file != self.path:
+            if new:
+                write_table(self.path, rows, self._config)
+            self.close()
             self._file.unlink()
+            return read_series(self.path)[0]
+        if new:  # the order of the tests, and what was measured beside them now
+            self._db.execute("UPDATE tests SET place = -place - 1")
+            texts = ((place, *_texts(row), row.name) for place, row in enumerate(rows))
+            self._db.executemany("UPDATE tests SET place = ?, conditions = ?, time = ? WHERE name = ?", texts)
+            _set_facts(self._db, finished=True)
+        self._db.execute("COMMIT")
+        self._db.execute("PRAGMA journal_mode = DELETE")  # one file, which a read-only place may hold
+        self.close()
         return read_series(self.path)[0]
-
-    @staticmethod
-    def _set_places(db: sqlite3.Connection, rows: Sequence[Row]) -> None:
-        """The order of the tests, and what was measured beside them now."""
-        db.execute("UPDATE tests SET place = -place - 1")
-        texts = ((place, *_texts(row), row.name) for place, row in enumerate(rows))
-        db.executemany("UPDATE tests SET place = ?, conditions = ?, time = ? WHERE name = ?", texts)
-        _set_facts(db, finished=True)
 
     def close(self) -> None:
         """Stop in between; what is kept can still be read."""
@@ -352,19 +353,3 @@ class Store:
 
 def _identity(row: Row) -> Any:
     return row.name, _texts(row), row.fingerprint, row.failed, row.plain
-
-
-def open_store(store: Any, config: Config) -> Store:
-    """The store that a caller names; None for memory."""
-    if store is None:
-        return Store(None, config)
-    lasting = isinstance(store, LastingStore)
-    store = store.path if isinstance(store, LastingStore) else store
-    wanted = "the path of a file that ends in .parquet or .sqlite, or None for memory"
-    known = (".parquet", *DATABASES)
-    if not isinstance(store, str | PathLike) or Path(store).suffix.lower() not in known:
-        reject("store", store, wanted, "As in store='year.parquet'.")
-    path = Path(store)
-    if not path.parent.is_dir() or path.is_dir():
-        reject("store", repr(str(path)), "a file in a folder that exists", "Make the folder first.")
-    return Store(path, config, lasting=lasting)

@@ -1,19 +1,33 @@
-"""What is kept of one test, wherever it is kept."""
+"""What is kept of one test, and many of them as one long table that any program reads: Parquet or CSV.
+
+Each test has one row with ``row`` "test" (why it failed, how many antiresonances it has, and ``facts``, the
+rest as JSON), and behind it one for each antiresonance, each that was seen and not accepted ("left_out") and
+each peak without explanation ("unexplained"). Name, time and conditions of the test stand in all of them. A
+row group of Parquet holds ``GROUP`` tests, so that any of them is found without reading the others.
+"""
 
 from __future__ import annotations
 
+import csv
 import json
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
+from functools import lru_cache, partial
+from pathlib import Path
 from typing import Any
 from zlib import compress, decompress
 
 import numpy as np
 
+from .._core import __version__
+from ..exceptions import reject
+from ..io.common import missing_package
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.response_table import ResponseTable
+from ..measured.edits import BY_HAND
+from ..measured.response_table import NUMBERS, ResponseTable
 from ..signals.one_force import DataCheck, Finding
+from ..support.files import written_beside
 from ..support.values import frozen
 
 # -- A set of antiresonances as plain data: facts about its tables, and columns with a row an antiresonance
@@ -21,40 +35,42 @@ from ..support.values import frozen
 # This is what a worker sends back, a database holds, and the rows of a table are made of. Nothing
 # is lost but diagrams, curves of the data check and the cross-check; floats keep every bit.
 
-
 Plain = dict[str, Any]
 #: What a row of a set is: accepted, seen and not accepted, a peak that nothing explains.
 GROUPS = ("antiresonance", "left_out", "unexplained")
-#: Columns of every row; scores stand beside them by their names.
-COLUMNS = ("freq_hz", "damping_ratio", "std_hz", "by_hand")
+#: Columns of every row with the letters of their types; scores stand beside them by their names.
+COLUMNS = dict.fromkeys(NUMBERS, "f") | {"by_hand": "b"}
 _CASTS = {"f": np.float64, "i": np.int64, "b": np.bool_, "U": np.str_}
+#: What is kept of a data check beside its findings.
+_OF_CHECK = ("not_tested", "dofs", "excitation", "band_hz", "n_averages", "nperseg")
 
 
 def encoded(found: AntiresonanceSet) -> dict[str, Any]:
-    """``facts`` and ``columns``, both fit for JSON but for NaN in the data check."""
-    tables: list[list[Any]] = []
+    """``facts``, ``columns`` and ``scores``, fit for JSON but for NaN in the data check."""
+    peaks = {dof: ResponseTable(freq) for dof, freq in found.unexplained_hz.items()}
+    grouped = zip(GROUPS, (found.tables, found.left_out, peaks), strict=True)
+    tables = [(group, dof, table) for group, own in grouped for dof, table in own.items()]
+    kinds = [{name: _kind(values) for name, values in table.scores.items()} for *_, table in tables]
     columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
-    scores: dict[str, list[Any]] = {}
-    for group, dof, table in _tables(found):
-        kinds = {name: _kind(values) for name, values in table.scores.items()}
-        tables.append([group, dof, len(table), kinds])
-        before = len(columns["freq_hz"])
-        for name in COLUMNS:
-            columns[name] += _plain(getattr(table, name))
-        for name, values in table.scores.items():
-            known = scores.setdefault(name, [])
-            known += [None] * (before - len(known)) + _plain(values)
-    total = len(columns["freq_hz"])
-    for known in scores.values():
-        known += [None] * (total - len(known))
+    scores: dict[str, list[Any]] = {name: [] for own in kinds for name in own}
+    for *_, table in tables:
+        for name, column in columns.items():
+            column += _plain(getattr(table, name))
+        for name, column in scores.items():
+            column += _plain(table.scores[name]) if name in table.scores else [None] * len(table)
     facts = {
         "excitation": found.excitation,
         "sees": found.sees,
         "channels": list(found.channels),
-        "tables": tables,
-        "check": _check_facts(found.data_check),
+        "tables": [
+            [group, dof, len(table), own] for (group, dof, table), own in zip(tables, kinds, strict=True)
+        ],
+        "check": None,
         "options": dict(found.options),
     }
+    if isinstance(check := found.data_check, DataCheck):
+        findings = [asdict(finding) | {"where": list(finding.where)} for finding in check.findings]
+        facts["check"] = {"findings": findings} | {name: getattr(check, name) for name in _OF_CHECK}
     if found.edits:
         facts["edited"] = found.to_json()
     return {"facts": facts, "columns": columns, "scores": scores}
@@ -65,43 +81,35 @@ def decoded(plain: Mapping[str, Any]) -> AntiresonanceSet:
     facts, columns, scores = plain["facts"], plain["columns"], plain["scores"]
     if "edited" in facts:
         return AntiresonanceSet.from_json(facts["edited"])
-    by_group: dict[str, dict[Any, ResponseTable]] = {group: {} for group in GROUPS}
+    tables: dict[str, dict[Any, ResponseTable]] = {group: {} for group in GROUPS}
     first = 0
     for group, dof, count, kinds in facts["tables"]:
         rows = slice(first, first + count)
         first += count
-        by_group[group][dof] = ResponseTable(
-            _floats(columns["freq_hz"][rows]),
-            _floats(columns["damping_ratio"][rows]),
-            _floats(columns["std_hz"][rows]),
-            {name: _column(scores[name][rows] if count else [], kind) for name, kind in kinds.items()},
-            np.array([value is True for value in columns["by_hand"][rows]], dtype=bool),
-        )
-    tables, left_out, unexplained = (by_group[group] for group in GROUPS)
+        own = {name: _column(columns[name][rows], kind) for name, kind in COLUMNS.items()}
+        known = {name: _column(scores[name][rows] if count else [], kind) for name, kind in kinds.items()}
+        tables[group][dof] = ResponseTable(**own, scores=known)
+    check = facts["check"]
+    if check is not None:
+        findings = tuple(Finding(**row | {"where": tuple(row["where"])}) for row in check["findings"])
+        tuples = {name: tuple(check[name]) for name in ("dofs", "band_hz")}
+        check = DataCheck(**check | tuples | {"findings": findings})
     return AntiresonanceSet.from_tables(
         facts["excitation"],
-        tables,
-        left_out=left_out,
-        unexplained_hz={dof: frozen(table.freq_hz) for dof, table in unexplained.items()},
+        tables[GROUPS[0]],
+        left_out=tables[GROUPS[1]],
+        unexplained_hz={dof: frozen(table.freq_hz) for dof, table in tables[GROUPS[2]].items()},
         sees=facts["sees"],
         channels=facts["channels"],
-        data_check=_check_of(facts["check"]),
+        data_check=check,
         options=facts.get("options"),
     )
 
 
-def _tables(found: AntiresonanceSet) -> Iterator[tuple[str, Any, ResponseTable]]:
-    for dof, table in found.tables.items():
-        yield GROUPS[0], dof, table
-    for dof, table in found.left_out.items():
-        yield GROUPS[1], dof, table
-    for dof, peaks in found.unexplained_hz.items():
-        yield GROUPS[2], dof, ResponseTable(peaks)
-
-
 def _kind(values: Any) -> str:
     """Letter of the type that a score comes back as."""
-    return {"u": "i"}.get(values.dtype.kind, values.dtype.kind if values.dtype.kind in _CASTS else "U")
+    kind = values.dtype.kind
+    return "i" if kind == "u" else kind if kind in _CASTS else "U"
 
 
 def _plain(values: Any) -> list[Any]:
@@ -109,55 +117,29 @@ def _plain(values: Any) -> list[Any]:
     return [None if value != value else value for value in values.tolist()]
 
 
-def _floats(values: Any) -> Any:
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
-
-
-def _column(values: Any, kind: str) -> Any:
-    return _floats(values) if kind == "f" else np.array(list(values), dtype=_CASTS[kind])
-
-
-def _check_facts(checked: Any) -> dict[str, Any] | None:
-    if not isinstance(checked, DataCheck):
-        return None
-    return {
-        "findings": [asdict(finding) | {"where": list(finding.where)} for finding in checked.findings],
-        "not_tested": dict(checked.not_tested),
-        "dofs": list(checked.dofs),
-        "excitation": checked.excitation,
-        "band_hz": list(checked.band_hz),
-        "n_averages": checked.n_averages,
-        "nperseg": checked.nperseg,
-    }
-
-
-def _check_of(facts: Mapping[str, Any] | None) -> DataCheck | None:
-    if facts is None:
-        return None
-    low, high = facts["band_hz"]
-    return DataCheck(
-        tuple(Finding(**row | {"where": tuple(row["where"])}) for row in facts["findings"]),
-        facts["not_tested"],
-        tuple(facts["dofs"]),
-        facts["excitation"],
-        (low, high),
-        n_averages=facts["n_averages"],
-        nperseg=facts["nperseg"],
-    )
+def _column(values: Sequence[Any], kind: str) -> Any:
+    """None becomes NaN."""
+    known = [np.nan if value is None else value for value in values] if kind == "f" else list(values)
+    return np.array(known, dtype=_CASTS[kind])
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
-    """A test in its place in the series: what is asked of it often, and how to get its set.
-
-    ``failed`` says why there is none; ``kinds`` are names of its scores with the letters of their types;
-    ``conditions`` and ``time`` (datetime64 or None) what was measured beside it.
-    """
+class Entry:
+    """A test: its name, what was measured beside it, its time (datetime64 or None), what tells its source."""
 
     name: str
     conditions: Mapping[str, float]
     time: Any
     fingerprint: str
+
+
+@dataclass(frozen=True, slots=True)
+class Row(Entry):
+    """A test with its result: what is asked of it often, and ``plain``, which gets its set.
+
+    ``failed`` says why there is none; ``kinds`` are names of its scores with the letters of their types.
+    """
+
     failed: str | None
     count: int
     excitation: Any
@@ -167,88 +149,31 @@ class Row:
 
     @classmethod
     def of(
-        cls,
-        name: str,
-        conditions: Mapping[str, float],
-        time: Any,
-        fingerprint: str,
-        failed: str | None,
-        facts: Mapping[str, Any] | None,
-        plain: Callable[[], Plain],
+        cls, entry: Entry, failed: str | None, facts: Mapping[str, Any] | None, plain: Callable[[], Plain]
     ) -> Row:
         """A test that failed, or a set of which the facts are known."""
         tables = facts["tables"] if facts else []
         accepted = [(dof, count) for group, dof, count, _ in tables if group == GROUPS[0]]
         return cls(
-            name,
-            conditions,
-            time,
-            fingerprint,
+            entry.name,
+            entry.conditions,
+            entry.time,
+            entry.fingerprint,
             failed,
             sum(count for _, count in accepted),
             facts["excitation"] if facts else None,
             _one(tuple(dof for dof, _ in accepted)),
-            _one(tuple(sorted({item for _, _, _, kinds in tables for item in kinds.items()}))),
+            _one(tuple(sorted({item for *_, kinds in tables for item in kinds.items()}))),
             plain,
         )
 
     @classmethod
-    def packed(
-        cls, name: str, conditions: Mapping[str, float], time: Any, fingerprint: str, outcome: Plain | str
-    ) -> Row:
+    def packed(cls, entry: Entry, outcome: Plain | str) -> Row:
         """An outcome held in memory, packed: 3 kB where a set of eight responses has 60."""
         if isinstance(outcome, str):
-            return cls.of(name, conditions, time, fingerprint, outcome, None, dict)
+            return cls.of(entry, outcome, None, dict)
         data = compress(json.dumps(outcome).encode(), 1)
-        return cls.of(name, conditions, time, fingerprint, None, outcome["facts"], partial(_unpacked, data))
-
-
-def _unpacked(data: bytes) -> Plain:
-    found: Plain = json.loads(decompress(data))
-    return found
-
-
-class StoredSets(Sequence[AntiresonanceSet | None]):
-    """The sets of some tests, made when they are asked for."""
-
-    def __init__(self, rows: Sequence[Row]) -> None:
-        self._rows = tuple(rows)
-
-    @property
-    def counts(self) -> list[int]:
-        """How many antiresonances each test has that did not fail."""
-        return [row.count for row in self._rows if row.failed is None]
-
-    def take(self, at: Iterable[int]) -> StoredSets:
-        """Those of some tests."""
-        return StoredSets([self._rows[i] for i in at])
-
-    def __getitem__(self, at: Any) -> Any:
-        if isinstance(at, slice):
-            return StoredSets(self._rows[at])
-        row = self._rows[at]
-        return None if row.failed is not None else decoded(row.plain())
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    def __reduce__(self) -> Any:
-        return tuple, (list(self),)
-
-
-def parts_of(rows: Sequence[Row]) -> dict[str, Any]:
-    """Arguments of a :class:`~antires_rs.Series` of these tests."""
-    columns = dict.fromkeys(name for row in rows for name in row.conditions)
-    times = np.array(["NaT" if row.time is None else row.time for row in rows], dtype="datetime64[ms]")
-    return {
-        "sets": StoredSets(rows),
-        "names": [row.name for row in rows],
-        "conditions": {name: [row.conditions.get(name, np.nan) for row in rows] for name in columns},
-        "times": None if np.isnat(times).all() else times,
-        "failed": {i: row.failed for i, row in enumerate(rows) if row.failed is not None},
-        "excitation": next((row.excitation for row in rows if row.failed is None), None),
-        "dofs": tuple(dict.fromkeys(dof for row in rows for dof in row.dofs)),
-    }
+        return cls.of(entry, None, outcome["facts"], lambda: json.loads(decompress(data)))
 
 
 #: Tuples that most tests share are held once.
@@ -259,3 +184,247 @@ def _one(item: tuple[Any, ...]) -> tuple[Any, ...]:
     if len(_SHARED) > 1000:
         _SHARED.clear()
     return _SHARED.setdefault((*item, *map(type, item)), item)
+
+
+class StoredSets(Sequence[AntiresonanceSet | None]):
+    """The sets of some tests, made when they are asked for."""
+
+    def __init__(self, rows: Sequence[Row]) -> None:
+        self.rows = tuple(rows)
+
+    def take(self, at: Iterable[int]) -> StoredSets:
+        """Those of some tests."""
+        return StoredSets([self.rows[i] for i in at])
+
+    def __getitem__(self, at: Any) -> Any:
+        if isinstance(at, slice):
+            return StoredSets(self.rows[at])
+        row = self.rows[at]
+        return None if row.failed is not None else decoded(row.plain())
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __reduce__(self) -> Any:
+        return tuple, (list(self),)
+
+
+def parts_of(rows: Sequence[Row]) -> dict[str, Any]:
+    """Arguments of a :class:`~antires_rs.Series` of these tests."""
+    times = np.array(["NaT" if row.time is None else row.time for row in rows], dtype="datetime64[ms]")
+    return {
+        "sets": StoredSets(rows),
+        "names": [row.name for row in rows],
+        "conditions": {
+            name: [row.conditions.get(name, np.nan) for row in rows] for name in _conditions_of(rows)
+        },
+        "times": None if np.isnat(times).all() else times,
+        "failed": {i: row.failed for i, row in enumerate(rows) if row.failed is not None},
+        "excitation": next((row.excitation for row in rows if row.failed is None), None),
+        "dofs": tuple(dict.fromkeys(dof for row in rows for dof in row.dofs)),
+    }
+
+
+def _conditions_of(rows: Sequence[Row]) -> list[str]:
+    return list(dict.fromkeys(name for row in rows for name in row.conditions))
+
+
+# -- Many tests as a table
+
+FORMAT, VERSION = "antires_rs.Series", 1
+#: Tests in a row group, and row groups that are held as plain data once they were read.
+GROUP, HELD = 128, 2
+#: Columns with the letters of their types, n a short integer: of every row, conditions behind them; of an
+#: antiresonance, its scores behind them; of the row of a test.
+OF_ALL = {"row": "U", "test": "n", "name": "U", "time": "M"}
+OF_VALUE = {"dof": "U"} | dict.fromkeys(NUMBERS, "f") | {"source": "U"}
+OF_TEST = {"failed": "U", "count": "n", "fingerprint": "U", "facts": "U"}
+WANTED = "a series that antires_rs wrote"
+Columns = dict[str, list[Any]]
+
+
+def pyarrow(what: str = "a series in a file") -> Any:
+    """The package, imported where a file is asked for, or the error that names the extra."""
+    try:
+        import pyarrow.parquet
+    except ImportError as exc:
+        raise missing_package(what, "pyarrow", "series", exc) from exc
+    return pyarrow
+
+
+def check_format(argument: str, path: Path, facts: Mapping[str, Any], newest: int) -> None:
+    """Refuse a file that is no series, or of a version to come."""
+    if facts.get("format") != FORMAT:
+        reject(argument, f"{str(path)!r} of another kind", WANTED, "Name another.")
+    if facts["version"] > newest:
+        reject(argument, f"{str(path)!r} of version {facts['version']}", f"{newest}", "Update antires_rs.")
+
+
+def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) -> None:
+    """Write all tests, whole or not at all; the bytes depend on nothing else."""
+    conditions = _conditions_of(rows)
+    fields = OF_ALL | dict.fromkeys(conditions, "f") | OF_VALUE | _score_fields(rows) | OF_TEST
+    if not any(row.time is not None and not np.isnat(row.time) for row in rows):
+        del fields["time"]
+    facts = {
+        "format": FORMAT,
+        "version": VERSION,
+        "made_by": __version__,
+        "tests": len(rows),
+        "tests_in_row_group": GROUP,
+        "conditions": conditions,
+        "config": config,
+    }
+    firsts = range(0, len(rows), GROUP)
+    groups = (_columns(first, rows[first : first + GROUP], fields, conditions) for first in firsts)
+    with written_beside(path) as beside:
+        if path.suffix.lower() == ".csv":
+            with open(beside, "w", encoding="utf-8", newline="") as file:
+                table = csv.writer(file, lineterminator="\n")
+                table.writerow(fields)
+                for columns in groups:
+                    table.writerows(zip(*columns.values(), strict=True))
+        else:
+            _write_parquet(beside, fields, facts, groups)
+        with open(beside, "rb+") as written:
+            os.fsync(written.fileno())
+
+
+def _score_fields(rows: Sequence[Row]) -> dict[str, str]:
+    """Columns of the scores; one that has several types is of floats, or of texts if it has any."""
+    kinds: dict[str, set[str]] = {}
+    for name, kind in {item for own in {row.kinds for row in rows} for item in own}:
+        kinds.setdefault(name, set()).add(kind)
+    return {
+        f"score_{name}": min(several) if len(several) == 1 else "U" if "U" in several else "f"
+        for name, several in sorted(kinds.items())
+    }
+
+
+def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions: Sequence[str]) -> Columns:
+    """The rows of some tests, a test's own first; what is missing behind it is null."""
+    columns: Columns = {name: [] for name in fields}
+    for number, row in enumerate(rows, start=first):
+        plain = None if row.failed is not None else row.plain()
+        tables = plain["facts"]["tables"] if plain else []
+        of_rows = [(group, str(dof)) for group, dof, count, _ in tables for _ in range(count)]
+        many = 1 + len(of_rows)
+        own: Columns = {
+            "row": ["test", *(group for group, _ in of_rows)],
+            "test": [number] * many,
+            "name": [row.name] * many,
+            "time": [None if row.time is None or np.isnat(row.time) else row.time] * many,
+            "failed": [row.failed],
+            "count": [row.count],
+            "fingerprint": [row.fingerprint],
+        }
+        for name in conditions:
+            value = row.conditions.get(name, np.nan)
+            own[name] = [None if value != value else value] * many
+        if plain:
+            found = plain["columns"] | {f"score_{name}": column for name, column in plain["scores"].items()}
+            found["dof"] = [dof for _, dof in of_rows]
+            found["source"] = [BY_HAND if by_hand else "identified" for by_hand in found["by_hand"]]
+            own["facts"] = [json.dumps(plain["facts"], separators=(",", ":"))]
+            own |= {name: [None, *column] for name, column in found.items()}
+        for name, column in columns.items():
+            given = own.get(name, [])
+            column += given + [None] * (many - len(given))
+    return columns
+
+
+def _write_parquet(path: Path, fields: dict[str, str], facts: Any, groups: Iterator[Columns]) -> None:
+    arrow = pyarrow()
+    types = {
+        "U": arrow.string(),
+        "f": arrow.float64(),
+        "b": arrow.bool_(),
+        "i": arrow.int64(),
+        "n": arrow.int32(),
+        "M": arrow.timestamp("ms"),
+    }
+    schema = arrow.schema([(name, types[kind]) for name, kind in fields.items()])
+    schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
+    with open(path, "wb") as file, arrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
+        for columns in groups:
+            arrays = [arrow.array(columns[field.name], field.type) for field in schema]
+            table = arrow.Table.from_arrays(arrays, schema=schema)
+            writer.write_table(table, row_group_size=max(table.num_rows, 1))
+
+
+# -- A series out of Parquet: what is known of all tests at once, their sets when they are asked for
+
+
+def read_parquet_rows(path: Path, argument: str = "path") -> tuple[list[Row], dict[str, Any] | None]:
+    """The tests of a file, and what :func:`~antires_rs.identify_series` was called with."""
+    arrow = pyarrow()
+    try:
+        with open(path, "rb") as file:
+            schema = arrow.parquet.read_schema(file)
+        facts = json.loads((schema.metadata or {}).get(b"antires_rs", b"{}"))
+    except (arrow.ArrowInvalid, ValueError) as exc:
+        reject(argument, f"{str(path)!r}, which cannot be read ({exc})", WANTED, "Name another file.")
+    check_format(argument, path, facts, VERSION)
+    sets = _Sets(path, facts["tests_in_row_group"])
+    names = ["row", "name", *facts["conditions"], "failed", "fingerprint", "facts"]
+    timed = ["time"] if "time" in schema.names else []
+    rows: list[Row] = []
+    with arrow.parquet.ParquetFile(path) as opened:
+        for group in range(opened.num_row_groups):
+            table = opened.read_row_group(group, columns=names + timed)
+            own = table.filter([row == "test" for row in table.column("row").to_pylist()])
+            columns = {name: own.column(name).to_pylist() for name in names}
+            times = own.column("time").to_numpy() if timed else [None] * own.num_rows
+            for i, time in enumerate(times):
+                values = {name: columns[name][i] for name in facts["conditions"]}
+                entry = Entry(columns["name"][i], nan_for_none(values), time, columns["fingerprint"][i])
+                failed, known = columns["failed"][i], columns["facts"][i]
+                rows.append(
+                    Row.of(
+                        entry,
+                        failed if known is not None or failed else "",
+                        None if known is None else json.loads(known),
+                        partial(sets.plain, len(rows)),
+                    )
+                )
+    return rows, facts["config"]
+
+
+def nan_for_none(conditions: Mapping[str, float | None]) -> dict[str, float]:
+    """Conditions as a file has them."""
+    return {name: np.nan if value is None else value for name, value in conditions.items()}
+
+
+class _Sets:
+    """The sets in a file, by row groups."""
+
+    def __init__(self, path: Path, in_group: int) -> None:
+        self._path, self._in_group, self._made = path, in_group, _made(path)
+        self._group = lru_cache(HELD)(self._read)
+
+    def plain(self, nth: int) -> Plain:
+        """The set of one test as plain data."""
+        group, nth = divmod(nth, self._in_group)
+        held, firsts = self._group(group)
+        first = firsts[nth]
+        facts = json.loads(held["facts"][first])
+        rows = slice(first + 1, first + 1 + sum(count for _, _, count, _ in facts["tables"]))
+        columns = {name: held[name][rows] for name in COLUMNS if name in held}
+        columns["by_hand"] = [source == BY_HAND for source in held["source"][rows]]
+        scores = {name: held[f"score_{name}"][rows] for *_, kinds in facts["tables"] for name in kinds}
+        return {"facts": facts, "columns": columns, "scores": scores}
+
+    def _read(self, group: int) -> tuple[Columns, list[int]]:
+        """Columns of a row group, and where its tests begin."""
+        if _made(self._path) != self._made:
+            got = f"{str(self._path)!r}, which was written anew"
+            reject("path", got, "the file that this series was loaded from", "Load it again.")
+        with pyarrow().parquet.ParquetFile(self._path) as file:
+            held: Columns = file.read_row_group(group).to_pydict()
+        return held, [i for i, row in enumerate(held["row"]) if row == "test"]
+
+
+def _made(path: Path) -> tuple[int, int]:
+    """What is another for a file that was replaced."""
+    state = path.stat()
+    return state.st_ino, state.st_mtime_ns

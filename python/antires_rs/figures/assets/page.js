@@ -89,7 +89,7 @@ function mark() {
     for (const one of root.model.references()) {
       if (state.marks[one.name]) one.data = { ...state.marks[one.name] };
       const kind = one.name?.startsWith("entry of ") ? one.name.slice(9) : null;
-      if (kind) one.visible = state.marks[kind].freq.length > 0;
+      if (kind) one.visible = state.marks[kind].x.length > 0;
     }
   }
 }

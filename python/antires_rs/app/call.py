@@ -1,0 +1,226 @@
+"""A measurement as the arguments of ``identify`` and ``look`` name it: a job made of them."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shlex
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..exceptions import reject
+from ..identification.identify import Hit, identify_roving
+from ..io.registry import conversion
+from ..io.uff import as_point, force_of, label_of
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..signals.frequency_response import covered_hz
+from ..support.messages import LeftOut, Part, edit_named, warn
+from .command import existing, say
+from .job import LEAVE_OUT, Job, KeyPath, Place
+from .keys import DATA, FORMATS, IDENTIFICATION
+from .parser import dof
+from .reading import EDITS, Measurement, edited, kind_of
+
+#: So many channels are named in a message.
+_NAMED = 12
+_PLACE: KeyPath = ("data",)
+#: What functions call the files, or what was read from them.
+_OF_FILES = ("file", "path", "files", "signal", "source", "sets")
+#: Options of the command line by keys of a job.
+_FLAGS = {key.name: key.flag.split()[0] for key in (*DATA.keys, *IDENTIFICATION.keys) if key.flag}
+_FLAGS |= {name: f"--{name}" for name in EDITS}
+
+
+class Call(Job):
+    """The job that says what the arguments of a command do; its places are the options.
+
+    ``place`` is that of the force where the hammer roved, and None where it stayed.
+    """
+
+    def __init__(
+        self, args: argparse.Namespace, *, band_needed: bool = True, place: Any = None, roved: bool = False
+    ) -> None:
+        self.path = Path("arguments")
+        self._band_needed, self._roved = band_needed, roved
+        own = [key.name for key in DATA.keys if key.flag] + ([] if roved else list(EDITS))
+        table = {name: getattr(args, name, None) for name in own}
+        if roved:
+            table |= {"excitation": place, "roving": None}
+        elif args.hit is not None:
+            wanted = "it beside --roving SENSOR, with a file for each hit"
+            reject("--hit", "it for one place of the force", wanted, "Name that place by --excitation.")
+        if table["dofs"] is not None:
+            table["dofs"] = dict(table["dofs"])
+        self.data = [{name: value for name, value in table.items() if value is not None}]
+        self.data_places = [_PLACE]
+        options = {key.name: getattr(args, key.name) for key in IDENTIFICATION.keys if key.flag}
+        self.sections = {
+            "identification": {name: value for name, value in options.items() if value is not None}
+        }
+
+    def read(self, files: list[Path]) -> Measurement:
+        """What the files hold; a universal file may state the place of the force."""
+        (table,) = self.data
+        if "excitation" not in table and "roving" in table:
+            with self.blame(_PLACE):
+                table["excitation"] = label_of(as_point("roving", table["roving"]))
+        if not {"excitation", "reference"} & table.keys() and kind_of(self, _PLACE, table, files[0]) == "uff":
+            with self.blame(_PLACE):
+                force = force_of(files[0])
+            if force is not None:
+                say(f"the force is at {force}, as the file states")
+                table["excitation"] = force
+        return Measurement(self, _PLACE, table, None, [(_FILE, file) for file in files])
+
+    def only(self, *_: Any) -> None:
+        """The reader tells what belongs to another format."""
+
+    def unknown_format(self, place: KeyPath, table: Any, file: Path) -> NoReturn:
+        """Refuse a file whose format is not known."""
+        wanted = "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends)
+        reject("FILE", repr(str(file)), wanted, f"Say by --format what it is.{conversion(file.name)}")
+
+    def check_data(self, place: KeyPath, table: Any, signal: Any = None) -> None:
+        """Refuse what the signal cannot tell of, and tell what could be given."""
+        if signal is None:
+            return
+        low, high = covered_hz(signal)
+        if "excitation" not in table:
+            reject(
+                "--excitation",
+                "nothing",
+                "--excitation DOF, where the force acts",
+                f"The file has the channels {_some(signal.dofs)}.",
+            )
+        if "band_hz" not in table and self._band_needed:
+            reject(
+                "--band",
+                "nothing",
+                "--band LOW HIGH, in Hz, where the curves are clean",
+                f"The data reach from {low:.4g} to {high:.4g} Hz; 'antires look' shows them without it.",
+            )
+        for text in table.get("add", ()):
+            name, freq_hz, _ = edit_named(text) or ("", 0.0, "")
+            if not low <= freq_hz <= high:
+                wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
+                reject("--add", f"{freq_hz:g} Hz at dof {dof(name)!r}", wanted, "Correct it.")
+        named = table.get("dofs", {})
+        force = table["excitation"]
+        if not (self._roved or force in named or force in signal.dofs):
+            _warn_unmeasured(force, signal.dofs)
+
+    def where(self, place: KeyPath) -> Place:
+        """The option of a place."""
+        name = next((part for part in place[1:] if isinstance(part, str)), "file")
+        return Place("FILE" if name in _OF_FILES else _FLAGS.get(name, name), place)
+
+    def belongs(self, place: KeyPath) -> str:
+        """Nothing: the help of the command tells."""
+        return ""
+
+    def spelled(self, part: Part) -> str:
+        """An argument of a reader as this command has it; those it lacks a job has."""
+        if isinstance(part, LeftOut):
+            return LEAVE_OUT
+        flag = _FLAGS.get(part.name)
+        if flag is None:
+            return f"{part.name} (in a job)" if DATA.key(part.name) else part.name
+        return flag if part.value is None else f"{flag} {part.value}"
+
+
+_FILE: KeyPath = ("data", "file")
+
+
+def check_files(args: argparse.Namespace) -> None:
+    """Check that the files are there, and of several that they are repeats of one test, of one format."""
+    for file in args.files:
+        if not file.is_dir():
+            existing("FILE", file, "Name a measurement, or a job.")
+    ending = args.files[0].suffix.lower()
+    for file in args.files if len(args.files) > 1 else ():
+        if file.suffix.lower() in (".toml", ".json") or file.suffix.lower() != ending:
+            reject(
+                "FILE",
+                f"{str(file)!r} among several",
+                "measurements of one format: other impacts or runs of the same test",
+                "Name a job or a file of antiresonances alone.",
+            )
+
+
+def refuse_beside(args: argparse.Namespace, what: str, remedy: str, *more: str) -> None:
+    """Refuse options of reading and identifying a measurement, and ``more``, beside something else."""
+    options = {name: flag for name, flag in _FLAGS.items() if name not in EDITS}
+    for name, flag in (options | {name: f"--{name}" for name in ("hit", *more)}).items():
+        if getattr(args, name, None) is not None:
+            reject(flag, f"it beside {what}", "it with a measurement alone", remedy)
+
+
+def identified(args: argparse.Namespace) -> AntiresonanceSet:
+    """The antiresonances of the files of a command, edited as it says."""
+    if several_hits(args):  # each is identified by itself, and all are joined at the sensor that stayed
+        hits, call = hits_of(args)
+        options = call.sections["identification"]
+        with call.blame(_PLACE):
+            joined = identify_roving(hits, args.roving, args.band_hz, say=say, **options)
+        return edited(call, _PLACE, {name: getattr(args, name) or () for name in EDITS}, joined)
+    return Call(args).read(args.files).identified().found
+
+
+def several_hits(args: argparse.Namespace) -> bool:
+    """Whether each file is a hit of a hammer at another place."""
+    return args.roving is not None and len(args.files) > 1
+
+
+def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list[Hit], Call]:
+    """What was measured at each hit, read, and the job of the last one."""
+    places: list[Any] = args.hit or [None] * len(args.files)
+    if len(places) != len(args.files):
+        wanted = f"{len(args.files)}, one for each file in their order"
+        reject("--hit", f"{len(places)} places", wanted, "Name the place of the force of every file.")
+    if args.excitation is not None:
+        reject("--excitation", "it beside --roving", "--hit for each file", "Leave it out: the force moved.")
+    sensor, hits = args.roving, []
+    for file, place in zip(args.files, places, strict=True):
+        call = Call(args, band_needed=band_needed, place=place, roved=True)
+        one = call.read([file])
+        signal: Any = one.signal
+        if sensor not in signal.dofs and one.force != sensor:
+            got = f"{sensor!r} for {file.name}, with responses at {', '.join(map(repr, signal.dofs))}"
+            reject("--roving", got, "a sensor that is in every file", "Name the one that stayed.")
+        hits.append(Hit(file.name, signal, one.force))
+    return hits, call
+
+
+# -- A force that is none of the channels
+
+
+def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
+    """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
+    meant = _meant(force, dofs)
+    hint = "If it acts at one of them, write that name."
+    if meant is not None:
+        hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
+    warn(
+        "force_not_measured",
+        f"--excitation: {force!r} is none of the channels {_some(dofs)}, so that "
+        f"the place of the force cannot be tested. {hint}",
+    )
+
+
+def _meant(force: Any, dofs: tuple[Any, ...]) -> Any:
+    """The channel that a name probably stands for: the only one with that number, else the most like it."""
+    for part in (slice(-1, None), slice(1)):  # chassis2[0], 0:+Z
+        same = [dof for dof in dofs if str(force) in re.findall(r"\d+", str(dof))[part]]
+        if len(same) == 1:
+            return same[0]
+    near = get_close_matches(str(force), names := [str(dof) for dof in dofs], 1, 0.7)
+    return dofs[names.index(near[0])] if near else None
+
+
+def _some(dofs: tuple[Any, ...]) -> str:
+    """The channels by name; of many the first and the last."""
+    names = [repr(dof) for dof in dofs]
+    if len(names) > _NAMED:
+        names = [*names[: _NAMED - 1], "...", names[-1]]
+    return ", ".join(names)

@@ -1,0 +1,304 @@
+"""What a figure shows, whoever draws it: marks on a panel, those behind first.
+
+:func:`~antires_rs.figures.canvas.draw` makes a picture of a panel with matplotlib,
+:func:`~antires_rs.figures.live_canvas.explored` a figure to be explored with bokeh. Sizes are in points.
+Kinds of things differ by marker, dash or hatch as well as by colour, so that they are told apart in grey.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..support.checks import FloatArray
+
+#: Okabe and Ito's palette (2008), told apart by all common kinds of colour vision; yellow, too pale for lines
+#: on white, is left out.
+COLOURS = {
+    "blue": "#0072B2",
+    "vermillion": "#D55E00",
+    "green": "#009E73",
+    "purple": "#CC79A7",
+    "orange": "#E69F00",
+    "sky": "#56B4E9",
+    "black": "#000000",
+}
+#: Names by which marks may say a colour.
+INKS = COLOURS | {"grey": "#8C8C8C", "pale": "#BFBFBF"}
+#: Dash patterns to go with the colours: by name, or points drawn and left out.
+DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (5, 1, 1, 1, 1, 1), (1, 3), (8, 3))
+#: From nothing, which is to be quiet, to much; lightness falls evenly, so that it reads in grey as well.
+SCALE = ("#DADADA", "#A9BFD6", "#5F8DBD", "#1F5A94", "#0B2C57", "#050B16")
+
+
+def xy(points: Any) -> tuple[FloatArray, FloatArray]:
+    """x and y of points (n, 2)."""
+    x, y = np.asarray(points, dtype=np.float64).reshape(-1, 2).T
+    return x, y
+
+
+def turn(number: int) -> dict[str, Any]:
+    """Colour and dash of a curve among others."""
+    return {"colour": list(COLOURS.values())[number % len(COLOURS)], "dash": DASHES[number % len(DASHES)]}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """What all marks have.
+
+    ``says`` is what hovering tells: texts with ``@x``, ``@y`` and columns of ``more``, numbers in a format
+    in braces. ``only`` keeps a mark to the "picture" or to the "page".
+    """
+
+    label: str | None = None
+    says: Mapping[str, str] = field(default_factory=dict)
+    more: Mapping[str, Any] = field(default_factory=dict)
+    only: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("colour", "face", "edge"):
+            if getattr(self, name, None) in INKS:
+                object.__setattr__(self, name, INKS[getattr(self, name)])
+
+
+@dataclass(frozen=True)
+class Points(Mark):
+    """Markers, a stroke being (2, 2, degrees), with their ``error``; ``spill`` ones go over the edge."""
+
+    x: Any
+    y: Any
+    marker: Any = "o"
+    size: float = 6.0
+    colour: str = "black"
+    face: str | None = None
+    stroke: float = 1.2
+    spill: bool = False
+    error: Any = None
+    link: Any = ""
+
+
+@dataclass(frozen=True)
+class Line(Mark):
+    """A curve, or steps that change at each point."""
+
+    x: Any
+    y: Any
+    colour: str = "black"
+    dash: Any = "-"
+    width: float = 1.2
+    steps: bool = False
+
+
+@dataclass(frozen=True)
+class Bars(Mark):
+    """From zero to a length, upright or sideways."""
+
+    at: Any
+    length: Any
+    width: float = 0.62
+    face: str = "blue"
+    edge: str | None = "black"
+    hatch: str = ""
+    dash: Any = "-"
+    sideways: bool = False
+
+
+@dataclass(frozen=True)
+class Ticks(Mark):
+    """Short lines across, with a white edge that keeps them apart from a bar behind."""
+
+    x: Any
+    y: Any
+    colour: str = "vermillion"
+    half: float = 0.42
+
+
+@dataclass(frozen=True)
+class Whiskers(Mark):
+    """Intervals."""
+
+    x: Any
+    low: Any
+    high: Any
+
+
+@dataclass(frozen=True)
+class Rules(Mark):
+    """Lines through the whole panel at each place, upright or across."""
+
+    at: Any
+    upright: bool = False
+    colour: str = "black"
+    dash: Any = "-"
+    width: float = 0.8
+
+
+@dataclass(frozen=True)
+class Bands(Mark):
+    """Upright bands from each ``low`` to its ``high`` behind everything."""
+
+    low: Any
+    high: Any
+    face: str = "none"
+    hatch: str = ""
+
+
+@dataclass(frozen=True)
+class Words(Mark):
+    """Texts beside their places: ``above`` them, "below", "right" of them or "centre"."""
+
+    x: Any
+    y: Any
+    texts: Sequence[str]
+    where: str = "above"
+    away: float = 3.0
+    size: float = 8.33
+    colour: str = "black"
+    turned: bool = False
+    slanted: bool = False
+    boxed: bool = False
+
+
+@dataclass(frozen=True)
+class Heads(Mark):
+    """Names of places across: over a picture, upright at the lower edge of a figure to be explored."""
+
+    x: Any
+    texts: Sequence[str]
+    bold: Sequence[bool] = ()
+
+
+@dataclass(frozen=True)
+class Paths(Mark):
+    """Lines (n, 2) of one colour, or each in that of its value; thin where it has none."""
+
+    paths: Sequence[FloatArray]
+    colour: str = "blue"
+    values: FloatArray | None = None
+    scale: str = ""
+    dash: Any = "-"
+    width: float = 3.2
+
+
+@dataclass(frozen=True)
+class Arrows(Mark):
+    """From ``tails`` to ``heads``, (n, 2) both."""
+
+    tails: FloatArray
+    heads: FloatArray
+    colour: str = "black"
+    width: float = 1.6
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Label with its unit, limits, scale, places of ticks, and their names, by default at 0, 1, ..."""
+
+    label: str
+    limits: tuple[float, float] | None = None
+    log: bool = False
+    names: Sequence[str] | None = None
+    at: Any = None
+    upright: bool = False
+    dated: bool = False
+
+    @property
+    def places(self) -> Any:
+        """Where the names stand."""
+        return np.arange(len(self.names or ())) if self.at is None else self.at
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A figure; ``behind`` is a curve on an axis of its own at the right, ``first`` leads the legend."""
+
+    name: str
+    x: Axis
+    y: Axis
+    marks: Sequence[Mark]
+    title: str = ""
+    grid: str = ""
+    equal: bool = False
+    first: Sequence[str] = ()
+    behind: tuple[Axis, Line] | None = None
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+# -- Where an axis ends when a few values are so far off that they would flatten all others
+
+
+#: A value this many times the next smaller one stands apart.
+APART = 2.5
+#: At most this share of the values is cut off, one in any case, unless the others are next to nothing.
+MOST_CUT, LEAST = 0.15, 0.01
+
+
+def reach(values: Any, margin: float = 1.25) -> float:
+    """Largest absolute value an axis shows, infinite for all: few that a gap sets apart are cut off."""
+    size = np.abs(np.asarray(values, dtype=np.float64).ravel())
+    size = np.sort(size[np.isfinite(size)])[::-1]
+    most = min(max(1, int(MOST_CUT * size.size)), size.size - 1)
+    for cut in range(most, 0, -1):
+        if size[cut] > LEAST and size[cut - 1] > APART * size[cut]:
+            return float(margin * size[cut])
+    return float("inf")
+
+
+def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
+    """Ascending positions moved as little as needed to be ``least`` apart and, if they fit, in the limits."""
+    from scipy.optimize import isotonic_regression
+
+    where = np.asarray(positions, dtype=np.float64)
+    if where.size < 2:
+        return where.copy()
+    # With the ideal spacing taken off, "at least apart" reads "not descending": isotonic regression.
+    shift = least * np.arange(where.size)
+    level = isotonic_regression(where - shift).x
+    top = high - shift[-1]
+    return np.asarray((np.clip(level, low, top) if top > low else level) + shift)
+
+
+# -- Where the numbers of elements go: beside the element, clear of arrows, markers and each other
+
+
+#: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
+AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
+#: Shares of the element's length at which a number may stand.
+ALONG = (0.5, 0.3, 0.7)
+
+
+def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
+    """Places of the numbers, (n, 2), of elements (n, 2, 2), by default left of the middle; all in points."""
+    placed = np.empty((0, 2))
+    sides = [(share, side * away) for share in ALONG for away in AWAY for side in (1.0, -1.0)]
+    for i, (a, b) in enumerate(ends):
+        across = np.array([a[1] - b[1], b[0] - a[0]])
+        across = across / max(float(np.linalg.norm(across)), 1e-300)
+        options = np.array([a + share * (b - a) + away * across for share, away in sides])
+        placed = _clearest(options, np.concatenate([lines, np.delete(ends, i, axis=0)]), placed, ROOM)
+    return placed
+
+
+def around(points: FloatArray, lines: FloatArray) -> FloatArray:
+    """Places of the numbers of points (n, 2), by default below to the right; all in points."""
+    angles = np.radians([-45.0, 135.0, 45.0, -135.0, -90.0, 90.0, 180.0, 0.0])
+    ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    placed = np.empty((0, 2))
+    for point in points:
+        options = np.concatenate([point + away * ways for away in (8.0, 11.0, 15.0)])
+        placed = _clearest(options, lines, placed, 0.8 * ROOM)
+    return placed
+
+
+def _clearest(options: FloatArray, lines: FloatArray, placed: FloatArray, room: float) -> FloatArray:
+    """``placed`` with the first option that is clear of all, or else the one that is clearest."""
+    others = np.concatenate([lines, np.stack([placed, placed], axis=1)])
+    start, span = others[:, 0], others[:, 1] - others[:, 0]
+    square = np.maximum(np.sum(span**2, axis=1), 1e-300)
+    off = options[:, None] - start
+    share = np.clip(np.sum(off * span, axis=2) / square, 0.0, 1.0)
+    clear = np.linalg.norm(off - share[:, :, None] * span, axis=2).min(axis=1, initial=np.inf)
+    return np.vstack([placed, options[int(np.argmax(np.minimum(clear, room)))]])

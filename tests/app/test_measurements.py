@@ -1,0 +1,194 @@
+"""What jobs and commands read: repeats, folders, files that state the force, values edited by hand."""
+
+import json
+import re
+import tomllib
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.app import main as cli
+from antires_rs.app.job import read_job
+from antires_rs.app.reading import measured_of
+from antires_rs.app.run import measurement_of
+from reference.virtual_records import accelerance, chain8_matrices, hit_record
+from tests.support.four_masses import BAND, chain, exact, record
+from tests.support.job_files import DAMAGE, run, write_measured
+
+pytest.importorskip("pyuff")
+
+
+def measured(folder, data):
+    """What a job with this [data] measured, not at dofs of its model."""
+    path = folder / "job.toml"
+    path.write_text(DAMAGE.replace('file = "measured.json"\n', data), encoding="utf-8")
+    return measured_of(read_job(path), None)
+
+
+# -- Impacts in a file each
+
+
+@pytest.fixture
+def impacts(tmp_path):
+    matrices = chain8_matrices()
+    hits = [hit_record(*matrices, duration_s=16.0, noise=0.01, seed=seed)[0][:4] for seed in range(4)]
+    records = [ar.Recording(hit, 512.0) for hit in hits]
+    for i, rec in enumerate(records):
+        ar.write_npz(tmp_path / f"hit_{i}.npz", rec)
+    return records
+
+
+def repeated(folder, repeats):
+    data = f'file = "hit_0.npz"\nrepeats = {json.dumps(repeats)}\nexcitation = 0\nband_hz = [3.0, 130.0]\n'
+    (one,) = measured(folder, data)
+    return one
+
+
+def test_repeats_of_a_job_and_files_of_one_command(tmp_path, impacts, monkeypatch, capsys):
+    wanted = ar.identify_antiresonances(impacts, excitation=0, band_hz=(3, 130))
+    one = repeated(tmp_path, ["hit_*.npz"])  # takes the first file up too, which is not read twice
+    assert one.found == wanted
+    assert [path.name for path in one.repeats] == ["hit_1.npz", "hit_2.npz", "hit_3.npz"]
+    (facts,) = measurement_of([one])
+    assert facts["File"] == [f"hit_{i}.npz" for i in range(4)]
+    assert facts["Record"][0].startswith("4 records of one test, together 64 s at 512 Hz")
+    assert repeated(tmp_path, ["hit_1.npz", "hit_2.npz", "hit_3.npz"]).found == wanted
+    two = ar.identify_antiresonances(impacts[:2], excitation=0, band_hz=(3, 130))
+    assert repeated(tmp_path, "hit_1.npz").found == two
+    monkeypatch.chdir(tmp_path)
+    files, options = [f"hit_{i}.npz" for i in range(4)], ["--band", "3", "130", "--excitation", "0"]
+    assert cli.main(["identify", *files, *options]) == 0
+    assert capsys.readouterr().out.rstrip("\n") == str(wanted)
+    assert cli.main(["identify", files[0], "job.toml", *options]) == 2
+    assert "FILE: got 'job.toml' among several" in capsys.readouterr().err
+
+
+def test_wrong_repeats_are_named_where_they_stand(tmp_path, impacts):
+    ar.write_npz(tmp_path / "other.npz", ar.Recording(np.random.default_rng(0).random((4, 999)), 100.0))
+    for repeats, said in (
+        (["hit_9.npz"], r"job.toml, line 3, .data. repeats\[0\]: got 'hit_9.npz'"),
+        (["miss_*.npz"], r"repeats\[0\]: got \"miss_\*.npz\""),
+        (["hit_1.npz", "other.npz"], r"repeats\[1\]: got a sampling rate of 100 Hz"),
+    ):
+        with pytest.raises(ar.InvalidInputError, match=said):
+            repeated(tmp_path, repeats)
+
+
+def test_a_folder_of_frfs_is_identified_on_the_command_line_and_in_a_job(tmp_path, capsys):
+    folder, freq = tmp_path / "frfs", np.arange(1, 2240) / 16
+    folder.mkdir()
+    for dof, h in enumerate(accelerance(*chain8_matrices(), 0, freq, 0.01)[:4]):
+        columns = np.c_[freq, 20 * np.log10(np.abs(h)), np.degrees(np.angle(h))]
+        np.savetxt(folder / f"H_{dof}_0.csv", columns, delimiter=",")
+    call = ["identify", str(folder), "--band", "3", "130", "--excitation", "0", "--json"]
+    assert cli.main([*call, "--pairs", "db_deg"]) == 0
+    found = json.loads(capsys.readouterr().out)["antiresonances"]
+    assert [row["dof"] for row in found] == list(range(4))
+    assert cli.main(call) == 1
+    assert "--first freq" in capsys.readouterr().err
+    data = 'file = "frfs"\npairs = "db_deg"\nexcitation = 0\nband_hz = [3.0, 130.0]\n'
+    (tmp_path / "job.toml").write_text(DAMAGE.replace('file = "measured.json"\n', data))
+    assert cli.main(["identify", str(tmp_path / "job.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["antiresonances"] == found
+
+
+# -- Files that name channels, and state the force
+
+
+def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
+    noise = np.random.default_rng(0).standard_normal((2, 64))
+    (tmp_path / "data").mkdir()
+    named = ar.write_npz(tmp_path / "data" / "named.npz", ar.Recording(noise, 32.0, ["tip [g]", 'a"b']))
+    job = tmp_path / "job.toml"
+    assert cli.main(["init", str(job), "--data", str(named)]) == 0
+    assert f"antires damage {job}" in capsys.readouterr().out
+    data = tomllib.loads(job.read_text())["data"]
+    assert (data["file"], data["dofs"]) == ("data/named.npz", {"tip [g]": "?", 'a"b': "?"})
+    assert data["excitation"] == "?"
+    assert cli.main(["damage", str(job)]) == 2
+    assert "got '?', where the dof is not given yet" in capsys.readouterr().err
+    # Dofs that are numbers need no table.
+    numbered = ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 32.0))
+    assert cli.main(["init", str(job), "--data", str(numbered), "--overwrite"]) == 0
+    assert "dofs" not in tomllib.loads(job.read_text())["data"]
+
+
+def test_the_force_that_a_file_states(tmp_path, capsys):
+    rod = ar.Tube(0.02, 0.01, 2.1e11, 7850.0)
+    frame = ar.FrameModel([(0.2 * i, 0.0) for i in range(6)], [(i, i + 1) for i in range(5)], rod, fixed=[0])
+    freq = np.arange(1.0, 400.0, 0.25)
+    places = {f"{node}+Y": frame.dof(node, "v") for node in (1, 2, 3, 4, 5)}
+    values = frame.frf(list(places.values()), frame.dof(3, "v"), freq, damping_ratio=0.01)
+    response = ar.FrequencyResponse(freq, values, dofs=list(places))
+    file, job = ar.write_uff(tmp_path / "a.uff", response, excitation="3+Y"), tmp_path / "job.toml"
+    assert cli.main(["init", str(job), "--model", "frame", "--data", str(file)]) == 0
+    text = job.read_text()
+    data = tomllib.loads(text)["data"]
+    assert data["excitation"] == "3+Y"
+    assert data["dofs"] == {f"{node}+Y": "?" for node in (1, 2, 3, 4, 5)}
+    assert '"1+Y" = "1 v"' in text
+    assert all(line.startswith("#") for line in text.splitlines() if '"1 v"' in line)
+    capsys.readouterr()
+    assert cli.main(["damage", str(job)]) == 2
+    assert "'?' for '1+Y', '2+Y'" in capsys.readouterr().err
+    assert cli.main(["identify", str(file), "--band", "5", "350", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["excitation"] == "3+Y"
+
+
+# -- Values that a job drops and adds
+
+
+@pytest.fixture
+def saved(tmp_path):
+    zeros = exact(chain())
+    zeros.save(tmp_path / "measured.json")
+    return zeros
+
+
+def edited(folder, more):
+    (one,) = measured(folder, f'file = "measured.json"\n{more}\n')
+    return one.found
+
+
+def test_values_are_dropped_and_added_with_their_reasons(tmp_path, saved):
+    value = float(saved[1][0])
+    drop, add = json.dumps([f"1={value:.3f} mains hum"]), json.dumps("0 = 3.21 clear in the phase")
+    found = edited(tmp_path, f"drop = {drop}\nadd = {add}")
+    dropped, added = map(str, found.edits)
+    assert dropped == f"dropped {value:.2f} Hz at dof 1 (mains hum)"
+    assert added == "added 3.21 Hz at dof 0 (clear in the phase)"
+    assert found.edits[0].freq_hz == value
+    assert found.original() == saved == edited(tmp_path, "")
+
+
+def test_what_was_identified_can_be_edited_too(tmp_path):
+    ar.write_npz(tmp_path / "record.npz", record())
+    data = f'file = "record.npz"\nexcitation = 0\nband_hz = {list(BAND)}\n'
+    (plain,) = measured(tmp_path, data)
+    (found,) = measured(tmp_path, f'{data}drop = "0={plain.found[0][0]:.2f}"\n')
+    assert found.found[0].tolist() == plain.found[0][1:].tolist()
+    assert found.found.diagrams.keys() == plain.found.diagrams.keys()
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ('drop = ["0=55"]', r"line 3, .data. drop\[0\]"),
+        ('drop = ["0 55"]', "line 3.*DOF=HZ"),
+        ('add = ["0=x"]', "line 3.*DOF=HZ"),
+        ("add = [3.2]", "line 3, .data. add"),
+        ('drop = ["9=3.2"]', "line 3.*one of"),
+    ],
+)
+def test_edits_that_cannot_be_made_name_their_line(tmp_path, saved, more, said):
+    with pytest.raises(ar.InvalidInputError, match=said):
+        edited(tmp_path, more)
+
+
+def test_the_result_keeps_what_was_edited(tmp_path):
+    write_measured(tmp_path)
+    value = float(ar.AntiresonanceSet.load(tmp_path / "measured.json")[1][0])
+    run(tmp_path, re.sub("(file = .*)", rf'\1\ndrop = ["1={value:.3f} mains hum"]', DAMAGE))
+    kept = ar.AntiresonanceSet.load(tmp_path / "job_results" / "antiresonances.json")
+    assert [edit.reason for edit in kept.edits] == ["mains hum"]

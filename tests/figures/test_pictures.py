@@ -1,0 +1,632 @@
+"""Pictures: what is drawn, with which units, into which axes, and the numbers that they offer."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib import pyplot, rcParams
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+import antires_rs as ar
+from antires_rs import figures
+from antires_rs.figures.canvas import below, dash_of, picture
+from antires_rs.figures.identification import LEAST_PERCENT, LOOKS
+from antires_rs.figures.marks import COLOURS, spread
+from antires_rs.signals.data_check import check_data
+from tests.support import four_masses
+from tests.support.four_masses import BAND, DOFS, SPRINGS, chain, exact
+
+#: Every public picture: the tables that it offers, and the units in its labels.
+PICTURES = {
+    "stabilization": (["poles", "values", "curve"], "(Hz)", "(-)"),
+    "damping_clusters": (["poles", "values"], "(Hz)", "(%)"),
+    "coherence": (["coherence"], "(Hz)", "(-)"),
+    "singular_values": (["singular_values"], "(Hz)", "(dB re noise power)"),
+    "transmissibility": (["transmissibility"], "(Hz)", "(dB re 1)"),
+    "responses": (["responses"], "(Hz)", "(dB)"),
+    "differences": (["bars"], "(Hz)", "(%)"),
+    "damage": (["bars"], "", "(%)"),
+    "damages": (["bars"], "", "(%)"),
+    "hypotheses": (["hypotheses"], "Probability", ""),
+    "frame": (["elements"], "(m)", "(m)"),
+    "chain": (["springs"], "", ""),
+    "convergence": (["islands", "migrations"], "(-)", "(-)"),
+    "comparison": (["pairs"], "(Hz)", "(%)"),
+    "identifiability": (["parameters"], "%", ""),
+    "plan": (["elements"], "", "(%)"),
+    "detectability": (["curves"], "(%)", "(%)"),
+    "monitor": (["T2"], "Test", "limit"),
+    "tracks": (["tracks"], "Test", "(%)"),
+}
+DIAGRAMS = {"stabilization": figures.plot_stabilization, "damping_clusters": figures.plot_damping_clusters}
+
+
+def labels(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def texts(ax):
+    return [text.get_text() for text in ax.texts]
+
+
+def line_of(ax, label):
+    return next(line for line in ax.lines if line.get_label() == label)
+
+
+def distinct(boxes):
+    return all(left.x1 <= right.x0 for left, right in zip(boxes, boxes[1:], strict=False))
+
+
+@pytest.fixture(scope="module")
+def draw(record, identified, damage, updated):
+    """The pictures by name, as functions of axes."""
+    sets = [ar.AntiresonanceSet(0, {0: [f]}, std_hz={0: [0.1]}) for f in (8.7, 8.6)]
+    pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
+    frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], pipe, fixed=[0])
+    known = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
+    plan = ar.plan_test(chain(), n_sensors=2, excitations=0)
+    curves = ar.detectability(chain(), excitation=0, std=5e-4, n_tests=1, rng=0)
+    h, t = ar.frf(record, nperseg=512), ar.transmissibility(record, 0, nperseg=512)
+    scattered = 1.0 + 1e-3 * np.random.default_rng(0).standard_normal(60)
+    watched = ar.monitor([ar.AntiresonanceSet(0, {0: [8.7 * one]}) for one in scattered], baseline=50)
+    given = {
+        "stabilization": (identified.diagrams[1],),
+        "damping_clusters": (identified.diagrams[1],),
+        "coherence": (h,),
+        "singular_values": (check_data(record, band_hz=BAND),),
+        "transmissibility": (t, chain()),
+        "responses": (h, chain()),
+        "differences": (updated.table,),
+        "damage": (damage,),
+        "damages": ({"one": damage, "other": damage},),
+        "hypotheses": (damage.hypotheses,),
+        "frame": (frame, {1: 0.4}),
+        "chain": (chain(), damage.severity),
+        "convergence": (damage,),
+        "comparison": (ar.compare(*sets),),
+        "identifiability": (known,),
+        "plan": (plan,),
+        "detectability": (curves,),
+        "monitor": (watched,),
+        "tracks": (ar.track(sets),),
+    }
+    more = {"transmissibility": {"dof": 2, "excitation": 0}, "responses": {"excitation": 0}}
+
+    def drawn(name, ax):
+        return getattr(figures, f"plot_{name}")(*given[name], ax=ax, **more.get(name, {}))
+
+    return drawn
+
+
+@pytest.mark.parametrize("name", [name[5:] for name in figures.__all__ if name.startswith("plot_")])
+def test_a_picture_draws_into_the_axes_given_and_offers_its_numbers_in_whole_tables(draw, ax, name):
+    tables, x, y = PICTURES[name]
+    before = dict(rcParams)
+    assert draw(name, ax) is ax
+    assert (x in ax.get_xlabel(), y in ax.get_ylabel()) == (True, True)
+    ax.figure.canvas.draw()  # nothing that only fails when it is rendered
+    assert (pyplot.get_fignums(), dict(rcParams)) == ([], before)
+    data = figures.data_of(ax)
+    assert sorted(data) == sorted(tables)
+    for table in data.values():
+        assert len({len(column) for column in table.values()}) == 1
+        assert not any(column.flags.writeable for column in table.values())
+
+
+@pytest.mark.parametrize("name", ["stabilization", "differences", "damage", "coherence", "monitor", "frame"])
+def test_without_axes_a_pyplot_figure_is_made_for_which_matplotlib_is_needed(draw, monkeypatch, name):
+    made = draw(name, None)
+    assert pyplot.fignum_exists(made.figure.number)
+    pyplot.close(made.figure)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[plot\]"'):
+        draw(name, None)
+
+
+def test_the_same_picture_has_the_same_bytes_at_any_size(draw):
+    sizes = [(6.0, 4.0), (6.0, 4.0), (4.0, 3.0)]
+    first, second, small = (picture(lambda ax: draw("damage", ax), size, dpi=50) for size in sizes)
+    assert first == second
+    assert small.startswith(b"\x89PNG")
+    assert pyplot.get_fignums() == []
+
+
+def test_the_numbers_are_copies_and_axes_of_others_have_none(ax):
+    for other in (ax, None):
+        with pytest.raises(ar.InvalidInputError, match="plot_ function"):
+            figures.data_of(other)
+    values = np.array([1.0, 2.0])
+    figures.plot_chain(ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0]), values, ax=ax)
+    values[:] = 0.0
+    assert figures.data_of(ax)["springs"]["value"].tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("letters", [4, 20, 60])
+def test_a_legend_never_outgrows_its_picture(ax, letters):
+    for i in range(6):
+        ax.plot([0, 1], [0, i], label=f"{i}" * letters)
+    below(ax)
+    ax.figure.draw_without_rendering()
+    box = ax.get_legend().get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= ax.figure.bbox.width
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 30])
+def test_spread_keeps_order_distance_and_limits(n):
+    where = np.sort(np.random.default_rng(n).uniform(0.0, 10.0, n))
+    moved = spread(where, 0.2, 0.0, 10.0)
+    assert np.all(np.diff(moved) >= 0.2 - 1e-12)
+    assert moved.min() >= 0.0
+    assert moved.max() <= 10.0
+    far = np.arange(n) * 0.3
+    np.testing.assert_allclose(spread(far, 0.2, 0.0, 10.0), far)  # nothing moves without need
+
+
+# -- Identification: poles, values, what a person changed, and what stands behind them
+
+
+@pytest.fixture(scope="module")
+def unsteady():
+    """A record with a value that does not stand still."""
+    return four_masses.identified(13)
+
+
+def verticals(ax, kind):
+    """Frequencies of the lines that look as ``kind`` should."""
+    colour, dash = LOOKS[kind]
+    sample = ax.axvline(0.0, ls=dash_of(dash), lw=1.1, color=colour)
+    sample.remove()
+
+    def look(line):
+        return line.get_color(), line.get_linestyle(), tuple(line._dash_pattern[1] or ())
+
+    lines = [line for line in ax.lines if len(line.get_xdata()) == 2]
+    return [line.get_xdata()[0] for line in lines if look(line) == look(sample)]
+
+
+def test_poles_are_counted_and_the_accepted_named(identified, ax):
+    diagram = identified.diagrams[0]
+    figures.plot_stabilization(diagram, ax=ax)
+    unstable, stable = ax.lines[:2]
+    assert len(stable.get_xdata()) == sum(int(s.sum()) for s in diagram.stable)
+    assert len(unstable.get_xdata()) + len(stable.get_xdata()) == sum(map(len, diagram.freq_hz))
+    assert figures.data_of(ax)["poles"]["stable"].sum() == len(stable.get_xdata())
+    assert texts(ax) == [f"{f:.2f} Hz" for f in diagram.identified]
+    assert len(diagram.identified) == 3
+    assert ax.get_xlim() == diagram.band_hz
+
+
+def test_clusters_show_every_pole_once_and_square_the_damping_of_values(unsteady, ax):
+    diagram = unsteady.diagrams[0]
+    figures.plot_damping_clusters(diagram, ax=ax)
+    shown = {line.get_label(): line for line in ax.lines}
+    damping, stable = 100 * np.concatenate(diagram.damping_ratio), np.concatenate(diagram.stable)
+    high = damping >= LEAST_PERCENT
+    np.testing.assert_allclose(shown["stable pole"].get_ydata(), damping[stable & high])
+    np.testing.assert_allclose(shown["pole, not stable"].get_ydata(), damping[~stable & high])
+    foot = shown.get(f"pole with less than {LEAST_PERCENT:g} %, or none")
+    assert (0 if foot is None else len(foot.get_xdata())) == int((~high).sum())
+    assert ax.get_ylim()[0] == LEAST_PERCENT
+    assert ax.get_ylim()[1] > damping.max()
+    squares = shown["damping of the value"]
+    np.testing.assert_allclose(squares.get_xdata(), diagram.identified)
+    np.testing.assert_allclose(squares.get_ydata(), 100 * diagram.identified_damping)
+    assert texts(ax) == [f"{f:.2f} Hz" for f in diagram.identified]
+
+
+def test_poles_without_damping_stand_on_the_foot(unsteady, ax):
+    diagram = unsteady.diagrams[0]
+    negative = replace(diagram, damping_ratio=tuple(-np.abs(d) for d in diagram.damping_ratio))
+    figures.plot_damping_clusters(negative, ax=ax)
+    foot = line_of(ax, f"pole with less than {LEAST_PERCENT:g} %, or none")
+    assert len(foot.get_xdata()) == sum(map(len, diagram.freq_hz))
+    assert set(foot.get_ydata()) == {LEAST_PERCENT}
+    ax.figure.canvas.draw()
+
+
+@pytest.mark.parametrize("kind", DIAGRAMS)
+def test_without_a_value_it_says_so(unsteady, ax, kind):
+    assert unsteady.diagrams[3].identified.size == 0
+    DIAGRAMS[kind](unsteady.diagrams[3], ax=ax)
+    assert ax.get_title() == "no antiresonance accepted in this band"
+    assert texts(ax) == []
+
+
+@pytest.mark.parametrize("kind", DIAGRAMS)
+def test_values_that_do_not_stand_still_have_a_dash_of_their_own(unsteady, ax, kind):
+    diagram, how = unsteady.diagrams[0], np.array(["chain", "persistent", "chain"])
+    DIAGRAMS[kind](replace(diagram, accepted=diagram.accepted.with_scores(how=how)), ax=ax)
+    resting, moving = list(LOOKS)[:2]
+    assert verticals(ax, resting) == [diagram.identified[0], diagram.identified[2]]
+    assert verticals(ax, moving) == [diagram.identified[1]]
+    assert {resting, moving} <= set(labels(ax))
+
+
+@pytest.mark.parametrize("kind", DIAGRAMS)
+def test_a_set_draws_what_was_edited_by_hand(unsteady, ax, kind):
+    first, second, third = unsteady[0]
+    edited = unsteady.drop(0, second).add(0, [3.3, 8.0]).drop(0, 8.0)
+    assert edited.plot(0, kind=kind, ax=ax) is ax
+    assert verticals(ax, "dropped by hand") == [second]
+    assert verticals(ax, "added by hand") == [3.3]
+    assert verticals(ax, "accepted") == [first, third]
+    assert texts(ax) == [f"{first:.2f} Hz", "3.30 Hz", f"({second:.2f} Hz)", f"{third:.2f} Hz"]
+
+
+@pytest.mark.parametrize("kind", DIAGRAMS)
+def test_marks_differ_without_colour(unsteady, ax, kind):
+    """Stable and not by their shape, the kinds of values by their dashes."""
+    DIAGRAMS[kind](unsteady.diagrams[0], ax=ax)
+    markers = {line.get_label(): line.get_marker() for line in ax.lines if line.get_marker() != "None"}
+    assert len(set(markers.values())) == len(markers)
+    assert len({str(dash) for _, dash in LOOKS.values()}) == len(LOOKS)
+    assert {colour for colour, _ in LOOKS.values()} <= set(COLOURS.values())
+
+
+def test_the_curve_behind_is_paler_than_every_mark(unsteady, ax):
+    figures.plot_stabilization(unsteady.diagrams[0], ax=ax)
+    (behind,) = [other for other in ax.figure.axes if other is not ax]
+
+    def luminance(line):
+        return float(np.dot(to_rgb(line.get_color()), [0.299, 0.587, 0.114]))
+
+    marks = [line_of(ax, label) for label in ("pole, not stable", "stable pole", "accepted")]
+    assert luminance(behind.lines[0]) > max(map(luminance, marks))
+
+
+def test_few_coherences_are_drawn_one_by_one_and_told_apart_without_colour(record, ax):
+    resp = ar.transmissibility(record, 2, nperseg=512)
+    figures.plot_coherence(resp, ax=ax, band_hz=BAND)
+    assert labels(ax)[:3] == ["dof 0", "dof 1", "dof 3"]  # the reference with itself is one everywhere
+    np.testing.assert_array_equal(ax.lines[1].get_ydata(), resp.coherence[1])
+    assert len({line.get_linestyle() for line in ax.lines[:3]}) == 3
+    assert ax.get_ylabel() == "Coherence with dof 2 (-)"
+    assert ax.get_xlim() == BAND
+    # Where noise alone would lie.
+    assert ax.lines[-1].get_ydata()[0] == pytest.approx(1.0 / resp.n_averages)
+    shown = (resp.freq_hz >= BAND[0]) & (resp.freq_hz <= BAND[1])
+    np.testing.assert_array_equal(figures.data_of(ax)["coherence"]["3"], resp.coherence[3, shown])
+
+
+def test_many_coherences_are_summed_up(ax):
+    resp = ar.frf(ar.cases.chain8().experiment(noise=0.02, duration_s=40.0, rng=60), nperseg=2048)
+    figures.plot_coherence(resp, ax=ax)
+    assert set(labels(ax)) >= {"each dof", "lowest", "median"}
+    np.testing.assert_array_equal(line_of(ax, "lowest").get_ydata(), resp.coherence.min(axis=0))
+    np.testing.assert_array_equal(line_of(ax, "median").get_ydata(), np.median(resp.coherence, axis=0))
+
+
+def test_singular_values_are_in_decibels_over_the_noise(record, ax):
+    check = check_data(record, excitation=0, band_hz=BAND)
+    assert check.plot(ax=ax) is ax
+    columns = {"first": check.eigenvalues[:, 0], "second": check.eigenvalues[:, 1]}
+    columns["second expected under one force"] = check.second_expected
+    for label, values in columns.items():
+        np.testing.assert_allclose(line_of(ax, label).get_ydata(), 10 * np.log10(values))
+    assert len({line_of(ax, label).get_linestyle() for label in columns}) == 3
+    assert ax.get_title() == ""
+    assert ax.get_xlim() == BAND
+
+
+def test_a_second_force_is_in_the_title(record, ax):
+    other = chain().simulate(excitation=2, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, rng=1)
+    check_data(ar.Recording(record.responses + other.responses, 25.0), band_hz=BAND).plot(ax=ax)
+    assert ax.get_title() == "more than one force (fatal)"
+
+
+def test_what_has_no_coherence_or_no_eigenvalues_is_refused(record):
+    resp = ar.FrequencyResponse(np.linspace(0.5, 9.0, 300), np.ones((2, 300)))
+    for draw, given, said in (
+        (figures.plot_coherence, resp, "several averages"),
+        (figures.plot_coherence, record, "got Recording"),
+        (figures.plot_singular_values, check_data(resp, band_hz=BAND), "no spectral matrix"),
+        (figures.plot_singular_values, record, "got Recording"),
+    ):
+        with pytest.raises(ar.InvalidInputError, match=said):
+            draw(given)
+
+
+# -- Measured curves beside those of the model
+
+
+def test_transmissibility_of_the_very_model_lies_on_the_measurement(ax):
+    freq = np.linspace(0.5, 9.0, 300)
+    h = chain().frf(DOFS, 0, freq, damping_ratio=0.01)
+    t = ar.FrequencyResponse(freq, h / h[1], DOFS, "transmissibility", 1)
+    figures.plot_transmissibility(t, chain(1.1 * SPRINGS), chain(), dof=3, excitation=0, ax=ax)
+    measured, before, after = (line.get_ydata() for line in ax.lines)
+    np.testing.assert_allclose(after, measured, atol=1e-9)
+    assert np.abs(before - measured).max() > 1.0
+    assert measured[0] == pytest.approx(20 * np.log10(abs(h[3, 0] / h[1, 0])))
+
+
+def test_transmissibility_sum_peaks_at_the_antiresonances_and_leaves_out_0_hz(ax):
+    freq = np.linspace(0.0, 9.0, 9001)
+    h = chain().frf(DOFS, 0, freq[1:], damping_ratio=0.002)
+    t = ar.FrequencyResponse(freq, np.hstack([np.ones((4, 1)), h / h[0]]), DOFS, "transmissibility", 0)
+    figures.plot_transmissibility(t, chain(), dof=None, excitation=0, damping_ratio=0.002, ax=ax)
+    x, y = ax.lines[0].get_data()
+    assert x[0] > 0.0
+    peaks = x[1:-1][(y[1:-1] > y[:-2]) & (y[1:-1] > y[2:])]
+    np.testing.assert_allclose(peaks, chain().antiresonances(0, 0), rtol=1e-3)
+
+
+def test_transmissibility_refuses_what_it_cannot_draw(record):
+    t, h = ar.transmissibility(record, 0, nperseg=512), ar.frf(record, nperseg=512)
+    for given, dof, said in ((t, 0, "reference"), (t, 9, r"\[1, 2, 3\]"), (h, 1, "transmissibility")):
+        with pytest.raises(ar.InvalidInputError, match=said):
+            figures.plot_transmissibility(given, chain(), dof=dof, excitation=0)
+
+
+# -- Updating: differences and the search
+
+
+def test_differences_are_the_tables_and_grouped_by_response(updated, ax):
+    table = updated.table
+    figures.plot_differences(table, ax=ax)
+    before, after = ax.containers
+    np.testing.assert_allclose([bar.get_height() for bar in before], table.before_percent)
+    np.testing.assert_allclose([bar.get_height() for bar in after], table.after_percent, atol=1e-12)
+    assert texts(ax) == ["mass 0", "1", "2"]  # mass 3 has none
+    assert f"{table.largest_before_percent:.2f} %" in labels(ax)[0]
+    assert before[0].get_hatch()
+    assert not after[0].get_hatch()  # told apart without colour
+
+
+def test_differences_mark_what_has_no_partner_and_name_several_forces(ax):
+    dof, force, measured, before = [0, 1, 1], [0, 0, 2], [10.0, 20.0, 15.0], [10.4, np.nan, 15.3]
+    figures.plot_differences(
+        ar.FrequencyTable(*map(np.array, (dof, force, measured, before, [np.nan] * 3))), ax=ax
+    )
+    assert len(ax.containers[0]) == 2
+    assert "before updating: no partner (1)" in labels(ax)
+    assert "after updating, no partner at all" in labels(ax)
+    assert texts(ax) == ["0, 0", "1, 0", "1, 2"]
+    assert "response and force dof" in ax.get_xlabel()
+
+
+def test_one_value_far_off_does_not_flatten_the_others(ax):
+    measured = np.full(12, 10.0)
+    before = measured * np.linspace(1.02, 1.1, 12)
+    before[3] = 61.7
+    table = ar.FrequencyTable(np.arange(12), np.zeros(12, int), measured, before, measured * 1.01)
+    figures.plot_differences(table, ax=ax)
+    assert 10.0 < ax.get_ylim()[1] < 20.0
+    assert "+517 %" in texts(ax)
+    assert figures.data_of(ax)["bars"]["before_percent"][3] == pytest.approx(517.0)
+
+
+def test_many_differences_keep_room_between_the_names_of_responses(ax):
+    model = ar.MassSpringChain(np.ones(31), np.full(30, 500.0))
+    nominal = ar.MassSpringChain(np.ones(31), np.full(30, 520.0))
+    problem = ar.UpdatingProblem(
+        nominal, ar.stiffness_factor([0], bounds=(0.8, 1.2)), exact(model, range(31))
+    )
+    table = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=200)).table
+    figures.plot_differences(table, ax=ax)
+    ax.figure.draw_without_rendering()
+    assert len(ax.texts) > 5
+    assert distinct([text.get_window_extent() for text in ax.texts])
+    assert list(ax.get_xticks()) == []
+    before, after = (container[0].get_facecolor() for container in ax.containers)
+    assert abs(np.dot(before[:3], [0.3, 0.6, 0.1]) - np.dot(after[:3], [0.3, 0.6, 0.1])) > 0.3  # in grey too
+
+
+def test_convergence_shows_each_island_and_the_migrations(damage, ax):
+    found = ar.update(damage.problem, optimizer=ar.IslandGA(polish=False, patience=5), rng=0, workers=1)
+    figures.plot_convergence(found, ax=ax)
+    history = found.history
+    assert len(history.migrations) > 0
+    assert sum(name.startswith("island") for name in labels(ax)) == history.cost.shape[1]
+    assert f"migration ({len(history.migrations)} in all)" in labels(ax)
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), history.cost[:, 0])
+    assert found.message in ax.get_title()
+    assert ax.get_xlim()[1] > history.nfev[-1]  # the last step is inside
+
+
+def test_convergence_of_any_search_down_to_zero(ax):
+    ga = ar.IslandGA(islands=9, max_evaluations=3000)
+    found = ga.minimize(lambda x: float(np.abs(x).sum()), [(0, 1)] * 2, rng=0)
+    figures.plot_convergence(found, ax=ax)
+    assert found.fun == 0.0
+    assert ax.get_yscale() == "linear"  # zero has no place on a logarithmic axis
+    assert len(ax.lines) >= 9
+
+
+# -- Damage: losses, with and without a baseline, and hypotheses
+
+
+@pytest.fixture(scope="module")
+def halves():
+    """Every spring is two in parallel, which nothing can tell apart."""
+    whole = chain(np.full(3, 500.0))
+    terms = []
+    for n in range(3):
+        half = np.zeros((4, 4))
+        half[n : n + 2, n : n + 2] = 250.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        terms += [half, half]
+    model = ar.MatrixModel(whole.stiffness(), whole.mass(), stiffness_terms=terms)
+    return ar.assess_damage(model, exact(chain([500.0, 400.0, 500.0])), baseline=exact(whole))
+
+
+def test_damage_has_one_bar_an_element_and_prints_the_severity(damage, ax):
+    figures.plot_damage(damage, ax=ax, truth={0: 0.0, 1: 0.4, 2: 0.0})
+    heights = [bar.get_height() for bar in ax.containers[0]]
+    np.testing.assert_allclose(heights, 100 * damage.x)
+    assert heights == pytest.approx([0.0, 40.0, 0.0], abs=0.5)
+    assert texts(ax) == [f"{100 * damage.x[1]:.1f} %"]
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["spring 0", "spring 1", "spring 2"]
+    assert labels(ax) == ["found", "truth", "smallest damage that would be seen"]
+    bars = figures.data_of(ax)["bars"]
+    np.testing.assert_array_equal(bars["loss_percent"], heights)
+    np.testing.assert_allclose(bars["smallest_seen_percent"], [100 * v for v in damage.detectable.values()])
+    np.testing.assert_array_equal(bars["truth_percent"], [0.0, 40.0, 0.0])
+    with pytest.raises(ar.InvalidInputError, match="truth"):
+        damage.plot(ax=ax, truth=[0.0, 0.4, 0.0])
+
+
+def test_no_damage_is_no_picture_of_damage(ax):
+    ar.assess_damage(chain(), exact(chain()), rng=0, workers=1).plot(ax=ax)
+    assert ax.get_title() == "no damage found"
+    assert texts(ax) == []
+    assert ax.get_ylim()[1] >= 10.0
+
+
+def test_an_element_that_nothing_shows_is_marked(ax):
+    result = ar.assess_damage(chain(), exact(chain(), [2]), elements=[0, 1, 2], rng=0, workers=1)
+    assert not np.isfinite(result.detectable[0])  # H_31 does not depend on it
+    result.plot(ax=ax)
+    assert "no damage could be seen" in labels(ax)
+
+
+def test_what_is_seen_only_above_the_axis_is_named_at_its_edge(damage, ax, monkeypatch):
+    monkeypatch.setitem(damage.__dict__, "_detectable", (0.05, 0.02, 0.96))
+    monkeypatch.setitem(damage.__dict__, "x", np.array([0.0, 0.03, 0.0]))
+    damage.plot(ax=ax)
+    top = ax.get_ylim()[1]
+    assert 25.0 < top < 40.0  # a loss of 3 % stays a bar
+    ticks = [segment[0, 1] for line in ax.collections for segment in line.get_segments()]
+    assert max(ticks) <= top
+    assert "96" in texts(ax)
+    assert "seen only from this loss on, in %" in labels(ax)
+
+
+@pytest.mark.parametrize(("names", "upright"), [(7, False), (30, True)])
+def test_names_stand_upright_where_they_would_run_into_each_other(names, upright):
+    model = ar.MassSpringChain(np.ones(names + 1), np.full(names, 500.0))
+    search = ar.IslandGA(max_evaluations=500)
+    result = ar.assess_damage(model, exact(model, [0, 1]), rng=0, workers=1, optimizer=search)
+    ax = Figure(figsize=(8.0, 4.0)).subplots()
+    result.plot(ax=ax)
+    ax.figure.draw_without_rendering()
+    ticks = ax.get_xticklabels()
+    assert len(ticks) == names
+    assert {tick.get_rotation() for tick in ticks} == {90.0 if upright else 0.0}
+    assert distinct([tick.get_window_extent() for tick in ticks])
+
+
+def test_bars_have_their_intervals_and_probabilities(judged, ax):
+    judged.plot(ax=ax)
+    bars = figures.data_of(ax)["bars"]
+    assert bars["loss_percent"].tolist() == [100 * beta for beta in judged.severity.values()]
+    assert bars["low_percent"].tolist() == [100 * low for low, _ in judged.interval.values()]
+    assert bars["high_percent"].tolist() == [100 * high for _, high in judged.interval.values()]
+    assert bars["probability"].tolist() == list(judged.probability.values())
+    assert np.isnan(bars["instead_percent"]).all()
+    assert texts(ax).count("<1") == 2
+    assert ">99" in texts(ax)
+    assert "90 % interval" in labels(ax)
+    assert ax.get_title(loc="left") == "Probability that it is damaged (%)"
+
+
+def test_what_cannot_be_told_apart_stands_beside_it(halves, ax):
+    halves.plot(ax=ax)
+    bars = figures.data_of(ax)["bars"]
+    assert (bars["loss_percent"] > 0).tolist() == [False, False, True, False, False, False]
+    assert np.isfinite(bars["instead_percent"]).tolist() == [False, False, False, True, False, False]
+    assert bars["instead_percent"][3] == pytest.approx(bars["loss_percent"][2], rel=1e-3)
+    assert "what else it may be" in labels(ax)
+    assert "element 2 or element 3. The values cannot tell which." in halves.headline
+
+
+@pytest.mark.parametrize(
+    ("springs", "elements", "said"),
+    [([500.0] * 3, None, "no damage declared"), ([500.0, 300.0, 500.0], [0], "no candidate explains")],
+)
+def test_no_bar_has_a_reason(ax, springs, elements, said):
+    model = chain(np.full(3, 500.0))
+    ar.assess_damage(model, exact(chain(springs)), baseline=exact(model), elements=elements).plot(ax=ax)
+    assert any(said in text for text in texts(ax))
+
+
+def test_hypotheses_are_bars_of_their_probability(halves, ax):
+    halves.hypotheses.plot(ax=ax)
+    table = figures.data_of(ax)["hypotheses"]
+    assert table["name"][:2].tolist() == ["element 2", "element 3"]
+    assert sum(table["probability"]) == pytest.approx(1.0)
+    assert table["name"][-1].endswith("others together")
+    assert [bar.get_width() for bar in ax.patches] == table["probability"].tolist()
+    assert ax.get_yticklabels()[0].get_text().startswith("element 2\n40.0 % (")
+    with pytest.raises(ar.InvalidInputError, match="^most: got 0"):
+        halves.hypotheses.plot(ax=ax, most=0)
+
+
+def test_there_is_no_search_to_be_drawn(judged, ax):
+    said = "without a search; wanted the result of a search. See result.hy"
+    with pytest.raises(ar.InvalidInputError, match=said):
+        figures.plot_convergence(judged, ax=ax)
+
+
+# -- Structures
+
+
+@pytest.mark.parametrize("ground", [{}, {"ground_first_n_per_m": 80.0, "ground_last_n_per_m": 90.0}])
+def test_a_chain_shows_the_springs_it_has(ax, ground):
+    model = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 400.0], **ground)
+    figures.plot_chain(model, {1: 0.3}, ax=ax, sensors=[0, 2], excitation=1)
+    springs = figures.data_of(ax)["springs"]
+    assert springs["element"].tolist() == ([0, 1, 2, 3] if ground else [0, 1])
+    assert springs["name"][1] == "spring 1"
+    assert np.isfinite(springs["value"]).tolist() == [False, True, False, False][: len(springs["value"])]
+    assert set(labels(ax)) == {"without a value", "accelerometer", "force"}
+    assert texts(ax).count("ground") == len(ground)
+
+
+def test_a_chain_refuses_what_it_does_not_have(ax):
+    with pytest.raises(ar.InvalidInputError, match=r"an array \(3,\)"):
+        figures.plot_chain(chain(), [1.0, 2.0], ax=ax)
+    with pytest.raises(ar.InvalidInputError, match="excitation"):
+        figures.plot_chain(chain(), ax=ax, excitation=9)
+
+
+def test_no_loss_at_all_has_no_scale_that_pretends(ax):
+    figures.plot_chain(chain(), {0: 0.0, 1: 0.0, 2: 0.0}, ax=ax, label="Stiffness loss (%)")
+    assert ax.get_title() == "Stiffness loss (%): 0 in every element"
+    assert len(ax.figure.axes) == 1  # no colour bar
+
+
+def test_sections_are_told_apart_without_colour(ax):
+    pipe = {name: ar.Tube(0.03, 0.001 + 0.0001 * i, 2.1e11, 7850.0) for i, name in enumerate("abcde")}
+    nodes = [(float(i), 0.0) for i in range(11)]
+    ar.FrameModel(nodes, [(i, i + 1, "abcde"[i // 2]) for i in range(10)], pipe, fixed=[0]).plot(ax=ax)
+    named = [line_of(ax, name) for name in pipe]
+    assert len({(line.get_linestyle(), str(line._dash_pattern)) for line in named}) == 5
+
+
+# -- Comparisons and tracks
+
+
+def sets_of(*tests):
+    return [ar.AntiresonanceSet(0, {0: values}) for values in tests]
+
+
+@pytest.mark.parametrize("kind", ["change", "frequency"])
+@pytest.mark.parametrize("conditions", [None, [0.0, 5.0, 20.0], ["intact", "cut", "repaired"]])
+def test_tracks(ax, kind, conditions):
+    followed = ar.track(sets_of([10.0, 20.0], [10.1, 30.0], [10.2, 20.1]), conditions)
+    followed.plot(0, kind=kind, ax=ax)
+    assert ax.get_ylabel().endswith("(%)" if kind == "change" else "(Hz)")
+    assert figures.data_of(ax)["tracks"]["freq_hz"].size == 9
+    assert {"10.00 Hz", "20.00 Hz", "30.00 Hz", "new", "lost"} <= set(labels(ax))
+    with pytest.raises(ar.InvalidInputError, match="^dof: got 7"):
+        followed.plot(7)
+
+
+@pytest.mark.parametrize(("kind", "level"), [("frequency", 20.2), ("change", 1.0)])
+def test_a_loss_is_marked_at_the_first_test_that_lacks_the_value(ax, kind, level):
+    followed = ar.track(sets_of([10.0, 20.0], [10.1, 20.2], [10.2], [10.3]), [0.0, 5.0, 20.0, 30.0])
+    mark = line_of(followed.plot(0, kind=kind, ax=ax), "lost")
+    assert (np.ravel(mark.get_xdata())[0], np.ravel(mark.get_ydata())[0]) == (20.0, pytest.approx(level))
+
+
+def test_a_comparison(ax):
+    std = {0: [0.01, 0.01], 1: [0.01]}
+    a, b = (ar.AntiresonanceSet(0, {0: f, 1: [14.4]}, std_hz=std) for f in ([8.7, 23.9], [8.7, 23.5]))
+    ar.compare(a, b).plot(ax=ax)
+    drawn = figures.data_of(ax)["pairs"]
+    assert drawn["changed"].tolist() == [False, True, False]
+    np.testing.assert_allclose(drawn["difference_percent"], [0.0, -1.674, 0.0], atol=1e-3)
+    assert texts(ax) == ["dof 0", "1"]
