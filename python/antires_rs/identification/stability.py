@@ -73,7 +73,7 @@ class Look:
 
 
 def looks_of(rec: Recording, averages: Averages, band_hz: tuple[float, float]) -> list[Look]:
-    """Two resolutions of a record: segments as averaged and half as long, or decays and their first halves."""
+    """Resolutions of a record: segments and shorter ones, or decays and their first halves."""
     rng = np.random.default_rng(SEED)
     events = struck(rec) if averages.nperseg is None else None
     if events is not None:
@@ -83,7 +83,7 @@ def looks_of(rec: Recording, averages: Averages, band_hz: tuple[float, float]) -
     longest = look_samples(rec, band_hz)
     return [
         _of_segments(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), rng)
-        for n in (longest, longest // 2)
+        for n in (longest, longest // 2, longest // 4)
     ]
 
 
@@ -240,6 +240,8 @@ JUDGES, MIDDLE = 2, 0.42
 FLANKS, RISE_DB = ((0.015, 0.07), (0.07, 0.15), (0.15, 0.25)), 10.0
 #: What rises less is not even mentioned.
 MENTIONED_DB = 7.0
+#: Half the width about a value, as a share of it, in which its dip is looked for, and how deep it must be.
+AT_VALUE, DEPTH_DB = 0.007, 4.0
 #: How far a response must rise between two values for them to be two.
 BETWEEN_DB = 8.0
 #: A value that all responses, or all but one of four and more, have within this share of it is none of theirs.
@@ -258,12 +260,13 @@ class _Surveyed:
 
 
 #: Reasons for which a candidate is not accepted.
-IN_TOO_FEW, IN_NOISE, OF_ALL = "in too few perturbed fits", "beside noise", "shared by all responses"
+IN_TOO_FEW, IN_NOISE = "in too few perturbed fits", "beside noise"
+NO_DIP, OF_ALL = "no dip beside the other responses", "shared by all responses"
 #: A candidate: response, frequency, damping ratio, standard deviation in Hz, share, rise in dB, fits.
 CANDIDATE = np.dtype(
     [
         ("row", np.intp),
-        *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz", "share", "rise_db")),
+        *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz", "share", "rise_db", "depth_db")),
         ("fits", np.intp),
     ]
 )
@@ -331,9 +334,9 @@ def _table(found: NDArray[np.void]) -> ResponseTable:
     )
     return table.with_scores(
         share=found["share"],
-        depth_db=found["rise_db"],
+        depth_db=found["depth_db"],
         own_depth_db=found["rise_db"],
-        grade=window_grades(found["share"], spread, found["rise_db"]),
+        grade=window_grades(found["share"], spread, found["depth_db"]),
     )
 
 
@@ -363,6 +366,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
                 float(np.hypot(min(part.std_hz for part in parts), between)),
                 float(weights.sum()) / len(seen),
                 max(_rise_db(one, row, freq) for one in surveyed),
+                max(_depth_db(one, row, freq) for one in surveyed),
                 sum(part.fits for part in parts),
             )
         )
@@ -373,7 +377,11 @@ def reasons(
     found: NDArray[np.void], n_rows: int, min_share: float, *, keep_common: bool = False
 ) -> NDArray[np.str_]:
     """Why candidates are not accepted, (n,); empty for those that are."""
-    why = np.where(found["share"] < min_share, IN_TOO_FEW, np.where(found["rise_db"] < RISE_DB, IN_NOISE, ""))
+    why = np.select(
+        [found["share"] < min_share, found["rise_db"] < RISE_DB, found["depth_db"] < DEPTH_DB],
+        [IN_TOO_FEW, IN_NOISE, NO_DIP],
+        "",
+    )
     if n_rows > 2 and not keep_common:
         strong = found[found["share"] >= COMMON_SHARE]
         for i in np.flatnonzero(why == ""):
@@ -562,7 +570,21 @@ def leave_out(views: ComplexArray) -> ComplexArray:
 
 def _rise_db(one: _Surveyed, row: int, value: float) -> float:
     """How far a response rises over its noise on the lower of both sides of a value."""
-    power = np.abs(one.look.vectors[0, :, row]) ** 2 / np.maximum(one.noise[:, row], 1e-300)
+    return _flank_db(one, row, value, one.noise[:, row])
+
+
+def _depth_db(one: _Surveyed, row: int, value: float) -> float:
+    """How far a response falls from the lower of both sides to a value, as a share of all responses."""
+    power = np.abs(one.look.vectors[0, :, row]) ** 2
+    nearest = np.argsort(np.abs(one.look.freq_hz - value), kind="stable")
+    near = np.abs(one.look.freq_hz - value) <= AT_VALUE * value
+    near[nearest[:3]] = True
+    floor = float(np.median(power[near]))
+    return _flank_db(one, row, value, np.full(power.size, floor))
+
+
+def _flank_db(one: _Surveyed, row: int, value: float, over: FloatArray) -> float:
+    power = np.abs(one.look.vectors[0, :, row]) ** 2 / np.maximum(over, 1e-300)
     sides = []
     for sign in (-1.0, 1.0):
         rises = [0.0]
