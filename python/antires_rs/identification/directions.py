@@ -152,7 +152,7 @@ def _smallest(q: FloatArray, u: ComplexArray, orders: tuple[int, ...]) -> list[C
     for m in orders:
         size = (m + 1) * n
         low = inverse[:, :size, :size]
-        c = np.exp(1j * np.arange(size))[None, :, None] * np.ones((n_views, 1, 1))
+        c = np.asarray(np.exp(1j * np.arange(size))[None, :, None] * np.ones((n_views, 1, 1)), dtype=complex)
         for _ in range(ITERATIONS):
             c = low.conj().transpose(0, 2, 1) @ (low @ c)
             c /= np.linalg.norm(c, axis=1, keepdims=True)
@@ -174,4 +174,4 @@ def _chebyshev_roots(c: ComplexArray) -> ComplexArray:
         colleague[..., -1, :] -= 0.5 * c[..., :-1] / top
     else:
         colleague[..., 0, 0] = -(c[..., 0] / top[..., 0])
-    return np.linalg.eigvals(colleague)
+    return np.asarray(np.linalg.eigvals(colleague), dtype=np.complex128)

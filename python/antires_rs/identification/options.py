@@ -130,8 +130,8 @@ class FitOptions(Options):
     formulation: str = option(
         "auto",
         ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}": what is fitted. "auto" takes '
-        '"windows" for given curves and single impacts; for averaged records, and from two impacts on, '
-        '"numerators" with estimator "rank1", else "joint".',
+        '"windows" for given curves and impacts as clean as these; for other records "numerators" if that '
+        'fit predicts held-back segments to the noise, else "directions"; without estimator "rank1" "joint".',
     )
     method: str = option(
         "auto",

@@ -10,8 +10,8 @@ stretches of the best of three widths, averaged over the looks. Accepted is
 - a share of ``min_share``, for what noise puts into one fit others do not see;
 - on both sides of which the response rises 10 dB over what the fits leave: what lies between two lines of
   noise is no antiresonance, and two values between which it does not rise are one;
-- what not all of three or more responses have: that is a mode which the force hardly excites, or a line of
-  the force.
+- a dip of the response beside the others, 6 dB deep: what all of them have, a line of the force or a mode
+  that it hardly excites, makes none.
 
 The standard deviation is the scatter of the perturbed fits; that of halves is the scatter of the whole times
 the square root of two.
@@ -29,15 +29,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
-from ..signals.averaging import Averages, Event, find_events
+from ..signals.averaging import Averages, Event, find_events, tail_noise, until_noise
 from ..signals.recording import Recording, parts_of, shortest
-from ..signals.spectra import CrossSpectra, Segments, channel_noise, cross_spectra, dominant, lines_in
+from ..signals.spectra import (
+    CrossSpectra,
+    Segments,
+    channel_noise,
+    cross_spectra,
+    dominant,
+    lines_in,
+    running_mean,
+)
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen
 from .directions import MOST_LINES, SCALES, LocalFits, Stretch, fit, stretches
 from .lines import SNR_CAP, Lines
-from .options import IdentificationOptions
+from .options import FitOptions, IdentificationOptions
 from .scores import scored, window_grades
 from .stabilization import StabilizationDiagram
 
@@ -48,8 +56,6 @@ from .stabilization import StabilizationDiagram
 VIEWS, GROUPS = 12, 24
 #: With fewer groups halves tell little, and noise is added instead; averages that the longer segments leave.
 LEAST_GROUPS, LEAST_AVERAGES = 6, 11.0
-#: A decay is cut where its energy has fallen to so many times the noise; its second look is half as long.
-CUT_AT = 10.0
 #: Amplitude to which an exponential window brings a decay down, and lines of it that are independent.
 WINDOWED_END, INDEPENDENT = 1e-2, 3
 #: Seed of halves and of added noise: the same record gives the same values.
@@ -75,9 +81,8 @@ class Look:
 def looks_of(rec: Recording, averages: Averages, band_hz: tuple[float, float]) -> list[Look]:
     """Resolutions of a record: segments and shorter ones, or decays and their first halves."""
     rng = np.random.default_rng(SEED)
-    events = struck(rec) if averages.nperseg is None else None
-    if events is not None:
-        return [_of_impacts(rec, events, band_hz, share, rng) for share in (1.0, 0.5)]
+    if averages.nperseg is None:
+        return [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)]
     given = averages.options.window
     window = given if isinstance(given, str | tuple) else "hann"
     longest = look_samples(rec, band_hz)
@@ -94,7 +99,7 @@ def look_samples(rec: Recording, band_hz: tuple[float, float]) -> int:
     ratio = SCALES[1][0]
     wanted = MOST_LINES * rec.fs_hz / (middle * (np.sqrt(ratio) - 1.0 / np.sqrt(ratio)))
     most = min(2.0 * rec.n_samples / LEAST_AVERAGES, float(shortest(rec)))
-    return max(16, 2 ** int(np.log2(max(min(wanted * np.sqrt(2.0), most), 16.0))))
+    return max(16, 1 << int(np.log2(max(min(wanted * np.sqrt(2.0), most), 16.0))))
 
 
 def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
@@ -117,58 +122,21 @@ def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
     return Look(spectra.freq_hz, stacked, snr / (1.0 + snr / SNR_CAP), np.zeros(first.shape))
 
 
-#: Blocks of an event in which its energy is followed. Of a decay the logarithm falls (rank correlation with
-#: time), does not lie above its chord by more than a share of what it falls, and is within an eighth of its
-#: highest no longer than an exponential times a factor; less energy comes afterwards.
-DECAY_BLOCKS, DECAY_RANK, ABOVE_CHORD, LOUD, AFTERWARDS = 32, -0.85, 0.12, 1.4, 1.0
-
-
-def struck(rec: Recording) -> list[tuple[Event, ...]] | None:
-    """Impacts of every part of a record; None where what rises from rest lasts, as in an earthquake."""
-    found = [find_events(part) for part in parts_of(rec)]
-    for part, events in zip(parts_of(rec), found, strict=True):
-        x = part.responses - np.median(part.responses, axis=1, keepdims=True)
-        level = tail_noise(x[:, events[-1].hit :])[0]
-        for event in events:
-            energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
-            end = _until_noise(x, event, level, rec.fs_hz) - event.hit
-            if np.sum(energy[end:] - 1.0) > AFTERWARDS * np.sum(energy[:end]):
-                return None
-            blocks = np.log([one.mean() for one in np.array_split(energy[:end], min(DECAY_BLOCKS, end))])
-            time = np.linspace(0.0, 1.0, blocks.size)
-            rank = np.argsort(np.argsort(blocks, kind="stable"), kind="stable")
-            fall = blocks[0] - blocks[-1]
-            above = np.mean(blocks - (blocks[0] - fall * time))
-            loud = np.mean(blocks >= blocks.max() - np.log(8.0))
-            if (
-                np.corrcoef(rank, time)[0, 1] > DECAY_RANK
-                or above > ABOVE_CHORD * fall
-                or loud > LOUD * np.log(8.0) / max(fall, 1e-9)
-            ):
-                return None
-    return found
-
-
-def _of_impacts(
-    rec: Recording,
-    found: list[tuple[Event, ...]],
-    band_hz: tuple[float, float],
-    share: float,
-    rng: np.random.Generator,
-) -> Look:
-    """Decays from the impact until the noise, or the first ``share`` of them, under one exponential window."""
+def _of_impacts(rec: Recording, band_hz: tuple[float, float], share: float, rng: np.random.Generator) -> Look:
+    """Decays from the impact until the noise, or the first ``share`` of each, in one exponential window."""
     cut: list[tuple[FloatArray, Event]] = []
     floors: list[FloatArray] = []
-    for part, events in zip(parts_of(rec), found, strict=True):
+    for part in parts_of(rec):
+        events = find_events(part)
         x = part.responses - np.median(part.responses, axis=1, keepdims=True)
         level, spectrum = tail_noise(x[:, events[-1].hit :])
         floors.append(spectrum)
         for event in events:
-            cut.append((x, replace(event, stop=_until_noise(x, event, level, rec.fs_hz))))
+            cut.append((x, replace(event, stop=until_noise(x, event, level, rec.fs_hz))))
     length = max(int(share * (event.stop - event.hit)) + event.hit - event.start for _, event in cut)
     decay = -np.log(WINDOWED_END) * rec.fs_hz / length
     taper = np.exp(-decay / rec.fs_hz * np.arange(length))
-    freq = np.fft.rfftfreq(length, 1.0 / rec.fs_hz)
+    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
     inside = lines_in(freq, band_hz)
     some = np.arange(inside.start, inside.stop)[::INDEPENDENT]
     each = []
@@ -195,33 +163,7 @@ def _of_impacts(
     stacked = np.array(vectors)
     stacked[1:] = leave_out(stacked[1:])
     least = own_noise / np.maximum(largest, 1e-300)[:, None]
-    return Look(freq[some], stacked, snr / (1.0 + snr / SNR_CAP), least, decay)
-
-
-def tail_noise(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Noise of every channel behind an impact: power, (n,), and by frequency up to half the rate, (n, m).
-
-    From the last quarter; medians over frequency, for what rings there still is sharp.
-    """
-    from scipy.ndimage import median_filter  # slow to import
-
-    count = x.shape[1]
-    tail = x[:, -max(count // 4, min(count, 512)) :]
-    tail = tail - tail.mean(axis=1, keepdims=True)
-    taper = np.hanning(tail.shape[1])
-    power = np.abs(np.fft.rfft(tail * taper)) ** 2 / np.sum(taper**2)
-    smooth = median_filter(power, (1, max(9, power.shape[1] // 20)), mode="nearest") / np.log(2.0)
-    smooth = np.maximum(smooth, 1e-12 * np.maximum(power.max(axis=1, keepdims=True), 1e-300))
-    return np.median(smooth, axis=1), smooth
-
-
-def _until_noise(x: FloatArray, event: Event, level: FloatArray, fs_hz: float) -> int:
-    """Sample at which the energy of half seconds has fallen to :data:`CUT_AT` times the noise."""
-    energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
-    block = max(8, min(int(0.5 * fs_hz), energy.size // 16))
-    means = energy[: energy.size // block * block].reshape(-1, block).mean(axis=1)
-    low = np.flatnonzero(means < CUT_AT)
-    return min(event.stop, event.hit + (int(low[0]) + 1) * block) if low.size else event.stop
+    return Look(np.asarray(freq[some], dtype=np.float64), stacked, snr / (1.0 + snr / SNR_CAP), least, decay)
 
 
 # -- Candidates and their shares
@@ -240,12 +182,14 @@ JUDGES, MIDDLE = 2, 0.42
 FLANKS, RISE_DB = ((0.015, 0.07), (0.07, 0.15), (0.15, 0.25)), 10.0
 #: What rises less is not even mentioned.
 MENTIONED_DB = 7.0
-#: Half the width about a value, as a share of it, in which its dip is looked for, and how deep it must be.
-AT_VALUE, DEPTH_DB = 0.007, 4.0
+#: Half the width about a value, as a share of it, in which its dip is looked for, and how many times
+#: ``min_depth_db`` deep it must be: zeros of noise and of lines of the force have up to 4 dB.
+AT_VALUE, DEPTH = 0.007, 2.0
 #: How far a response must rise between two values for them to be two.
 BETWEEN_DB = 8.0
-#: A value that all responses, or all but one of four and more, have within this share of it is none of theirs.
-COMMON, COMMON_SHARE = 0.02, 0.3
+#: Of several values in one dip those count between which it rises less than the first number, with at least
+#: the second part of the largest share.
+SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
 #: Lines over which what the fits leave is averaged.
 NOISE_LINES = 31
 
@@ -261,12 +205,13 @@ class _Surveyed:
 
 #: Reasons for which a candidate is not accepted.
 IN_TOO_FEW, IN_NOISE = "in too few perturbed fits", "beside noise"
-NO_DIP, OF_ALL = "no dip beside the other responses", "shared by all responses"
+NO_DIP, TOO_DAMPED = "no dip beside the other responses", "damped too much"
 #: A candidate: response, frequency, damping ratio, standard deviation in Hz, share, rise in dB, fits.
 CANDIDATE = np.dtype(
     [
         ("row", np.intp),
-        *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz", "share", "rise_db", "depth_db")),
+        *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz")),
+        *((name, np.float64) for name in ("share", "rise_db", "depth_db")),
         ("fits", np.intp),
     ]
 )
@@ -287,7 +232,7 @@ def direction_diagrams(
     sightings = [_sightings(one, band_hz) for one in surveyed]
     step("perturbed fits")
     found = _judged(surveyed, sightings, n_responses)
-    why = reasons(found, n_responses, options.rule.min_share, keep_common=options.rule.keep_common)
+    why = reasons(found, options.rule)
     seen = np.concatenate([one.zeros for one in sightings])
     diagrams = []
     for row in range(n_responses):
@@ -352,7 +297,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
     seen = [_perturbed(one, places, rng) for one in surveyed]
     rows = []
     for i, (row, _) in enumerate(places):
-        parts = [own[i] for own in seen if own[i] is not None]
+        parts = [part for part in (own[i] for own in seen) if part is not None]
         if not parts:
             continue
         weights = np.array([part.share for part in parts])
@@ -373,22 +318,18 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
     return np.array(_apart(rows, surveyed), dtype=CANDIDATE)
 
 
-def reasons(
-    found: NDArray[np.void], n_rows: int, min_share: float, *, keep_common: bool = False
-) -> NDArray[np.str_]:
+def reasons(found: NDArray[np.void], rule: FitOptions) -> NDArray[np.str_]:
     """Why candidates are not accepted, (n,); empty for those that are."""
-    why = np.select(
-        [found["share"] < min_share, found["rise_db"] < RISE_DB, found["depth_db"] < DEPTH_DB],
-        [IN_TOO_FEW, IN_NOISE, NO_DIP],
+    return np.select(
+        [
+            found["share"] < rule.min_share,
+            found["rise_db"] < RISE_DB,
+            found["depth_db"] < DEPTH * rule.min_depth_db,
+            np.abs(found["damping_ratio"]) > rule.max_damping,
+        ],
+        [IN_TOO_FEW, IN_NOISE, NO_DIP, TOO_DAMPED],
         "",
     )
-    if n_rows > 2 and not keep_common:
-        strong = found[found["share"] >= COMMON_SHARE]
-        for i in np.flatnonzero(why == ""):
-            near = np.abs(strong["freq_hz"] / found["freq_hz"][i] - 1.0) <= COMMON
-            if np.unique(strong["row"][near]).size >= max(3, n_rows - 1):
-                why[i] = OF_ALL
-    return why
 
 
 def _survey(look: Look) -> _Surveyed:
@@ -434,7 +375,7 @@ def _interior(stretch: Stretch, freq_hz: FloatArray) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class _Sightings:
-    """Zeros of the unperturbed fits: (row, frequency, order, damping ratio), and the interior of every fit."""
+    """Zeros of the unperturbed fits: (row, frequency, order, damping), and the interior of every fit."""
 
     zeros: FloatArray
     interiors: FloatArray
@@ -460,7 +401,7 @@ def _sightings(one: _Surveyed, band_hz: tuple[float, float]) -> _Sightings:
 
 
 def _candidates(sightings: list[_Sightings], row: int) -> list[float]:
-    """Frequencies that enough of the fits of one look have, the most frequent first to claim its neighbours."""
+    """Frequencies that enough of the fits of one look have; the most frequent claims its neighbours."""
     values: list[float] = []
     for one in sightings:
         freq = np.sort(one.zeros[one.zeros[:, 0] == row, 1])
@@ -576,11 +517,10 @@ def _rise_db(one: _Surveyed, row: int, value: float) -> float:
 def _depth_db(one: _Surveyed, row: int, value: float) -> float:
     """How far a response falls from the lower of both sides to a value, as a share of all responses."""
     power = np.abs(one.look.vectors[0, :, row]) ** 2
-    nearest = np.argsort(np.abs(one.look.freq_hz - value), kind="stable")
+    smooth = running_mean(power, 3)
     near = np.abs(one.look.freq_hz - value) <= AT_VALUE * value
-    near[nearest[:3]] = True
-    floor = float(np.median(power[near]))
-    return _flank_db(one, row, value, np.full(power.size, floor))
+    near[np.argmin(np.abs(one.look.freq_hz - value))] = True
+    return _flank_db(one, row, value, np.full(power.size, float(smooth[near].min())))
 
 
 def _flank_db(one: _Surveyed, row: int, value: float, over: FloatArray) -> float:
@@ -597,16 +537,31 @@ def _flank_db(one: _Surveyed, row: int, value: float, over: FloatArray) -> float
     return float(10.0 * np.log10(max(min(sides), 1e-30)))
 
 
-def _apart(rows: list[tuple[float, ...]], surveyed: list[_Surveyed]) -> list[tuple[float, ...]]:
-    """Of entries of one response between which it does not rise over its noise, the one of largest share."""
-    kept: list[tuple[float, ...]] = []
+def _apart(rows: Sequence[tuple[float, ...]], surveyed: list[_Surveyed]) -> list[tuple[float, ...]]:
+    """One entry a dip: where a response does not rise over its noise between values, noise has split one.
+
+    It keeps the largest share; its frequency is the mean by share, and its error holds their scatter.
+    """
+    dips: list[list[tuple[float, ...]]] = []
     for one in sorted(rows, key=lambda r: -r[4]):
-        rivals = [k for k in kept if k[0] == one[0]]
-        if all(
-            max(_between_db(s, int(one[0]), k[1], one[1]) for s in surveyed) >= BETWEEN_DB for k in rivals
-        ):
-            kept.append(one)
-    return sorted(kept, key=lambda r: (r[0], r[1]))
+        for dip in dips:
+            first = dip[0]
+            if first[0] != one[0]:
+                continue
+            between = max(_between_db(s, int(one[0]), first[1], one[1]) for s in surveyed)
+            if between < BETWEEN_DB:
+                if between < SPLIT_DB and one[4] >= COUNTS_IN_DIP * first[4]:
+                    dip.append(one)
+                break
+        else:
+            dips.append([one])
+    kept = []
+    for dip in dips:
+        freq, share = np.array([(r[1], r[4]) for r in dip]).T
+        middle = float(np.average(freq, weights=share))
+        scatter = float(np.sqrt(np.average((freq - middle) ** 2, weights=share)))
+        kept.append((dip[0][0], middle, dip[0][2], max(dip[0][3], scatter), *dip[0][4:]))
+    return sorted(kept)
 
 
 def _between_db(one: _Surveyed, row: int, a_hz: float, b_hz: float) -> float:
