@@ -20,7 +20,7 @@ def _needs(folder):
 
 
 needs_southampton, needs_brake_reuss = _needs(SOUTHAMPTON), _needs(BRAKE_REUSS)
-needs_plates = _needs(DATA / "iqs_plates")
+needs_plates, needs_shake_table = _needs(DATA / "iqs_plates"), _needs(DATA / "shake_table")
 
 
 def southampton(name):

@@ -147,7 +147,7 @@ def mark_values(
     low, high = diagram.band_hz
     gone = np.asarray(dropped, dtype=np.float64)
     marks = [
-        (float(f), DROPPED if f in gone else STABLE if how in ("chain", "windows") else UNSTABLE)
+        (float(f), DROPPED if f in gone else UNSTABLE if how in ("persistent", "likeliest order") else STABLE)
         for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
     ]
     marks = sorted(marks + [(float(f), ADDED) for f in added])

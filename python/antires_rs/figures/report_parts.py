@@ -96,11 +96,11 @@ def of_identification(signal: Recording | FrequencyResponse, found: Antiresonanc
     formulation, fitted, max_order = used["formulation"], used["fitted"], used["max_order"]
     if formulation == "auto":
         formulation = f"auto, here {fitted}"
-    if fitted == "windows":
+    if fitted in ("windows", "directions"):
         max_order = min(max_order, HIGHEST_ORDER)
     elif found.diagrams:
         max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
-    others = OF_SWEEP if fitted == "windows" else OF_WINDOWS
+    others = OF_SWEEP if fitted in ("windows", "directions") else OF_WINDOWS
     thresholds = [
         f"{name} {used[name]}"
         for name, one in FitOptions.declared().items()
@@ -150,7 +150,7 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     if how.size:
         facts["Accepted"] = [
             f"{np.sum(how == 'windows')} seen by most fits over windows"
-            if (how == "windows").any()
+            if np.isin(how, ("windows", "directions")).any()
             else f"{np.sum(how == 'chain')} stable over consecutive orders, "
             f"{np.sum(how == 'persistent')} in most orders without standing still, "
             f"{np.sum(how == 'likeliest order')} from the likeliest order alone"

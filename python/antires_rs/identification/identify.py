@@ -1,14 +1,17 @@
 r"""From what was measured to antiresonances.
 
 Under one force at k the responses are X_p = N_pk F / D: their numerators N_pk have the antiresonances for
-zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Three ways start
+zeros, and every transmissibility T_pj = N_pk / N_jk has lost the resonances and the force. Four ways start
 from one complex vector of responses a line, known up to a factor that cancels:
 
 - "numerators": all N_pk at once from the whole spectral matrix
   (:mod:`~antires_rs.identification.numerators`). For averaged records and repeated impacts, whose segments
   tell the noise and the errors.
-- "windows": the same over many overlapping windows, and what most of them agree on. For single impacts and
-  given curves, which are no rational functions with white noise.
+- "windows": the same over many overlapping windows, and what most of them agree on. For given curves, and
+  single impacts as clean as curves.
+- "directions": local fits of the direction of the responses, and what perturbed fits see again
+  (:mod:`~antires_rs.identification.stability`). For records that one fit over the band does not predict to
+  the noise (:mod:`~antires_rs.identification.cross_validation`): most that somebody measured.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j
   (:mod:`~antires_rs.identification.paper`). For averages by other estimators.
 
@@ -17,6 +20,7 @@ Source: V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -39,12 +43,14 @@ from ..support.messages import warn, warn_of_change
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
+from .cross_validation import CLEAN, LARGEST, few, misfit_ahead
 from .lines import FORCE, Lines, lines_of
 from .numerators import freedom, independent_averages
 from .options import (
     OF_BOTH,
     OF_SWEEP,
     OF_WINDOWS,
+    USUAL_ORDER,
     CallOptions,
     FitOptions,
     IdentificationOptions,
@@ -54,6 +60,7 @@ from .options import (
 from .paper import sweep_of
 from .scores import graded, scored, unexplained, without_common
 from .selection import select
+from .stability import Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
 from .windows import HIGHEST_ORDER, LINES_PER_ORDER, SCALES, local_diagrams
 
@@ -65,10 +72,13 @@ def diagrams_of(
     lines_for: Callable[[int], Lines],
     band: tuple[float, float],
     options: IdentificationOptions,
+    looks: Sequence[Look] = (),
 ) -> dict[Any, StabilizationDiagram]:
     """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto"."""
     first = lines_for(FORCE if options.use_force else 0)
-    if options.formulation == "windows":
+    if options.formulation == "directions":
+        found = dict(zip(dofs, direction_diagrams(looks, first, len(dofs), band, options), strict=True))
+    elif options.formulation == "windows":
         found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
     elif options.formulation == "numerators":
         cut = windows(first.freq_hz, band)
@@ -77,7 +87,7 @@ def diagrams_of(
         found = dict(zip(dofs, joined, strict=True))
     else:
         found = _one_by_one(dofs, lines_for, band, options)
-    if not options.rule.keep_common:
+    if not options.rule.keep_common and options.formulation != "directions":
         found = without_common(found)
     for row, (dof, one) in enumerate(found.items()):
         known = np.concatenate([one.identified, one.left_out.freq_hz])
@@ -130,21 +140,27 @@ def _one_by_one(
 FEW_LINES = SCALES[-1][1]
 
 
-def settled(options: IdentificationOptions, lines: Lines) -> IdentificationOptions:
+def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) -> IdentificationOptions:
     """The options with the formulation that "auto" means for these lines."""
     formulation = options.formulation
-    if formulation == "auto":
-        averaged = lines.segments is not None
-        formulation = (
-            "windows" if not averaged else "numerators" if options.call.estimator == "rank1" else "joint"
-        )
-    if formulation == "windows":
+    if formulation == "auto" and options.call.estimator != "rank1":
+        formulation = "windows" if lines.segments is None else "joint"
+    elif formulation == "auto" and (of_curves or options.use_force):
+        formulation = "windows" if lines.segments is None else "numerators"
+    elif formulation == "auto" and few(lines):
+        clean = float(np.median(lines.snr)) >= CLEAN
+        formulation = "directions" if not clean else "windows" if lines.segments is None else "numerators"
+    elif formulation == "auto":
+        # What holds over the whole band is the better estimate, where it holds.
+        formulation = "numerators" if misfit_ahead(lines, USUAL_ORDER) <= LARGEST else "directions"
+    if formulation in ("windows", "directions"):
         idle = [name for name in OF_SWEEP if name in options.given]
         if "max_order" in options.given and options.max_order > HIGHEST_ORDER:
             idle.append(f"max_order above {HIGHEST_ORDER}")
         if options.rule.min_order > HIGHEST_ORDER:
             idle.append(f"min_order above {HIGHEST_ORDER}")
-        fit = "fits over windows (formulation 'windows': given curves and single impacts)"
+        kind = "given curves" if formulation == "windows" else "what one fit over the band does not predict"
+        fit = f"local fits (formulation {formulation!r}: {kind})"
         counts = [*OF_BOTH, *OF_WINDOWS, f"orders up to {HIGHEST_ORDER}"]
     else:
         options.rule.check_span(*options.orders)
@@ -321,11 +337,20 @@ def identify_antiresonances(
     if isinstance(one, Recording):
         averages = average(one, band, options.averaging, include_force=options.use_force)
     lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.call.estimator)
-    options = settled(options, lines_for(0))
+    options = settled(options, lines_for(0), of_curves=averages is None)
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
-    diagrams = diagrams_of(one.dofs, lines_for, band, options)
+    looks: list[Look] = []
+    if options.formulation == "directions":
+        if not isinstance(one, Recording) or averages is None or options.use_force:
+            strange = "'directions' for curves or the route 'frf'"
+            needed = "a Recording, and the route 'transmissibility'"
+            reject(
+                "formulation", strange, needed, "Take 'windows' for curves, 'numerators' for the route 'frf'."
+            )
+        looks = looks_of(one, averages, band)
+    diagrams = diagrams_of(one.dofs, lines_for, band, options, looks)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
     compared = None
@@ -336,6 +361,14 @@ def identify_antiresonances(
         step("cross-check")
         values = {dof: d.identified for dof, d in found.items()}
         compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
+    if options.formulation == "directions" and not any(len(d.accepted) for d in found.values()):
+        why = Counter(str(one) for d in found.values() for one in d.left_out.scores.get("why", ()))
+        said = "; ".join(f"{count} {reason}" for reason, count in why.most_common())
+        warn(
+            "nothing_found",
+            f"identify_antiresonances: no antiresonance in {band[0]:g} to {band[1]:g} Hz. One fit over the "
+            f"band does not predict the record, and local fits see {said or 'no zero that comes back'}.",
+        )
     tables = {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()}
     known = None  # what the standard deviations rest on
     if isinstance(one, AveragedResponse):

@@ -36,7 +36,7 @@ DATA_PER_ORDER = 3
 FORMULATIONS = ("joint", "eq10", "eq10_squared")
 #: Real functions of f^2; one number a line.
 OF_MAGNITUDES = FORMULATIONS[1:]
-CHOICES = ("auto", "windows", "numerators", *FORMULATIONS)
+CHOICES = ("auto", "windows", "directions", "numerators", *FORMULATIONS)
 #: Formulations that were left out, and why.
 LEFT_OUT = {
     "sum": "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise",
@@ -130,8 +130,8 @@ class FitOptions(Options):
     formulation: str = option(
         "auto",
         ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}": what is fitted. "auto" takes '
-        '"windows" for given curves and single impacts; for averaged records, and from two impacts on, '
-        '"numerators" with estimator "rank1", else "joint".',
+        '"windows" for given curves and impacts as clean as these; for other records "numerators" if that '
+        'fit predicts held-back segments to the noise, else "directions"; without estimator "rank1" "joint".',
     )
     method: str = option(
         "auto",

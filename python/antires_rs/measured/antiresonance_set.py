@@ -371,6 +371,24 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return self._known("damping_ratio")
 
     @property
+    def share(self) -> Mapping[Any, FloatArray]:
+        """How often perturbed fits, or fits over windows, saw each value, 0 to 1; NaN for other fits.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> zeros = ar.AntiresonanceSet("hammer", {0: [5.8, 10.2]}, scores={0: {"share": [0.9, 0.6]}})
+        >>> zeros.share[0].tolist()
+        [0.9, 0.6]
+        """
+        return FrozenDict(
+            {
+                dof: frozen(np.asarray(t.scores.get("share", np.full(len(t), np.nan)), dtype=np.float64))
+                for dof, t in self.tables.items()
+            }
+        )
+
+    @property
     def std_hz(self) -> Mapping[Any, FloatArray]:
         """Standard deviations by dof: NaN where not known, without the dofs with none known."""
         return self._known("std_hz")

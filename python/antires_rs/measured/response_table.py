@@ -57,7 +57,7 @@ class ResponseTable(ReadOnly):
     how : (n,) str
         "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
         "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen
-        by most of the fits over windows.
+        by most of the fits over windows; "directions": seen again by perturbed local fits.
     rows, orders, spread, dominance, residual, prominence_db : (n,)
         Their docstrings say what they are; NaN where not known.
 
@@ -78,7 +78,7 @@ class ResponseTable(ReadOnly):
     rows = orders = _score("rows", "Model orders that have it.")
     spread = _score("spread", "Relative standard deviation of its frequency over the orders.")
     dominance = _score("dominance", "Share of the curve at its frequency.")
-    how = _score("how", "Why it was accepted: chain, persistent, likeliest order or windows.")
+    how = _score("how", "Why it was accepted: chain, persistent, likeliest order, windows or directions.")
     residual = _score("residual", "Relative misfit of the fit around it.")
     prominence_db = _score("prominence_db", "Height of its peak.")
 

@@ -31,6 +31,8 @@ MEDIAN_SAMPLES = 8192
 DECAY_RATIO = 100.0
 # An impact lifts the energy at least this much over the eight blocks before it ...
 HIT_RISE = 30.0
+# Where none does, the highest block is the impact if something before it is this much lower.
+LEAST_RISE = 4.0
 # ... and to this share of the record's peak. A new impact needs the last one dead by this much.
 HIT_SHARE = 0.01
 DEAD_SHARE = 1e-3
@@ -98,6 +100,9 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
         if hits and before.max() > DEAD_SHARE * energy[hits[-1] : b].max():
             continue  # the same event: still ringing, or a rebound of the hammer
         hits.append(b)
+    if not hits and energy.argmax() > 0 and energy[: energy.argmax()].min() < peak / LEAST_RISE:
+        # In noise, or so slowly sampled that the response builds up over several blocks.
+        hits.append(int(energy.argmax()))
     if not hits:
         raise UnsuitableDataError(
             "responses",
@@ -115,6 +120,63 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
         events.append((start, b * block, stop))
     stops = [start for start, _, _ in events[1:]] + [rec.n_samples]
     return tuple(Event(start, hit, stop) for (start, hit, _), stop in zip(events, stops, strict=True))
+
+
+def tail_noise(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Noise of every channel behind an impact: power, (n,), and by frequency up to half the rate, (n, m).
+
+    From the last quarter; medians over frequency, for what rings there still is sharp.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+
+    count = x.shape[1]
+    tail = x[:, -max(count // 4, min(count, 512)) :]
+    tail = tail - tail.mean(axis=1, keepdims=True)
+    taper = np.hanning(tail.shape[1])
+    power = np.abs(np.fft.rfft(tail * taper)) ** 2 / np.sum(taper**2)
+    smooth = median_filter(power, (1, max(9, power.shape[1] // 20)), mode="nearest") / np.log(2.0)
+    smooth = np.maximum(smooth, 1e-12 * np.maximum(power.max(axis=1, keepdims=True), 1e-300))
+    return np.median(smooth, axis=1), smooth
+
+
+def until_noise(x: FloatArray, event: Event, level: FloatArray, fs_hz: float) -> int:
+    """Sample at which the energy of half seconds has fallen to :data:`CUT_AT` times the noise."""
+    energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
+    block = max(8, min(int(0.5 * fs_hz), energy.size // 16))
+    means = energy[: energy.size // block * block].reshape(-1, block).mean(axis=1)
+    low = np.flatnonzero(means < CUT_AT)
+    return min(event.stop, event.hit + (int(low[0]) + 1) * block) if low.size else event.stop
+
+
+# Blocks of an event in which its energy is followed. Of a decay the logarithm falls (rank correlation with
+# time), does not lie above its chord by more than a share of what it falls, and is within an eighth of its
+# highest no longer than an exponential times a factor; less energy comes afterwards.
+DECAY_BLOCKS, DECAY_RANK, ABOVE_CHORD, LOUD, AFTERWARDS = 32, -0.85, 0.12, 1.4, 1.0
+# A decay ends where its energy has fallen to so many times the noise.
+CUT_AT = 10.0
+
+
+def _decays(rec: Recording) -> bool:
+    """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too."""
+    events = find_events(rec)
+    if len(events) > 1:
+        return True
+    (event,) = events
+    x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
+    level = tail_noise(x[:, event.hit :])[0]
+    energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
+    end = until_noise(x, event, level, rec.fs_hz) - event.hit
+    if np.sum(energy[end:] - 1.0) > AFTERWARDS * np.sum(energy[:end]):
+        return False
+    blocks = np.log([max(one.mean(), 1e-300) for one in np.array_split(energy[:end], min(DECAY_BLOCKS, end))])
+    time = np.linspace(0.0, 1.0, blocks.size)
+    rank = np.argsort(np.argsort(blocks, kind="stable"), kind="stable")
+    fall = max(float(blocks[0] - blocks[-1]), 1e-9)
+    return bool(
+        np.corrcoef(rank, time)[0, 1] <= DECAY_RANK
+        and np.mean(blocks - (blocks[0] - fall * time)) <= ABOVE_CHORD * fall
+        and np.mean(blocks >= blocks.max() - np.log(8.0)) <= LOUD * np.log(8.0) / fall
+    )
 
 
 def transient_spectra(
@@ -370,7 +432,9 @@ class Averages:
 
 def holds_hits(rec: Recording, options: Averaging) -> bool:
     """Whether a record is to be transformed impact by impact."""
-    return options.method == "transient" or (options.method == "auto" and is_transient(rec))
+    if options.method == "auto":
+        return is_transient(rec) and all(_decays(part) for part in parts_of(rec))
+    return options.method == "transient"
 
 
 def average(

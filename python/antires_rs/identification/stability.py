@@ -1,0 +1,576 @@
+r"""Stability selection: which zeros come back when the data and the fit are perturbed.
+
+A *look* is the direction of the responses over the band in one resolution (one length of segments, one length
+of a decay), as measured and several times perturbed: from random halves of the segments or of the impacts, in
+complementary pairs, or, where there are too few, with its own noise added once more; in every second one
+channel is left out. Zeros of local fits (:mod:`~antires_rs.identification.directions`) to the unperturbed
+directions are candidates. The *share* of a candidate is how often perturbed fits see it, within 1.5 %, over
+stretches of the best of three widths, averaged over the looks. Accepted is
+
+- a share of ``min_share``, for what noise puts into one fit others do not see;
+- on both sides of which the response rises 10 dB over what the fits leave: what lies between two lines of
+  noise is no antiresonance, and two values between which it does not rise are one;
+- a dip of the response beside the others, 6 dB deep: what all of them have, a line of the force or a mode
+  that it hardly excites, makes none.
+
+The standard deviation is the scatter of the perturbed fits; that of halves is the scatter of the whole times
+the square root of two.
+
+References: N. Meinshausen and P. Buehlmann, J. R. Stat. Soc. B 72 (2010) 417-473; R. D. Shah and R. J.
+Samworth, J. R. Stat. Soc. B 75 (2013) 55-80 (complementary pairs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..measured.response_table import ResponseTable
+from ..signals.averaging import Averages, Event, find_events, tail_noise, until_noise
+from ..signals.recording import Recording, parts_of, shortest
+from ..signals.spectra import (
+    CrossSpectra,
+    Segments,
+    channel_noise,
+    cross_spectra,
+    dominant,
+    lines_in,
+    running_mean,
+)
+from ..support.checks import ComplexArray, FloatArray
+from ..support.progress import step
+from ..support.values import frozen
+from .directions import MOST_LINES, SCALES, LocalFits, Stretch, fit, stretches
+from .lines import SNR_CAP, Lines
+from .options import FitOptions, IdentificationOptions
+from .scores import scored, window_grades
+from .stabilization import StabilizationDiagram
+
+# -- The looks of a record
+
+
+#: Perturbed views of a look: halves of groups of segments in complementary pairs.
+VIEWS, GROUPS = 12, 24
+#: With fewer groups halves tell little, and noise is added instead; averages that the longer segments leave.
+LEAST_GROUPS, LEAST_AVERAGES = 6, 11.0
+#: Amplitude to which an exponential window brings a decay down, and lines of it that are independent.
+WINDOWED_END, INDEPENDENT = 1e-2, 3
+#: Seed of halves and of added noise: the same record gives the same values.
+SEED = 28
+
+
+@dataclass(frozen=True)
+class Look:
+    """Directions of one resolution.
+
+    ``vectors`` (n_views, n_freq, n_rows) are of unit norm at every line, the first as measured; in the others
+    a row may be zero, that of a channel left out. Where the first is alone, noise as large as what the fits
+    leave perturbs it. ``noise`` (n_freq, n_rows) is the least noise power of the first.
+    """
+
+    freq_hz: FloatArray
+    vectors: ComplexArray
+    weights: FloatArray
+    noise: FloatArray
+    decay_per_s: float = 0.0
+
+
+def looks_of(rec: Recording, averages: Averages, band_hz: tuple[float, float]) -> list[Look]:
+    """Resolutions of a record: segments and shorter ones, or decays and their first halves."""
+    rng = np.random.default_rng(SEED)
+    if averages.nperseg is None:
+        return [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)]
+    given = averages.options.window
+    window = given if isinstance(given, str | tuple) else "hann"
+    longest = look_samples(rec, band_hz)
+    return [
+        _of_segments(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), rng)
+        for n in (longest, longest // 2, longest // 4)
+    ]
+
+
+def look_samples(rec: Recording, band_hz: tuple[float, float]) -> int:
+    """Samples of the longer segments: as many lines as a stretch in the middle of the band holds are fitted,
+    but no fewer averages than perturbed fits need."""
+    middle = np.sqrt(max(band_hz[0], 0.02 * band_hz[1]) * band_hz[1])
+    ratio = SCALES[1][0]
+    wanted = MOST_LINES * rec.fs_hz / (middle * (np.sqrt(ratio) - 1.0 / np.sqrt(ratio)))
+    most = min(2.0 * rec.n_samples / LEAST_AVERAGES, float(shortest(rec)))
+    return max(16, 1 << int(np.log2(max(min(wanted * np.sqrt(2.0), most), 16.0))))
+
+
+def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
+    assert spectra.segments is not None
+    scale = channel_noise(spectra.matrix, spectra.noise_power)
+    largest, rest, first = dominant(spectra.matrix, scale)
+    snr = largest / np.maximum(rest, 1e-12 * largest)
+    vectors = [first]
+    count = min(spectra.n_averages, GROUPS)
+    if count >= LEAST_GROUPS:
+        parts = np.array_split(np.arange(spectra.n_averages), count)
+        x = spectra.segments.at(slice(None))
+        sums = [x[:, :, part].conj() @ x[:, :, part].transpose(0, 2, 1) for part in parts]
+        for _ in range(VIEWS // 2):
+            drawn = rng.permutation(count)
+            for half in (drawn[: count // 2], drawn[count // 2 :]):
+                vectors.append(dominant(np.sum([sums[g] for g in half], axis=0), scale)[2])
+    stacked = np.array(vectors)
+    stacked[1:] = leave_out(stacked[1:])
+    return Look(spectra.freq_hz, stacked, snr / (1.0 + snr / SNR_CAP), np.zeros(first.shape))
+
+
+def _of_impacts(rec: Recording, band_hz: tuple[float, float], share: float, rng: np.random.Generator) -> Look:
+    """Decays from the impact until the noise, or the first ``share`` of each, in one exponential window."""
+    cut: list[tuple[FloatArray, Event]] = []
+    floors: list[FloatArray] = []
+    for part in parts_of(rec):
+        events = find_events(part)
+        x = part.responses - np.median(part.responses, axis=1, keepdims=True)
+        level, spectrum = tail_noise(x[:, events[-1].hit :])
+        floors.append(spectrum)
+        for event in events:
+            cut.append((x, replace(event, stop=until_noise(x, event, level, rec.fs_hz))))
+    length = max(int(share * (event.stop - event.hit)) + event.hit - event.start for _, event in cut)
+    decay = -np.log(WINDOWED_END) * rec.fs_hz / length
+    taper = np.exp(-decay / rec.fs_hz * np.arange(length))
+    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
+    inside = lines_in(freq, band_hz)
+    some = np.arange(inside.start, inside.stop)[::INDEPENDENT]
+    each = []
+    for x, event in cut:
+        own = x[:, event.start : min(event.start + length, event.stop)]
+        each.append(np.fft.rfft(own * taper[: own.shape[1]], length)[:, some])
+    spectra = np.stack(each, axis=2).transpose(1, 0, 2)
+    at = freq[some] / (0.5 * rec.fs_hz)
+    noise = np.mean(
+        [[np.interp(at, np.linspace(0.0, 1.0, row.size), row) for row in one] for one in floors], 0
+    )
+    noise = (noise * np.sum(taper**2)).T
+    scale = np.median(noise, axis=0)
+    segments = Segments.of(spectra)
+    largest, _, first = dominant(segments.matrix, scale)
+    vectors = [first]
+    if len(each) >= LEAST_GROUPS:
+        for _ in range(VIEWS // 2):
+            drawn = rng.permutation(len(each))
+            for half in (drawn[: len(each) // 2], drawn[len(each) // 2 :]):
+                vectors.append(dominant(Segments.of(spectra[:, :, half]).matrix, scale)[2])
+    own_noise = noise / scale / len(each)
+    snr = largest / np.maximum(own_noise.mean(axis=1), 1e-300)
+    stacked = np.array(vectors)
+    stacked[1:] = leave_out(stacked[1:])
+    least = own_noise / np.maximum(largest, 1e-300)[:, None]
+    return Look(np.asarray(freq[some], dtype=np.float64), stacked, snr / (1.0 + snr / SNR_CAP), least, decay)
+
+
+# -- Candidates and their shares
+
+#: Zeros with more damping shape a trend.
+MOST_DAMPING = 0.06
+#: Zeros of several fits this close are one candidate, and a perturbed fit sees it within the second share.
+ONE_CANDIDATE, SEEN_WITHIN = 0.007, 0.015
+#: Share of the unperturbed fits from which a zero is a candidate, and distance of two that are accepted.
+LEAST_SIGHTINGS, APART = 0.25, 0.015
+#: Margin of a stretch at either end in which its zeros do not count.
+MARGIN = 0.08
+#: A candidate is judged by this many stretches of each scale, in whose middle part it lies.
+JUDGES, MIDDLE = 2, 0.42
+#: Flanks of a zero as shares of its frequency, on one side, and how far the response must rise there in dB.
+FLANKS, RISE_DB = ((0.015, 0.07), (0.07, 0.15), (0.15, 0.25)), 10.0
+#: What rises less is not even mentioned.
+MENTIONED_DB = 7.0
+#: Half the width about a value, as a share of it, in which its dip is looked for, and how many times
+#: ``min_depth_db`` deep it must be: zeros of noise and of lines of the force have up to 4 dB.
+AT_VALUE, DEPTH = 0.007, 2.0
+#: How far a response must rise between two values for them to be two.
+BETWEEN_DB = 8.0
+#: Of several values in one dip those count between which it rises less than the first number, with at least
+#: the second part of the largest share.
+SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
+#: Lines over which what the fits leave is averaged.
+NOISE_LINES = 31
+
+
+@dataclass(frozen=True)
+class _Surveyed:
+    """A look with the fits to its unperturbed vectors, by scale, and the noise that they leave."""
+
+    look: Look
+    fits: list[list[LocalFits]]
+    noise: FloatArray
+
+
+#: Reasons for which a candidate is not accepted.
+IN_TOO_FEW, IN_NOISE = "in too few perturbed fits", "beside noise"
+NO_DIP, TOO_DAMPED = "no dip beside the other responses", "damped too much"
+#: A candidate: response, frequency, damping ratio, standard deviation in Hz, share, rise in dB, fits.
+CANDIDATE = np.dtype(
+    [
+        ("row", np.intp),
+        *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz")),
+        *((name, np.float64) for name in ("share", "rise_db", "depth_db")),
+        ("fits", np.intp),
+    ]
+)
+
+
+def direction_diagrams(
+    looks: Sequence[Look],
+    lines: Lines,
+    n_responses: int,
+    band_hz: tuple[float, float],
+    options: IdentificationOptions,
+) -> list[StabilizationDiagram]:
+    """One diagram for each response: zeros of all unperturbed fits, and what perturbed ones confirm."""
+    surveyed = []
+    for number, look in enumerate(looks):
+        step(f"resolution {number + 1} of {len(looks)}")
+        surveyed.append(_survey(look))
+    sightings = [_sightings(one, band_hz) for one in surveyed]
+    step("perturbed fits")
+    found = _judged(surveyed, sightings, n_responses)
+    why = reasons(found, options.rule)
+    seen = np.concatenate([one.zeros for one in sightings])
+    diagrams = []
+    for row in range(n_responses):
+        own = found["row"] == row
+        quotients = lines.quotients(row)[0]
+        background = np.abs(quotients.sum(axis=0))
+        zeros = seen[seen[:, 0] == row]
+        zeros = zeros[np.lexsort((zeros[:, 1], zeros[:, 2]))]
+        orders, first = np.unique(zeros[:, 2], return_index=True)
+        if not zeros.size:
+            orders, first = np.array([SCALES[0][2][0]]), np.array([0])
+        accepted, left_out = _table(found[own & (why == "")]), _table(found[own & (why != "")])
+        off = np.abs(zeros[:, 1][:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf)
+        freq, damping, stable = (
+            tuple(frozen(part) for part in np.split(column, first[1:]))
+            for column in (zeros[:, 1], zeros[:, 3], off <= ONE_CANDIDATE)
+        )
+        diagrams.append(
+            StabilizationDiagram(
+                orders=frozen(orders),
+                freq_hz=freq,
+                damping_ratio=damping,
+                stable=stable,
+                accepted=scored(accepted, lines.freq_hz, background, quotients, quotients),
+                background_freq_hz=frozen(lines.freq_hz),
+                background=frozen(background),
+                band_hz=band_hz,
+                left_out=left_out.with_scores(why=why[own & (why != "")]),
+            )
+        )
+    return diagrams
+
+
+def _table(found: NDArray[np.void]) -> ResponseTable:
+    spread = found["std_hz"] / found["freq_hz"]
+    table = ResponseTable.of_sweep(
+        found["freq_hz"],
+        found["damping_ratio"],
+        found["std_hz"],
+        rows=found["fits"],
+        spread=spread,
+        dominance=np.full(found.size, np.nan),
+        how="directions",
+    )
+    return table.with_scores(
+        share=found["share"],
+        depth_db=found["depth_db"],
+        own_depth_db=found["rise_db"],
+        grade=window_grades(found["share"], spread, found["depth_db"]),
+    )
+
+
+def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int) -> NDArray[np.void]:
+    """All candidates, by response and frequency."""
+    rng = np.random.default_rng(SEED)
+    places = [
+        (row, value)
+        for row in range(n_rows)
+        for value in _candidates(sightings, row)
+        if max(_rise_db(one, row, value) for one in surveyed) >= MENTIONED_DB
+    ]
+    seen = [_perturbed(one, places, rng) for one in surveyed]
+    rows = []
+    for i, (row, _) in enumerate(places):
+        parts = [part for part in (own[i] for own in seen) if part is not None]
+        if not parts:
+            continue
+        weights = np.array([part.share for part in parts])
+        freq = float(np.average([part.freq_hz for part in parts], weights=weights))
+        between = 0.5 * float(np.ptp([part.freq_hz for part in parts]))
+        rows.append(
+            (
+                row,
+                freq,
+                float(np.median([part.damping_ratio for part in parts])),
+                float(np.hypot(min(part.std_hz for part in parts), between)),
+                float(weights.sum()) / len(seen),
+                max(_rise_db(one, row, freq) for one in surveyed),
+                max(_depth_db(one, row, freq) for one in surveyed),
+                sum(part.fits for part in parts),
+            )
+        )
+    return np.array(_apart(rows, surveyed), dtype=CANDIDATE)
+
+
+def reasons(found: NDArray[np.void], rule: FitOptions) -> NDArray[np.str_]:
+    """Why candidates are not accepted, (n,); empty for those that are."""
+    return np.select(
+        [
+            found["share"] < rule.min_share,
+            found["rise_db"] < RISE_DB,
+            found["depth_db"] < DEPTH * rule.min_depth_db,
+            np.abs(found["damping_ratio"]) > rule.max_damping,
+        ],
+        [IN_TOO_FEW, IN_NOISE, NO_DIP, TOO_DAMPED],
+        "",
+    )
+
+
+def _survey(look: Look) -> _Surveyed:
+    """Fits to the unperturbed vectors, and what they leave of each response at each line."""
+    left = np.zeros(look.vectors.shape[1:])
+    count = np.zeros(look.freq_hz.size)
+    fits = []
+    for ratio, least, orders in SCALES:
+        own = []
+        for stretch in stretches(look.freq_hz, ratio, least):
+            one = fit(stretch, look.freq_hz, look.vectors[:1], look.weights, orders)
+            v = look.vectors[0, stretch.lines]
+            along = np.sum(one.fitted.conj() * v, axis=1, keepdims=True)
+            left[stretch.lines] += np.abs(v - one.fitted * along) ** 2
+            count[stretch.lines] += 1
+            own.append(one)
+        fits.append(own)
+    some = count > 0
+    noise = np.stack(
+        [np.interp(look.freq_hz, look.freq_hz[some], row[some] / count[some]) for row in left.T], axis=1
+    )
+    width = min(NOISE_LINES, max(3, look.freq_hz.size // 8))
+    kernel = np.ones(width)
+    share = np.convolve(np.ones(len(noise)), kernel, "same")
+    noise = np.stack([np.convolve(row, kernel, "same") / share for row in np.maximum(noise, look.noise).T], 1)
+    return _Surveyed(look, fits, noise)
+
+
+def _moved(zeros: ComplexArray, decay_per_s: float) -> tuple[FloatArray, FloatArray]:
+    """Frequencies and damping ratios of zeros in Hz, less the decay of an exponential window."""
+    z = zeros - 1j * decay_per_s / (2.0 * np.pi)
+    size = np.abs(z)
+    return np.where(z.real > 0.0, size, -1.0), z.imag / np.maximum(size, 1e-300)
+
+
+def _interior(stretch: Stretch, freq_hz: FloatArray) -> tuple[float, float]:
+    """The part of a stretch in which its zeros count; at the ends of the band all of it."""
+    margin = MARGIN * (stretch.high_hz - stretch.low_hz)
+    low = stretch.low_hz if stretch.low_hz <= freq_hz[0] else stretch.low_hz + margin
+    high = stretch.high_hz if stretch.high_hz >= freq_hz[-1] else stretch.high_hz - margin
+    return low, high
+
+
+@dataclass(frozen=True)
+class _Sightings:
+    """Zeros of the unperturbed fits: (row, frequency, order, damping), and the interior of every fit."""
+
+    zeros: FloatArray
+    interiors: FloatArray
+
+
+def _sightings(one: _Surveyed, band_hz: tuple[float, float]) -> _Sightings:
+    found, interiors = [], []
+    n_rows = one.look.vectors.shape[2]
+    for own, (_, _, orders) in zip(one.fits, SCALES, strict=True):
+        for local in own:
+            low, high = _interior(local.stretch, one.look.freq_hz)
+            for order in orders:
+                freq, damping = _moved(local.zeros(order, list(range(n_rows)))[0], one.look.decay_per_s)
+                row, which = np.nonzero(
+                    (np.abs(damping) < MOST_DAMPING)
+                    & (freq >= max(low, band_hz[0]))
+                    & (freq <= min(high, band_hz[1]))
+                )
+                columns = (row, freq[row, which], np.full(row.size, order), damping[row, which])
+                found.append(np.stack(columns, axis=1))
+                interiors.append((low, high))
+    return _Sightings(np.concatenate(found), np.array(interiors))
+
+
+def _candidates(sightings: list[_Sightings], row: int) -> list[float]:
+    """Frequencies that enough of the fits of one look have; the most frequent claims its neighbours."""
+    values: list[float] = []
+    for one in sightings:
+        freq = np.sort(one.zeros[one.zeros[:, 0] == row, 1])
+        free = np.ones(freq.size, dtype=bool)
+        first = np.searchsorted(freq, freq * (1.0 - ONE_CANDIDATE))
+        last = np.searchsorted(freq, freq * (1.0 + ONE_CANDIDATE), side="right")
+        for i in np.argsort(first - last, kind="stable"):
+            group = slice(first[i], last[i])
+            if not free[i]:
+                continue
+            near = freq[group][free[group]]
+            free[group] = False
+            could = np.sum((one.interiors[:, 0] <= freq[i]) & (one.interiors[:, 1] >= freq[i]))
+            if near.size >= LEAST_SIGHTINGS * max(int(could), 1):
+                values.append(float(np.median(near)))
+    merged: list[float] = []
+    for value in sorted(values):
+        if not merged or value / merged[-1] - 1.0 > ONE_CANDIDATE:
+            merged.append(value)
+    return merged
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What perturbed fits of one look say of a candidate."""
+
+    share: float
+    freq_hz: float
+    damping_ratio: float
+    std_hz: float
+    fits: int
+
+
+def _perturbed(
+    one: _Surveyed, places: list[tuple[int, float]], rng: np.random.Generator
+) -> list[_Seen | None]:
+    """How often perturbed fits of one look see each of the places (row, frequency)."""
+    look = one.look
+    views = look.vectors[1:] if len(look.vectors) > 1 else noisy(look.vectors[0], one.noise, rng)
+    middles = [np.array([f.stretch.middle_hz for f in own]) for own in one.fits]
+    widths = [np.array([f.stretch.high_hz - f.stretch.low_hz for f in own]) for own in one.fits]
+    asked: dict[tuple[int, int], list[int]] = {}
+    for i, (_, value) in enumerate(places):
+        for scale, (middle, width) in enumerate(zip(middles, widths, strict=True)):
+            off = np.abs(middle - value) / width
+            for which in np.argsort(off, kind="stable")[:JUDGES]:
+                if off[which] < MIDDLE or len(off) == 1:
+                    asked.setdefault((scale, int(which)), []).append(i)
+    hits: list[list[list[FloatArray]]] = [[[] for _ in SCALES] for _ in places]
+    for (scale, which), some in asked.items():
+        orders = SCALES[scale][2]
+        vectors = np.concatenate([look.vectors[:1], views])
+        local = fit(one.fits[scale][which].stretch, look.freq_hz, vectors, look.weights, orders)
+        rows = sorted({places[i][0] for i in some})
+        there = np.any(views != 0.0, axis=1)
+        for order in orders:
+            freq, damping = _moved(local.zeros(order, rows)[1:], look.decay_per_s)
+            for i in some:
+                row, value = places[i]
+                k = rows.index(row)
+                own, light = freq[:, k], np.abs(damping[:, k]) < 1.5 * MOST_DAMPING
+                off = np.where(light, np.abs(own / value - 1.0), np.inf)
+                best = np.argmin(off, axis=1)
+                at = np.arange(len(views))
+                good = off[at, best] <= SEEN_WITHIN
+                both = np.stack(
+                    [np.where(good, own[at, best], np.nan), np.where(good, damping[at, k, best], np.nan)]
+                )
+                hits[i][scale].append(both[:, there[:, row]])
+    # Halves scatter more than the whole.
+    whole = np.sqrt(0.5) if len(look.vectors) > 1 else 1.0
+    return [_best_scale(each, whole) for each in hits]
+
+
+def _best_scale(by_scale: list[list[FloatArray]], whole: float) -> _Seen | None:
+    """What the scale that sees most of it says."""
+    best: _Seen | None = None
+    for parts in by_scale:
+        if not parts:
+            continue
+        freq, damping = np.concatenate(parts, axis=1)
+        good = np.isfinite(freq)
+        share = float(good.mean()) if good.size else 0.0
+        if good.any() and (best is None or share > best.share):
+            own = freq[good]
+            std = whole * float(np.std(own))
+            best = _Seen(share, float(np.median(own)), float(np.median(damping[good])), std, good.size)
+    return best
+
+
+def noisy(vectors: ComplexArray, noise: FloatArray, rng: np.random.Generator) -> ComplexArray:
+    """Views with noise of this power added, in each but the first a channel left out in turn."""
+    drawn = rng.standard_normal((2, VIEWS, *vectors.shape))
+    views = vectors + (drawn[0] + 1j * drawn[1]) * np.sqrt(0.5 * noise)
+    return leave_out(views)
+
+
+def leave_out(views: ComplexArray) -> ComplexArray:
+    """Unit vectors, every second with one channel left out, where at least two remain."""
+    n = views.shape[2]
+    if n > 2:
+        for k in range(1, len(views), 2):
+            views[k, :, (k // 2) % n] = 0.0
+    norm = np.linalg.norm(views, axis=2, keepdims=True)
+    return np.asarray(views / np.maximum(norm, 1e-300))
+
+
+def _rise_db(one: _Surveyed, row: int, value: float) -> float:
+    """How far a response rises over its noise on the lower of both sides of a value."""
+    return _flank_db(one, row, value, one.noise[:, row])
+
+
+def _depth_db(one: _Surveyed, row: int, value: float) -> float:
+    """How far a response falls from the lower of both sides to a value, as a share of all responses."""
+    power = np.abs(one.look.vectors[0, :, row]) ** 2
+    smooth = running_mean(power, 3)
+    near = np.abs(one.look.freq_hz - value) <= AT_VALUE * value
+    near[np.argmin(np.abs(one.look.freq_hz - value))] = True
+    return _flank_db(one, row, value, np.full(power.size, float(smooth[near].min())))
+
+
+def _flank_db(one: _Surveyed, row: int, value: float, over: FloatArray) -> float:
+    power = np.abs(one.look.vectors[0, :, row]) ** 2 / np.maximum(over, 1e-300)
+    sides = []
+    for sign in (-1.0, 1.0):
+        rises = [0.0]
+        for near, far in FLANKS:
+            low, high = sorted((value * (1.0 + sign * near), value * (1.0 + sign * far)))
+            inside = (one.look.freq_hz >= low) & (one.look.freq_hz <= high)
+            if inside.sum() > 1:
+                rises.append(float(np.median(power[inside])))
+        sides.append(max(rises))
+    return float(10.0 * np.log10(max(min(sides), 1e-30)))
+
+
+def _apart(rows: Sequence[tuple[float, ...]], surveyed: list[_Surveyed]) -> list[tuple[float, ...]]:
+    """One entry a dip: where a response does not rise over its noise between values, noise has split one.
+
+    It keeps the largest share; its frequency is the mean by share, and its error holds their scatter.
+    """
+    dips: list[list[tuple[float, ...]]] = []
+    for one in sorted(rows, key=lambda r: -r[4]):
+        for dip in dips:
+            first = dip[0]
+            if first[0] != one[0]:
+                continue
+            between = max(_between_db(s, int(one[0]), first[1], one[1]) for s in surveyed)
+            if between < BETWEEN_DB:
+                if between < SPLIT_DB and one[4] >= COUNTS_IN_DIP * first[4]:
+                    dip.append(one)
+                break
+        else:
+            dips.append([one])
+    kept = []
+    for dip in dips:
+        freq, share = np.array([(r[1], r[4]) for r in dip]).T
+        middle = float(np.average(freq, weights=share))
+        scatter = float(np.sqrt(np.average((freq - middle) ** 2, weights=share)))
+        kept.append((dip[0][0], middle, dip[0][2], max(dip[0][3], scatter), *dip[0][4:]))
+    return sorted(kept)
+
+
+def _between_db(one: _Surveyed, row: int, a_hz: float, b_hz: float) -> float:
+    """How far a response rises over its noise between two values, two lines together."""
+    low, high = sorted((a_hz, b_hz))
+    if high / low - 1.0 < APART:
+        return -np.inf
+    inside = np.flatnonzero((one.look.freq_hz > low) & (one.look.freq_hz < high))
+    if inside.size < 3:
+        return -np.inf
+    power = np.abs(one.look.vectors[0, inside, row]) ** 2 / np.maximum(one.noise[inside, row], 1e-300)
+    return float(10.0 * np.log10(max(np.max(np.minimum(power[1:], power[:-1])), 1e-30)))

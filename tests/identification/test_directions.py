@@ -1,0 +1,108 @@
+"""Local fits of directions, perturbed fits, and which of all ways of fitting "auto" takes."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.identification.directions import fit, stretches
+from tests.support.measured_data import DATA, needs_shake_table
+
+BAND = (3.0, 130.0)
+
+
+@pytest.fixture(scope="module")
+def chain():
+    model = ar.cases.chain8().model
+    truth = {dof: model.antiresonances(dof, 0, f_max_hz=BAND[1]) for dof in range(8)}
+    return model, truth
+
+
+def record(model, noise, seed):
+    return model.simulate(
+        excitation=0, fs_hz=400.0, duration_s=200.0, damping_ratio=0.01, noise=noise, rng=seed
+    )
+
+
+def matched(zeros, truth):
+    """(found, false) within 1 %."""
+    right = sum(
+        int(np.abs(truth[dof] / value - 1.0).min(initial=np.inf) < 0.01)
+        for dof in zeros
+        for value in zeros[dof]
+    )
+    return right, sum(map(len, zeros.values())) - right
+
+
+def test_zeros_of_exact_directions():
+    freq = np.linspace(8.0, 12.0, 60)
+    numerators = np.stack(
+        [(freq - 9.3 - 0.05j) * (freq - 14.0), (freq - 10.7 - 0.02j) * (freq - 5.0), 1.0 + 0.2j * freq],
+        axis=1,
+    )
+    phases = np.exp(1j * np.random.default_rng(0).uniform(0.0, 6.0, 60))
+    vectors = numerators / np.linalg.norm(numerators, axis=1, keepdims=True) * phases[:, None]
+    (stretch, *_) = stretches(freq, 1.5, 48)
+    local = fit(stretch, freq, vectors[None], np.ones(60), (2, 3))
+    for order in (2, 3):
+        zeros = local.zeros(order, [0, 1])[0]
+        assert np.abs(zeros[0] - (9.3 + 0.05j)).min() < 1e-9
+        assert np.abs(zeros[1] - (10.7 + 0.02j)).min() < 1e-9
+
+
+@pytest.mark.parametrize(("noise", "least"), [(0.01, 25), (0.05, 23)])
+def test_the_chain_by_local_fits(chain, noise, least):
+    model, truth = chain
+    zeros = ar.identify_antiresonances(
+        record(model, noise, 11), excitation=0, band_hz=BAND, fit=ar.FitOptions(formulation="directions")
+    )
+    found, false = matched(zeros, truth)
+    assert found >= least
+    assert false <= 1
+    assert all((share >= 0.5).all() for share in zeros.share.values())
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_what_one_fit_predicts_is_fitted_at_once(chain, noise):
+    model, _ = chain
+    zeros = ar.identify_antiresonances(record(model, noise, 12), excitation=0, band_hz=BAND)
+    assert zeros.options["fitted"] == "numerators"
+
+
+def test_noise_alone_says_so():
+    rec = ar.Recording(np.random.default_rng(3).standard_normal((4, 40_000)), 100.0)
+    fit_options = ar.FitOptions(formulation="directions")
+    with pytest.warns(ar.AntiresWarning, match="no antiresonance in 1 to 40 Hz"):
+        zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=(1, 40), check="off", fit=fit_options)
+    assert not any(map(len, zeros.values()))
+
+
+def test_the_same_record_gives_the_same_bits(chain):
+    rec = record(chain[0], 0.05, 13)
+    fit_options = ar.FitOptions(formulation="directions")
+    one, two = (
+        ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options, check="off")
+        for _ in "ab"
+    )
+    assert all((one[dof] == two[dof]).all() for dof in one)
+
+
+@needs_shake_table
+@pytest.mark.parametrize(
+    ("event", "ground", "floor"), [("flexible_northridge", 3.7, 5.2), ("stiff_northridge", 7.8, 10.9)]
+)
+def test_halves_of_an_earthquake_agree(event, ground, floor):
+    kept = np.load(DATA / "shake_table" / "records.npz")
+    x = kept[event]
+    dofs = ["ground", "floor 1", "floor 2", "floor 3"]
+    band = (1.0, 2.4 * floor)
+    for part in (x, x[:, : x.shape[1] // 2]):
+        zeros = ar.identify_antiresonances(
+            ar.Recording(part, float(kept["fs_hz"]), dofs=dofs),
+            excitation="ground",
+            band_hz=band,
+            check="off",
+        )
+        assert zeros.options["fitted"] == "directions"
+        assert zeros.sees == "transmissibility"
+        assert np.abs(zeros["ground"] / ground - 1.0).min() < 0.02
+        assert np.abs(zeros["floor 1"] / floor - 1.0).min() < 0.02
