@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.measured_states import LEAST_STD
-from antires_rs.planning.virtual_roots import ExpectedErrors
+from antires_rs.planning.placement import ExpectedErrors
 
 CHAIN = ar.MassSpringChain([1.0, 0.7, 1.4, 0.9], [5e4, 7e4, 4e4])
 BAND_HZ, DAMPING, LENGTH_S = 70.0, 0.02, 30.0

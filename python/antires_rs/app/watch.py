@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from threading import Event
 
-from ..damage.assessor import Assessor
+from ..damage.assess import Assessor
 from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyError, reject
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series

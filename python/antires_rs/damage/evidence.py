@@ -31,11 +31,7 @@ FURTHEST = -float(np.log1p(-HIGHEST))
 
 
 def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Most probable points (k, n) of Gaussians in the box.
-
-    Coordinates whose peak lies outside are put on their bound one by one, the worst first; given these, the
-    others follow.
-    """
+    """Most probable points (k, n) of Gaussians in the box."""
     best, spread, free = mean.copy(), covariance.copy(), np.ones(mean.shape, dtype=bool)
     for _ in range(mean.shape[1]):
         sd = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))

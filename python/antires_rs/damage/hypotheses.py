@@ -274,10 +274,7 @@ class Assessment(Value, Taught):
 
     @property
     def explained(self) -> bool:
-        """Whether the values are what the most probable hypothesis leads to expect, errors considered.
-
-        An element that was no candidate may explain them too; a change that no element explains never does.
-        """
+        """Whether the values are what the most probable hypothesis leads to expect, errors considered."""
         from scipy.special import chdtrc
 
         spare = max(self.n_matched - len(self.best.severities), 1)
@@ -313,10 +310,7 @@ _GROUPED, _MOST_ALTERNATIVES = 0.9, 4
 
 
 def together(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """The most probable damage of candidates with its alternatives: those that make up most of it.
-
-    One hypothesis where it is clear; none where more than a few would be needed.
-    """
+    """The most probable damage of candidates with its alternatives; none where more than a few are needed."""
     damage = [one for one in hypotheses if one.candidate and one.elements]
     shares = np.cumsum([one.probability for one in damage])
     count = 1 + int(np.searchsorted(shares, _GROUPED * shares[-1])) if damage else 0

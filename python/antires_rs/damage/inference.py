@@ -15,7 +15,7 @@ from ..exceptions import reject
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
-from ..updating.reduced_search import ReductionReport
+from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
@@ -471,12 +471,9 @@ def posterior(
 
     total = float(logsumexp(list(weights.values())))
     if not np.isfinite(total):
-        reject(
-            "prior",
-            "one that allows none of the hypotheses that were judged",
-            "some probability for no damage or one element",
-            "Leave the prior out, or give nothing, one and unknown more than 0.",
-        )
+        got = "one that allows none of the hypotheses that were judged"
+        remedy = "Leave the prior out, or give nothing, one and unknown more than 0."
+        reject("prior", got, "some probability for no damage or one element", remedy)
     rows = []
     for elements, weight in weights.items():
         probability = min(float(np.exp(weight - total)), 1.0)

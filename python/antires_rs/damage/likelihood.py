@@ -158,11 +158,7 @@ class ModelError:
     def predicted(
         self, slopes: FloatArray, identity: NDArray[np.intp], kind: NDArray[np.intp] | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Mean (m,) and covariance (m, m) of ln f of roots, beyond the model's.
-
-        ``slopes`` (m, p) are by theta, ``identity`` (m,) the roots' numbers in the intact state, -1 for new
-        ones; ``kind`` is 0 for frequencies, which is the default, 1 for shapes.
-        """
+        """Mean (m,) and covariance (m, m) of ln f of roots, beyond the model's; slopes (m, p) by theta."""
         from scipy.linalg import cho_solve
 
         rows = rows_of(slopes, identity, self.intact)
@@ -515,10 +511,7 @@ _MARGIN = 0.3
 
 
 class ValueLikelihood(ABC):
-    """p(values of a test | severities), wherever the roots come from; and how probable other changes are.
-
-    ``n`` is how many severities there are, ``start`` the view from the undamaged model.
-    """
+    """p(values of a test | severities), wherever the roots come from; and how probable other changes are."""
 
     n: int
     start: View
@@ -548,8 +541,7 @@ class ValueLikelihood(ABC):
 
     @cached_property
     def something_else(self) -> float:
-        """Log evidence of a change that has nothing to do with any element: of every value, by any amount,
-        or of all values alike."""
+        """Log evidence of a change of every value by any amount, or of all values alike."""
         found = [self.log_without_damage(extra, 0.0) for extra in ANY_CHANGE]
         by_itself = np.logaddexp.reduce(found) - np.log(len(found))
         return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike[1]))
@@ -567,19 +559,14 @@ class ValueLikelihood(ABC):
 
     @cached_property
     def _alike(self) -> tuple[float, float]:
-        """The likeliest change of all values alike; log evidence of any such, with its share of the
-        probability."""
+        """The likeliest change of all values alike, and the log evidence of any such."""
         logs = [self.log_without_damage(0.0, each) for each in ALIKE]
         evidence = float(np.logaddexp.reduce(logs) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
         return ALIKE[int(np.argmax(logs))], evidence
 
 
 class Likelihood(ValueLikelihood):
-    """From the roots of a model after the baseline: the core's, or those of reduced models.
-
-    ``common`` is the standard deviation of what moves all values alike between the two states, ln f; ``nfev``
-    counts evaluations of the model.
-    """
+    """From the roots of a model after the baseline: the core's, or those of reduced models."""
 
     def __init__(
         self,
@@ -664,11 +651,7 @@ class Likelihood(ValueLikelihood):
 
 
 class Prepared(NamedTuple):
-    """The likelihood after the baseline, and what it was made of.
-
-    ``numbers`` are the elements in the order of the severities, candidates first; ``scatter`` that between
-    tests of the intact state, over the stated errors; ``odd`` those that contradict each other.
-    """
+    """The likelihood after the baseline, and what it was made of."""
 
     likelihood: Likelihood
     numbers: tuple[int, ...]
@@ -690,11 +673,7 @@ class Prepared(NamedTuple):
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked; ``elements`` are the candidates, zero-based.
-
-    ``model_error`` is the scatter of the model's factors where it is not to be learned; ``reduced`` whether
-    antiresonances are sought on reduced models.
-    """
+    """What was asked; ``elements`` are the candidates, zero-based."""
 
     model: StructuralModel
     baseline: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]

@@ -26,7 +26,7 @@ from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
 from ..updating.result import UpdateResult
-from ..updating.tables import ModalTable, signed
+from ..updating.targets import ModalTable, signed
 from . import responses
 from .canvas import picture
 from .damage import losses, plot_damage, plot_hypotheses, probabilities

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..support.checks import FloatArray
     from ..updating.box_identifiability import BoxIdentifiability
     from ..updating.result import UpdateResult
-    from ..updating.tables import FrequencyTable, ModalTable
+    from ..updating.targets import FrequencyTable, ModalTable
 
 #: Above this many antiresonances their frequencies no longer fit under the bars.
 MOST_LABELS = 64

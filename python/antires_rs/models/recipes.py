@@ -10,8 +10,8 @@ from .. import _core
 from ..exceptions import part, reject
 from ..support.checks import FloatArray, integer
 from ..support.values import Value
+from .constraints import Independent, Matrices, independent_of
 from .frame_parts import AnySection, shear_of
-from .independent import Independent, Matrices, independent_of
 from .matrices import Entries
 
 if TYPE_CHECKING:

@@ -19,10 +19,7 @@ _UNHEARD: ContextVar[bool] = ContextVar("_UNHEARD", default=False)
 
 
 def warn(about: str | tuple[str, ...], text: str) -> None:
-    """Warn at the line of the user's call, however deep in this package.
-
-    ``about`` names entries of ``troubleshooting.md`` beside this file, see :func:`~antires_rs.explain`.
-    """
+    """Warn at the line of the user's call; ``about`` names entries of ``troubleshooting.md``."""
     if not _UNHEARD.get():
         _warn(AntiresWarning(text, (about,) if isinstance(about, str) else about))
 

@@ -247,11 +247,7 @@ _MET = 1e-6
 def sensitivities(
     problem: UpdatingProblem, x: FloatArray, forces: tuple[int, ...] = (), sensors: tuple[int, ...] = ()
 ) -> FloatArray:
-    """Change of what would be measured at ``x`` over the bounds' distances, (m, n), for the free parameters.
-
-    Rows are of omega squared, relative, and of entries of shapes at unit length, a fifth of them for their
-    error is larger. ``forces`` and ``sensors`` are dofs that the test would have beside its own.
-    """
+    """Change of what would be measured at ``x`` over the bounds' distances, (m, n); of shapes a fifth."""
     model = problem.model_at(x)
     of_modes = problem.noun == "mode"
     sets: Any = _modes(problem, model, sensors) if of_modes else _zeros(problem, model, forces, sensors)
@@ -311,10 +307,7 @@ def _modes(problem: UpdatingProblem, model: StructuralModel, sensors: tuple[int,
 
 
 def expected_covariance(jacobians: Sequence[FloatArray], noise: float) -> FloatArray:
-    """Mean over the points of the posterior's covariance, in prior standard deviations, (n, n).
-
-    A uniform prior of width 1 counts as a Gaussian of the same variance, 1/12.
-    """
+    """Mean over the points of the posterior's covariance, in prior standard deviations, (n, n)."""
     n = jacobians[0].shape[1]
     found = [np.linalg.inv(np.eye(n) + j.T @ j / (12.0 * noise**2)) for j in jacobians]
     return np.asarray(np.mean(found, axis=0))
@@ -337,11 +330,7 @@ _UNSEEN = 0.95
 
 
 def combinations(covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What is left of orthonormal combinations, (n,), the least told first, and these, (n, n), by row.
-
-    ``covariance`` is in prior standard deviations. Combinations of which nothing is told are any basis of a
-    space; they are turned to have few members each.
-    """
+    """What is left of orthonormal combinations, (n,), the least told first, and these, (n, n), by row."""
     values, vectors = np.linalg.eigh(covariance)
     left, rows = np.sqrt(np.clip(values[::-1], 0.0, 1.0)), vectors[:, ::-1].T.copy()
     unseen = int(np.sum(left >= _UNSEEN))

@@ -122,10 +122,7 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
 
 
 def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: FloatArray) -> FloatArray:
-    """Standard deviations over the bounds' distances, (n,): sigma times the rows of the pseudo-inverse.
-
-    ``sigma**2 = sum(e**2) / (m - rank)``. A damage at exactly 0 is decided, not estimated.
-    """
+    """Standard deviations over the bounds' distances, (n,): sigma times the rows of the pseudo-inverse."""
     std = np.full(len(x), np.nan)
     free = np.flatnonzero(~decided(problem, x) & (problem.bounds[:, 1] > problem.bounds[:, 0]))
     if free.size == 0:
@@ -142,11 +139,7 @@ def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: Floa
 
 
 def smallest_visible(problem: UpdatingProblem) -> list[float]:
-    """Smallest value of each stiffness reduction that the objective prefers to no damage.
-
-    The structure is taken to be the nominal model with that one reduction, measured exactly at the same dofs
-    and in the same band. Infinity where no value up to the bound is preferred.
-    """
+    """Smallest value of each stiffness reduction that the objective prefers to no damage, on exact data."""
     loss, element = problem.penalty.prices if problem.penalty else (0.0, 0.0)
     moved = [problem.model_at(STEP * unit) for unit in np.eye(len(problem.parameters))]
     exact = problem._targets.exact(problem.model, problem.paired_hz(problem.nominal), moved)

@@ -20,8 +20,7 @@ from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import AroundCore, ReadOnly, frozen, frozen_or_none
-from .tables import FrequencyTable, ModalTable
-from .targets import ModalTargets, Targets, targets_of
+from .targets import FrequencyTable, ModalTable, ModalTargets, Targets, targets_of
 
 Misfit = Literal["absolute", "squared", "largest"]
 
