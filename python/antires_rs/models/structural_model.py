@@ -457,7 +457,8 @@ class StructuralModel(AroundCore["CoreModel"], ReadOnly):
             Return also the roots that coincide with a resonance which response or excitation does not
             see (residue below 1e-12 of the largest). The FRF shows no dip there.
         bounds : bool
-            Return also how far each may be from the root of the matrices as given. Up to 400 dofs both
+            Return also how far each may be from the root of the matrices as given, to first order in their
+            rounding (Stewart & Sun, Matrix Perturbation Theory, 1990, section VI.2). Up to 400 dofs both
             methods are then used, and what only one of them finds counts if the matrices confirm it.
 
         Returns
@@ -484,12 +485,6 @@ class StructuralModel(AroundCore["CoreModel"], ReadOnly):
             The response is not connected to the excitation: H is identically zero; rounding leaves a doubt
             about the number of roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some
             roots are not certain.
-
-        Notes
-        -----
-        A bound is of first order in the rounding of K and M,
-        :math:`c\,\epsilon\,|v|^T(|K| + \omega^2 |M|)|u| / |v^T M u|` in frequency squared, with the null
-        vectors u and v (Stewart & Sun, Matrix Perturbation Theory, 1990, section VI.2).
 
         Examples
         --------
