@@ -66,28 +66,20 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Tables:
-    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,).
-
-    ``seen`` (r,) by the baseline; ``identity`` (r,) is the number among all roots of the undamaged model,
-    which ``all_response`` and ``all_log_f`` are, -1 for one that only damage makes; ``intact`` (r,) ln f
-    there. By element, level and root: whether the model has it (``there``), ``place`` ln f expected in the
-    measured structure, ``beside`` how far that is from the model's, ``by_own`` its slope by u of the element,
-    ``slopes`` (n, l, r, n) those of ln f by all u, ``errors`` (n, l, r, q) what multiplies q independent
-    errors of the model, of variance 1.
-    """
+    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,)."""
 
     response: NDArray[np.intp]
-    seen: NDArray[np.bool_]
-    identity: NDArray[np.intp]
-    all_response: NDArray[np.intp]
+    seen: NDArray[np.bool_]  # by the baseline, (r,)
+    identity: NDArray[np.intp]  # number among all intact roots, -1 for one that only damage makes, (r,)
+    all_response: NDArray[np.intp]  # of all roots of the undamaged model
     all_log_f: FloatArray
-    intact: FloatArray
-    there: NDArray[np.bool_]
-    place: FloatArray
-    beside: FloatArray
-    by_own: FloatArray
-    slopes: Single
-    errors: Single
+    intact: FloatArray  # ln f in the undamaged model, (r,)
+    there: NDArray[np.bool_]  # whether the model has it, (n, l, r)
+    place: FloatArray  # ln f expected in the measured structure, (n, l, r)
+    beside: FloatArray  # how far that is from the model's
+    by_own: FloatArray  # its slope by u of the element
+    slopes: Single  # of ln f by all u, (n, l, r, n)
+    errors: Single  # what multiplies q independent errors of the model, of variance 1, (n, l, r, q)
 
 
 def tables_of(prepared: Prepared) -> Tables:
@@ -444,16 +436,13 @@ _CLOSE, _LAST = 1.0, 3
 
 @dataclass
 class QuickSearch(Search):
-    """A search in tables, which judges the few sets that may be the answer.
-
-    ``rough`` are log evidence and severities (u) of sets as the tables have them, ``judged`` those that were
-    judged from their own severities; ``cut`` tells whether sets that may be the most probable ones were not.
-    """
+    """A search in tables, which judges the few sets that may be the answer."""
 
     likelihood: TabulatedLikelihood
+    #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     judged: set[Elements] = field(default_factory=set)
-    cut: bool = False
+    cut: bool = False  # whether sets that may be the most probable ones were not judged
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Too many for a quick search."""

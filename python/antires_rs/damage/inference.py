@@ -71,19 +71,15 @@ _MANY = 8
 
 @dataclass
 class Search:
-    """The sets found so far, by elements; ``n_candidates`` first, then those that are none.
-
-    ``screened`` tells how many elements were scanned for a single damage, of how many, unless all were;
-    ``hopeless`` are sets that explain far less than others wherever they came to, without coming to rest, and
-    single elements that the sensitivities rule out.
-    """
+    """The sets found so far, by elements; candidates have the first numbers."""
 
     likelihood: ValueLikelihood
     n_candidates: int
     prior: DamagePrior = field(default_factory=DamagePrior)
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
-    screened: tuple[int, int] | None = None
+    screened: tuple[int, int] | None = None  # scanned for a single damage, of how many, unless all were
+    #: Sets that explain far less than others without coming to rest; elements that sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
 
     def run(self) -> None:
@@ -414,14 +410,13 @@ _LEAST = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Learned(Taught):
-    """What the baseline has told, with ``factors`` of the model, scatters ``s`` of these and ``tau`` of the
-    roots' own errors, the share ``outside`` of a change that counts as its error, and the band in ln f."""
+    """What the baseline has told, and what a likelihood is made of."""
 
-    factors: FloatArray
-    tau: float
-    s: float
-    outside: float
-    low: float
+    factors: FloatArray  # of the model's stiffnesses and masses
+    tau: float  # scatter of the roots' own errors
+    s: float  # scatter of the factors
+    outside: float  # share of a change that counts as its error
+    low: float  # band, ln f
     high: float
     hint: str | None = None
 

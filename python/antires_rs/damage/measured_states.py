@@ -117,16 +117,13 @@ def price_alone(low: float, high: float) -> float:
 
 @dataclass(frozen=True)
 class Values:
-    """Measured values of one state, (m,) each: response by number, ln f, relative std, number of the test.
+    """Measured values (m,) of one state, ascending within each response of each test."""
 
-    They ascend within each response of each test. ``asked`` are response and test (k, 2) of all measured,
-    with or without a value; None for those that have one.
-    """
-
-    response: NDArray[np.intp]
+    response: NDArray[np.intp]  # by number
     log_f: FloatArray
-    std: FloatArray
-    test: NDArray[np.intp]
+    std: FloatArray  # relative
+    test: NDArray[np.intp]  # by number
+    #: Response and test (k, 2) of all measured, with or without a value; None for those that have one.
     asked: NDArray[np.intp] | None = field(default=None, kw_only=True)
 
     @property
@@ -271,19 +268,14 @@ Part = tuple[int, int, FloatArray, str | None, int]
 
 @dataclass(frozen=True)
 class Responses:
-    """The responses of all sets, as the core is asked for them.
-
-    ``labels`` are of each set of now its responses' numbers by label; ``left_out`` sentences on values that
-    are not compared; ``assumed`` whether standard deviations had to be; ``tests`` the force of each intact
-    test.
-    """
+    """The responses of all sets, as the core is asked for them."""
 
     parts: list[Part]
-    labels: list[dict[Any, int]]
-    left_out: tuple[str, ...]
-    assumed: bool
+    labels: list[dict[Any, int]]  # numbers of the responses by label, of each set of now
+    left_out: tuple[str, ...]  # sentences on values that are not compared
+    assumed: bool  # whether standard deviations had to be
     measured: tuple[AntiresonanceSet, ...]
-    tests: tuple[int, ...]
+    tests: tuple[int, ...]  # force of each intact test
     noun = "antiresonances"
 
     def source(self, model: StructuralModel, parts: Any) -> _core.Objective:
@@ -446,14 +438,11 @@ def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -
 
 
 class Contradiction(NamedTuple):
-    """Positions of the tests among all baseline sets, the odd one alone where it is known.
+    """Tests of the baseline that contradict the others, the odd one alone where it is known."""
 
-    ``apart`` is their relative difference, ``usual`` that of the others (0 where there are none).
-    """
-
-    tests: tuple[int, ...] = ()
-    apart: float = 0.0
-    usual: float = 0.0
+    tests: tuple[int, ...] = ()  # positions among all sets
+    apart: float = 0.0  # relative difference
+    usual: float = 0.0  # that of the others, 0 where there are none
 
 
 def contradiction(values: Values, forces: Sequence[int]) -> Contradiction:

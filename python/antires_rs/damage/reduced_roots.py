@@ -285,12 +285,7 @@ class Term(NamedTuple):
 
 
 class Terms:
-    """A model whose parameters are the severities of ``elements``, then ``factors`` of single terms.
-
-    ``rows`` are those of all measured dofs, ``sensors`` and ``forces`` among them; ``reduced_parts`` the
-    responses where these rows are the first dofs, ``ends`` their rows in the full model; values were measured
-    from ``measured_hz`` on, slopes are told between ``slopes_hz``.
-    """
+    """A model whose parameters are the severities of ``elements``, then ``factors`` of single terms."""
 
     def __init__(
         self,
@@ -305,6 +300,7 @@ class Terms:
         self.sensors, self.forces = sorted(set(ends[::2])), sorted(set(ends[1::2]))
         self.ends = list(zip(ends[::2], ends[1::2], strict=True))
         self.rows = sorted({*ends})
+        #: The responses where these rows are the first dofs.
         place = {row: nth for nth, row in enumerate(self.rows)}
         self.reduced_parts = [
             (place[i], place[k], *part[2:]) for (i, k), part in zip(self.ends, parts, strict=True)

@@ -112,16 +112,14 @@ _MARGIN = 1.5
 
 @dataclass(frozen=True)
 class VirtualRoots:
-    """Roots in the band for one force.
+    """Roots (n,) in the band for one force."""
 
-    Number of the candidate (n,), d ln f / dp (n, p), relative standard deviation of a value (n,), and of
-    roots that some candidates share whether each of them shows it, {root: (c,) of 0 or 1}.
-    """
-
-    sensor: NDArray[np.intp]
-    slopes: FloatArray
-    std: FloatArray
-    common: dict[int, FloatArray]
+    sensor: NDArray[np.intp]  # number of the candidate
+    slopes: FloatArray  # d ln f / dp, (n, p)
+    std: FloatArray  # relative, of a value
+    common: dict[
+        int, FloatArray
+    ]  # of roots that some candidates share: whether each shows it, (c,) of 0 or 1
 
 
 def objective(
@@ -206,16 +204,12 @@ _AT_ONCE = 2_000_000
 
 @dataclass(frozen=True)
 class Information:
-    """Information of every candidate, (c, p, p), and of roots that some of them share.
-
-    ``owner`` (s,) is the candidate of such a root, ``rows`` (s, p) its slopes over its error, ``share``
-    (s, c) whether each other candidate shows it: 0 or 1.
-    """
+    """Information of every candidate, (c, p, p), and of roots (s,) that some of them share."""
 
     own: FloatArray
-    owner: NDArray[np.intp]
-    rows: FloatArray
-    share: FloatArray
+    owner: NDArray[np.intp]  # candidate of such a root, (s,)
+    rows: FloatArray  # its slopes over its error, (s, p)
+    share: FloatArray  # whether each other candidate shows it, (s, c) of 0 or 1
 
     @cached_property
     def _full(self) -> FloatArray:

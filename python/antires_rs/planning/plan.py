@@ -47,17 +47,13 @@ UNIFORM = 1.0 / float(np.sqrt(12.0))
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Severities of elements, from the difference of two tests, or parameters of an updating, from one.
-
-    ``spread`` (p,) are their standard deviations before the test.
-    """
+    """Severities of elements, from the difference of two tests, or parameters of an updating, from one."""
 
     parameters: tuple[Parameter, ...]
     names: tuple[str, ...]
     nominal: FloatArray
-    spread: FloatArray
-    #: Of severities, the elements.
-    elements: tuple[int, ...] | None
+    spread: FloatArray  # standard deviations before the test, (p,)
+    elements: tuple[int, ...] | None  # of severities
     tests: int
 
 

@@ -34,12 +34,7 @@ _MARGIN = 1.5
 
 @dataclass(frozen=True)
 class VirtualTest:
-    """A kind of test: model, sensors and force, errors of values and of the model.
-
-    ``std`` holds for every sensor ln f and relative standard deviation of the model's roots; a value between
-    them has one between theirs. ``model_error`` is the standard deviation of the logarithm of every
-    stiffness and mass of the structure about its model's.
-    """
+    """A kind of test: model, sensors and force, errors of values and of the model."""
 
     model: StructuralModel
     elements: tuple[int, ...]
@@ -47,8 +42,9 @@ class VirtualTest:
     force: int
     band_hz: tuple[float, float]
     sees: Sees
+    #: For every sensor ln f and relative standard deviation of the model's roots, between which it is linear.
     std: tuple[tuple[FloatArray, FloatArray], ...]
-    model_error: float
+    model_error: float  # standard deviation of ln of every stiffness and mass about the model's
 
     def __getstate__(self) -> dict[str, Any]:
         # Without the core's objective, which each process makes again.
@@ -147,10 +143,7 @@ _FAR = 1e3
 
 @dataclass
 class Judge:
-    """After one baseline: what is known of the structure, and the grid of hypotheses.
-
-    Rows of the arrays are hypotheses, "nothing" first, then the grid of each element.
-    """
+    """After one baseline: hypotheses, a row of the arrays each, none first, then the grid of elements."""
 
     test: VirtualTest
     prior: DamagePrior

@@ -30,29 +30,17 @@ _SHARE = 0.15
 
 @dataclass(frozen=True, eq=False)
 class Identifiability(Value):
-    """Rank and null space of the residuals' Jacobian at a solution, scaled by the bounds.
-
-    Attributes
-    ----------
-    sensitivity : ndarray, (n,)
-        Norm of each parameter's column: change of the residuals over its bound range.
-    rank : int
-        Number of parameter combinations that the data determine.
-    unseen : ndarray, (n - rank, n)
-        Orthonormal combinations that they do not; ``scale_unseen`` says whether a common scale is one.
-    std : ndarray, (n,)
-        Standard deviation of each value to first order, from the scatter of the residuals, in the parameter's
-        unit; infinity where it is not determined, NaN where it cannot be said: a damage that rests at 0, or
-        no more residuals than parameters. ``weak`` is one above a tenth of the bounds' distance.
-    """
+    """Rank and null space of the residuals' Jacobian at a solution, scaled by the bounds."""
 
     names: tuple[str, ...]
-    sensitivity: FloatArray
-    rank: int
-    unseen: FloatArray
-    scale_unseen: bool
+    sensitivity: FloatArray  # change of the residuals over the range of each parameter, (n,)
+    rank: int  # combinations of parameters that the data determine
+    unseen: FloatArray  # orthonormal combinations that they do not, (n - rank, n)
+    scale_unseen: bool  # whether a common scale is one of these
+    #: Of each value to first order, by the scatter of the residuals, (n,); infinity where not determined, NaN
+    #: where it cannot be said: a damage that rests at 0, or no more residuals than parameters.
     std: FloatArray
-    weak: NDArray[np.bool_]
+    weak: NDArray[np.bool_]  # whether it is above a tenth of the bounds' distance
     noun: str = "antiresonance"
 
     @property

@@ -56,11 +56,7 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
 
 
 class Affine:
-    """The sums of a problem, its parameters as :func:`bent_by` allows.
-
-    Each has a term, of K if ``of_stiffness`` says so, else of M, with entries in the rows ``places``;
-    ``parts`` are the targets, response and force by row.
-    """
+    """The sums of a problem, its parameters as :func:`bent_by` allows: each has a term of K or of M."""
 
     def __init__(self, problem: UpdatingProblem) -> None:
         assert isinstance(problem._targets, AntiresonanceTargets)
