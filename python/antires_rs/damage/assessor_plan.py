@@ -262,9 +262,6 @@ class Plan:
         """Without what is made of the rest."""
         return {name: self.__dict__[name] for name in ("question", "tables", "learned")}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-
     @cached_property
     def names(self) -> dict[int, str]:
         """What the elements are called."""

@@ -661,7 +661,7 @@ def reduced_search(
     search = _Search(problem, reduction, minimize, np.random.default_rng(seed), seconds_left)
     ended = None
     try:
-        best = _agreed(search, start)
+        best = search.agreed(start)
     except KeyboardInterrupt:
         if search.best is None:
             raise
@@ -683,22 +683,6 @@ def reduced_search(
     if ended is not None:
         found = replace(found, status=ended[0], message=ended[1], success=False)
     return found, report
-
-
-def _agreed(search: _Search, start: FloatArray) -> _Answer:
-    """The answer from ``start``; unless it explains everything, the best of it and others until two agree."""
-    best = search.run(start)
-    low, high = search.problem.bounds.T
-    for _ in range(_ATTEMPTS):
-        if best.unexplained <= _EXACT or search.stopped:
-            return best
-        other = search.run(search.rng.uniform(low, high))
-        agreed = bool(np.all(np.abs(other.x - best.x) <= _AT_ONE_PLACE * (high - low)))
-        if other.cost < best.cost:
-            best = other
-        if agreed:
-            break
-    return best if best.unexplained <= _EXACT or search.stopped else search.look_around(best)
 
 
 class _Answer:
@@ -754,8 +738,21 @@ class _Search:
         best = self._answer(reduced, self._around(near, 1.0), near, options)
         return self._settled(best)
 
-    def look_around(self, best: _Answer) -> _Answer:
-        """The better one where there is one near ``best``."""
+    def agreed(self, start: FloatArray) -> _Answer:
+        """The answer from ``start``; unless it explains all, the best of it and others until two agree."""
+        best = self.run(start)
+        low, high = self.problem.bounds.T
+        for _ in range(_ATTEMPTS):
+            if best.unexplained <= _EXACT or self.stopped:
+                return best
+            other = self.run(self.rng.uniform(low, high))
+            agreed = bool(np.all(np.abs(other.x - best.x) <= _AT_ONE_PLACE * (high - low)))
+            if other.cost < best.cost:
+                best = other
+            if agreed:
+                break
+        if best.unexplained <= _EXACT or self.stopped:
+            return best
         there = self._answer(best.reduced, self._around(best.x, _AROUND), best.x, self._look)
         return self._settled(there) if there.cost < _BETTER * best.cost else best
 
