@@ -58,7 +58,7 @@ _NAMES = {
     "signals.recording": "Recording",
     "signals.transfer_functions": "frf transmissibility transmissibility_sum",
     "support.messages": "explain",
-    "updating.box_identifiability": "BoxIdentifiability identifiability",
+    "updating.identifiability": "BoxIdentifiability identifiability",
     "updating.posterior": "ParameterIntervals ProfileLikelihood",
     "updating.problem": "DamagePenalty UpdatingProblem",
     "updating.reduced_model": "Reduction ReductionReport",

@@ -83,7 +83,7 @@ from .signals.one_force import DataCheck, Finding
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .support.messages import explain
-from .updating.box_identifiability import BoxIdentifiability, identifiability
+from .updating.identifiability import BoxIdentifiability, identifiability
 from .updating.posterior import ParameterIntervals, ProfileLikelihood
 from .updating.problem import DamagePenalty, UpdatingProblem
 from .updating.reduced_model import Reduction, ReductionReport

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.updating.identifiability import identifiability
+from antires_rs.updating.identifiability import at_solution
 from tests.models.shared import assert_refused, rigid_force, same_matrices
 from tests.support.tolerances import FOUND_AGAIN, RIGID_FORCE, ROUNDING, SOFT_ZERO
 
@@ -420,7 +420,7 @@ def test_derivatives_against_a_complex_step(parameter, at, lengths_of, kappa):
     zeros = formed.antiresonances(response, force)[:2]
     task = ar.UpdatingProblem(model, parameter, ar.AntiresonanceSet(force, {response: zeros}))
     # Sensitivities are those of the squares, over the measured ones, times the width of the bounds.
-    seen = identifiability(task, [at]).sensitivity[0] / np.ptp(parameter.bounds)
+    seen = at_solution(task, [at]).sensitivity[0] / np.ptp(parameter.bounds)
 
     step = 1e-30
     k, m = bending_matrices(lengths_of(at + 1j * step), area, inertia, shear, rotary)

@@ -10,7 +10,7 @@ import numpy as np
 from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
-from .identifiability import Identifiability, identifiability
+from .identifiability import Identifiability, at_solution
 from .model_check import Explained, explained
 from .posterior import Method, ParameterIntervals, ProfileLikelihood, intervals, profile
 from .residuals import fitted
@@ -106,7 +106,7 @@ class UpdateResult(ReadOnly, Viewed):
     @cached_property
     def identifiability(self) -> Identifiability:
         """What the data can and cannot tell about the parameters, at the solution."""
-        return identifiability(self.problem, self.x)
+        return at_solution(self.problem, self.x)
 
     @cached_property
     def _fit(self) -> Explained | None:
