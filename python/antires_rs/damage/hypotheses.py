@@ -316,10 +316,7 @@ class Answered:
 
     @property
     def hypotheses(self) -> Hypotheses:
-        """The explanations that were judged, the most probable first; prints as a table.
-
-        Those of an :class:`~antires_rs.Assessor` are listed from 0.1 % probability on.
-        """
+        """The explanations that were judged, the most probable first; of an ``Assessor`` from 0.1 % on."""
         return self.assessment.hypotheses
 
     @property

@@ -169,14 +169,7 @@ def spelled(text: str, spell: Callable[[Part], str]) -> str:
 
 
 def edit_named(text: str) -> tuple[str, float, str] | None:
-    """Dof, frequency in Hz and reason of ``DOF=HZ reason``; None for another text.
-
-    Examples
-    --------
-    >>> from antires_rs.support.messages import edit_named
-    >>> edit_named("3 v=31.9 mains hum"), edit_named("3=soon")
-    (('3 v', 31.9, 'mains hum'), None)
-    """
+    """Dof, frequency in Hz and reason of ``DOF=HZ reason``; None for another text."""
     name, _, rest = text.partition("=")
     value, _, reason = rest.strip().partition(" ")
     try:

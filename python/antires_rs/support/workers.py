@@ -644,10 +644,6 @@ def in_order(
     """``function(task)`` of every task in order: one round of :class:`Workers`, which tells the arguments.
 
     Nothing begins before the first result is asked for, or runs on after the last, an exception, ``close()``.
-
-    >>> from antires_rs.support.workers import in_order
-    >>> list(in_order(abs, (-2, -1, 0), "threads"))
-    [2, 1, 0]
     """
     with Workers(function, workers, shared=shared, seconds_a_chunk=seconds_a_chunk, losses=losses) as open_:
         yield from open_.in_order(tasks, errors=errors, what=what)

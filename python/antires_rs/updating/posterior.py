@@ -126,10 +126,8 @@ def sweep(
     axes: FloatArray,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Every chain ``u`` (k, n) moved once along each axis.
-
-    Chain c has the density ``exp(-v' P v / 2 - b' v)``, v = u - center, P and b those number ``which[c]``.
-    """
+    """Every chain ``u`` (k, n) moved once along each axis."""
+    # Chain c has the density exp(-v' P v / 2 - b' v), v = u - center, P and b those number which[c].
     v = np.ascontiguousarray((u - center).T)  # (n, k)
     low_edge, high_edge = -center[:, None], 1.0 - center[:, None]
     for axis in axes:

@@ -653,11 +653,7 @@ def reduced_search(
     seed: int,
     seconds_left: Callable[[], float],
 ) -> tuple[OptimizeResult, ReductionReport]:
-    """What the search found, its cost that of the full model, and how the reduced ones served.
-
-    ``seconds_left`` ends it at zero, after the first answer. Ctrl-C hands back the best answer, once there is
-    one.
-    """
+    """What the search found, its cost that of the full model, and how the reduced ones served."""
     search = _Search(problem, reduction, minimize, np.random.default_rng(seed), seconds_left)
     ended = None
     try:

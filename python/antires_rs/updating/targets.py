@@ -496,11 +496,7 @@ class AntiresonanceTargets:
         return np.asarray(2.0 * np.concatenate([np.empty(0), *self.stds]) / self.hz)
 
     def weights(self, given: Any) -> FloatArray | None:
-        """Factors on the residuals, mean one of those from standard deviations; None for equal ones.
-
-        These are 1 / sqrt(s^2 + 0.002^2), s that of the residual; a value whose s is not known counts like
-        the median of those known.
-        """
+        """Factors on the residuals; from standard deviations their mean is one; None for equal ones."""
         if not (isinstance(given, str) and given == "std"):
             wanted = "None, 'std', or one number for each measured value"
             return _given_weights(given, self.hz.size, self._kept, wanted, _ALIKE)
