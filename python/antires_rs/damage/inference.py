@@ -330,13 +330,13 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     return np.asarray(solve_triangular(triangle, slopes[:, :n_candidates], lower=True))
 
 
-def smallest_found(slopes: FloatArray, prior: DamagePrior, threshold: float | None = None) -> FloatArray:
+def smallest_found(slopes: FloatArray, prior: DamagePrior) -> FloatArray:
     """Severity of each candidate that is found in nine of ten tests; infinity where none would be."""
     from scipy.special import ndtri
 
     n = slopes.shape[1]
     sigma = 1.0 / np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
-    against = prior.log_of(0, n) - prior.log_of(1, n) + (0.0 if threshold is None else threshold)
+    against = prior.log_of(0, n) - prior.log_of(1, n)
     height = np.sqrt(2.0 * np.maximum(against - np.log(np.sqrt(2.0 * np.pi) * sigma / HIGHEST), 0.0))
     found = sigma * (height + ndtri(_NINE_OF_TEN))
     return np.where(found <= HIGHEST, found, np.inf)

@@ -156,7 +156,7 @@ def patient(what: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
     return around
 
 
-def interruptible(work: Callable[[], T], what: str, progress: bool | None = None) -> T:
+def interruptible(work: Callable[[], T], what: str) -> T:
     """The result of a long call into the core, which Ctrl-C leaves at once; the core then ends on its own."""
     answer: Future[T] = Future()
 
@@ -167,7 +167,7 @@ def interruptible(work: Callable[[], T], what: str, progress: bool | None = None
             answer.set_exception(exc)
 
     thread = threading.Thread(target=run, daemon=True)
-    with waiting(what, progress):
+    with waiting(what, None):
         thread.start()
         while thread.is_alive():
             thread.join(LOOK_S)
