@@ -30,8 +30,8 @@ import antires_rs as ar
 from antires_rs.damage.options import DamagePrior, SearchOptions
 from antires_rs.planning.detectability import _virtual_test
 from antires_rs.planning.detection_curves import fit_logit
+from antires_rs.planning.placement import ExpectedErrors
 from antires_rs.planning.simulated_tests import Task, judged
-from antires_rs.planning.virtual_roots import ExpectedErrors
 from benchmarks.study_tools import print_table
 from reference.symmetric_structures import cases
 

@@ -15,8 +15,7 @@ from ._core import __version__ as __version__
 # Where each public name lives. It is imported at first use, so that `antires --help` waits for no numpy.
 # No name may be that of a module, which would take its place once imported.
 _NAMES = {
-    "damage.assess": "DamageResult assess_damage",
-    "damage.assessor": "AssessedTest Assessor",
+    "damage.assess": "AssessedTest Assessor DamageResult assess_damage",
     "damage.hypotheses": "Hypotheses Hypothesis",
     "damage.options": "DamagePrior SearchOptions",
     "damage.severity_intervals": "SampledSet SeverityIntervals",
@@ -59,12 +58,12 @@ _NAMES = {
     "signals.recording": "Recording",
     "signals.transfer_functions": "frf transmissibility transmissibility_sum",
     "support.messages": "explain",
-    "updating.box_identifiability": "BoxIdentifiability identifiability",
+    "updating.identifiability": "BoxIdentifiability identifiability",
     "updating.posterior": "ParameterIntervals ProfileLikelihood",
     "updating.problem": "DamagePenalty UpdatingProblem",
-    "updating.reduced_search": "Reduction ReductionReport",
+    "updating.reduced_model": "Reduction ReductionReport",
     "updating.result": "UpdateResult",
-    "updating.tables": "FrequencyTable ModalTable",
+    "updating.targets": "FrequencyTable ModalTable",
     "updating.update": "UpdateEnsemble update update_ensemble",
     "watch.charts": "Chart",
     "watch.faults": "Fault",

@@ -2,8 +2,7 @@
 
 from . import cases, exceptions as exceptions, figures as figures, io as io
 from ._core import __version__
-from .damage.assess import DamageResult, assess_damage
-from .damage.assessor import AssessedTest, Assessor
+from .damage.assess import AssessedTest, Assessor, DamageResult, assess_damage
 from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.options import DamagePrior, SearchOptions
 from .damage.severity_intervals import SampledSet, SeverityIntervals
@@ -84,12 +83,12 @@ from .signals.one_force import DataCheck, Finding
 from .signals.recording import Recording
 from .signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from .support.messages import explain
-from .updating.box_identifiability import BoxIdentifiability, identifiability
+from .updating.identifiability import BoxIdentifiability, identifiability
 from .updating.posterior import ParameterIntervals, ProfileLikelihood
 from .updating.problem import DamagePenalty, UpdatingProblem
-from .updating.reduced_search import Reduction, ReductionReport
+from .updating.reduced_model import Reduction, ReductionReport
 from .updating.result import UpdateResult
-from .updating.tables import FrequencyTable, ModalTable
+from .updating.targets import FrequencyTable, ModalTable
 from .updating.update import UpdateEnsemble, update, update_ensemble
 from .watch.charts import Chart
 from .watch.faults import Fault

@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.identification.directions import fit, stretches
-from tests.support.measured_data import DATA, needs_shake_table
+from tests.support.measured_data import DATA, needs_hits, needs_shake_table
 
 BAND = (3.0, 130.0)
 
@@ -106,3 +106,15 @@ def test_halves_of_an_earthquake_agree(event, ground, floor):
         assert zeros.sees == "transmissibility"
         assert np.abs(zeros["ground"] / ground - 1.0).min() < 0.02
         assert np.abs(zeros["floor 1"] / floor - 1.0).min() < 0.02
+
+
+@needs_hits
+@pytest.mark.parametrize("seconds", [30, 60, 180])
+def test_one_hit_in_noise(seconds):
+    rows = (DATA / "frame3_hits" / "imp_ham_set2_nomass.CSV").read_text(encoding="latin-1").splitlines()
+    table = np.array([row.split(",") for row in rows if row[:1].isdigit()], dtype=float).T
+    record = ar.Recording(0.01 * table[1:4, : 50 * seconds], 50.0, dofs=["floor 1", "floor 2", "floor 3"])
+    zeros = ar.identify_antiresonances(record, excitation="floor 2", band_hz=(1.5, 20.0), check="off")
+    assert zeros["floor 2"] == pytest.approx([5.8, 10.1], rel=0.015)
+    assert not zeros["floor 1"].size
+    assert not zeros["floor 3"].size

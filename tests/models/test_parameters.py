@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.updating.identifiability import identifiability
+from antires_rs.updating.identifiability import at_solution
 from tests.models.shared import assert_refused, rigid_force, same_matrices
 from tests.support.tolerances import FOUND_AGAIN, RIGID_FORCE, ROUNDING, SOFT_ZERO
 
@@ -382,5 +382,5 @@ def test_sensitivities_to_lengths_are_those_of_frames_built_so(parameter, at, le
     task = ar.UpdatingProblem(nominal, parameter, ar.AntiresonanceSet(4, {2: zeros}))
     step = 1e-5
     slopes = (squares(at + step) - squares(at - step)) / (2 * step) / zeros**2
-    found = identifiability(task, [at]).sensitivity[0] / np.ptp(parameter.bounds)
+    found = at_solution(task, [at]).sensitivity[0] / np.ptp(parameter.bounds)
     assert found == pytest.approx(np.linalg.norm(slopes), rel=1e-7)

@@ -6,8 +6,15 @@ import pytest
 import antires_rs as ar
 from antires_rs.damage.measured_states import LEAST_STD, roots_at
 from antires_rs.models.parameters import stiffness_reduction
-from antires_rs.planning.placement import CRITERIA, exhaustive, greedy, information
-from antires_rs.planning.virtual_roots import ExpectedErrors, objective, virtual_roots
+from antires_rs.planning.placement import (
+    CRITERIA,
+    ExpectedErrors,
+    exhaustive,
+    greedy,
+    information,
+    objective,
+    virtual_roots,
+)
 from reference.structures import CHAIN8_MASSES, CHAIN8_SPRINGS
 from reference.symmetric_structures import cases
 

@@ -21,6 +21,7 @@ def _needs(folder):
 
 needs_southampton, needs_brake_reuss = _needs(SOUTHAMPTON), _needs(BRAKE_REUSS)
 needs_plates, needs_shake_table = _needs(DATA / "iqs_plates"), _needs(DATA / "shake_table")
+needs_hits = _needs(DATA / "frame3_hits")
 
 
 def southampton(name):

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import eigh
 
 import antires_rs as ar
-from antires_rs.updating.box_identifiability import combination_in_words, sensitivities
+from antires_rs.updating.identifiability import combination_in_words, sensitivities
 
 
 def virtual(model, dofs, force=0):

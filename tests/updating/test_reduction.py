@@ -7,7 +7,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, NumericalError
-from antires_rs.updating.reduced_search import Reduction, reduced_search
+from antires_rs.updating.reduced_model import Reduction, reduced_search
 from reference.building_frames import building
 from reference.meshes import frame, tower
 

@@ -42,7 +42,7 @@ from ..support.files import write_atomically
 from ..support.messages import warn
 from ..updating.problem import UpdatingProblem
 from ..updating.result import UpdateResult
-from ..updating.tables import FrequencyTable
+from ..updating.targets import FrequencyTable
 from ..updating.update import update
 from .arguments import damage_search, model_of, parameters_of, search_of, term_files
 from .command import hint, say, show

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..damage.assessor import Assessor
+from ..damage.assess import Assessor
 from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyError, reject
 from ..figures.canvas import picture
 from ..figures.sets import plot_tracks

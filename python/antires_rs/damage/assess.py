@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,15 +20,18 @@ from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thread_count
 from ..support.checks import FloatArray, integer, shape_of
 from ..support.options import gathered
-from ..support.progress import waiting
+from ..support.progress import patient, waiting
+from ..support.values import FrozenDict, ReadOnly
 from ..updating.identifiability import smallest_visible
 from ..updating.model_check import Explained, explained
 from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
-from ..updating.reduced_search import ReductionReport
+from ..updating.reduced_model import ReductionReport
 from ..updating.result import UpdateResult
 from ..updating.update import search as find
+from ..views import Viewed
+from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
-from .inference import common_loss, infer
+from .inference import common_loss, concluded, infer
 from .likelihood import Prepared, Question
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
@@ -35,6 +39,7 @@ from .words import all_lost, headline, headline_of_one_state, largest_left, note
 
 if TYPE_CHECKING:
     from ..updating.posterior import Method, ParameterIntervals, ProfileLikelihood
+
 
 # -- The model, the elements and the sets that a question about damage names
 
@@ -171,8 +176,7 @@ class DamageResult(Answered, UpdateResult):
     def std(self) -> FloatArray:
         """Standard deviation of each severity, (n,); NaN where it is 0.
 
-        With a baseline: that of a Gaussian with the 90 % interval, errors of the model considered. Without
-        one: of the values' errors alone, to first order.
+        With a baseline that of a Gaussian with the 90 % interval, without one of the values' errors alone.
         """
         if self._assessment is None:
             return super().std
@@ -194,11 +198,10 @@ class DamageResult(Answered, UpdateResult):
         return " ".join(self._headline())
 
     def _headline(self) -> list[str]:
-        label = self.problem.model.element_label
         if self._assessment is not None:
             return headline(self._assessment)
-        finished, count = self.search.status != "interrupted", len(self.elements)
-        return headline_of_one_state(self._losses, label, self._fit, count, finished=finished)
+        label, finished = self.problem.model.element_label, self.search.status != "interrupted"
+        return headline_of_one_state(self._losses, label, self._fit, len(self.elements), finished=finished)
 
     @property
     def _losses(self) -> dict[int, float]:
@@ -267,18 +270,9 @@ class DamageResult(Answered, UpdateResult):
             :attr:`interval`; or sure, with the model's antiresonances at every draw, values and
             antiresonances associated anew there. The sure one estimates also how probable the hypotheses are,
             without these approximations: some hundred evaluations of the model for the likeliest.
-        level : float
-            Probability of each interval, within [0.5, 0.999].
-        draws : int
-            At least 50.
-        rng, workers, progress
-            As in :func:`assess_damage`; the same seed gives the same bits for any number of ``workers``.
-
-        Raises
-        ------
-        InvalidInputError
-            A method, level or number out of range; a result of an older file, which lacks the values of the
-            baseline.
+        level, draws, rng, workers, progress
+            As of :meth:`UpdateResult.intervals`; so are the errors, and a result of an older file is one,
+            which lacks the values of the baseline.
 
         Examples
         --------
@@ -290,14 +284,10 @@ class DamageResult(Answered, UpdateResult):
         >>> bool(low < 0.55 < high), bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
         (True, True, (200, 7))
         """
+        how: Any = {"level": level, "draws": draws, "rng": rng, "workers": workers, "progress": progress}
         if self._assessment is None:
-            return super().intervals(
-                method, level=level, draws=draws, rng=rng, workers=workers, progress=progress
-            )
-        asked = self._asked(), self._assessment, self.problem.names
-        return severity_intervals(
-            *asked, method=method, level=level, draws=draws, rng=rng, workers=workers, progress=progress
-        )
+            return super().intervals(method, **how)
+        return severity_intervals(self._asked(), self._assessment, self.problem.names, method=method, **how)
 
     def profile(
         self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
@@ -315,12 +305,9 @@ class DamageResult(Answered, UpdateResult):
     def _asked(self) -> Question:
         """Both states, as they were assessed."""
         if self._question is None:
-            reject(
-                "result",
-                "one without the values of the baseline, of an older file",
-                "one that assess_damage has made, or a file of one",
-                "Assess the damage again; .interval has its 90 % intervals.",
-            )
+            got = "one without the values of the baseline, of an older file"
+            remedy = "Assess the damage again; .interval has its 90 % intervals."
+            reject("result", got, "one that assess_damage has made, or a file of one", remedy)
         return self._question
 
     def _values(self) -> list[str]:
@@ -455,27 +442,22 @@ def assess_damage(
     prior : DamagePrior, optional
         What is believed before the test; with a baseline.
     search : SearchOptions, optional
-        What few calls change: the rate of false alarms and reduced models with a baseline, the penalties
-        without one.
-    optimizer, callback, checkpoint
-        Of the search without a baseline, as in :func:`update`.
-    rng, workers, progress
-        As in :func:`update`. With a baseline ``rng`` serves a rate of false alarms only.
+        What few calls change.
+    optimizer, callback, checkpoint, rng, workers, progress
+        As in :func:`update`; the first three without a baseline only. With one ``rng`` serves a rate of false
+        alarms.
     **older
         Options of ``search`` by name, as until 0.1; with a warning.
 
     Returns
     -------
     DamageResult
-        ``.headline``, ``.hypotheses``, ``.probability`` {element: p}, ``.severity`` {element: beta},
-        ``.interval``, ``.detectable`` {element: smallest visible beta}.
 
     Raises
     ------
     InvalidInputError
         An element outside the model or listed twice, measured dofs outside the model, a baseline without the
-        forces of ``measured``, options of the search together with a baseline or those of a baseline without
-        one.
+        forces of ``measured``, options that have no effect with a baseline, or without one.
 
     Examples
     --------
@@ -553,3 +535,256 @@ def _without(options: dict[str, Any], when: str) -> None:
     for name, value in options.items():
         if value is not None:
             reject(name, value, f"None: it counts only {when}", f"Leave {name} out.")
+
+
+# -- The damage of single tests in a fraction of a second: a plan made once, asked for every test
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AssessedTest(Answered, ReadOnly):
+    """Damage of one test, as an :class:`~antires_rs.Assessor` has it.
+
+    Fields that a :class:`~antires_rs.DamageResult` has too mean the same.
+
+    Attributes
+    ----------
+    full_run_wanted : bool
+        Whether the answer may not hold, and :func:`~antires_rs.assess_damage` should be asked.
+    reasons : tuple of str
+        Why; empty where it holds.
+    severity, interval, probability : dict of int to float, to (low, high), to float
+    assessment : Assessment
+    labels : dict of int to str
+        What the elements are called.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> case = ar.cases.chain8()
+    >>> before = case.exact(level=0)
+    >>> ar.Assessor(case.model, baseline=before).assess(before).damaged
+    []
+    """
+
+    full_run_wanted: bool
+    reasons: tuple[str, ...]
+    severity: Mapping[int, float]
+    interval: Mapping[int, tuple[float, float]]
+    probability: Mapping[int, float]
+    assessment: Assessment
+    labels: Mapping[int, str]
+
+    @property
+    def detectable(self) -> dict[int, float]:
+        """Severity of each candidate that nine of ten tests would show which are as exact as the baseline."""
+        return dict(zip(self.severity, self.assessment.detectable, strict=True))
+
+    @property
+    def headline(self) -> str:
+        """Is there damage, where, how sure, how much: in a sentence or two."""
+        lines = headline(self.assessment)
+        if self.full_run_wanted:
+            lines.append(f"A full run is wanted: {'; '.join(self.reasons)}.")
+        return " ".join(lines)
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know before trusting the numbers."""
+        return reservations(self.assessment)
+
+    def __repr__(self) -> str:
+        best = self.hypotheses[0]
+        wanted = ", full run wanted" if self.full_run_wanted else ""
+        return f"AssessedTest({self.hypotheses.called(best)}, probability {best.probability:.3f}{wanted})"
+
+    def __str__(self) -> str:
+        return "\n".join([self.headline, "", str(self.hypotheses), *(f"note: {note}" for note in self.notes)])
+
+
+# -- Whether the answer of the tables holds
+
+#: Two hypotheses within this (log probability) may change places in a full run.
+_CLOSE = 0.1
+#: Probability of something else from which on the full run is to look for it.
+_UNKNOWN = 0.1
+#: Share of values without a root that is too much, and how many are usual.
+_LOST, _USUALLY_LOST = 0.1, 2
+#: Severity beyond which the slopes say little.
+_LARGE = 0.97
+#: Values so far outside of the baseline's band (ln f) are not looked at.
+_OUTSIDE = 0.3
+#: Hypotheses of less than this probability are not listed.
+_LISTED = 1e-3
+
+
+def doubts(search: QuickSearch, found: Assessment) -> list[str]:
+    """Why a full run is wanted."""
+    now, band, best = search.likelihood.now, search.likelihood.band, found.best
+    likeliest = [one.probability for one in found.hypotheses if not one.unknown]
+    close = len(likeliest) > 1 and likeliest[1] > likeliest[0] * np.exp(-_CLOSE)
+    unknown = sum(one.probability for one in found.hypotheses if one.unknown)
+    lost = found.n_values - found.n_matched
+    outside = (now.log_f < band.low - _OUTSIDE) | (now.log_f > band.high + _OUTSIDE)
+    reasons = {
+        "more hypotheses are likely than were judged": search.cut,
+        "two hypotheses are about equally probable": close and not search.cut,
+        "something else than damage of the elements may have changed": unknown > _UNKNOWN,
+        "what was found does not explain all values": not search.finished,
+        f"{lost} of {now.size} values have no antiresonance of the model": (
+            lost > max(_USUALLY_LOST, _LOST * now.size)
+        ),
+        f"a loss above {100 * _LARGE:.0f} %": max(best.severities, default=0.0) > _LARGE,
+        "more than two damaged elements, of which a full run judges more sets": len(best.elements) > 2,
+        "values are far outside of the band of the baseline": outside.any(),
+    }
+    return [reason for reason, holds in reasons.items() if holds]
+
+
+class Assessor(ReadOnly, Viewed):
+    """Assess the damage of single tests against a baseline, each in some tens of milliseconds.
+
+    What does not depend on the test is done once: the model's errors are learned from the baseline, its
+    antiresonances and their sensitivities computed over the severity of each element. A test is then judged
+    by the likelihood of :func:`assess_damage`, and the antiresonances of the answer are computed and
+    compared. Where the answer may not be that of a full run it says so, see
+    :class:`AssessedTest`.
+
+    Parameters
+    ----------
+    baseline : AntiresonanceSet, or several
+        The intact structure, with the sensors and forces of the tests to come.
+    model, elements, prior, search, rng, workers, progress, **older
+        As for :func:`assess_damage` with a baseline; a rate of false alarms is that of tests as exact as the
+        baseline.
+
+    Raises
+    ------
+    InvalidInputError
+        An element outside the model, a baseline without antiresonances near the model's, tables of more than
+        2 GB, or a malformed argument.
+
+    Notes
+    -----
+    The tables take 8 bytes times levels (15), elements squared, and antiresonances: seconds and tens of MB
+    for 50 elements. :meth:`assess` is safe in several threads and processes; BLAS should have one thread
+    (``OPENBLAS_NUM_THREADS=1``), since more of them make small matrices slower.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> case = ar.cases.chain8()
+    >>> assessor = ar.Assessor(case.model, baseline=case.exact(level=0))
+    >>> found = assessor.assess(case.exact(level=1))
+    >>> found.damaged, round(found.severity[4], 2)
+    ([4], 0.55)
+    """
+
+    _plan: Plan
+
+    @patient("preparing the assessor")
+    def __init__(
+        self,
+        model: StructuralModel,
+        *,
+        baseline: AntiresonanceSet | Sequence[AntiresonanceSet],
+        elements: Any = None,
+        prior: DamagePrior | None = None,
+        search: SearchOptions | None = None,
+        rng: int | np.random.Generator | None = None,
+        workers: int | None = None,
+        progress: bool | None = None,
+        **older: Any,
+    ) -> None:
+        checked_model(model)
+        before = sets_of("baseline", baseline, modes=False)
+        chosen = elements_of(model, elements)
+        options = gathered("Assessor", "search", checked_search(search), older).of(TWO_STATES)
+        # In place of a test of now: the first set of each force.
+        first = {each.excitation: each for each in reversed(before)}
+        question = question_of(model, before, tuple(reversed(first.values())), chosen, prior, options)
+        generator = np.random.default_rng(seed_of(rng))
+        self._fill(_plan=plan_of(question, generator, thread_count(workers)))
+
+    @classmethod
+    def _of(cls, plan: Plan) -> Assessor:
+        made = cls.__new__(cls)
+        made._fill(_plan=plan)
+        return made
+
+    @property
+    def elements(self) -> list[int]:
+        """Candidate elements, zero-based."""
+        return list(self._plan.question.elements)
+
+    @property
+    def model(self) -> StructuralModel:
+        """The undamaged structure."""
+        return self._plan.question.model
+
+    @property
+    def baseline(self) -> tuple[AntiresonanceSet, ...]:
+        """The intact structure as it was measured."""
+        return self._plan.question.baseline  # type: ignore[return-value]
+
+    @property
+    def detectable(self) -> dict[int, float]:
+        """Severity of each candidate that nine of ten tests as exact as the baseline would show."""
+        return dict(zip(self.elements, self._plan.learned.detectable, strict=True))
+
+    def assess(self, zeros: AntiresonanceSet | Sequence[AntiresonanceSet]) -> AssessedTest:
+        """The damage of one test.
+
+        Parameters
+        ----------
+        zeros : AntiresonanceSet, or one for each position of the force
+            Identified as the baseline was. Responses that the baseline does not have are left out, which is
+            among the reasons for a full run.
+
+        Raises
+        ------
+        InvalidInputError
+            No antiresonance, or a force that the baseline does not have.
+        """
+        sets = sets_of("zeros", zeros, modes=False)
+        plan, question, learned = self._plan, self._plan.question, self._plan.learned
+        test = read(sets, plan.expected, learned.scatter)
+        search = QuickSearch(TabulatedLikelihood(plan, test.values), len(question.elements), question.prior)
+        search.run()
+        learned = replace(learned, assumed_std=learned.assumed_std or test.assumed)
+        found = concluded(
+            search, question, learned, plan.states[1], measured=sets, notes=test.notes, least=_LISTED
+        )
+        reasons = tuple(dict.fromkeys([*test.strange, *doubts(search, found)]))
+        elements = question.elements
+        return AssessedTest(
+            bool(reasons),
+            reasons,
+            FrozenDict({e: found.severities.get(e, 0.0) for e in elements}),
+            FrozenDict({e: found.intervals.get(e, (0.0, 0.0)) for e in elements}),
+            FrozenDict({e: min(found.marginal(e), 1.0) for e in elements}),
+            found,
+            FrozenDict(plan.names),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write model, baseline and tables to an .npz file, whole or not at all; no pickle is in it."""
+        saved: Path = self._view("save")(self, path)
+        return saved
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Assessor:
+        """Read what :meth:`save` wrote; its answers are bit-identical.
+
+        Raises
+        ------
+        InvalidInputError
+            Another file, a damaged one, or one of a later version.
+        FileNotFoundError
+            No such file.
+        """
+        made: Assessor = cls._view("load")(path)
+        return made
+
+    def __repr__(self) -> str:
+        values = self._plan.learned.n_intact
+        return f"Assessor({len(self.elements)} candidates, {values} antiresonances in the baseline)"

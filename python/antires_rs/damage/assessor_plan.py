@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cache, cached_property
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -21,7 +21,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
-from ..updating.targets import looked_up_to, model_dof, real_zeros, sorted_out, usual_damping, zero_series
+from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
 from .evidence import FURTHEST, HIGHEST, Fit, refitted
 from .inference import Elements, Learned, Search, learned_from
 from .likelihood import (
@@ -66,28 +66,20 @@ Single = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Tables:
-    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,).
-
-    ``seen`` (r,) by the baseline; ``identity`` (r,) is the number among all roots of the undamaged model,
-    which ``all_response`` and ``all_log_f`` are, -1 for one that only damage makes; ``intact`` (r,) ln f
-    there. By element, level and root: whether the model has it (``there``), ``place`` ln f expected in the
-    measured structure, ``beside`` how far that is from the model's, ``by_own`` its slope by u of the element,
-    ``slopes`` (n, l, r, n) those of ln f by all u, ``errors`` (n, l, r, q) what multiplies q independent
-    errors of the model, of variance 1.
-    """
+    """Roots (r,), ascending by response, at levels (l,) of u of each element (n,)."""
 
     response: NDArray[np.intp]
-    seen: NDArray[np.bool_]
-    identity: NDArray[np.intp]
-    all_response: NDArray[np.intp]
+    seen: NDArray[np.bool_]  # by the baseline, (r,)
+    identity: NDArray[np.intp]  # number among all intact roots, -1 for one that only damage makes, (r,)
+    all_response: NDArray[np.intp]  # of all roots of the undamaged model
     all_log_f: FloatArray
-    intact: FloatArray
-    there: NDArray[np.bool_]
-    place: FloatArray
-    beside: FloatArray
-    by_own: FloatArray
-    slopes: Single
-    errors: Single
+    intact: FloatArray  # ln f in the undamaged model, (r,)
+    there: NDArray[np.bool_]  # whether the model has it, (n, l, r)
+    place: FloatArray  # ln f expected in the measured structure, (n, l, r)
+    beside: FloatArray  # how far that is from the model's
+    by_own: FloatArray  # its slope by u of the element
+    slopes: Single  # of ln f by all u, (n, l, r, n)
+    errors: Single  # what multiplies q independent errors of the model, of variance 1, (n, l, r, q)
 
 
 def tables_of(prepared: Prepared) -> Tables:
@@ -108,12 +100,9 @@ def tables_of(prepared: Prepared) -> Tables:
     shape = (n, LEVELS.size, response.size)
     size = 8.0 * float(np.prod(shape)) * (factor.shape[1] + 0.5 * n)
     if size > _MOST_BYTES:
-        reject(
-            "model",
-            f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB",
-            f"at most {_MOST_BYTES / 1e9:.0f} GB",
-            "Use assess_damage, or a model with fewer terms.",
-        )
+        got = f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB"
+        remedy = "Use assess_damage, or a model with fewer terms."
+        reject("model", got, f"at most {_MOST_BYTES / 1e9:.0f} GB", remedy)
     there, log_f, beside = np.zeros(shape, dtype=bool), np.zeros(shape), np.zeros(shape)
     slopes, rows = np.zeros((*shape, n), dtype=np.float32), np.zeros((*shape, factor.shape[1]))
     for e, level in np.ndindex(n, LEVELS.size):
@@ -209,31 +198,12 @@ _BEYOND = 1.3
 
 
 class Expected(NamedTuple):
-    """What a set with one force may hold: the number of each response, and the model's real and complex zeros
-    (Hz) there."""
+    """What a set with one force may hold: numbers of responses, the model's real and complex zeros (Hz)."""
 
     number: dict[Any, int]
-    real: dict[Any, FloatArray]
-    complex: dict[Any, tuple[FloatArray, FloatArray]]
+    zeros: dict[Any, tuple[FloatArray, Series]]
     sees: str | None
     channels: set[Any]
-
-
-def expected_of(question: Question, responses: Responses) -> dict[Any, Expected]:
-    """By force label."""
-    found, model = {}, question.model
-    for each, labels in zip(question.measured, responses.labels, strict=True):
-        assert isinstance(each, AntiresonanceSet)
-        force = model_dof(model, "excitation", each.excitation)
-        dofs = {label: model_dof(model, "measured dof", label) for label in labels}
-        limit_hz = looked_up_to(_BEYOND * max(each[dof].max(initial=0.0) for dof in each))
-        real = real_zeros(model, list(dofs.values()), force, limit_hz)
-        series = {label: zero_series(model, dof, force, limit_hz) for label, dof in dofs.items()}
-        channels = set(each.channels or ())
-        found[each.excitation] = Expected(
-            labels, dict(zip(labels, real, strict=True)), series, each.sees, channels
-        )
-    return found
 
 
 class Read(NamedTuple):
@@ -255,12 +225,9 @@ def read(sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatte
         plan = expected.get(one.excitation)
         if plan is None:
             known = ", ".join(map(repr, expected))
-            reject(
-                "zeros",
-                f"a set with the force at {one.excitation!r}",
-                f"the force of the baseline: {known}",
-                "Make an Assessor from a baseline with the force there too.",
-            )
+            got = f"a set with the force at {one.excitation!r}"
+            remedy = "Make an Assessor from a baseline with the force there too."
+            reject("zeros", got, f"the force of the baseline: {known}", remedy)
         if one.sees != plan.sees or set(one.channels or ()) != plan.channels:
             strange.append("it was identified from other responses than the baseline")
         usual, own = usual_damping(one), {}
@@ -270,8 +237,8 @@ def read(sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatte
                 continue
             keep = np.ones(len(table), dtype=bool)
             if usual is not None:
-                series = partial(plan.complex.__getitem__, label)
-                notes += sorted_out(label, table, usual, plan.real[label], series, keep)
+                real, series = plan.zeros[label]
+                notes += sorted_out(label, table, usual, real, series, keep)
             freq, std = table.freq_hz[keep], table.std_hz[keep]
             own[plan.number[label]] = Column(freq, std, "share" in table.scores)
         columns.append(own)
@@ -294,9 +261,6 @@ class Plan:
     def __getstate__(self) -> dict[str, Any]:
         """Without what is made of the rest."""
         return {name: self.__dict__[name] for name in ("question", "tables", "learned")}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
 
     @cached_property
     def names(self) -> dict[int, str]:
@@ -337,7 +301,18 @@ class Plan:
     @cached_property
     def expected(self) -> dict[Any, Expected]:
         """By force label: what a new set may hold."""
-        return expected_of(self.question, self.states[0])
+        found, model = {}, self.question.model
+        for each, labels in zip(self.question.measured, self.states[0].labels, strict=True):
+            assert isinstance(each, AntiresonanceSet)
+            force = model_dof(model, "excitation", each.excitation)
+            dofs = [model_dof(model, "measured dof", label) for label in labels]
+            highest_hz = _BEYOND * max(each[dof].max(initial=0.0) for dof in each)
+            every = zip(labels, zeros_beside(model, dofs, force, highest_hz), strict=True)
+            zeros: dict[Any, tuple[FloatArray, Series]] = {
+                label: (real, cache(series)) for label, (real, series) in every
+            }
+            found[each.excitation] = Expected(labels, zeros, each.sees, set(each.channels or ()))
+        return found
 
     def exact(self, beta: FloatArray, band: Band, *, slopes: bool) -> tuple[FloatArray, FloatArray | None]:
         """ln f of the roots of the tables (r,), computed at severities (n,), NaN where the model has none;
@@ -458,16 +433,13 @@ _CLOSE, _LAST = 1.0, 3
 
 @dataclass
 class QuickSearch(Search):
-    """A search in tables, which judges the few sets that may be the answer.
-
-    ``rough`` are log evidence and severities (u) of sets as the tables have them, ``judged`` those that were
-    judged from their own severities; ``cut`` tells whether sets that may be the most probable ones were not.
-    """
+    """A search in tables, which judges the few sets that may be the answer."""
 
     likelihood: TabulatedLikelihood
+    #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     judged: set[Elements] = field(default_factory=set)
-    cut: bool = False
+    cut: bool = False  # whether sets that may be the most probable ones were not judged
 
     def _pairs(self) -> dict[Elements, FloatArray]:
         """Too many for a quick search."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -31,11 +32,7 @@ FURTHEST = -float(np.log1p(-HIGHEST))
 
 
 def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Most probable points (k, n) of Gaussians in the box.
-
-    Coordinates whose peak lies outside are put on their bound one by one, the worst first; given these, the
-    others follow.
-    """
+    """Most probable points (k, n) of Gaussians in the box."""
     best, spread, free = mean.copy(), covariance.copy(), np.ones(mean.shape, dtype=bool)
     for _ in range(mean.shape[1]):
         sd = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
@@ -195,12 +192,8 @@ def _between(low: FloatArray, high: FloatArray, p: FloatArray) -> FloatArray:
 def _rule(n: int) -> tuple[FloatArray, FloatArray]:
     """Points (k, n) and weights (k,) of Gauss and Legendre's rule in the unit cube."""
     x, w = np.polynomial.legendre.leggauss(_POINTS)
-    x, w = 0.5 * (x + 1.0), 0.5 * w
-    axes = np.meshgrid(*[x] * n, indexing="ij")
-    weights = np.ones(_POINTS**n)
-    for each in np.meshgrid(*[w] * n, indexing="ij"):
-        weights = weights * each.ravel()
-    return np.stack([a.ravel() for a in axes], axis=1) if n else np.empty((1, 0)), weights
+    points, weights = (np.array(list(product(each, repeat=n))) for each in (0.5 * (x + 1.0), 0.5 * w))
+    return points, weights.prod(axis=1)
 
 
 #: Change of u up to which the roots count as linear.

@@ -181,62 +181,41 @@ _MISSED = 0.06
 
 @dataclass(frozen=True, kw_only=True)
 class Taught:
-    """What the baseline has told, as an assessment and what is prepared for it have it.
+    """What the baseline has told, as an assessment and what is prepared for it have it."""
 
-    ``threshold`` are log odds of damage from which on it is declared, where a rate of false alarms was asked
-    for; ``detectable`` the severity of each candidate that nine of ten such tests would show; ``assumed_std``
-    whether some values had no standard deviation. ``n_intact`` values of the baseline, of which
-    ``n_intact_matched`` have a partner in the model, lie among ``n_intact_roots`` of it (0: not counted).
-    ``n_baselines`` is how many tests there are, the most with one force, and ``scatter`` that between them
-    over their standard deviations, which were multiplied by it. ``odd_baselines`` are positions of the sets
-    that contradict the others, one or all that disagree; they differ from the others by ``baseline_gap``,
-    these among themselves by ``usual_gap``, relative.
-    """
-
-    threshold: float | None
-    detectable: tuple[float, ...]
-    assumed_std: bool
-    n_intact: int
-    n_intact_matched: int
-    n_baselines: int
-    scatter: float
+    threshold: float | None  # log odds of damage to declare it; where a rate of false alarms was asked for
+    detectable: tuple[float, ...]  # severity of each candidate that nine of ten such tests would show
+    assumed_std: bool  # whether some values had no standard deviation
+    n_intact: int  # values of the baseline
+    n_intact_matched: int  # of these with a partner in the model
+    n_baselines: int  # tests, the most with one force
+    scatter: float  # between these over their standard deviations, which were multiplied by it
     notes: tuple[str, ...] = ()
-    odd_baselines: tuple[int, ...] = ()
-    baseline_gap: float = 0.0
-    usual_gap: float = 0.0
-    n_intact_roots: int = 0
+    odd_baselines: tuple[int, ...] = ()  # positions of the sets that contradict the others
+    baseline_gap: float = 0.0  # how far these are from the others, relative
+    usual_gap: float = 0.0  # how far the others are apart
+    n_intact_roots: int = 0  # of the model among the values of the baseline; 0: not counted
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Assessment(Value, Taught):
-    """The answer to a baseline assessment, without the model; beside what it has of :class:`Taught`:
-
-    ``group`` is the most probable damage of candidates and what cannot be told from it, ``declared`` the
-    elements declared damaged, ``chi_square`` that of the residuals of the most probable hypothesis over the
-    number of values less that of severities (NaN where no value has a partner). ``n_matched`` of ``n_values``
-    of now have a partner among the model's roots there; ``kappa`` is the share of a predicted change that
-    counts as its error, ``factor_std`` the scatter of the model's stiffness and mass factors, ``root_std``
-    the error of a frequency that no factor explains, both relative. ``moved_alike`` is the relative change of
-    all values alike where that is what has happened, else 0; ``n_risen`` of ``n_moved`` values have risen,
-    where these are most of them and no hypothesis explains them, else 0; ``hint`` a mistake of units that
-    would account for a model that does not explain the intact structure, or for states far apart.
-    """
+    """The answer to a baseline assessment, without the model."""
 
     hypotheses: Hypotheses
-    group: tuple[Hypothesis, ...]
-    declared: tuple[int, ...]
-    chi_square: float
-    n_values: int
-    n_matched: int
-    kappa: float
-    factor_std: float
-    root_std: float
+    group: tuple[Hypothesis, ...]  # the most probable damage of candidates and what cannot be told from it
+    declared: tuple[int, ...]  # elements declared damaged
+    chi_square: float  # of the most probable hypothesis, reduced; NaN where no value has a partner
+    n_values: int  # of now
+    n_matched: int  # of these with a partner among the model's roots
+    kappa: float  # share of a predicted change that counts as its error
+    factor_std: float  # relative scatter of the model's stiffness and mass factors
+    root_std: float  # relative error of a frequency that no factor explains
     baseline: bool
     interrupted: bool = False
-    moved_alike: float = 0.0
-    n_risen: int = 0
-    n_moved: int = 0
-    hint: str = ""
+    moved_alike: float = 0.0  # relative change of all values alike, where that is what has happened
+    n_risen: int = 0  # values that have risen, where most have and no hypothesis explains them
+    n_moved: int = 0  # of so many that have moved
+    hint: str = ""  # a mistake of units that would account for a misfit of the model or of both states
 
     @property
     def best(self) -> Hypothesis:
@@ -274,10 +253,7 @@ class Assessment(Value, Taught):
 
     @property
     def explained(self) -> bool:
-        """Whether the values are what the most probable hypothesis leads to expect, errors considered.
-
-        An element that was no candidate may explain them too; a change that no element explains never does.
-        """
+        """Whether the values are what the most probable hypothesis leads to expect, errors considered."""
         from scipy.special import chdtrc
 
         spare = max(self.n_matched - len(self.best.severities), 1)
@@ -313,10 +289,7 @@ _GROUPED, _MOST_ALTERNATIVES = 0.9, 4
 
 
 def together(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """The most probable damage of candidates with its alternatives: those that make up most of it.
-
-    One hypothesis where it is clear; none where more than a few would be needed.
-    """
+    """The most probable damage of candidates with its alternatives; none where more than a few are needed."""
     damage = [one for one in hypotheses if one.candidate and one.elements]
     shares = np.cumsum([one.probability for one in damage])
     count = 1 + int(np.searchsorted(shares, _GROUPED * shares[-1])) if damage else 0
@@ -343,10 +316,7 @@ class Answered:
 
     @property
     def hypotheses(self) -> Hypotheses:
-        """The explanations that were judged, the most probable first; prints as a table.
-
-        Those of an :class:`~antires_rs.Assessor` are listed from 0.1 % probability on.
-        """
+        """The explanations that were judged, the most probable first; of an ``Assessor`` from 0.1 % on."""
         return self.assessment.hypotheses
 
     @property

@@ -15,7 +15,7 @@ from ..exceptions import reject
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
-from ..updating.reduced_search import ReductionReport
+from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
@@ -71,19 +71,15 @@ _MANY = 8
 
 @dataclass
 class Search:
-    """The sets found so far, by elements; ``n_candidates`` first, then those that are none.
-
-    ``screened`` tells how many elements were scanned for a single damage, of how many, unless all were;
-    ``hopeless`` are sets that explain far less than others wherever they came to, without coming to rest, and
-    single elements that the sensitivities rule out.
-    """
+    """The sets found so far, by elements; candidates have the first numbers."""
 
     likelihood: ValueLikelihood
     n_candidates: int
     prior: DamagePrior = field(default_factory=DamagePrior)
     fits: dict[Elements, Fit] = field(default_factory=dict)
     interrupted: bool = False
-    screened: tuple[int, int] | None = None
+    screened: tuple[int, int] | None = None  # scanned for a single damage, of how many, unless all were
+    #: Sets that explain far less than others without coming to rest; elements that sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
 
     def run(self) -> None:
@@ -334,13 +330,13 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     return np.asarray(solve_triangular(triangle, slopes[:, :n_candidates], lower=True))
 
 
-def smallest_found(slopes: FloatArray, prior: DamagePrior, threshold: float | None = None) -> FloatArray:
+def smallest_found(slopes: FloatArray, prior: DamagePrior) -> FloatArray:
     """Severity of each candidate that is found in nine of ten tests; infinity where none would be."""
     from scipy.special import ndtri
 
     n = slopes.shape[1]
     sigma = 1.0 / np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
-    against = prior.log_of(0, n) - prior.log_of(1, n) + (0.0 if threshold is None else threshold)
+    against = prior.log_of(0, n) - prior.log_of(1, n)
     height = np.sqrt(2.0 * np.maximum(against - np.log(np.sqrt(2.0 * np.pi) * sigma / HIGHEST), 0.0))
     found = sigma * (height + ndtri(_NINE_OF_TEN))
     return np.where(found <= HIGHEST, found, np.inf)
@@ -414,14 +410,13 @@ _LEAST = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Learned(Taught):
-    """What the baseline has told, with ``factors`` of the model, scatters ``s`` of these and ``tau`` of the
-    roots' own errors, the share ``outside`` of a change that counts as its error, and the band in ln f."""
+    """What the baseline has told, and what a likelihood is made of."""
 
-    factors: FloatArray
-    tau: float
-    s: float
-    outside: float
-    low: float
+    factors: FloatArray  # of the model's stiffnesses and masses
+    tau: float  # scatter of the roots' own errors
+    s: float  # scatter of the factors
+    outside: float  # share of a change that counts as its error
+    low: float  # band, ln f
     high: float
     hint: str | None = None
 
@@ -471,12 +466,9 @@ def posterior(
 
     total = float(logsumexp(list(weights.values())))
     if not np.isfinite(total):
-        reject(
-            "prior",
-            "one that allows none of the hypotheses that were judged",
-            "some probability for no damage or one element",
-            "Leave the prior out, or give nothing, one and unknown more than 0.",
-        )
+        got = "one that allows none of the hypotheses that were judged"
+        remedy = "Leave the prior out, or give nothing, one and unknown more than 0."
+        reject("prior", got, "some probability for no damage or one element", remedy)
     rows = []
     for elements, weight in weights.items():
         probability = min(float(np.exp(weight - total)), 1.0)

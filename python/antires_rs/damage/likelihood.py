@@ -115,27 +115,19 @@ _STEP, _REACH = 0.3, 1.6
 
 @dataclass(frozen=True)
 class ModelError:
-    """The model after the baseline.
+    """The model after the baseline: p factors, r roots, m values of the intact structure."""
 
-    ``theta`` (p,) are ln factors at which the model is evaluated, ``s`` their scatter and ``taus`` that of
-    the own errors of frequencies and of shapes; ``intact`` the undamaged model's roots there; ``partner`` the
-    root of each baseline value, -1 without one, ``place`` the values as seen from there; ``spare`` how many
-    values there are beyond those that the factors took to be explained; ``mean`` (p + r,) what is expected of
-    the factors beyond theta and of the roots' own errors; ``rows`` (m, p + r) slopes of the baseline's values
-    by both, ``prior`` their prior variances, ``factor`` the Cholesky factor of the values' covariance.
-    """
-
-    theta: FloatArray
-    s: float
-    taus: FloatArray
-    intact: Roots
-    partner: NDArray[np.intp]
-    place: FloatArray
-    spare: float
-    mean: FloatArray
-    rows: FloatArray = field(repr=False)
-    prior: FloatArray = field(repr=False)
-    factor: Any = field(repr=False)
+    theta: FloatArray  # ln factors at which the model is evaluated, (p,)
+    s: float  # their scatter
+    taus: FloatArray  # scatter of the own errors of frequencies and of shapes
+    intact: Roots  # the undamaged model's
+    partner: NDArray[np.intp]  # root of each value, -1 without one
+    place: FloatArray  # the values as seen from there
+    spare: float  # values beyond those that the factors took to be explained
+    mean: FloatArray  # expected of the factors beyond theta and of the roots' own errors, (p + r,)
+    rows: FloatArray = field(repr=False)  # slopes of the values by both, (m, p + r)
+    prior: FloatArray = field(repr=False)  # variances of both
+    factor: Any = field(repr=False)  # Cholesky factor of the values' covariance
 
     @property
     def tau(self) -> float:
@@ -158,11 +150,7 @@ class ModelError:
     def predicted(
         self, slopes: FloatArray, identity: NDArray[np.intp], kind: NDArray[np.intp] | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Mean (m,) and covariance (m, m) of ln f of roots, beyond the model's.
-
-        ``slopes`` (m, p) are by theta, ``identity`` (m,) the roots' numbers in the intact state, -1 for new
-        ones; ``kind`` is 0 for frequencies, which is the default, 1 for shapes.
-        """
+        """Mean (m,) and covariance (m, m) of ln f of roots, beyond the model's; slopes (m, p) by theta."""
         from scipy.linalg import cho_solve
 
         rows = rows_of(slopes, identity, self.intact)
@@ -330,24 +318,17 @@ _EDGE = 0.06
 
 @dataclass(frozen=True)
 class View:
-    """The values of now, seen from severities ``beta`` (n,): all that is linear from there.
-
-    ``gain`` (n,) and ``curvature`` (n, n) are gradient and Gauss-Newton Hessian of the log-likelihood by all
-    severities; ``kappa`` and ``times`` the most probable error of predictions and multiple of the standard
-    deviations; ``partner`` (m,) the root of each value, -1 without one, and ``beside`` how far that root lies
-    beside the model's in the measured structure (ln f, 0 without one); ``residual`` and ``std`` are of those
-    that have a root, in ln f; ``chi_square`` of all together.
-    """
+    """The values of now (m,), seen from some severities (n,): all that is linear from there."""
 
     beta: FloatArray
     log_likelihood: float
-    gain: FloatArray
-    curvature: FloatArray
-    kappa: float
-    times: float
-    partner: NDArray[np.intp]
-    beside: FloatArray
-    residual: FloatArray
+    gain: FloatArray  # gradient of the log-likelihood by all severities
+    curvature: FloatArray  # its Gauss-Newton Hessian
+    kappa: float  # most probable error of predictions
+    times: float  # most probable multiple of the standard deviations
+    partner: NDArray[np.intp]  # root of each value, -1 without one
+    beside: FloatArray  # how far that root lies beside the model's in the measured structure, ln f
+    residual: FloatArray  # of the values that have a root, ln f
     std: FloatArray
     chi_square: float
 
@@ -378,18 +359,14 @@ class Band(NamedTuple):
 
 
 class Foreseen(NamedTuple):
-    """Roots (r,) as they are expected in the measured structure at some severities.
-
-    ``place`` ln f with covariance ``spread``, ``beside`` the model's, ``change`` from the intact state;
-    ``seen`` there.
-    """
+    """Roots (r,) as they are expected in the measured structure at some severities."""
 
     roots: Roots
-    place: FloatArray
-    beside: FloatArray
-    spread: FloatArray
-    change: FloatArray
-    seen: NDArray[np.bool_]
+    place: FloatArray  # ln f
+    beside: FloatArray  # less the model's
+    spread: FloatArray  # covariance, (r, r)
+    change: FloatArray  # from the intact state
+    seen: NDArray[np.bool_]  # in the intact state
 
 
 def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: Errors) -> View:
@@ -515,10 +492,7 @@ _MARGIN = 0.3
 
 
 class ValueLikelihood(ABC):
-    """p(values of a test | severities), wherever the roots come from; and how probable other changes are.
-
-    ``n`` is how many severities there are, ``start`` the view from the undamaged model.
-    """
+    """p(values of a test | severities), wherever the roots come from; and how probable other changes are."""
 
     n: int
     start: View
@@ -548,8 +522,7 @@ class ValueLikelihood(ABC):
 
     @cached_property
     def something_else(self) -> float:
-        """Log evidence of a change that has nothing to do with any element: of every value, by any amount,
-        or of all values alike."""
+        """Log evidence of a change of every value by any amount, or of all values alike."""
         found = [self.log_without_damage(extra, 0.0) for extra in ANY_CHANGE]
         by_itself = np.logaddexp.reduce(found) - np.log(len(found))
         return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike[1]))
@@ -567,19 +540,14 @@ class ValueLikelihood(ABC):
 
     @cached_property
     def _alike(self) -> tuple[float, float]:
-        """The likeliest change of all values alike; log evidence of any such, with its share of the
-        probability."""
+        """The likeliest change of all values alike, and the log evidence of any such."""
         logs = [self.log_without_damage(0.0, each) for each in ALIKE]
         evidence = float(np.logaddexp.reduce(logs) - np.log(len(ALIKE)) + np.log(ALIKE_SHARE))
         return ALIKE[int(np.argmax(logs))], evidence
 
 
 class Likelihood(ValueLikelihood):
-    """From the roots of a model after the baseline: the core's, or those of reduced models.
-
-    ``common`` is the standard deviation of what moves all values alike between the two states, ln f; ``nfev``
-    counts evaluations of the model.
-    """
+    """From the roots of a model after the baseline: the core's, or those of reduced models."""
 
     def __init__(
         self,
@@ -664,11 +632,7 @@ class Likelihood(ValueLikelihood):
 
 
 class Prepared(NamedTuple):
-    """The likelihood after the baseline, and what it was made of.
-
-    ``numbers`` are the elements in the order of the severities, candidates first; ``scatter`` that between
-    tests of the intact state, over the stated errors; ``odd`` those that contradict each other.
-    """
+    """The likelihood after the baseline, and what it was made of."""
 
     likelihood: Likelihood
     numbers: tuple[int, ...]
@@ -690,11 +654,7 @@ class Prepared(NamedTuple):
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked; ``elements`` are the candidates, zero-based.
-
-    ``model_error`` is the scatter of the model's factors where it is not to be learned; ``reduced`` whether
-    antiresonances are sought on reduced models.
-    """
+    """What was asked; ``elements`` are the candidates, zero-based."""
 
     model: StructuralModel
     baseline: tuple[AntiresonanceSet, ...] | tuple[ModalSet, ...]

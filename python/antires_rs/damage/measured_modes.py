@@ -42,15 +42,11 @@ _BY_FREQUENCY, _ALIKE = 0.5, 0.1
 
 @dataclass(frozen=True)
 class ModeRoots(Roots):
-    """Modes; ``log_f`` holds ln f, then the coordinates of the shape beside the intact model's, mode by mode.
+    """Modes: of each ln f, then the coordinates of its shape beside the intact model's, in ``log_f``."""
 
-    ``shapes`` (modes, n) of unit length and ``bases`` (modes, n, n - 1) are of each group of sensors;
-    ``mixed`` (modes,) tells whether another mode is so near that the shape says nothing.
-    """
-
-    shapes: tuple[FloatArray, ...]
-    bases: tuple[FloatArray, ...]
-    mixed: NDArray[np.bool_]
+    shapes: tuple[FloatArray, ...]  # of each group of sensors, unit length, (modes, n)
+    bases: tuple[FloatArray, ...]  # across these, (modes, n, n - 1)
+    mixed: NDArray[np.bool_]  # whether another mode is so near that the shape says nothing, (modes,)
 
     @property
     def each(self) -> int:
@@ -200,15 +196,11 @@ _ANGLE, _FAR = 0.3, 0.2
 
 @dataclass(frozen=True)
 class ModeValues(Values):
-    """Values of modes: of each its ln f, then the coordinates of its shape, which depend on its partner.
+    """Of each mode its ln f, then 0 for the coordinates of its shape, which depend on its partner."""
 
-    ``log_f`` is 0 for coordinates. ``start``, ``group`` and ``shape`` are of each mode: its first value,
-    the sensors, and the unit shape there.
-    """
-
-    start: NDArray[np.intp]
-    group: NDArray[np.intp]
-    shape: tuple[FloatArray, ...]
+    start: NDArray[np.intp]  # the first value of each mode
+    group: NDArray[np.intp]  # its sensors
+    shape: tuple[FloatArray, ...]  # its unit shape there
 
     @cached_property
     def plain(self) -> Values:

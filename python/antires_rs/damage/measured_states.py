@@ -90,11 +90,7 @@ def shown_roots(target: Any, hz: FloatArray, shown: FloatArray, slopes: FloatArr
 
 
 def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
-    """Number of the root of ``before`` that each root of ``after`` has been; -1 for a new one.
-
-    Where a response has as many roots as before they keep their order; otherwise those that moved least are
-    the same.
-    """
+    """Number of the root of ``before`` that each root of ``after`` has been; -1 for a new one."""
     return _core.follow(before.response, before.log_f, after.response, after.log_f, _BORN)
 
 
@@ -121,16 +117,13 @@ def price_alone(low: float, high: float) -> float:
 
 @dataclass(frozen=True)
 class Values:
-    """Measured values of one state, (m,) each: response by number, ln f, relative std, number of the test.
+    """Measured values (m,) of one state, ascending within each response of each test."""
 
-    They ascend within each response of each test. ``asked`` are response and test (k, 2) of all measured,
-    with or without a value; None for those that have one.
-    """
-
-    response: NDArray[np.intp]
+    response: NDArray[np.intp]  # by number
     log_f: FloatArray
-    std: FloatArray
-    test: NDArray[np.intp]
+    std: FloatArray  # relative
+    test: NDArray[np.intp]  # by number
+    #: Response and test (k, 2) of all measured, with or without a value; None for those that have one.
     asked: NDArray[np.intp] | None = field(default=None, kw_only=True)
 
     @property
@@ -178,12 +171,7 @@ class Values:
         price: FloatArray,
         wider: float = 1.0,
     ) -> tuple[NDArray[np.intp], FloatArray, float]:
-        """Root of each value (-1 without one), test by test, the values as seen from there, and what those
-        without one cost.
-
-        The roots are expected at ``place`` with errors ``sigma``; ``alone`` is the price of a value without
-        root, ``price`` that of each root without value; all errors count ``wider``.
-        """
+        """Root of each value (-1: none), the values as seen from there, and the price of those without."""
         found = np.full(self.size, -1)
         for test in self.tests:
             own = np.flatnonzero(self.test == test)
@@ -215,15 +203,12 @@ LEAST_STD = 2e-6
 
 
 class Column(NamedTuple):
-    """Values of one response in one set and their standard deviations (Hz, NaN: none).
-
-    ``single``: identified from one curve; ``asked``: looked for, with or without values.
-    """
+    """Values of one response in one set and their standard deviations (Hz, NaN: none)."""
 
     freq: FloatArray
     std: FloatArray
-    single: bool = False
-    asked: bool = True
+    single: bool = False  # identified from one curve
+    asked: bool = True  # looked for, with or without values
 
 
 def same_data(sets: Sequence[Mapping[Any, Column]]) -> dict[int, int]:
@@ -283,19 +268,14 @@ Part = tuple[int, int, FloatArray, str | None, int]
 
 @dataclass(frozen=True)
 class Responses:
-    """The responses of all sets, as the core is asked for them.
-
-    ``labels`` are of each set of now its responses' numbers by label; ``left_out`` sentences on values that
-    are not compared; ``assumed`` whether standard deviations had to be; ``tests`` the force of each intact
-    test.
-    """
+    """The responses of all sets, as the core is asked for them."""
 
     parts: list[Part]
-    labels: list[dict[Any, int]]
-    left_out: tuple[str, ...]
-    assumed: bool
+    labels: list[dict[Any, int]]  # numbers of the responses by label, of each set of now
+    left_out: tuple[str, ...]  # sentences on values that are not compared
+    assumed: bool  # whether standard deviations had to be
     measured: tuple[AntiresonanceSet, ...]
-    tests: tuple[int, ...]
+    tests: tuple[int, ...]  # force of each intact test
     noun = "antiresonances"
 
     def source(self, model: StructuralModel, parts: Any) -> _core.Objective:
@@ -330,12 +310,9 @@ def measured_states(
     forces = [target.forces[0] for target in before]
     for target, each in zip(after, measured, strict=True):
         if forces and target.forces[0] not in forces:
-            reject(
-                "baseline",
-                f"no set with the force at {each.excitation!r}",
-                "sets of the intact structure with the same forces as measured",
-                "Test the intact structure with the force there too, or leave that set out.",
-            )
+            wanted = "sets of the intact structure with the same forces as measured"
+            remedy = "Test the intact structure with the force there too, or leave that set out."
+            reject("baseline", f"no set with the force at {each.excitation!r}", wanted, remedy)
     freq: dict[Response, list[FloatArray]] = {}
     sight: dict[int, set[str | None]] = {}
     for target in (*before, *after):
@@ -403,12 +380,9 @@ def _not_in_both(
     if not intact or not now:
         return []
     if not set(intact) & set(now):
-        reject(
-            "baseline",
-            f"values at {_named(model, intact)}",
-            f"values at some of the dofs of measured: {_named(model, now)}",
-            "Number the dofs of both tests alike, or test the intact structure at these dofs.",
-        )
+        wanted = f"values at some of the dofs of measured: {_named(model, now)}"
+        remedy = "Number the dofs of both tests alike, or test the intact structure at these dofs."
+        reject("baseline", f"values at {_named(model, intact)}", wanted, remedy)
     notes = []
     for when, own, other, meaning in (
         ("now", now, intact, "Without an intact state they are compared with the model alone and count less"),
@@ -452,11 +426,7 @@ _UPPER = 75.0
 
 
 def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -> float:
-    """Scatter of several tests of one state over what their standard deviations say; at least 1.
-
-    ``root`` tells which values are of one root, ``place`` the values as seen from there. 1 where fewer than
-    ``_LEAST_REPEATS`` repeats tell.
-    """
+    """Scatter of several tests of one state over what their standard deviations say; at least 1."""
     total, spare = 0.0, 0
     for number in np.unique(root[root >= 0]):
         own = np.flatnonzero(root == number)
@@ -468,14 +438,11 @@ def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -
 
 
 class Contradiction(NamedTuple):
-    """Positions of the tests among all baseline sets, the odd one alone where it is known.
+    """Tests of the baseline that contradict the others, the odd one alone where it is known."""
 
-    ``apart`` is their relative difference, ``usual`` that of the others (0 where there are none).
-    """
-
-    tests: tuple[int, ...] = ()
-    apart: float = 0.0
-    usual: float = 0.0
+    tests: tuple[int, ...] = ()  # positions among all sets
+    apart: float = 0.0  # relative difference
+    usual: float = 0.0  # that of the others, 0 where there are none
 
 
 def contradiction(values: Values, forces: Sequence[int]) -> Contradiction:

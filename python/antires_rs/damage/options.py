@@ -11,7 +11,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import finite_scalar
-from ..support.options import Options, option
+from ..support.options import Options, documented, option
 
 #: Scopes of options: two states that are compared, or one state and the model.
 TWO_STATES, ONE_STATE = "with a baseline", "without a baseline"
@@ -20,36 +20,20 @@ _LARGE = 2000
 _PRICE: dict[str, Any] = {"kind": "number", "low": 0.0, "scope": ONE_STATE}
 
 
+@documented
 @dataclass(frozen=True, kw_only=True)
 class SearchOptions(Options):
     """How damage is sought and declared: options that few calls need.
 
-    Those of the search with a baseline are refused without one, and the other way round.
+    Those of the search with a baseline are refused without one, and the other way round. 0.0005 of
+    ``std_common`` is three kelvin of steel. On reduced models hypotheses that have a share in the answer are
+    judged where reduced and full model agree to 1e-6, as ``reduction`` of the result tells. ``gamma1`` and
+    ``gamma2`` are as :meth:`DamagePenalty.scaled` gives them, the paper's are 0.1 and 0.1; ``weights`` as for
+    :class:`UpdatingProblem`, ``x0`` (n,) or (m, n).
 
     Attributes
     ----------
-    false_alarm_rate : float or None
-        With a baseline: share of intact tests in which damage may be declared, in (0, 0.5]. None: damage is
-        declared where it is more probable than none, which happens more rarely.
-    std_common : float
-        With a baseline: standard deviation of what moves all values alike between the two tests, relative,
-        such as temperature or a sampling clock, within [0, 0.1]. 0.0005 is three kelvin of steel.
-    reduction : {'auto', True, False}
-        With a baseline: whether antiresonances are sought on reduced models, which are made for the elements
-        that are looked at. Hypotheses that have a share in the answer are judged where reduced and full model
-        agree to 1e-6; ``reduction`` of the result tells. 'auto' does for more than 2,000 dofs.
-    gamma1, gamma2 : float or None
-        Without a baseline: penalties on the sum and the number of damages; small damage costs more than it
-        explains, see ``DamageResult.detectable``. None: as :meth:`DamagePenalty.scaled` gives them, 0.1
-        for every 28 values of weight one, so that the same data given three times leave the answer. The
-        paper's are 0.1 and 0.1. ``result.problem.penalty`` has the numbers in force.
-    snap : float
-        Without a baseline: severities below count as exactly 0; within [0, 1e-3]; 0 for the algorithm as
-        printed.
-    weights : 'std', array_like or None
-        Without a baseline, as for :class:`UpdatingProblem`.
-    x0 : array_like, (n,) or (m, n), or None
-        Without a baseline: guesses that join the initial populations.
+    {options}
 
     Raises
     ------
@@ -186,12 +170,8 @@ class DamagePrior:
         for name, value in vars(self).items():
             finite_scalar(name, value, low=0.0, high=1.0)
         if not np.isclose(sum(vars(self).values()), 1.0, rtol=0.0, atol=1e-9):
-            reject(
-                "prior",
-                f"probabilities with the sum {sum(vars(self).values()):g}",
-                "probabilities that add up to one",
-                "Give all six, or leave the prior out.",
-            )
+            got = f"probabilities with the sum {sum(vars(self).values()):g}"
+            reject("prior", got, "probabilities that add up to one", "Give all six, or leave the prior out.")
 
     def log_of(self, n_damaged: int, n_candidates: int) -> float:
         """Log probability of each set of so many candidates."""

@@ -15,15 +15,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..models.matrices import Entries
 from ..support.progress import step
-from ..updating.reduced_model import (
-    Basis,
-    beside,
-    coordinates,
-    expected_errors,
-    matrices,
-    point_basis,
-    solved,
-)
+from ..updating.reduced_model import beside, coordinates, expected_errors, matrices, point_basis, solved
 from .measured_states import Roots, shown_roots
 
 if TYPE_CHECKING:
@@ -63,10 +55,9 @@ class NearPoint:
         self.terms, self.x = terms, x.copy()
         core = terms.at(x)
         self.stiffness, self.mass = matrices(core)
-        basis, self.moving = point_basis(core, terms.sensors, terms.forces, terms.limit_hz, depth)
-        self.basis: Basis = basis
-        self._shifted = (self.stiffness + basis.sigma * self.mass).tocsc()
-        own = basis.vectors
+        self.basis, self.moving = point_basis(core, terms.sensors, terms.forces, terms.limit_hz, depth)
+        self._shifted = self.basis.shifted
+        own = self.basis.vectors
         self._own = own, self.stiffness @ own, self.mass @ own
         self._square = tuple(own.T @ each for each in self._own[1:])
         most = max(_LEAST_KEPT, int(_ROOM / (8 * _USUAL * terms.n_dof)))
@@ -137,7 +128,11 @@ class Local:
         self.size = self._change.shape[1]
         # An objective has a parameter at least.
         scaled = elements or (0,)
-        each = [self._entries(self._of_term(e)) for e in scaled]
+        each = []
+        for e in scaled:  # what is lost with severity one of what the point has left
+            term = terms.of_element(e)
+            here = np.hstack([own[term.dofs], vectors[term.dofs]])
+            each.append(self._entries(terms.left(e, near.x) * (here.T @ (term.matrix @ here))))
         both = [self._entries(matrix) for matrix in near.projected(vectors)]
         model = _core.Model.from_matrices(self.size, both[0], both[1], each, [])
         free = [("stiffness_reduction", [nth], False, None) for nth in range(len(scaled))]
@@ -166,13 +161,6 @@ class Local:
             return np.asarray(own @ turned[:count] + self.vectors @ turned[count:])
 
         return target, hz, shown, full(left), full(right), slope
-
-    def _of_term(self, element: int) -> FloatArray:
-        """The term that is lost with severity one of what the point has left, on the vectors."""
-        terms, near = self._near.terms, self._near
-        term = terms.of_element(element)
-        here = np.hstack([near.basis.vectors[term.dofs], self.vectors[term.dofs]])
-        return np.asarray(terms.left(element, near.x) * (here.T @ (term.matrix @ here)))
 
     def _entries(self, matrix: FloatArray) -> Entries:
         small = self._change.T @ matrix @ self._change
@@ -297,12 +285,7 @@ class Term(NamedTuple):
 
 
 class Terms:
-    """A model whose parameters are the severities of ``elements``, then ``factors`` of single terms.
-
-    ``rows`` are those of all measured dofs, ``sensors`` and ``forces`` among them; ``reduced_parts`` the
-    responses where these rows are the first dofs, ``ends`` their rows in the full model; values were measured
-    from ``measured_hz`` on, slopes are told between ``slopes_hz``.
-    """
+    """A model whose parameters are the severities of ``elements``, then ``factors`` of single terms."""
 
     def __init__(
         self,
@@ -317,6 +300,7 @@ class Terms:
         self.sensors, self.forces = sorted(set(ends[::2])), sorted(set(ends[1::2]))
         self.ends = list(zip(ends[::2], ends[1::2], strict=True))
         self.rows = sorted({*ends})
+        #: The responses where these rows are the first dofs.
         place = {row: nth for nth, row in enumerate(self.rows)}
         self.reduced_parts = [
             (place[i], place[k], *part[2:]) for (i, k), part in zip(self.ends, parts, strict=True)
@@ -358,10 +342,7 @@ class Terms:
     def slopes(
         self, x: FloatArray, hz: FloatArray, left: FloatArray, right: FloatArray, slope: FloatArray
     ) -> FloatArray:
-        """d ln f / dp of roots (roots, parameters) by their null vectors (dofs, roots) on the full model.
-
-        0 where a root has no derivative, or was not asked for.
-        """
+        """d ln f / dp of roots (roots, parameters) by their null vectors (dofs, roots); 0 where none."""
         known = np.flatnonzero(np.isfinite(slope) & (slope != 0.0))
         squares = (2.0 * np.pi * hz[known]) ** 2
         scale = 1.0 / (slope[known] * 2.0 * squares)

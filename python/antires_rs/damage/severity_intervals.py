@@ -14,9 +14,17 @@ from ..exceptions import reject
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer
 from ..support.progress import one_blas_thread, patient, step
-from ..updating.posterior import Method, ParameterIntervals, ProfileLikelihood, kind_of, threshold
+from ..updating.posterior import (
+    Method,
+    ParameterIntervals,
+    ProfileLikelihood,
+    evenly_chosen,
+    kind_of,
+    longest_step,
+    threshold,
+)
 from .evidence import FURTHEST, HIGHEST, Fit, Truncated, truncated
-from .hypotheses import Assessment, Hypothesis
+from .hypotheses import Assessment
 from .inference import LEVEL, settled
 from .likelihood import Likelihood, Question
 
@@ -101,8 +109,8 @@ class SeverityIntervals(ParameterIntervals):
 # Transitional Markov chain Monte Carlo. Reference: J. Ching and Y.-C. Chen, J. Eng. Mech. 133 (2007) 816-832.
 
 Density = Callable[[FloatArray], FloatArray]
-#: Share of the particles that must count after a step, and walks of each particle in a step and in the last.
-_COUNTING, _WALKS, _LAST = 0.5, 3, 10
+#: Walks of each particle in a step and in the last.
+_WALKS, _LAST = 3, 10
 #: Share of walks that should be accepted, and the least step.
 _ACCEPTED, _SHORTEST = 0.3, 1e-5
 
@@ -117,7 +125,7 @@ def stepwise(
     target, first = log_density(u), start.log_density(u)
     share, scale, total = 0.0, 2.4 / np.sqrt(start.mean.size), 0.0
     while share < 1.0:
-        ahead = _ahead(target - first, 1.0 - share)
+        ahead = longest_step(target - first, 1.0 - share)
         share = min(1.0, share + ahead) if ahead < 1.0 - share else 1.0
         step(f"severities by steps: {100 * share:.0f} % of the way")
         log_weight = ahead * (target - first)
@@ -125,7 +133,7 @@ def stepwise(
         weight = np.exp(log_weight - logsumexp(log_weight))
         _, covariance = _moments(weight, u)
         factor = np.linalg.cholesky(covariance + _SHORTEST**2 * np.eye(len(covariance)))
-        chosen = _evenly_chosen(weight, count, rng)
+        chosen = evenly_chosen(weight, count, rng)
         u, target, first = u[chosen], target[chosen], first[chosen]
         for _ in range(_LAST if share == 1.0 else _WALKS):
             walked = u + scale * rng.standard_normal(u.shape) @ factor.T
@@ -140,32 +148,10 @@ def stepwise(
     return u, total
 
 
-def _ahead(gain: FloatArray, most: float) -> float:
-    """The longest step after which enough particles count."""
-
-    def counting(ahead: float) -> float:
-        weight = np.exp(ahead * (gain - gain.max()))
-        return float(weight.sum() ** 2 / np.sum(weight**2)) / gain.size
-
-    if counting(most) >= _COUNTING:
-        return most
-    low, high = 0.0, most
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if counting(middle) >= _COUNTING else (low, middle)
-    return max(low, 1e-6)
-
-
 def _moments(weight: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean and covariance of weighted points."""
     mean = weight @ u
     return mean, (weight[:, None] * (u - mean)).T @ (u - mean)
-
-
-def _evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Numbers of points that have equal weights then, as evenly as can be."""
-    places = (np.arange(count) + rng.random()) / count
-    return np.minimum(np.searchsorted(np.cumsum(weight), places), weight.size - 1)
 
 
 # -- Severities of one set of damaged elements drawn from their posterior, and its evidence, by sampling
@@ -200,7 +186,7 @@ class Sampled:
 
     def resampled(self, count: int, rng: np.random.Generator) -> FloatArray:
         """So many severities (count, n) of equal weight, in random order."""
-        chosen = _evenly_chosen(self.weight, count, rng)
+        chosen = evenly_chosen(self.weight, count, rng)
         return np.asarray(self.beta[rng.permutation(chosen)])
 
     def quantiles(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
@@ -228,10 +214,7 @@ def sampled(
     name: str = "",
     by_steps: bool = True,
 ) -> Sampled:
-    """The posterior of the severities of ``fit``, of at least one element; points until ``wanted`` count.
-
-    ``name`` is what progress calls the set; particles walk only if ``by_steps``.
-    """
+    """The posterior of the severities of ``fit``, of at least one element; points until ``wanted`` count."""
     n = len(fit.elements)
 
     def log_density(u: FloatArray) -> FloatArray:
@@ -389,8 +372,25 @@ def severity_intervals(
             low[at], high[at] = part.quantiles(nth, shares) if sure else fit.interval(nth, central)
             if not sure and level == LEVEL:  # as the assessment has it, from where its search came to rest
                 low[at], high[at] = declared.low[nth], declared.high[nth]
-    if sure:
-        notes = [*_verdict(found, near, confirmed), *notes]
+    changes = [abs(each - one.probability) for one, each in zip(near, confirmed, strict=True)]
+    changed = [
+        f"{found.hypotheses.called(one)} {each:.2f} instead of {one.probability:.2f}"
+        for one, each, by in zip(near, confirmed, changes, strict=True)
+        if by >= _CHANGED
+    ]
+    if sure and changed:
+        notes.insert(0, f"Sampling changes probabilities: {'; '.join(changed)}.")
+    elif sure and changes:
+        notes.insert(0, f"Sampling confirms the probabilities to within {max(*changes, 0.001):.3f}.")
+    # Draws of no damage and of the near sets of candidates, each as often as it is probable.
+    mixture, mine = np.zeros_like(own_draws), [k for k, one in enumerate(near) if one.candidate]
+    p = np.array([nothing, *(confirmed[k] for k in mine)])
+    which = rng.choice(p.size, size=draws, p=p / p.sum()) if p.sum() else np.zeros(draws)
+    for at_set, k in enumerate(mine, start=1):
+        rows = np.flatnonzero(which == at_set)
+        if rows.size:
+            columns = [column[e] for e in near[k].elements]
+            mixture[rows[:, None], columns] = parts[k][1].resampled(rows.size, rng)
     return SeverityIntervals(
         tuple(names),
         method,
@@ -405,47 +405,9 @@ def severity_intervals(
         2.0 * found.root_std,
         tuple(notes),
         question.elements,
-        _mixture(near, [nothing, *confirmed], parts, column, draws, rng),
+        mixture,
         sets,
     )
-
-
-def _verdict(found: Assessment, near: list[Hypothesis], confirmed: list[float]) -> list[str]:
-    """What sampling says of the probabilities."""
-    changes = [abs(each - one.probability) for one, each in zip(near, confirmed, strict=True)]
-    if not changes:
-        return []
-    changed = [
-        f"{found.hypotheses.called(one)} {each:.2f} instead of {one.probability:.2f}"
-        for one, each, by in zip(near, confirmed, changes, strict=True)
-        if by >= _CHANGED
-    ]
-    if changed:
-        return [f"Sampling changes probabilities: {'; '.join(changed)}."]
-    return [f"Sampling confirms the probabilities to within {max(*changes, 0.001):.3f}."]
-
-
-def _mixture(
-    near: list[Hypothesis],
-    shares: list[float],
-    parts: list[tuple[Fit, Sampled]],
-    column: dict[int, int],
-    draws: int,
-    rng: np.random.Generator,
-) -> FloatArray:
-    """Draws of no damage and of the near sets of candidates, by their ``shares``, that of no damage first."""
-    mine = [nth for nth, one in enumerate(near) if one.candidate]
-    p = np.array([shares[0], *(shares[1 + nth] for nth in mine)])
-    drawn = np.zeros((draws, len(column)))
-    if not p.sum():
-        return drawn
-    which = rng.choice(p.size, size=draws, p=p / p.sum())
-    for k, nth in enumerate(mine, start=1):
-        rows = np.flatnonzero(which == k)
-        at = [column[e] for e in near[nth].elements]
-        if rows.size:
-            drawn[rows[:, None], at] = parts[nth][1].resampled(rows.size, rng)
-    return drawn
 
 
 # -- Profile likelihood of one severity, after an assessment against a baseline
@@ -480,12 +442,8 @@ def severity_profile(
         reject("name", repr(name), "a severity of the result", f"One of {', '.join(names)}.")
     element, one = question.elements[names.index(name)], found.answer
     if one is None or element not in one.elements:
-        reject(
-            "name",
-            repr(name),
-            "a severity of an element declared damaged",
-            "The others are 0: result.probability tells how probable their damage is.",
-        )
+        remedy = "The others are 0: result.probability tells how probable their damage is."
+        reject("name", repr(name), "a severity of an element declared damaged", remedy)
     prepared = question.prepared(thread_count(None))
     held = one.elements.index(element)
     at = np.array([prepared.numbers.index(e) for e in one.elements])

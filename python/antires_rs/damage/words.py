@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..updating.model_check import Explained, few_alone
-from ..updating.reduced_search import ReductionReport
+from ..updating.reduced_model import ReductionReport
+from ..updating.targets import FrequencyTable, ModalTable
 from .hypotheses import Assessment, Hypotheses, Hypothesis, figure, percent, span, together
-
-if TYPE_CHECKING:
-    from ..updating.tables import FrequencyTable, ModalTable
 
 # -- Losses, names and alternatives in words
 
@@ -227,10 +224,7 @@ _IDLE = 0.005
 
 
 def without_idle(found: Assessment) -> Assessment:
-    """The same with the probability of each such set added to the smaller one; for words and first tables.
-
-    The answer stays the first, and what all of its elements lose next to nothing stays itself.
-    """
+    """The same with the probability of each such set added to the smaller one; for words and first tables."""
     rows: list[Hypothesis] = list(found.hypotheses)
     smaller = [_smaller(one) for one in rows]
     if smaller == rows:
@@ -270,8 +264,10 @@ def headline(found: Assessment) -> list[str]:
     doubts = [_contradiction(found)] if found.odd_baselines else []
     if not found.model_fits:
         doubts.append(_no_model(found))
-    elif not found.states_fit:
-        doubts.append(_no_partners(found))
+    elif not found.states_fit:  # the values of now have nothing to do with those of the intact structure
+        have = "has" if found.n_matched == 1 else "have"
+        why = f"{found.n_matched} of {found.n_values} values of now {have} a partner in it, damaged or not"
+        doubts.append(_not_explained(found, why, "units, dofs, force and band of both tests"))
     merged = without_idle(found)
     if found.interrupted:
         return [*_stopped(merged, len(found.hypotheses)), *doubts]
@@ -289,13 +285,6 @@ def _no_model(found: Assessment) -> str:
         if found.near:
             why = f"it has {found.n_intact_roots} roots where {found.n_intact} values were measured"
     return _not_explained(found, why, "its units, dofs, force and supports")
-
-
-def _no_partners(found: Assessment) -> str:
-    """The values of now have nothing to do with those of the intact structure."""
-    have = "has" if found.n_matched == 1 else "have"
-    why = f"{found.n_matched} of {found.n_values} values of now {have} a partner in it, damaged or not"
-    return _not_explained(found, why, "units, dofs, force and band of both tests")
 
 
 def _not_explained(found: Assessment, why: str, check: str) -> str:
@@ -370,10 +359,7 @@ def headline_of_one_state(
     *,
     finished: bool,
 ) -> list[str]:
-    """The first lines of a report; ``losses`` are the severities found, the worst first.
-
-    ``fit`` is what the model with these explains; None where that is not known.
-    """
+    """The first lines of a report; ``losses`` are the severities found, the worst first."""
     found = "; ".join(
         f"{label(e)} has lost {100.0 * beta:.1f} % of its stiffness" for e, beta in losses.items()
     )
@@ -402,55 +388,36 @@ _FEW = 4
 
 def reservations(found: Assessment) -> list[str]:
     """What a reader should know before trusting it."""
-    notes = list(found.notes)
-    if not found.baseline:
-        notes.append(
-            "Without a baseline every error of the model counts as damage. The probabilities assume "
-            f"stiffnesses and masses within about {figure(found.factor_std)}; give the values of the "
-            "intact structure as baseline= to have the model's errors taken out."
-        )
-    if not found.n_matched:
-        notes.append(
-            "No value of now has a partner in the model: there is no chi-square, and nothing tells whether "
-            "the answer holds. Compare the bands and dofs of both tests."
-        )
-    elif not found.best.unknown and not found.explained:
-        notes.append(
-            f"The most probable hypothesis does not explain the values (reduced chi-square "
-            f"{found.chi_square:.1f}): something else may have changed as well."
-        )
-    lost = found.n_values - found.n_matched
-    if lost and found.n_matched:
-        notes.append(
-            f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: "
-            "new or false."
-        )
-    spare = found.n_matched - len(found.best.severities)
-    if found.n_values and spare < _FEW:
-        notes.append(
-            f"Only {found.n_matched} value{'s are' if found.n_matched != 1 else ' is'} compared, "
-            f"{max(spare, 0)} more than there are losses to tell: the answer rests on what the prior says of "
-            "how many elements are damaged, and hardly anything is left to check it by. Measure at more "
-            "dofs, or in a wider band."
-        )
-    if found.baseline and found.kappa > 0.0:
-        notes.append(
-            f"The model predicts changes to about {figure(found.kappa)}: it explained the baseline to "
-            f"{figure(found.root_std)}."
-        )
-    if found.n_baselines == 1:
-        notes.append(
-            "One test of the intact structure: how far values scatter from test to test is not known, their "
-            "own standard deviations count."
-        )
-    elif found.scatter > 1.0:
-        notes.append(
-            f"Values scatter between the intact tests {found.scatter:.1f} times as much as their standard "
-            "deviations say; all of them were multiplied by that."
-        )
-    if found.assumed_std:
-        notes.append("Values without standard deviation count as known to 0.05 %.")
-    return notes
+    matched, lost = found.n_matched, found.n_values - found.n_matched
+    spare = matched - len(found.best.severities)
+    notes = {
+        "Without a baseline every error of the model counts as damage. The probabilities assume stiffnesses "
+        f"and masses within about {figure(found.factor_std)}; give the values of the intact structure as "
+        "baseline= to have the model's errors taken out.": not found.baseline,
+        "No value of now has a partner in the model: there is no chi-square, and nothing tells whether the "
+        "answer holds. Compare the bands and dofs of both tests.": not matched,
+        f"The most probable hypothesis does not explain the values (reduced chi-square {found.chi_square:.1f}"
+        "): something else may have changed as well.": (
+            matched and not found.best.unknown and not found.explained
+        ),
+        f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: new or "
+        "false.": lost and matched,
+        f"Only {matched} value{'s are' if matched != 1 else ' is'} compared, {max(spare, 0)} more than there "
+        "are losses to tell: the answer rests on what the prior says of how many elements are damaged, and "
+        "hardly anything is left to check it by. Measure at more dofs, or in a wider band.": (
+            found.n_values and spare < _FEW
+        ),
+        f"The model predicts changes to about {figure(found.kappa)}: it explained the baseline to "
+        f"{figure(found.root_std)}.": found.baseline and found.kappa > 0.0,
+        "One test of the intact structure: how far values scatter from test to test is not known, their own "
+        "standard deviations count.": found.n_baselines == 1,
+        f"Values scatter between the intact tests {found.scatter:.1f} times as much as their standard "
+        "deviations say; all of them were multiplied by that.": (
+            found.n_baselines != 1 and found.scatter > 1.0
+        ),
+        "Values without standard deviation count as known to 0.05 %.": found.assumed_std,
+    }
+    return [*found.notes, *(note for note, holds in notes.items() if holds)]
 
 
 def note_of_reduction(found: ReductionReport) -> str:
@@ -475,13 +442,8 @@ def largest_left(table: FrequencyTable | ModalTable) -> str:
     """The values that the model with the damage found misses most; '' where it misses none."""
     missed = np.nan_to_num(np.abs(table.after_percent))
     worst = [i for i in np.argsort(-missed)[:_NAMED] if missed[i] >= _LEAST_PERCENT]
-    return ", ".join(
-        f"{table.measured_hz[i]:.2f} Hz {_where(table, int(i))} ({missed[i]:.1f} %)" for i in worst
-    )
-
-
-def _where(table: FrequencyTable | ModalTable, row: int) -> str:
-    if hasattr(table, "mode"):
-        return f"of mode {table.mode[row]}"
-    dof = int(table.dof[row])
-    return f"at {table.dof_names.get(dof, f'dof {dof}')}"
+    if isinstance(table, FrequencyTable):
+        places = [f"at {table.dof_names.get(dof, f'dof {dof}')}" for dof in table.dof.tolist()]
+    else:
+        places = [f"of mode {mode}" for mode in table.mode]
+    return ", ".join(f"{table.measured_hz[i]:.2f} Hz {places[i]} ({missed[i]:.1f} %)" for i in worst)

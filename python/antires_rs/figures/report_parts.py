@@ -27,7 +27,7 @@ from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
 from ..updating.result import UpdateResult
-from ..updating.tables import ModalTable, signed
+from ..updating.targets import ModalTable, signed
 from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row

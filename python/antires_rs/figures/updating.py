@@ -13,9 +13,9 @@ from .marks import Axis, Bars, Heads, Line, Mark, Panel, Points, Rules, Words, r
 if TYPE_CHECKING:
     from ..optimize.island_ga import OptimizeResult
     from ..support.checks import FloatArray
-    from ..updating.box_identifiability import BoxIdentifiability
+    from ..updating.identifiability import BoxIdentifiability
     from ..updating.result import UpdateResult
-    from ..updating.tables import FrequencyTable, ModalTable
+    from ..updating.targets import FrequencyTable, ModalTable
 
 #: Above this many antiresonances their frequencies no longer fit under the bars.
 MOST_LABELS = 64

@@ -24,7 +24,7 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.averaging import METHODS, Averaging
 from ..support.checks import choice, integer
-from ..support.options import Option, Options, option
+from ..support.options import Option, Options, documented, option
 
 # Beyond, a narrower band or windows serve better than more orders.
 HIGHEST_ORDER = 200
@@ -105,6 +105,7 @@ class CallOptions(Options):
     )
 
 
+@documented
 @dataclass(frozen=True, kw_only=True)
 class FitOptions(Options):
     """How curves are fitted and which values are accepted: options that few calls need.
@@ -227,14 +228,6 @@ class FitOptions(Options):
             )
         return range(low, high + 1)
 
-
-FitOptions.__doc__ = (FitOptions.__doc__ or "").format(
-    options="\n    ".join(
-        f"{name} : {one.kind}, by default {one.default}\n        {one.sentence}"
-        + (f" From {one.low:g} to {one.high or np.inf:g}." if one.low is not None else "")
-        for name, one in FitOptions.declared().items()
-    )
-)
 
 #: Options that only one kind of fit knows: the sweep over orders, and fits over windows.
 OF_SWEEP = ("damping_tol", "min_rows", "min_dominance", "persistent")

@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from .._core import __version__
 from ..damage import assessor_plan, hypotheses, inference, likelihood, options
-from ..damage.assess import DamageResult
-from ..damage.assessor import Assessor
+from ..damage.assess import Assessor, DamageResult
 from ..damage.assessor_plan import LEVELS, Plan, Tables
 from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 from ..damage.inference import Learned

@@ -38,12 +38,8 @@ class DofNames:
             [] if point is None else [listed[d] for (node, _), d in self._at.items() if node == point[0]]
         )
         near = (of_node or get_close_matches(label, listed, _OFFERED, 0.5) or listed)[:_OFFERED]
-        reject(
-            name,
-            repr(label),
-            f"a dof of the model: its zero-based number, 0 to {len(listed) - 1}, or its name",
-            f"Names of the model are like {', '.join(map(repr, near))}.",
-        )
+        wanted = f"a dof of the model: its zero-based number, 0 to {len(listed) - 1}, or its name"
+        reject(name, repr(label), wanted, f"Names of the model are like {', '.join(map(repr, near))}.")
 
 
 def names_of(name: str, given: Any, n: int) -> tuple[str, ...]:

@@ -156,8 +156,11 @@ def _is_symmetric(entries: Entries, n: int) -> bool:
 def _entries(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
     """Shape and finite entries of a matrix, undamped."""
     shape, entries = _given(name, _undamped(name, matrix))
-    if shape[0] == shape[-1]:
-        _refuse_triangle(name, entries)
+    above, below = (entries.rows < entries.columns).any(), (entries.rows > entries.columns).any()
+    if shape[0] == shape[-1] and above != below:  # its mean with the mirror image would be wrong
+        remedy = "Pass A + A.T - diag(A): scipy.sparse.diags_array(A.diagonal()) is diag(A)."
+        got = f"the {'upper' if above else 'lower'} triangle only"
+        reject(name, got, "a symmetric matrix, both triangles of it", remedy)
     return shape, entries
 
 
@@ -175,15 +178,6 @@ def _undamped(name: str, matrix: Any) -> Any:
             "of the undamped structure. Give damping_ratio= to frf and simulate.",
         )
     return own.real
-
-
-def _refuse_triangle(name: str, entries: Entries) -> None:
-    """Refuse a matrix of which one triangle was exported; its mean with the mirror image would be wrong."""
-    above, below = (entries.rows < entries.columns).any(), (entries.rows > entries.columns).any()
-    if above != below:
-        remedy = "Pass A + A.T - diag(A): scipy.sparse.diags_array(A.diagonal()) is diag(A)."
-        got = f"the {'upper' if above else 'lower'} triangle only"
-        reject(name, got, "a symmetric matrix, both triangles of it", remedy)
 
 
 def _given(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:

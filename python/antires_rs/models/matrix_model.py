@@ -10,9 +10,8 @@ import numpy as np
 
 from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
-from .constraints import CONSTRAINT, MULTIPLIER, equations_by_number
+from .constraints import CONSTRAINT, MULTIPLIER, Independent, equations_by_number
 from .dof_names import names_of
-from .independent import Independent
 from .matrices import Columns, as_masses, as_sparse, as_square, as_term
 from .penalties import warn_penalties
 from .recipes import MatrixRecipe

@@ -112,12 +112,8 @@ class Parameter:
         for i, term in enumerate(self.terms):
             _term(self.quantity, part("terms", i), term)
         if (self.pivot is None) == (self.quantity in _ABOUT_A_NODE):
-            reject(
-                "pivot",
-                self.pivot,
-                "a node for an angle or a length, and None for anything else",
-                "Make such parameters by antires_rs.angle and antires_rs.length.",
-            )
+            got, wanted = self.pivot, "a node for an angle or a length, and None for anything else"
+            reject("pivot", got, wanted, "Make such parameters by antires_rs.angle and antires_rs.length.")
         if self.relative and KINDS[self.quantity].nominal is not None:
             remedy = "Only properties of sections, masses and supports can be relative."
             reject("relative", self.relative, f"False for '{self.quantity}'", remedy)
@@ -500,22 +496,14 @@ def length(elements: Any, pivot: int, *, bounds: Bounds) -> Parameter:
 
     Parameters
     ----------
-    elements : int or sequence of int
-        Zero-based elements of the group; one of them ends at the pivot.
-    pivot : int
-        Zero-based node that stays.
+    elements, pivot
+        As of :func:`angle`, and so are the errors.
     bounds : (float, float)
         Positive factors; 1 is the model as it was given.
 
     Returns
     -------
     Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order or not positive, an element listed twice. (That the group lies in a loop, or away
-        from the pivot, is found when the parameter meets its model.)
 
     Examples
     --------

@@ -10,8 +10,8 @@ from .. import _core
 from ..exceptions import part, reject
 from ..support.checks import FloatArray, integer
 from ..support.values import Value
+from .constraints import Independent, Matrices, independent_of
 from .frame_parts import AnySection, shear_of
-from .independent import Independent, Matrices, independent_of
 from .matrices import Entries
 
 if TYPE_CHECKING:
@@ -52,19 +52,16 @@ class ChainRecipe(_Recipe):
 
 @dataclass(frozen=True, eq=False)
 class MatrixRecipe(_Recipe):
-    """Stiffness and mass, the terms that parameters may scale, and equations between the dofs, a row each.
-
-    ``names`` are those of the dofs, empty where they have none; ``keep`` are dofs that are not taken out.
-    """
+    """Stiffness and mass, the terms that parameters may scale, and equations between the dofs, a row each."""
 
     n_dof: int
     stiffness: Entries
     mass: Entries
     stiffness_terms: tuple[Entries, ...] = ()
     mass_terms: tuple[Entries, ...] = ()
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()  # of the dofs
     constraints: Entries | None = None
-    keep: tuple[int, ...] = ()
+    keep: tuple[int, ...] = ()  # dofs that are not taken out
 
     def independent(self, keep: Iterable[int] = ()) -> Independent:
         """Matrices and terms without what is no dof of its own; ``keep`` are further dofs to be kept."""
@@ -78,18 +75,14 @@ class MatrixRecipe(_Recipe):
 
 @dataclass(frozen=True, eq=False)
 class FrameRecipe(_Recipe):
-    """Beams (first node, second node, section) with lumped masses, springs and supports.
-
-    Sections without a name have their index; ``parts`` are by the argument that lists them
-    (``frame_parts.PARTS``), ``fixed`` dofs by node and direction.
-    """
+    """Beams (first node, second node, section) with lumped masses, springs and supports."""
 
     nodes_m: FloatArray
     beams: tuple[tuple[int, int, int], ...]
     section_names: tuple[str | int, ...]
     sections: tuple[AnySection, ...]
     orientation: FloatArray | None = None
-    parts: dict[str, tuple[Any, ...]] = field(default_factory=dict)
+    parts: dict[str, tuple[Any, ...]] = field(default_factory=dict)  # by the argument that lists them
     fixed: tuple[tuple[int, str], ...] = ()
 
     @property

@@ -89,11 +89,88 @@ class ModelDescription(Value):
         return core
 
 
+# -- What the core leaves in doubt about antiresonances and modes, in words
+
+
+#: So many frequencies are named.
+_NAMED = 4
+#: Relative distance from which on a mode is above the highest one found.
+_EDGE = 1e-6
+
+
+def _some(named: Sequence[Any]) -> str:
+    """The first of them, and how many more there are."""
+    more = f" and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
+    return ", ".join(map(str, named[:_NAMED])) + more
+
+
+def _warn_doubts(
+    dof: int,
+    excitation: int | str,
+    n_dof: int,
+    values: Sequence[FloatArray],
+    is_zero: bool,
+    is_doubtful: bool,
+) -> None:
+    """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
+    if is_zero:
+        warn(
+            "not_connected",
+            f"response dof {dof} is not connected to excitation dof {excitation}: "
+            "H is identically zero and has no antiresonance.",
+        )
+    if is_doubtful:
+        warn(
+            "hidden_by_rounding",
+            f"response dof {dof}: rounding hides whether antiresonances of it are missing or double; "
+            f"with {n_dof} dofs only other units or fewer digits between the stiffest and the "
+            "softest part would tell.",
+        )
+    if len(values) == 2 and np.isinf(values[1]).any():
+        named = _some([f"{f:.6g}" for f in values[0][np.isinf(values[1])]])
+        warn(
+            "uncertain_roots",
+            f"response dof {dof}: {named} Hz are not certain: too close to others to be told "
+            "from them, or moved too far by the rounding of K and M.",
+        )
+
+
+def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
+    """Name dofs joined to no other whose modes are not among all modes found: too far above the lowest."""
+    from scipy.sparse import csc_array
+
+    k, m = csc_array(stiffness), csc_array(mass)
+    joined = np.zeros(k.shape[0], dtype=bool)
+    for matrix in (k.tocoo(), m.tocoo()):
+        joined[matrix.row[(matrix.row != matrix.col) & (matrix.data != 0.0)]] = True
+    own, of_mass = k.diagonal(), m.diagonal()
+    alone = np.flatnonzero(~joined & (own > 0.0) & (of_mass > 0.0))
+    hz = np.sqrt(own[alone] / of_mass[alone]) / (2.0 * np.pi)
+    out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
+    if out.any():
+        named = _some([label(int(dof)) for dof in alone[out]])
+        warn(
+            "modes_left_out",
+            f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
+            f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them.",
+        )
+
+
+#: From here on antiresonances may take seconds.
+MANY_DOFS = 200
+
+Method = Literal["modal", "pencil"]
+Motion = Literal["accelerance", "mobility", "receptance"]
+
+
 # -- A model and its description: how it is built, copied and changed, and what its parts are called
 
 
-class Described(AroundCore["CoreModel"], ReadOnly):
-    """What a model is made of, and the core's model made of it. Read-only."""
+class StructuralModel(AroundCore["CoreModel"], ReadOnly):
+    """What every model can do. Read-only.
+
+    Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
+    """
 
     #: Kind of recipe that this class is built from.
     _recipe_type: ClassVar[type | None] = None
@@ -236,87 +313,6 @@ class Described(AroundCore["CoreModel"], ReadOnly):
         """Stiffness terms that have a stiffness."""
         return self.default_elements
 
-
-# -- What the core leaves in doubt about antiresonances and modes, in words
-
-
-#: So many frequencies are named.
-_NAMED = 4
-#: Relative distance from which on a mode is above the highest one found.
-_EDGE = 1e-6
-
-
-def _some(named: Sequence[Any]) -> str:
-    """The first of them, and how many more there are."""
-    more = f" and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
-    return ", ".join(map(str, named[:_NAMED])) + more
-
-
-def _warn_doubts(
-    dof: int,
-    excitation: int | str,
-    n_dof: int,
-    values: Sequence[FloatArray],
-    is_zero: bool,
-    is_doubtful: bool,
-) -> None:
-    """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
-    if is_zero:
-        warn(
-            "not_connected",
-            f"response dof {dof} is not connected to excitation dof {excitation}: "
-            "H is identically zero and has no antiresonance.",
-        )
-    if is_doubtful:
-        warn(
-            "hidden_by_rounding",
-            f"response dof {dof}: rounding hides whether antiresonances of it are missing or double; "
-            f"with {n_dof} dofs only other units or fewer digits between the stiffest and the "
-            "softest part would tell.",
-        )
-    if len(values) == 2 and np.isinf(values[1]).any():
-        named = _some([f"{f:.6g}" for f in values[0][np.isinf(values[1])]])
-        warn(
-            "uncertain_roots",
-            f"response dof {dof}: {named} Hz are not certain: too close to others to be told "
-            "from them, or moved too far by the rounding of K and M.",
-        )
-
-
-def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
-    """Name dofs joined to no other whose modes are not among all modes found: too far above the lowest."""
-    from scipy.sparse import csc_array
-
-    k, m = csc_array(stiffness), csc_array(mass)
-    joined = np.zeros(k.shape[0], dtype=bool)
-    for matrix in (k.tocoo(), m.tocoo()):
-        joined[matrix.row[(matrix.row != matrix.col) & (matrix.data != 0.0)]] = True
-    own, of_mass = k.diagonal(), m.diagonal()
-    alone = np.flatnonzero(~joined & (own > 0.0) & (of_mass > 0.0))
-    hz = np.sqrt(own[alone] / of_mass[alone]) / (2.0 * np.pi)
-    out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
-    if out.any():
-        named = _some([label(int(dof)) for dof in alone[out]])
-        warn(
-            "modes_left_out",
-            f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
-            f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them.",
-        )
-
-
-#: From here on antiresonances may take seconds.
-MANY_DOFS = 200
-
-Method = Literal["modal", "pencil"]
-Motion = Literal["accelerance", "mobility", "receptance"]
-
-
-class StructuralModel(Described):
-    """What every model can do.
-
-    Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
-    """
-
     def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
         """Undamped resonances and mass-normalised shapes.
 
@@ -449,10 +445,8 @@ class StructuralModel(Described):
 
         Parameters
         ----------
-        response : int, str or sequence of them
-            Response dof(s), by number or name.
-        excitation : int or str
-            Dof of the force.
+        response, excitation
+            As of :meth:`frf`.
         f_max_hz : float, optional
             Highest frequency wanted; all by default, but of more than 2,000 dofs, where it has to be given.
         method : {'modal', 'pencil'}
@@ -463,7 +457,8 @@ class StructuralModel(Described):
             Return also the roots that coincide with a resonance which response or excitation does not
             see (residue below 1e-12 of the largest). The FRF shows no dip there.
         bounds : bool
-            Return also how far each may be from the root of the matrices as given. Up to 400 dofs both
+            Return also how far each may be from the root of the matrices as given, to first order in their
+            rounding (Stewart & Sun, Matrix Perturbation Theory, 1990, section VI.2). Up to 400 dofs both
             methods are then used, and what only one of them finds counts if the matrices confirm it.
 
         Returns
@@ -490,12 +485,6 @@ class StructuralModel(Described):
             The response is not connected to the excitation: H is identically zero; rounding leaves a doubt
             about the number of roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some
             roots are not certain.
-
-        Notes
-        -----
-        A bound is of first order in the rounding of K and M,
-        :math:`c\,\epsilon\,|v|^T(|K| + \omega^2 |M|)|u| / |v^T M u|` in frequency squared, with the null
-        vectors u and v (Stewart & Sun, Matrix Perturbation Theory, 1990, section VI.2).
 
         Examples
         --------
@@ -544,14 +533,10 @@ class StructuralModel(Described):
 
         Parameters
         ----------
-        excitation : int or str
-            Dof of the force.
-        fs_hz : float
-            Sampling rate.
-        duration_s : float
-            Length of the record.
-        damping_ratio : float or array_like, (n_modes,)
-            Modal damping ratio.
+        excitation, damping_ratio
+            As of :meth:`frf`.
+        fs_hz, duration_s : float
+            Sampling rate, and length of the record.
         band_hz : (float, float), optional
             Band of the force; all up to half the sampling rate by default.
         noise : float
@@ -559,7 +544,6 @@ class StructuralModel(Described):
         responses : sequence of int or str, optional
             Dofs of the accelerometers; all by default.
         rng : int or numpy.random.Generator, optional
-            Randomness.
         progress : bool, optional
             A line on standard error after a second; by default on a terminal and in a notebook.
 
@@ -659,19 +643,13 @@ def simulate(
     rng: int | np.random.Generator | None = None,
     progress: bool | None = None,
 ) -> Recording:
-    """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``.
-
-    ``model`` needs ``frf`` alone; ``lowest_hz`` is its first elastic mode, 0 where there is none.
-    """
+    """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``."""
     rate = finite_scalar("fs_hz", fs_hz, low=0.0, low_open=True, unit="Hz")
     duration = finite_scalar("duration_s", duration_s, low=0.0, low_open=True, unit="s")
     if not 2 <= duration * rate < _MOST_SAMPLES:
-        reject(
-            "duration_s",
-            f"{duration:g} s, {duration * rate:.3g} samples at {rate:g} Hz",
-            f"2 to {_MOST_SAMPLES:.0g} samples",
-            "Lengthen the record." if duration * rate < 2.0 else "Shorten the record, or lower the rate.",
-        )
+        got = f"{duration:g} s, {duration * rate:.3g} samples at {rate:g} Hz"
+        remedy = "Lengthen the record." if duration * rate < 2.0 else "Shorten the record, or lower the rate."
+        reject("duration_s", got, f"2 to {_MOST_SAMPLES:.0g} samples", remedy)
     samples = round(duration * rate)
     level, random = finite_scalar("noise", noise, low=0.0), random_generator(rng)
     low, high = (0.0, rate / 2)

@@ -19,9 +19,9 @@ from ..support.checks import FloatArray, choice, finite_scalar, integer, real_ar
 from ..support.progress import one_blas_thread, waiting
 from ..support.values import FrozenDict, frozen
 from .detection_curves import DetectionCurves, crossing, fit_logit, reached
+from .placement import ExpectedErrors, objective
 from .plan import Sees, band_of, chosen_elements, dofs_of
 from .simulated_tests import Task, VirtualTest, predicted, simulated
-from .virtual_roots import ExpectedErrors, objective
 
 #: Severities of a prediction, in units of the linear estimate; and where that is none.
 _UNITS, _LARGE = np.geomspace(0.25, 6.0, 14), np.array([0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95])
@@ -71,8 +71,7 @@ def detectability(
     sensors : sequence of int, optional
         Dofs of the sensors. Default: all, of a frame all translations. A plan's: ``plan.sensors``.
     model_error : float
-        Standard deviation of the logarithm of every stiffness and mass of the structure about its model's, in
-        (0, 0.3]; 0.03 is 3 %.
+        Standard deviation of the logarithm of every stiffness and mass about the model's, in (0, 0.3].
     method : {'predicted', 'simulated'}
         By the evidence of single elements, the model being evaluated on a grid of severities for each of a
         few structures; or by whole assessments, each of a structure of its own, with a curve fitted to them.

@@ -23,8 +23,18 @@ from ..support.progress import one_blas_thread, step, waiting
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .detection_curves import percent
-from .placement import CRITERIA, Information, Placed, Round, exhaustive, greedy, information
-from .virtual_roots import ExpectedErrors, VirtualRoots, virtual_roots
+from .placement import (
+    CRITERIA,
+    ExpectedErrors,
+    Information,
+    Placed,
+    Round,
+    VirtualRoots,
+    exhaustive,
+    greedy,
+    information,
+    virtual_roots,
+)
 
 Sees = Literal["transmissibility", "frf"]
 #: By default the band ends above so many elastic resonances, by this factor.
@@ -37,17 +47,13 @@ UNIFORM = 1.0 / float(np.sqrt(12.0))
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Severities of elements, from the difference of two tests, or parameters of an updating, from one.
-
-    ``spread`` (p,) are their standard deviations before the test.
-    """
+    """Severities of elements, from the difference of two tests, or parameters of an updating, from one."""
 
     parameters: tuple[Parameter, ...]
     names: tuple[str, ...]
     nominal: FloatArray
-    spread: FloatArray
-    #: Of severities, the elements.
-    elements: tuple[int, ...] | None
+    spread: FloatArray  # standard deviations before the test, (p,)
+    elements: tuple[int, ...] | None  # of severities
     tests: int
 
 
@@ -258,7 +264,7 @@ def plan_test(
         Of every mode, in [1e-4, 0.5]; 0.01 is 1 %.
     std : float, optional
         Relative standard deviation of every antiresonance, in (0, 0.5], instead of what noise, duration and
-        damping let expect (:mod:`antires_rs.planning.virtual_roots`).
+        damping let expect (:mod:`antires_rs.planning.placement`).
     criterion : {'determinant', 'worst'}
         Most information on all together, or the smallest loss to be seen in the element where it is largest.
     sees : {'transmissibility', 'frf'}

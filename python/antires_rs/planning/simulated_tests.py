@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,8 @@ from ..support.checks import FloatArray
 from ..support.progress import step
 from ..support.workers import in_order
 from .detection_curves import rising
+from .placement import objective
 from .plan import Sees
-from .virtual_roots import objective
 
 #: Roots are followed so far beyond the band: damage may bring them in.
 _MARGIN = 1.5
@@ -33,12 +34,7 @@ _MARGIN = 1.5
 
 @dataclass(frozen=True)
 class VirtualTest:
-    """A kind of test: model, sensors and force, errors of values and of the model.
-
-    ``std`` holds for every sensor ln f and relative standard deviation of the model's roots; a value between
-    them has one between theirs. ``model_error`` is the standard deviation of the logarithm of every
-    stiffness and mass of the structure about its model's.
-    """
+    """A kind of test: model, sensors and force, errors of values and of the model."""
 
     model: StructuralModel
     elements: tuple[int, ...]
@@ -46,8 +42,9 @@ class VirtualTest:
     force: int
     band_hz: tuple[float, float]
     sees: Sees
+    #: For every sensor ln f and relative standard deviation of the model's roots, between which it is linear.
     std: tuple[tuple[FloatArray, FloatArray], ...]
-    model_error: float
+    model_error: float  # standard deviation of ln of every stiffness and mass about the model's
 
     def __getstate__(self) -> dict[str, Any]:
         # Without the core's objective, which each process makes again.
@@ -84,19 +81,14 @@ class VirtualTest:
         low = np.log(max(self.band_hz[0], 1e-300))
         return (roots.log_f >= low) & (roots.log_f <= np.log(self.band_hz[1]))
 
-    def error_of(self, roots: Roots) -> FloatArray:
-        """Relative standard deviation of a value of each root, (n,)."""
-        std = np.empty(roots.size)
+    def values(self, roots: Roots, rng: np.random.Generator) -> Values:
+        """What a test gives of roots in its band."""
+        kept, std = self.inside(roots), np.empty(roots.size)
         every = np.concatenate([own for _, own in self.std])
         for nth, (log_f, own) in enumerate(self.std):
             mine = roots.response == nth
             std[mine] = np.interp(roots.log_f[mine], log_f, own) if own.size else np.median(every)
-        return std
-
-    def values(self, roots: Roots, rng: np.random.Generator) -> Values:
-        """What a test gives of roots in its band."""
-        kept = self.inside(roots)
-        std = self.error_of(roots)[kept]
+        std = std[kept]
         log_f = roots.log_f[kept] + std * rng.standard_normal(std.size)
         return Values(roots.response[kept], log_f, std, np.zeros(std.size, dtype=np.intp))
 
@@ -151,10 +143,7 @@ _FAR = 1e3
 
 @dataclass
 class Judge:
-    """After one baseline: what is known of the structure, and the grid of hypotheses.
-
-    Rows of the arrays are hypotheses, "nothing" first, then the grid of each element.
-    """
+    """After one baseline: hypotheses, a row of the arrays each, none first, then the grid of elements."""
 
     test: VirtualTest
     prior: DamagePrior
@@ -196,7 +185,10 @@ class Judge:
         for states in np.split(np.arange(1, count), self.n):
             identities += along(error.intact, [found[h] for h in states])
         for h, (roots, identity) in enumerate(zip(found, identities, strict=True)):
-            at = _places(identity, error.intact.size)[error.partner]
+            places = np.full(error.intact.size + 1, -1)  # the last one stands for none
+            old = np.flatnonzero(identity >= 0)
+            places[identity[old]] = old
+            at = places[error.partner]
             has = np.flatnonzero((at >= 0) & (error.partner >= 0))
             root = at[has]
             by_theta = roots.slopes[root, self.n :] * factors
@@ -213,10 +205,7 @@ class Judge:
             self.scale[h, has] = np.sqrt(np.diag(spread))
 
     def found(self, log_f: FloatArray, there: NDArray[np.bool_], draws: int) -> tuple[FloatArray, float]:
-        """Share of tests in which each candidate is declared damaged, and in which any is.
-
-        ``log_f`` (m,) are the true values of the damaged state, where ``there``.
-        """
+        """Share of tests in which each candidate is declared damaged, and in which any is."""
         values = log_f[:, None] + self.baseline.std[:, None] * self.rng.standard_normal((log_f.size, draws))
         paired = self._paired(log_f, there)
         self.missed = _ALONE * (there & ~paired).sum(axis=1) + _MISSED * (self.present & ~paired).sum(axis=1)
@@ -238,10 +227,7 @@ class Judge:
         return share, float(declared.mean())
 
     def _paired(self, log_f: FloatArray, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which values each hypothesis explains, (hypotheses, m), at the severity that most of them ask for.
-
-        The others count as missed, as values far from every root do in an assessment.
-        """
+        """Values that each hypothesis explains, (hypotheses, m), at the severity that most ask for."""
         both = self.present & there
         residual = np.where(both, log_f - self.place, 0.0)
         weight = np.where(both, np.abs(self.raw) / self.scale, 0.0)
@@ -256,12 +242,7 @@ class Judge:
         return np.asarray(both & (np.abs(residual - along) < _OUTSIDE * self.scale + _LINEAR * np.abs(along)))
 
     def _near(self, log_f: FloatArray, paired: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """The points of each element's grid that explain the true values best, (n, points); -1 for hopeless.
-
-        First under the covariance of the intact state for all; it is never larger, and where values are
-        known very well it condemns points a little beside the severity for what the linear model leaves. So
-        the best by it and those that explain most values are judged again, each under its own.
-        """
+        """Points of each element's grid that explain the true values best, (n, points); -1: hopeless."""
         residual = np.where(paired, log_f - self.place, 0.0)
         raw = np.where(paired, self.raw, 0.0)
         white = self.white[0].T
@@ -312,14 +293,6 @@ def _too_far(best: FloatArray, beta: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(np.abs(np.log1p(-best) - np.log1p(-beta)) - _LINEAR, 0.0))
 
 
-def _places(identity: NDArray[np.intp], n_intact: int) -> NDArray[np.intp]:
-    """Root of each intact one, -1 where it is gone; the last row stands for none."""
-    at = np.full(n_intact + 1, -1)
-    old = np.flatnonzero(identity >= 0)
-    at[identity[old]] = old
-    return at
-
-
 # -- Probability of detection by linear algebra: some structures with their baselines, many tests of each
 
 #: Tests of each structure and damage.
@@ -334,15 +307,36 @@ def predicted(
     seeds: Sequence[np.random.SeedSequence],
     threads: int,
 ) -> tuple[list[FloatArray], float, int]:
-    """Share of tests that find each severity of each candidate, rate of false calls, structures judged.
+    """Share of tests that find each severity of each candidate, rate of false calls, structures judged."""
+    # Between the severities asked for there are others, so that no root goes far in one step.
+    steps = [np.unique(np.concatenate([betas, GRID[betas[-1] > GRID]])) for betas in severities]
+    damage = [(place, float(beta)) for place, betas in enumerate(steps) for beta in betas]
 
-    Shares are made to rise with the severity. After Ctrl-C those judged so far count.
-    """
+    def of_structure(rng: np.random.Generator) -> tuple[list[FloatArray], float]:
+        intact, *damaged = test.roots(test.truth(rng), [(0, 0.0), *damage], threads)
+        judge = Judge(test, prior, test.values(intact, rng), threads, options, rng)
+        kept, left = np.flatnonzero(test.inside(intact)), iter(damaged)
+        found = []
+        for place, (betas, asked) in enumerate(zip(steps, severities, strict=True)):
+            states = list(islice(left, betas.size))
+            identities = along(intact, states)
+            shares = []
+            for nth in np.searchsorted(betas, asked):
+                log_f = np.full(intact.size, np.nan)
+                seen = (identities[nth] >= 0) & test.inside(states[nth])
+                log_f[identities[nth][seen]] = states[nth].log_f[seen]
+                there = np.isfinite(log_f[kept])
+                share, _ = judge.found(np.where(there, log_f[kept], 0.0), there, _DRAWS)
+                shares.append(share[place])
+            found.append(np.array(shares))
+        _, call = judge.found(intact.log_f[kept], np.ones(kept.size, dtype=bool), 4 * _DRAWS)
+        return found, call
+
     shares, calls = [], []
     try:
         for nth, seed in enumerate(seeds):
             step(f"structure {nth + 1} of {len(seeds)}")
-            share, call = _of_structure(test, severities, prior, options, seed, threads)
+            share, call = of_structure(np.random.default_rng(seed))
             shares.append(share)
             calls.append(call)
     except KeyboardInterrupt:
@@ -350,40 +344,6 @@ def predicted(
             raise
     mean = [rising(np.mean([share[e] for share in shares], axis=0)) for e in range(len(severities))]
     return mean, float(np.mean(calls)), len(shares)
-
-
-def _of_structure(
-    test: VirtualTest,
-    severities: Sequence[FloatArray],
-    prior: DamagePrior,
-    options: SearchOptions,
-    seed: np.random.SeedSequence,
-    threads: int,
-) -> tuple[list[FloatArray], float]:
-    rng = np.random.default_rng(seed)
-    factors = test.truth(rng)
-    # Between the severities asked for there are others, so that no root goes far in one step.
-    steps = [np.unique(np.concatenate([betas, GRID[betas[-1] > GRID]])) for betas in severities]
-    damage = [(place, float(beta)) for place, betas in enumerate(steps) for beta in betas]
-    intact, *damaged = test.roots(factors, [(0, 0.0), *damage], threads)
-    judge = Judge(test, prior, test.values(intact, rng), threads, options, rng)
-    kept = np.flatnonzero(test.inside(intact))
-    found, start = [], 0
-    for place, (betas, asked) in enumerate(zip(steps, severities, strict=True)):
-        states = damaged[start : start + betas.size]
-        start += betas.size
-        identities = along(intact, states)
-        shares = []
-        for nth in np.searchsorted(betas, asked):
-            log_f = np.full(intact.size, np.nan)
-            seen = (identities[nth] >= 0) & test.inside(states[nth])
-            log_f[identities[nth][seen]] = states[nth].log_f[seen]
-            there = np.isfinite(log_f[kept])
-            share, _ = judge.found(np.where(there, log_f[kept], 0.0), there, _DRAWS)
-            shares.append(share[place])
-        found.append(np.array(shares))
-    _, call = judge.found(intact.log_f[kept], np.ones(kept.size, dtype=bool), 4 * _DRAWS)
-    return found, call
 
 
 # -- Probability of detection by whole assessments: structures drawn, values drawn, ``assess_damage`` asked

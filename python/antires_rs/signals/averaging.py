@@ -29,6 +29,8 @@ MEDIAN_SAMPLES = 8192
 # A steady Gaussian record of one narrow mode has an exponentially distributed envelope: over 64 blocks its
 # largest energy is some 13 dB above its lower fifth. 20 dB is out of its reach.
 DECAY_RATIO = 100.0
+# One event that decays may have fallen less where the record ends.
+LEAST_DECAY = 8.0
 # An impact lifts the energy at least this much over the eight blocks before it ...
 HIT_RISE = 30.0
 # Where none does, the highest block is the impact if something before it is this much lower.
@@ -74,7 +76,8 @@ def is_transient(rec: Recording) -> bool:
         energy = (
             _energy(part, n // COARSE_BLOCKS, max(1, n // MEDIAN_SAMPLES)) if n >= 2 * COARSE_BLOCKS else None
         )
-        decaying.append(energy is not None and bool(energy.max() > DECAY_RATIO * np.quantile(energy, 0.2)))
+        ratio = 0.0 if energy is None else float(energy.max() / max(np.quantile(energy, 0.2), 1e-300))
+        decaying.append(ratio > DECAY_RATIO or (ratio > LEAST_DECAY and _decays(part)))
     if any(decaying) and not all(decaying):
         raise UnsuitableDataError(
             "method",
@@ -158,7 +161,10 @@ CUT_AT = 10.0
 
 def _decays(rec: Recording) -> bool:
     """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too."""
-    events = find_events(rec)
+    try:
+        events = find_events(rec)
+    except UnsuitableDataError:
+        return False
     if len(events) > 1:
         return True
     (event,) = events

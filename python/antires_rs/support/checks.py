@@ -66,12 +66,9 @@ def in_range(name: str, array: NDArray[Any]) -> None:
     plain = array.view(np.float64) if np.iscomplexobj(array) else array
     largest = max(float(plain.max()), -float(plain.min()))
     if largest and not _SMALLEST <= largest <= _LARGEST:
-        reject(
-            name,
-            f"values up to {largest:.3g}",
-            f"values whose largest is between {_SMALLEST:g} and {_LARGEST:g}",
-            "Check how the file was read; scale the values if they are right.",
-        )
+        wanted = f"values whose largest is between {_SMALLEST:g} and {_LARGEST:g}"
+        remedy = "Check how the file was read; scale the values if they are right."
+        reject(name, f"values up to {largest:.3g}", wanted, remedy)
 
 
 def real_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> FloatArray:
@@ -171,12 +168,8 @@ def choice(name: str, value: Any, options: Sequence[T]) -> T:
             return option
     known = {str(option).lower(): option for option in options}
     near = get_close_matches(value.lower(), known, 1, 0.6) if isinstance(value, str) else ()
-    reject(
-        name,
-        repr(value),
-        "one of " + ", ".join(repr(option) for option in options),
-        f"Did you mean {known[near[0]]!r}?" if near else "Choose one of them.",
-    )
+    remedy = f"Did you mean {known[near[0]]!r}?" if near else "Choose one of them."
+    reject(name, repr(value), "one of " + ", ".join(repr(option) for option in options), remedy)
 
 
 def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> tuple[float, float]:

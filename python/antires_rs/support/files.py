@@ -15,10 +15,7 @@ _BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
-    """Write beside the target, then put it in place in one step; returns the path.
-
-    What a process that was killed had begun to write beside the target is removed.
-    """
+    """Write beside the target, then put it in place in one step; returns the path."""
     with written_beside(path) as beside, open(beside, "wb") as file:
         file.write(data)
         file.flush()
@@ -28,10 +25,7 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
 
 @contextmanager
 def written_beside(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """The path of a file to be written and flushed to the disk inside; then it takes the place of the target.
-
-    If writing fails nothing is left and the target stays as it was.
-    """
+    """The path of a file to be written inside; then it takes the place of the target, which else stays."""
     if not isinstance(path, str | os.PathLike):
         reject("path", path, "the path of a file", "As in 'page.html'.")
     target = Path(path)

@@ -19,10 +19,7 @@ _UNHEARD: ContextVar[bool] = ContextVar("_UNHEARD", default=False)
 
 
 def warn(about: str | tuple[str, ...], text: str) -> None:
-    """Warn at the line of the user's call, however deep in this package.
-
-    ``about`` names entries of ``troubleshooting.md`` beside this file, see :func:`~antires_rs.explain`.
-    """
+    """Warn at the line of the user's call; ``about`` names entries of ``troubleshooting.md``."""
     if not _UNHEARD.get():
         _warn(AntiresWarning(text, (about,) if isinstance(about, str) else about))
 
@@ -172,14 +169,7 @@ def spelled(text: str, spell: Callable[[Part], str]) -> str:
 
 
 def edit_named(text: str) -> tuple[str, float, str] | None:
-    """Dof, frequency in Hz and reason of ``DOF=HZ reason``; None for another text.
-
-    Examples
-    --------
-    >>> from antires_rs.support.messages import edit_named
-    >>> edit_named("3 v=31.9 mains hum"), edit_named("3=soon")
-    (('3 v', 31.9, 'mains hum'), None)
-    """
+    """Dof, frequency in Hz and reason of ``DOF=HZ reason``; None for another text."""
     name, _, rest = text.partition("=")
     value, _, reason = rest.strip().partition(" ")
     try:

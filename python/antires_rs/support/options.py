@@ -119,6 +119,22 @@ class Options:
 Chosen = TypeVar("Chosen", bound=Options)
 
 
+def documented(options: type[Chosen]) -> type[Chosen]:
+    """The class with the sentences of its options in place of ``{options}`` in its docstring."""
+    options.__doc__ = (options.__doc__ or "").format(
+        options="\n    ".join(
+            f"{name} : {one.kind}, by default {one.default}\n        {one.explanation}"
+            + (
+                f" From {one.low:g} to {np.inf if one.high is None else one.high:g}."
+                if one.low is not None
+                else ""
+            )
+            for name, one in options.declared().items()
+        )
+    )
+    return options
+
+
 def gathered(call: str, place: str, chosen: Chosen, older: Mapping[str, Any]) -> Chosen:
     """The options of ``place=``, joined by those given flat, as until 0.1, with a warning."""
     for name in older:

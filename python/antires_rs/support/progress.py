@@ -51,10 +51,7 @@ class _Screen:
 
 @contextmanager
 def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Iterator[Watcher | None]:
-    """One callable for the core out of the user's callback and, if wanted, a progress line.
-
-    ``progress=None`` shows the line on a terminal and in a notebook.
-    """
+    """One callable for the core out of the user's callback and, if wanted, a progress line."""
     if not _shown(progress):
         yield None if callback is None else lambda state: _stops(callback(state))
         return
@@ -99,10 +96,7 @@ _AT: ContextVar[list[str] | None] = ContextVar("_AT", default=None)
 
 @contextmanager
 def waiting(what: str, progress: bool | None) -> Iterator[None]:
-    """Show ``what``, the latest :func:`step` and the seconds, from the first second on.
-
-    Inside another ``waiting`` this is a step of that one, silent if that one is.
-    """
+    """Show ``what``, the latest :func:`step` and the seconds; inside another one this is a step of that."""
     if _AT.get() is not None:
         step(what)
         yield
@@ -162,7 +156,7 @@ def patient(what: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
     return around
 
 
-def interruptible(work: Callable[[], T], what: str, progress: bool | None = None) -> T:
+def interruptible(work: Callable[[], T], what: str) -> T:
     """The result of a long call into the core, which Ctrl-C leaves at once; the core then ends on its own."""
     answer: Future[T] = Future()
 
@@ -173,7 +167,7 @@ def interruptible(work: Callable[[], T], what: str, progress: bool | None = None
             answer.set_exception(exc)
 
     thread = threading.Thread(target=run, daemon=True)
-    with waiting(what, progress):
+    with waiting(what, None):
         thread.start()
         while thread.is_alive():
             thread.join(LOOK_S)
@@ -224,11 +218,7 @@ _limiter: Any = None
 
 
 def one_blas_thread(function: Callable[P, T]) -> Callable[P, T]:
-    """Let ``function`` run with one BLAS thread.
-
-    The limit is the process's: calls that overlap in several Python threads share it, and the last one to end
-    gives back what was there before.
-    """
+    """Let ``function`` run with one BLAS thread; calls that overlap share the limit, the last one ends it."""
 
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> T:

@@ -38,10 +38,7 @@ class AroundCore(Generic[Core]):
 
 
 class Immutable:
-    """An object whose attributes nobody may set or delete.
-
-    Constructors fill it by :meth:`_fill`; a ``cached_property`` keeps its value as usual.
-    """
+    """An object whose attributes nobody may set or delete; constructors fill it by :meth:`_fill`."""
 
     def _fill(self, **attributes: Any) -> None:
         """Set the attributes, in the constructor."""

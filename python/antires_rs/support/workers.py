@@ -157,12 +157,7 @@ class Chunk:
 
 
 class Schedule:
-    """The tasks of one round, read as far as they are given out.
-
-    ``losses`` is how many workers one task may take with it; ``a_chunk_s`` what a chunk costs whoever gives
-    them all out, so that with many workers chunks are longer; ``arrived`` gets the results by number of the
-    task, and the caller takes them out; ``a_task`` is the seconds of a task, where some were measured.
-    """
+    """The tasks of one round, read as far as they are given out; the caller empties ``arrived``."""
 
     def __init__(
         self,
@@ -176,6 +171,7 @@ class Schedule:
         self.total = len(tasks) if isinstance(tasks, Sized) else None
         self.arrived, self.a_task = arrived, a_task
         self._tasks: Iterator[Any] = iter(tasks)
+        # A chunk costs a_chunk_s of whoever gives them all out: with many workers they are longer.
         self._seconds, self._losses, self._a_chunk = seconds_a_chunk, losses, a_chunk_s
         self._again: deque[Chunk] = deque()
         self._flying: set[Chunk] = set()
@@ -531,10 +527,7 @@ class Workers:
     def _round(
         self, tasks: Iterable[Any], arrived: dict[int, Any], poll: Callable[[], None] | None
     ) -> Generator[int | None, None, None]:
-        """Whenever something was put into ``arrived``: how many tasks there are, where that is known.
-
-        Who takes nothing out of it stops the reading of tasks.
-        """
+        """Whenever something was put into ``arrived``: how many tasks there are, where that is known."""
         a_chunk_s = getattr(self._executor, "a_chunk_s", 0.0) if self._seconds else 0.0
         schedule = Schedule(tasks, self._seconds, self._losses, arrived, self._a_task, a_chunk_s)
         try:
@@ -651,10 +644,6 @@ def in_order(
     """``function(task)`` of every task in order: one round of :class:`Workers`, which tells the arguments.
 
     Nothing begins before the first result is asked for, or runs on after the last, an exception, ``close()``.
-
-    >>> from antires_rs.support.workers import in_order
-    >>> list(in_order(abs, (-2, -1, 0), "threads"))
-    [2, 1, 0]
     """
     with Workers(function, workers, shared=shared, seconds_a_chunk=seconds_a_chunk, losses=losses) as open_:
         yield from open_.in_order(tasks, errors=errors, what=what)

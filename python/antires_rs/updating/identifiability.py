@@ -1,26 +1,34 @@
-"""What the data can tell about the parameters at the solution, and what they cannot.
+"""What the data tell about the parameters: at a solution, and before a test all over their bounds.
 
-Two questions. Which directions of the parameter space leave every measured antiresonance, or mode, where it
-is (the null space of the residuals' Jacobian: the common scale of K and M, a mass that no
-antiresonance sees)? And how small may a damage be before the penalties outweigh what it explains?
+At the solution: which directions of the parameter space leave every measured antiresonance, or mode, where it
+is (the null space of the residuals' Jacobian: the common scale of K and M, a mass that nothing sees), and how
+small a damage may be before the penalties outweigh what it explains.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import FloatArray
+from ..exceptions import reject
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
+from ..support.checks import FloatArray, finite_scalar, integer
+from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
-from .residuals import STEP_OF_SLOPES, UNSEEN, decided
-from .targets import STEP
+from ..views import Viewed
+from .problem import UpdatingProblem
+from .residuals import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
+from .targets import STEP, model_dof, roots_of
 
 if TYPE_CHECKING:
-    from .problem import UpdatingProblem
+    from ..models.structural_model import StructuralModel
+
 
 #: A value whose standard deviation exceeds this share of the bounds' distance is hardly determined.
 _WEAK = 0.1
@@ -30,29 +38,17 @@ _SHARE = 0.15
 
 @dataclass(frozen=True, eq=False)
 class Identifiability(Value):
-    """Rank and null space of the residuals' Jacobian at a solution, scaled by the bounds.
-
-    Attributes
-    ----------
-    sensitivity : ndarray, (n,)
-        Norm of each parameter's column: change of the residuals over its bound range.
-    rank : int
-        Number of parameter combinations that the data determine.
-    unseen : ndarray, (n - rank, n)
-        Orthonormal combinations that they do not; ``scale_unseen`` says whether a common scale is one.
-    std : ndarray, (n,)
-        Standard deviation of each value to first order, from the scatter of the residuals, in the parameter's
-        unit; infinity where it is not determined, NaN where it cannot be said: a damage that rests at 0, or
-        no more residuals than parameters. ``weak`` is one above a tenth of the bounds' distance.
-    """
+    """Rank and null space of the residuals' Jacobian at a solution, scaled by the bounds."""
 
     names: tuple[str, ...]
-    sensitivity: FloatArray
-    rank: int
-    unseen: FloatArray
-    scale_unseen: bool
+    sensitivity: FloatArray  # change of the residuals over the range of each parameter, (n,)
+    rank: int  # combinations of parameters that the data determine
+    unseen: FloatArray  # orthonormal combinations that they do not, (n - rank, n)
+    scale_unseen: bool  # whether a common scale is one of these
+    #: Of each value to first order, by the scatter of the residuals, (n,); infinity where not determined, NaN
+    #: where it cannot be said: a damage that rests at 0, or no more residuals than parameters.
     std: FloatArray
-    weak: NDArray[np.bool_]
+    weak: NDArray[np.bool_]  # whether it is above a tenth of the bounds' distance
     noun: str = "antiresonance"
 
     @property
@@ -95,7 +91,7 @@ class Identifiability(Value):
         return self.sensitivity <= UNSEEN
 
 
-def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
+def at_solution(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     """Rank and null space at ``x``, from central differences of the residuals."""
     low, high = problem.bounds.T
     width = np.where(high > low, high - low, 1.0)
@@ -122,10 +118,7 @@ def identifiability(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
 
 
 def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: FloatArray) -> FloatArray:
-    """Standard deviations over the bounds' distances, (n,): sigma times the rows of the pseudo-inverse.
-
-    ``sigma**2 = sum(e**2) / (m - rank)``. A damage at exactly 0 is decided, not estimated.
-    """
+    """Standard deviations over the bounds' distances, (n,): sigma times the rows of the pseudo-inverse."""
     std = np.full(len(x), np.nan)
     free = np.flatnonzero(~decided(problem, x) & (problem.bounds[:, 1] > problem.bounds[:, 0]))
     if free.size == 0:
@@ -142,11 +135,7 @@ def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: Floa
 
 
 def smallest_visible(problem: UpdatingProblem) -> list[float]:
-    """Smallest value of each stiffness reduction that the objective prefers to no damage.
-
-    The structure is taken to be the nominal model with that one reduction, measured exactly at the same dofs
-    and in the same band. Infinity where no value up to the bound is preferred.
-    """
+    """Smallest value of each stiffness reduction that the objective prefers to no damage, on exact data."""
     loss, element = problem.penalty.prices if problem.penalty else (0.0, 0.0)
     moved = [problem.model_at(STEP * unit) for unit in np.eye(len(problem.parameters))]
     exact = problem._targets.exact(problem.model, problem.paired_hz(problem.nominal), moved)
@@ -175,3 +164,440 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
             low, top = (low, middle) if gain(index, middle) > 0 else (middle, top)
         visible.append(float(top))
     return visible
+
+
+# -- What a test could tell about the parameters, wherever they are within their bounds: asked before the test
+
+#: Relative error of a measured frequency where none is stated and none given.
+_NOISE = 1e-3
+#: Forces and sensors that are tried unless they are named.
+_MOST_TRIED = 12
+#: Share of its prior standard deviation below which a combination counts as told.
+TOLD = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class BoxIdentifiability(Value, Viewed):
+    """What a test tells about parameters all over their bounds. Print it.
+
+    Attributes
+    ----------
+    names : tuple of str, (n,)
+        Parameters that may move.
+    noise : float
+        Relative standard deviation of the measured frequencies that was taken.
+    points : ndarray, (p, n)
+        Values at which the sensitivities were formed.
+    singular_values : ndarray, (p, n)
+        Of the sensitivities over the errors, with a prior standard deviation as the unit of each parameter,
+        falling: 1 is a combination that the test tells as well as the bounds do.
+    left : ndarray, (n,)
+        Standard deviation of each parameter after the test over that within the bounds, expected over the
+        box: 1 where the test tells nothing.
+    combinations : ndarray, (n, n)
+        Orthonormal combinations of the parameters (in logarithms where these are positive), the least told
+        first.
+    combinations_left : ndarray, (n,)
+        The same as ``left`` for these.
+    words : tuple of str
+        What is not told: one for each combination with more than 0.3 left.
+    suggestions : tuple of str
+        What would help: fix a parameter, take two as one, another force, another sensor.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> found = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
+    >>> found.told, len(found.names)
+    (13, 15)
+    """
+
+    #: Share of a standard deviation below which a parameter or a combination counts as told.
+    TOLD: ClassVar[float] = TOLD
+
+    names: tuple[str, ...]
+    noise: float
+    points: FloatArray
+    singular_values: FloatArray
+    left: FloatArray
+    combinations: FloatArray
+    combinations_left: FloatArray
+    words: tuple[str, ...]
+    suggestions: tuple[str, ...]
+
+    @property
+    def told(self) -> int:
+        """Number of combinations that the test tells: with at most 0.3 of their standard deviation left."""
+        return int(np.sum(self.combinations_left < TOLD))
+
+    def plot(self, ax: Any = None) -> Any:
+        """What is left of each parameter; see :func:`antires_rs.figures.plot_identifiability`."""
+        return self._view("plot")(self, ax=ax)
+
+    def __str__(self) -> str:
+        width = max(map(len, self.names))
+        lines = [
+            f"{self.told} of {len(self.names)} combinations told at {100 * self.noise:g} % error "
+            f"of the frequencies, {len(self.points)} points within the bounds",
+            "",
+            f"{'':<{width}}  left of its standard deviation",
+            *(f"{n:<{width}}  {100 * left:5.1f} %" for n, left in zip(self.names, self.left, strict=True)),
+            "",
+            *(f"not told: {words}" for words in self.words),
+            *(f"would help: {words}" for words in self.suggestions),
+        ]
+        return "\n".join(lines).rstrip()
+
+
+@patient("identifiability")
+@one_blas_thread
+def identifiability(
+    problem: UpdatingProblem,
+    *,
+    noise: float | None = None,
+    points: int = 32,
+    forces: Sequence[int] | None = None,
+    sensors: Sequence[int] | None = None,
+    progress: bool | None = None,
+) -> BoxIdentifiability:
+    """What a test like this one tells about the parameters, wherever they are within the bounds.
+
+    Before a test the measured set is a virtual one, made of the model itself; only its responses, forces and
+    band are used. Sensitivities are those at the points of a Sobol sequence, always the same.
+
+    Parameters
+    ----------
+    problem : UpdatingProblem
+    noise : float, optional
+        Relative standard deviation of the measured frequencies, that of entries of shapes is ten times as
+        much. Default: the median of those stated, 0.1 % where none are.
+    points : int
+        Points within the bounds, at least 4; a power of two covers them evenly.
+    forces, sensors : sequence of int, optional
+        Dofs to be tried beside those of the test. Default: up to twelve of the responses as forces, and up to
+        twelve of the other dofs that move along an axis as sensors. Forces count for antiresonances only.
+    progress : bool, optional
+        As of :func:`update`.
+
+    Returns
+    -------
+    BoxIdentifiability
+
+    Raises
+    ------
+    InvalidInputError
+        Something that is not an UpdatingProblem, a number out of range, a dof that the model does not have,
+        no parameter that may move.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> chain = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
+    >>> virtual = ar.AntiresonanceSet(0, dict(enumerate(chain.antiresonances([0, 1, 2], 0))))
+    >>> unknowns = ar.mass_factor([0, 1], bounds=(0.8, 1.2)) + ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> before = ar.identifiability(ar.UpdatingProblem(chain, unknowns, virtual))
+    >>> before.told, before.words[0]
+    (3, 'mass 0')
+    """
+    from scipy.stats.qmc import Sobol
+
+    if not isinstance(problem, UpdatingProblem):
+        remedy = "Join model, parameters and a measured or virtual set."
+        reject("problem", problem, "an UpdatingProblem", remedy)
+    integer("points", points, low=4, high=4096)
+    if noise is None:
+        std = problem._targets.error_rows()[2]  # of omega squared
+        std = std[np.isfinite(std) & (std > 0.0)]
+        taken = float(0.5 * np.median(std)) if std.size else _NOISE
+    else:
+        taken = finite_scalar("noise", noise, low=1e-8, high=1.0)
+    box = BoxResiduals(problem, problem.bounds.mean(axis=1))
+    n = box.free.size
+    if n == 0:
+        remedy = "Give lower and upper bounds."
+        reject("problem", "no parameter that may move", "bounds with a distance", remedy)
+    names = tuple(problem.names[j] for j in box.free)
+    sobol = Sobol(n, seed=0).random_base2(int(np.ceil(np.log2(points))))
+    x = box.vector(np.asarray(sobol[:points]))
+    jacobians = []
+    for nth, row in enumerate(x):
+        step(f"point {nth + 1} of {points}")
+        jacobians.append(sensitivities(problem, row))
+    error = 2.0 * taken  # of omega squared, hence twice that of the frequency
+    covariance = expected_covariance(jacobians, error)
+    left, vectors = combinations(covariance)
+    words = [combination_in_words(names, v) for v, share in zip(vectors, left, strict=True) if share >= TOLD]
+    helpful = _alike(names, jacobians)
+    if np.linalg.eigvalsh(covariance)[-1] >= TOLD**2:
+        tried = _candidates(problem, forces, sensors)
+        helpful = [*_fixed(names, covariance), *helpful, *_further(problem, x, jacobians, error, tried)]
+    return BoxIdentifiability(
+        names=names,
+        noise=float(taken),
+        points=x[:, box.free],
+        singular_values=np.array([_singular_values(j, error) for j in jacobians]),
+        left=np.sqrt(np.clip(np.diag(covariance), 0.0, 1.0)),
+        combinations=vectors,
+        combinations_left=left,
+        words=tuple(words),
+        suggestions=tuple(helpful),
+    )
+
+
+def _candidates(
+    problem: UpdatingProblem, forces: Sequence[int] | None, sensors: Sequence[int] | None
+) -> dict[str, list[int]]:
+    """Dofs to be tried as forces and as sensors, by what they are."""
+    model, of_modes = problem.model, problem.noun == "mode"
+
+    def dofs(name: str, labels: Any) -> list[int]:
+        return [model_dof(model, name, label) for label in labels]
+
+    seen = {dof for s in problem.measured for dof in dofs("measured dof", s.dofs if of_modes else s)}
+    given = None if sensors is None else dofs("sensors", sensors)
+    free = [dof for dof in model._sensor_dofs if dof not in seen]
+    found = {"sensor": _some(free) if given is None else given}
+    if of_modes:
+        return found
+    pushed = {dof for s in problem.measured for dof in dofs("excitation", [s.excitation])}
+    asked = _some(sorted(seen - pushed)) if forces is None else dofs("forces", forces)
+    return {"force": asked, **found}
+
+
+def _some(dofs: list[int]) -> list[int]:
+    """All of a few, or some of many, evenly."""
+    if len(dofs) <= _MOST_TRIED:
+        return dofs
+    return [dofs[i] for i in np.linspace(0, len(dofs) - 1, _MOST_TRIED).round().astype(int)]
+
+
+# -- What a test of the structure with parameters x would measure exactly, and how that changes with them
+#
+# The measured values are those of the model itself, at the same responses and in the same band, with more
+# forces or sensors if asked for.
+
+#: Below this share of the lowest measured frequency a root on its way to zero would count without bound.
+_LOWEST = 0.5
+#: Error of an entry of a shape over that of omega squared: ten times that of the frequency.
+_SHAPES = 5.0
+#: Roots are followed by their numbers to this multiple of the highest measured frequency.
+_BEYOND = 2.0
+#: A value that the model at x itself does not meet is paired with another.
+_MET = 1e-6
+
+
+def sensitivities(
+    problem: UpdatingProblem, x: FloatArray, forces: tuple[int, ...] = (), sensors: tuple[int, ...] = ()
+) -> FloatArray:
+    """Change of what would be measured at ``x`` over the bounds' distances, (m, n); of shapes a fifth."""
+    model = problem.model_at(x)
+    of_modes = problem.noun == "mode"
+    sets: Any = _modes(problem, model, sensors) if of_modes else _zeros(problem, model, forces, sensors)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # on bounds far from nominal: said when the problem was made
+        exact = UpdatingProblem(problem.model, problem.parameters, sets)
+    residuals = BoxResiduals(exact, x)
+    u = residuals.place(x)
+    met = np.abs(residuals.at(u)) < _MET
+    weight = np.where(residuals.kind == 1, 1.0 / _SHAPES, 1.0)
+    return (weight[:, None] * residuals.jacobian(u))[met]
+
+
+def _zeros(
+    problem: UpdatingProblem, model: StructuralModel, forces: tuple[int, ...], sensors: tuple[int, ...]
+) -> list[AntiresonanceSet]:
+    """The roots of the model that have the numbers of the measured ones in the nominal model."""
+    high, low = float(problem.measured_hz.max()), _LOWEST * float(problem.measured_hz.min())
+    tests: list[tuple[int, dict[int, FloatArray] | None, list[int]]] = []
+    for each in problem.measured:
+        values = {model_dof(model, "measured dof", dof): each[dof] for dof in each}
+        force = model_dof(model, "excitation", each.excitation)
+        tests.append((force, values, [*values, *(dof for dof in sensors if dof not in values)]))
+    tests += [(force, None, tests[0][2]) for force in forces]
+    sees = problem.measured[0].sees
+    sets = []
+    for force, measured, dofs in tests:
+        before = roots_of(problem.model, dofs, force, _BEYOND * high, sees != "frf")
+        there = roots_of(model, dofs, force, _BEYOND * high, sees != "frf")
+        found = {}
+        for dof, was, now in zip(dofs, before, there, strict=True):
+            was, now = (np.empty(0) if freq is None else freq for freq in (was, now))
+            if measured is not None and dof in measured and was.size:
+                number = np.unique([np.argmin(np.abs(was - value)) for value in measured[dof]]).astype(int)
+            else:
+                number = np.flatnonzero((was >= low) & (was <= high))
+            freq = now[number[number < now.size]]
+            found[dof] = freq[freq >= low]
+        sets.append(AntiresonanceSet(force, found, sees=sees, channels=dofs))
+    if not any(freq.size for each in sets for freq in each.values()):
+        got = f"no antiresonance up to {high:.4g} Hz at some parameters within the bounds"
+        reject("problem", got, "antiresonances in the band", "Narrow the bounds, or take a wider band.")
+    return sets
+
+
+def _modes(problem: UpdatingProblem, model: StructuralModel, sensors: tuple[int, ...]) -> list[ModalSet]:
+    """The modes that have the numbers of those in the band of the nominal model."""
+    high, low = 1.001 * float(problem.measured_hz.max()), _LOWEST * float(problem.measured_hz.min())
+    nominal, modes = problem.model.modes().freq_hz, model.modes()
+    flexible = np.flatnonzero((nominal > low) & (nominal < high))
+    sets = []
+    for each in problem.measured:
+        dofs = [int(dof) for dof in each.dofs]
+        dofs += [dof for dof in sensors if dof not in dofs]
+        sets.append(ModalSet(modes.freq_hz[flexible], modes.shapes[flexible][:, dofs], dofs))
+    return sets
+
+
+def expected_covariance(jacobians: Sequence[FloatArray], noise: float) -> FloatArray:
+    """Mean over the points of the posterior's covariance, in prior standard deviations, (n, n)."""
+    n = jacobians[0].shape[1]
+    found = [np.linalg.inv(np.eye(n) + j.T @ j / (12.0 * noise**2)) for j in jacobians]
+    return np.asarray(np.mean(found, axis=0))
+
+
+def _singular_values(jacobian: FloatArray, noise: float) -> FloatArray:
+    """Over the errors, with a prior standard deviation as the unit of each parameter, falling, (n,)."""
+    values = np.linalg.svd(jacobian, compute_uv=False) / (noise * np.sqrt(12.0))
+    return np.append(values, np.zeros(jacobian.shape[1]))[: jacobian.shape[1]]
+
+
+# -- Combinations of parameters that the data do not tell, in words
+
+#: Members of a combination have at least this share of its largest coefficient; so many are named.
+_MEMBER, _NAMED = 0.3, 4
+#: From this share of all parameters on, all of one sign, it is the common scale.
+_COMMON = 0.7
+#: Combinations with at least this share left are as good as not seen, and may be turned into simpler ones.
+_UNSEEN = 0.95
+
+
+def combinations(covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What is left of orthonormal combinations, (n,), the least told first, and these, (n, n), by row."""
+    values, vectors = np.linalg.eigh(covariance)
+    left, rows = np.sqrt(np.clip(values[::-1], 0.0, 1.0)), vectors[:, ::-1].T.copy()
+    unseen = int(np.sum(left >= _UNSEEN))
+    if unseen > 1:
+        rows[:unseen] = _varimax(rows[:unseen])
+    return left, rows
+
+
+def _varimax(rows: FloatArray) -> FloatArray:
+    """The rows rotated among themselves so that their squares vary most (Kaiser, Psychometrika 23 (1958))."""
+    turned = rows.copy()
+    for _ in range(50):
+        before = turned.copy()
+        for a in range(len(rows)):
+            for b in range(a + 1, len(rows)):
+                u, v = turned[a] ** 2 - turned[b] ** 2, 2.0 * turned[a] * turned[b]
+                n = rows.shape[1]
+                angle = 0.25 * np.arctan2(
+                    2.0 * (u @ v - u.sum() * v.sum() / n), u @ u - v @ v - (u.sum() ** 2 - v.sum() ** 2) / n
+                )
+                c, s = np.cos(angle), np.sin(angle)
+                turned[[a, b]] = c * turned[a] + s * turned[b], c * turned[b] - s * turned[a]
+        if np.allclose(before, turned, atol=1e-9):
+            break
+    return turned
+
+
+def combination_in_words(names: Sequence[str], direction: FloatArray) -> str:
+    """The end of "not told: ...", of a direction in which the data leave the parameters free, (n,)."""
+    size = np.abs(direction)
+    order = np.argsort(-size, kind="stable")
+    members = [int(j) for j in order if size[j] >= _MEMBER * size[order[0]]]
+    signs = np.sign(direction[members]) * np.sign(direction[members[0]])
+    named = [names[j] for j in members]
+    if len(members) == 1:
+        return named[0]
+    if len(members) >= max(3, _COMMON * len(names)) and np.all(signs > 0):
+        return "a common scale of the parameters; their ratios are"
+    if len(members) == 2 and signs[1] < 0:
+        return f"{named[0]} against {named[1]}; both together are"
+    if len(members) == 2:
+        return f"{named[0]} together with {named[1]}; their ratio is"
+    up = [name for name, sign in zip(named, signs, strict=True) if sign > 0]
+    down = [name for name, sign in zip(named, signs, strict=True) if sign < 0]
+    return f"{_listed(up)} against {_listed(down)}" if down else f"{_listed(up)} together"
+
+
+def _listed(names: Sequence[str]) -> str:
+    if len(names) > _NAMED:
+        return f"{', '.join(names[:_NAMED])} and {len(names) - _NAMED} more"
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+# -- What would make parameters identifiable: one fixed, two taken as one, another force, another sensor
+
+#: Cosine from which two columns of sensitivities count as one, all over the box.
+_ALIKE = 0.99
+#: A suggestion must take away this share of what is left open.
+_WORTH = 0.2
+#: Points at which candidates for forces and sensors are tried.
+_TRIED = 4
+#: A smallest singular value below it is that of a combination that is not seen at all.
+_SEEN = 1e-3
+
+
+def _further(
+    problem: UpdatingProblem,
+    points: FloatArray,
+    jacobians: Sequence[FloatArray],
+    noise: float,
+    candidates: dict[str, list[int]],
+) -> list[str]:
+    """Which force and which sensor would tell most, one of each kind at most."""
+    own, found = jacobians[:_TRIED], []
+    now = expected_covariance(own, noise)
+    for kind, dofs in candidates.items():
+        tried = {}
+        for dof in dofs:
+            step(f"{kind} at {problem.model.dof_label(dof)}")
+            with_it = [sensitivities(problem, x, **{f"{kind}s": (dof,)}) for x in points[:_TRIED]]
+            tried[dof] = with_it, expected_covariance(with_it, noise)
+        if not tried:
+            continue
+        best = min(tried, key=lambda dof: float(np.trace(tried[dof][1])))
+        with_it, then = tried[best]
+        if np.trace(then) >= (1.0 - _WORTH) * np.trace(now):
+            continue
+        before, after = (len(each) - _count_open(each) for each in (now, then))
+        least, larger = (np.median([_singular_values(j, noise)[-1] for j in js]) for js in (own, with_it))
+        gain = f", smallest singular value {larger:.2g} instead of {least:.2g}" if least >= _SEEN else ""
+        found.append(
+            f"A {kind} at {problem.model.dof_label(best)} as well: {after} of {len(now)} "
+            f"combinations are told instead of {before}{gain}."
+        )
+    return found
+
+
+def _fixed(names: Sequence[str], covariance: FloatArray) -> list[str]:
+    """The parameter that, once known, leaves the fewest combinations open."""
+    before = _count_open(covariance)
+    best = (before, float(np.trace(covariance)), 0)
+    for j, column in enumerate(covariance):
+        left = covariance - np.outer(column, column) / covariance[j, j]
+        best = min(best, (_count_open(left), float(np.trace(left)), j))
+    if best[0] == before:
+        return []
+    stay = "none stays" if best[0] == 0 else "1 stays" if best[0] == 1 else f"{best[0]} stay"
+    return [f"Fix {names[best[2]]} if it is known otherwise: of {before} open combinations {stay} open."]
+
+
+def _count_open(covariance: FloatArray) -> int:
+    return int(np.sum(np.linalg.eigvalsh(covariance) >= TOLD**2))
+
+
+def _alike(names: Sequence[str], jacobians: Sequence[FloatArray]) -> list[str]:
+    """Pairs whose columns are all but one, at nine of ten points."""
+    cosines = []
+    for jacobian in jacobians:
+        length = np.linalg.norm(jacobian, axis=0)
+        unit = jacobian / np.where(length > 0.0, length, 1.0)
+        cosines.append(unit.T @ unit)
+    usual = np.quantile(np.abs(cosines), 0.1, axis=0)
+    pairs = np.argwhere(np.triu(usual, 1) > _ALIKE)
+    return [
+        f"One parameter for {names[a]} and {names[b]}: they move the measured values alike "
+        f"(cosine {usual[a, b]:.3f})."
+        for a, b in pairs[:4]
+    ]

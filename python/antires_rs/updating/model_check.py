@@ -165,18 +165,13 @@ _SAME_SHAPE = 0.5
 
 @dataclass(frozen=True)
 class Explained:
-    """How much of a measurement a model explains.
-
-    ``n_values``, ``n_roots`` (of the model, between the lowest and the highest value of each response) and
-    ``n_paired``; ``hint`` is a mistake that would account for it, in words; ``common_loss`` a loss of all
-    stiffnesses alike that explains the values better than losses of single ones, else 0.
-    """
+    """How much of a measurement a model explains."""
 
     n_values: int
-    n_roots: int
+    n_roots: int  # of the model, between the lowest and the highest value of each response
     n_paired: int
-    hint: str = ""
-    common_loss: float = 0.0
+    hint: str = ""  # a mistake that would account for it, in words
+    common_loss: float = 0.0  # of all stiffnesses alike, where it explains more than losses of single ones
 
     @property
     def enough(self) -> bool:

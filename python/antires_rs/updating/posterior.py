@@ -126,10 +126,8 @@ def sweep(
     axes: FloatArray,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Every chain ``u`` (k, n) moved once along each axis.
-
-    Chain c has the density ``exp(-v' P v / 2 - b' v)``, v = u - center, P and b those number ``which[c]``.
-    """
+    """Every chain ``u`` (k, n) moved once along each axis."""
+    # Chain c has the density exp(-v' P v / 2 - b' v), v = u - center, P and b those number which[c].
     v = np.ascontiguousarray((u - center).T)  # (n, k)
     low_edge, high_edge = -center[:, None], 1.0 - center[:, None]
     for axis in axes:
@@ -226,6 +224,31 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
     return u, which
 
 
+#: Share of the particles that must count after a step.
+_COUNTING = 0.5
+
+
+def longest_step(gain: FloatArray, most: float) -> float:
+    """The longest step towards a density of log weights ``gain`` after which enough particles count."""
+
+    def counting(share: float) -> float:
+        return 1.0 / float(np.sum(normalized(share * gain) ** 2)) / gain.size
+
+    if counting(most) >= _COUNTING:
+        return most
+    low, high = 0.0, most
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if counting(middle) >= _COUNTING else (low, middle)
+    return max(low, 1e-6)
+
+
+def evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Numbers of points that have equal weights then, as evenly as can be."""
+    places = (np.arange(count) + rng.random()) / count
+    return np.minimum(np.searchsorted(np.cumsum(weight), places), weight.size - 1)
+
+
 # -- Draws of the parameters given the measured values, with the residuals as the model has them
 #
 # Sequential Monte Carlo, as the transitional Markov chain Monte Carlo of Ching & Chen (J. Eng. Mech. 133
@@ -236,8 +259,8 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
 
 #: How much wider than the linear posterior the particles set out, and the proposals are.
 _START, _WIDER = 2.0, 1.1
-#: Share of the particles that must count after a step, and sweeps that draw the first ones.
-_COUNTING, _SWEEPS_ENSEMBLE = 0.5, 8
+#: Sweeps that draw the first ones.
+_SWEEPS_ENSEMBLE = 8
 #: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
 _MOVES, _LAST, _MOST = 2.0, 5.0, 30
 
@@ -266,20 +289,9 @@ class _Particles:
         gain = (
             target + 0.5 * np.sum(self.linear(self.u) ** 2 / self.wide, axis=1) - self.log_chances[self.which]
         )
-
-        def counting(share: float) -> float:
-            return 1.0 / float(np.sum(normalized(share * gain) ** 2)) / count
-
-        low, high = 0.0, 1.0 - self.b
-        if counting(high) < _COUNTING:
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if counting(middle) >= _COUNTING else (low, middle)
-            high = max(low, 1e-6)
-        self.b = min(1.0, self.b + high)
-        places = (np.arange(count) + self.rng.random()) / count
-        cumulative = np.cumsum(normalized(high * gain))
-        chosen = np.minimum(np.searchsorted(cumulative, places), count - 1)
+        ahead = longest_step(gain, 1.0 - self.b)
+        self.b = min(1.0, self.b + ahead)
+        chosen = evenly_chosen(normalized(ahead * gain), count, self.rng)
         self.u, self.e, self.which = self.u[chosen], self.e[chosen], self.which[chosen]
 
     def settle(self, moves: float) -> tuple[float, int]:
@@ -377,10 +389,7 @@ def variances(fit: Fit) -> FloatArray:
 
 
 def open_sides(fit: Fit, level: float, refit: bool) -> list[tuple[bool, bool, bool]]:
-    """For every free parameter: open below, open above, and closed only by the bounds of others.
-
-    By the linear residuals, or with ``refit`` by those of the model.
-    """
+    """For every free parameter: open below, open above, and closed only by the bounds of others."""
     limit, spread, least = threshold(level), variances(fit), fit.squares(fit.u)
     sides = []
     for j, center in enumerate(fit.u):
@@ -552,10 +561,7 @@ def _places(center: float, bound: float, std: float, count: int) -> FloatArray:
 def _end(
     fit: Fit, found: dict[float, tuple[float, FloatArray]], j: int, side: float, limit: float
 ) -> tuple[float, bool]:
-    """Where the rise passes the limit on one side, and whether it never does.
-
-    Points are added to ``found`` until one of the two around the passage is near it.
-    """
+    """Where the rise passes the limit on one side, and whether it never does; adds points to ``found``."""
     for _ in range(_REFINED):
         best = min(found, key=lambda place: found[place][0])
         places = sorted((place for place in found if (place - best) * side >= 0.0), key=lambda p: p * side)

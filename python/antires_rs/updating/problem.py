@@ -20,8 +20,7 @@ from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import AroundCore, ReadOnly, frozen, frozen_or_none
-from .tables import FrequencyTable, ModalTable
-from .targets import ModalTargets, Targets, targets_of
+from .targets import FrequencyTable, ModalTable, ModalTargets, Targets, targets_of
 
 Misfit = Literal["absolute", "squared", "largest"]
 
@@ -192,17 +191,11 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
 
     Notes
     -----
-    The model is asked for antiresonances up to 1.5 times the highest measured frequency. A partner between
-    1.49 and 1.5 times fades out, so that J does not jump where one leaves the band: e passes evenly to the
-    abs(e) that there is without it, which is 1 where no other antiresonance is left.
-
-    A measured mode is paired, at every evaluation, with the mode of the model that is least apart:
-    ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` decides, ties go to the lower, one mode of the model may
-    serve several measured ones, and those up to 1.5 times the highest measured frequency are at choice. So
-    the shapes decide among modes of like frequency; but they make up for a factor of 1.65 in frequency at
-    most, so that no mode far away, and no rigid-body mode, takes a partner from a nearer one. For a repeated
-    mode of the model the MAC is that of the most alike combination of its shapes. A measured mode without a
-    partner counts 1 for its frequency and 1 for its shape.
+    Partners are sought up to 1.5 times the highest measured frequency; from 1.49 times on they fade out, so
+    that J does not jump. A measured mode is paired with the mode of the model for which
+    ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` is least, ties go to the lower; one mode of the model may
+    serve several. For a repeated mode the MAC is that of the most alike combination of its shapes. What has
+    no partner counts 1, a mode for its frequency and for its shape. The page on theory has the rest.
 
     Examples
     --------

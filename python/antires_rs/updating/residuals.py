@@ -26,25 +26,18 @@ _PIECE = 64
 
 
 class BoxResiduals:
-    """Residuals as a function of u in the unit box.
-
-    Where the lower bound is above 0, u runs with the logarithm of the parameter: antiresonances hang on
-    ratios of stiffness to mass, and a common scale of all is then a straight line along which nothing
-    changes.
-
-    ``free`` are the numbers of the parameters that u holds: not those with equal bounds, nor damage that was
-    decided to be exactly 0; ``tilt`` (n,) the slope of the logarithm of the prior's density in u, which is
-    uniform in the parameters themselves. Of each residual, (m,): ``stated`` is the standard deviation that
-    the measurement states (None if none), ``size`` the relative size of the error that is not stated,
-    ``kind`` 0 for frequencies and 1 for entries of shapes.
-    """
+    """Residuals (m,) as a function of u (n,) in the unit box."""
 
     def __init__(self, problem: UpdatingProblem, x: FloatArray) -> None:
         self.problem, self.x = problem, x
         low, high = problem.bounds.T
+        #: Numbers of the parameters that u holds.
         self.free = np.flatnonzero((high > low) & ~decided(problem, x))
         self.low, self.high = low[self.free], high[self.free]
+        # With the logarithm of the parameter: antiresonances hang on ratios of stiffness to mass, and a
+        # common scale of all is then a straight line along which nothing changes.
         self.log = self.low > 0.0
+        #: Slope of ln of the prior's density in u, which is uniform in the parameters themselves.
         self.tilt = np.zeros(self.free.size)
         self.tilt[self.log] = np.log(self.high[self.log] / self.low[self.log])
         value, kind, std = problem._targets.error_rows()
@@ -53,8 +46,10 @@ class BoxResiduals:
         self.kept = (paired & (weights > 0.0))[value]
         #: Measured frequency that each residual belongs to.
         self.hz = problem.measured_hz[value][self.kept]
+        #: 0 for frequencies, 1 for entries of shapes.
         self.kind, std, weights = kind[self.kept], std[self.kept], weights[value][self.kept]
         known, noun = np.isfinite(std), f"{problem.noun}s"
+        #: Standard deviations that the measurement states, and relative size of the error that it does not.
         self.stated: FloatArray | None = None
         self.size = np.ones(std.size)
         assumed = []
@@ -140,15 +135,12 @@ _BELOW, _ABOVE, _TAIL = 6.0, 4.0, 100.0
 
 @dataclass(frozen=True, eq=False)
 class ErrorModel:
-    """Grid of model errors tau (G,), prior weights in logarithms, and variances of the residuals (G, m).
-
-    ``learned`` says whether the residuals tell tau.
-    """
+    """Errors of the model on a grid (G,)."""
 
     tau: FloatArray
     log_prior: FloatArray
-    variance: FloatArray
-    learned: bool
+    variance: FloatArray  # of the residuals, (G, m)
+    learned: bool  # whether the residuals tell tau
 
     @classmethod
     def around(cls, stated: FloatArray | None, size: FloatArray, guess: float, spare: int) -> ErrorModel:
@@ -213,10 +205,7 @@ _DAMPED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Solution u (n,), residuals e (m,) and Jacobian (m, n) there, and the errors that they suggest.
-
-    ``chances`` (G,) are the probabilities of all errors of the model on the grid.
-    """
+    """Solution u (n,), residuals e (m,) and Jacobian (m, n) there, and the errors that they suggest."""
 
     residuals: BoxResiduals
     u: FloatArray
@@ -224,7 +213,7 @@ class Fit:
     jacobian: FloatArray
     rank: int
     errors: ErrorModel
-    chances: FloatArray
+    chances: FloatArray  # probabilities of the errors of the model on the grid, (G,)
 
     @property
     def middle(self) -> int:

@@ -10,11 +10,11 @@ import numpy as np
 from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
-from .identifiability import Identifiability, identifiability
+from .identifiability import Identifiability, at_solution
 from .model_check import Explained, explained
 from .posterior import Method, ParameterIntervals, ProfileLikelihood, intervals, profile
 from .residuals import fitted
-from .tables import FrequencyTable, ModalTable
+from .targets import FrequencyTable, ModalTable
 
 if TYPE_CHECKING:
     import os
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
     from ..optimize.island_ga import History, OptimizeResult
     from .problem import UpdatingProblem
-    from .reduced_search import ReductionReport
+    from .reduced_model import ReductionReport
 
 
 #: What a result has of its search.
@@ -106,7 +106,7 @@ class UpdateResult(ReadOnly, Viewed):
     @cached_property
     def identifiability(self) -> Identifiability:
         """What the data can and cannot tell about the parameters, at the solution."""
-        return identifiability(self.problem, self.x)
+        return at_solution(self.problem, self.x)
 
     @cached_property
     def _fit(self) -> Explained | None:
@@ -198,14 +198,8 @@ class UpdateResult(ReadOnly, Viewed):
         InvalidInputError
             A method, level or number out of range.
         """
-        how: dict[str, Any] = {
-            "method": method,
-            "level": level,
-            "draws": draws,
-            "rng": rng,
-            "workers": workers,
-        }
-        return intervals(self.problem, self.x, progress=progress, **how)
+        how: dict[str, Any] = {"level": level, "draws": draws, "rng": rng, "workers": workers}
+        return intervals(self.problem, self.x, method=method, progress=progress, **how)
 
     def profile(
         self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None

@@ -7,6 +7,7 @@ and which exact measurement a damaged model would have given.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,10 +19,168 @@ from ..exceptions import InvalidInputError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..support.checks import ComplexArray, FloatArray, real_array
-from .tables import FrequencyTable, ModalTable
+from ..support.values import Value
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
+
+
+# -- Measured frequencies beside those of a model, before and after updating
+
+
+def signed(percent: float) -> str:
+    """A difference with its sign; what rounds to nothing has none; a dash where there is no partner."""
+    if np.isnan(percent):
+        return "-"
+    said = f"{percent:+.2f}"
+    return said[1:] if said in ("+0.00", "-0.00") else said
+
+
+class _Differences:
+    """What both tables say about their frequencies."""
+
+    measured_hz: FloatArray
+    before_hz: FloatArray
+    after_hz: FloatArray
+
+    @property
+    def before_percent(self) -> FloatArray:
+        """Difference of the nominal model, ``100 (f_A / f_E - 1)``, (m,)."""
+        return 100.0 * (self.before_hz / self.measured_hz - 1.0)
+
+    @property
+    def after_percent(self) -> FloatArray:
+        """Difference of the updated model, ``100 (f_A / f_E - 1)``, (m,)."""
+        return 100.0 * (self.after_hz / self.measured_hz - 1.0)
+
+    @property
+    def largest_before_percent(self) -> float:
+        """Largest absolute difference before; NaN if nothing has a partner."""
+        return _largest(self.before_percent)
+
+    @property
+    def largest_after_percent(self) -> float:
+        """Largest absolute difference after; NaN if nothing has a partner."""
+        return _largest(self.after_percent)
+
+    @property
+    def _closing(self) -> str:
+        """The largest differences, without numbers where nothing has a partner."""
+        if not self.measured_hz.size:
+            return "nothing was measured"
+        both = {"before": self.largest_before_percent, "after": self.largest_after_percent}
+        if np.isnan(list(both.values())).all():
+            return "largest difference: none, no value has a partner in the model"
+        return "largest difference: " + ", ".join(
+            f"no partner {when}" if np.isnan(each) else f"{each:.2f} % {when}" for when, each in both.items()
+        )
+
+    def _text(self, head: list[str], labels: Sequence[str], *mac: FloatArray) -> str:
+        """The table in print; ``mac`` are columns of both states, where there are some."""
+        states = ((self.before_hz, self.before_percent), (self.after_hz, self.after_percent))
+        lines = [*head]
+        for row, label in enumerate(labels):
+            line = f"{label} {self.measured_hz[row]:10.3f}"
+            for state, (hz, percent) in enumerate(states):
+                line += f"  {_number(hz[row]):>10} {signed(percent[row]):>7}"
+                line += f" {_number(mac[state][row]):>6}" if mac else ""
+            lines.append(line)
+        return "\n".join([*lines, self._closing])
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyTable(_Differences, Value):
+    """Measured antiresonances beside those of the model, before and after.
+
+    Attributes
+    ----------
+    dof, excitation : ndarray of int, (m,)
+        Response and force, zero-based.
+    measured_hz, before_hz, after_hz : ndarray, (m,)
+        Frequencies; NaN where the model has no partner.
+    dof_names : dict of int to str
+        Names of the dofs, for models that have some ("mass 3", "node 3 v"), shown in print.
+
+    Examples
+    --------
+    >>> import numpy as np, antires_rs as ar
+    >>> table = ar.FrequencyTable(np.array([0, 1]), np.array([0, 0]), np.array([10.0, 20.0]),
+    ...                           np.array([10.4, 19.0]), np.array([10.1, 20.0]))
+    >>> table.before_percent.round(2), round(table.largest_after_percent, 2)
+    (array([ 4., -5.]), 1.0)
+    """
+
+    dof: FloatArray
+    excitation: FloatArray
+    measured_hz: FloatArray
+    before_hz: FloatArray
+    after_hz: FloatArray
+    dof_names: dict[int, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        pairs = [
+            ", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
+            for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
+        ]
+        width = max([7, *map(len, pairs)])
+        head = [
+            f"{'H_ik':>{width}}   measured      before             after",
+            f"{'(i, k)':>{width}}         Hz          Hz       %          Hz       %",
+        ]
+        return self._text(head, [f"{pair:>{width}}" for pair in pairs])
+
+
+@dataclass(frozen=True, eq=False)
+class ModalTable(_Differences, Value):
+    """Measured resonances and shapes beside those of the model, before and after.
+
+    Attributes
+    ----------
+    mode : ndarray of int, (m,)
+        Number of the mode among those measured together, from 0.
+    measured_hz, before_hz, after_hz : ndarray, (m,)
+        Resonances; NaN where the model has no partner.
+    before_mac, after_mac : ndarray, (m,)
+        MAC of the measured shape with the partner's; NaN where there is none.
+
+    Examples
+    --------
+    >>> import antires_rs as ar
+    >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0], ground_first_n_per_m=300.0)
+    >>> measured = ar.ModalSet([1.6, 6.0], [[0.8, 1.0], [1.0, -0.7]])
+    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.8, 1.4)), measured)
+    >>> print(ar.update(problem, rng=0).table)
+    mode   measured      before                      after
+                 Hz          Hz       %    MAC          Hz       %    MAC
+       0      1.600       1.801  +12.53  0.999       1.831  +14.41  1.000
+       1      6.000       5.449   -9.19  0.999       6.000    0.00  0.997
+    largest difference: 12.53 % before, 14.41 % after
+    """
+
+    mode: FloatArray
+    measured_hz: FloatArray
+    before_hz: FloatArray
+    after_hz: FloatArray
+    before_mac: FloatArray
+    after_mac: FloatArray
+
+    def __str__(self) -> str:
+        head = [
+            "mode   measured      before                      after",
+            "             Hz          Hz       %    MAC          Hz       %    MAC",
+        ]
+        return self._text(head, [f"{mode:4d}" for mode in self.mode], self.before_mac, self.after_mac)
+
+
+def _number(value: float) -> str:
+    """A number, or a dash where the model has no partner."""
+    return "-" if np.isnan(value) else f"{value:.3f}"
+
+
+def _largest(percent: FloatArray) -> float:
+    found = np.abs(percent[~np.isnan(percent)])
+    return float(found.max()) if found.size else float("nan")
+
 
 # -- Measured values that are no antiresonances: halves of complex zeros
 #
@@ -46,6 +205,10 @@ _CLEAR, _FAR = 0.01, 0.05
 _ODD, _ODD_TIMES = 0.02, 2.0
 #: Modes up to this multiple of the band make the series.
 _MODES = 6.0
+
+
+#: Computes complex zeros, as :func:`complex_zeros` gives them.
+Series = Callable[[], tuple[FloatArray, FloatArray]]
 
 
 def complex_zeros(
@@ -80,24 +243,17 @@ def complex_zeros(
     return freq[kept][order], part[kept][order]
 
 
-def looked_up_to(highest_hz: float) -> float:
-    """The frequency up to which zeros of the model count, beside values up to ``highest_hz``."""
-    return (1.0 + 2.0 * _REACH) * highest_hz
-
-
-def real_zeros(
-    model: StructuralModel, responses: Sequence[int], force: int, limit_hz: float
-) -> list[FloatArray]:
-    """All real zeros (Hz) of each response, those on a pole too."""
+def zeros_beside(
+    model: StructuralModel, responses: Sequence[int], force: int, highest_hz: float
+) -> list[tuple[FloatArray, Series]]:
+    """Real zeros (Hz) of each response that values up to a frequency may be near, and its complex ones."""
+    limit_hz = (1.0 + 2.0 * _REACH) * highest_hz
     core, rows = model._core_for([*responses, force])
-    return [f for f, *_ in core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)]
-
-
-def zero_series(
-    model: StructuralModel, response: int, force: int, limit_hz: float
-) -> tuple[FloatArray, FloatArray]:
-    """All complex zeros that may pass for an antiresonance, as :func:`complex_zeros` gives them."""
-    return complex_zeros(model, response, force, limit_hz, (_REAL, _MOST))
+    found = core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)
+    return [
+        (real, partial(complex_zeros, model, dof, force, limit_hz, (_REAL, _MOST)))
+        for dof, (real, *_) in zip(responses, found, strict=True)
+    ]
 
 
 def usual_damping(found: AntiresonanceSet) -> float | None:
@@ -108,12 +264,7 @@ def usual_damping(found: AntiresonanceSet) -> float | None:
 
 
 def sorted_out(
-    label: object,
-    table: Any,
-    usual: float,
-    roots: FloatArray,
-    series: Callable[[], tuple[FloatArray, FloatArray]],
-    keep: NDArray[np.bool_],
+    label: object, table: Any, usual: float, roots: FloatArray, series: Series, keep: NDArray[np.bool_]
 ) -> list[str]:
     """Sentences on the values of a response that are no antiresonances, which ``keep`` then tells; ``roots``
     (Hz) are the model's real ones, ``series`` computes the complex ones."""
@@ -195,10 +346,7 @@ def steady(
     sees: Any,
     channels: list[int],
 ) -> list[tuple[FloatArray, FloatArray]]:
-    """Roots of each response and their weights, 0 for those that do not count, complex ones among them.
-
-    ``moved`` are the models with one stiffness less by ``STEP``.
-    """
+    """Roots of each response and their weights, 0 for those that do not count, complex ones among them."""
     listed = sorted({*dofs, *channels})
     every = {
         dof: None if freq is None else (freq, complex_zeros(model, dof, force, limit_hz, _COMPLEX)[0])
@@ -227,11 +375,7 @@ def steady(
 
 
 def followed(own: tuple[FloatArray, FloatArray], now: FloatArray | None) -> tuple[FloatArray, FloatArray]:
-    """Of the roots that are there now, those that an intact one has become, with its weight.
-
-    The nearest pairs go first, one to one. One that is left to an intact root farther away than others is of
-    unknown descent, and does not count.
-    """
+    """Of the roots that are there now, those that an intact one has become, with its weight."""
     roots, weights = own
     if now is None or not now.size or not roots.size:
         return np.empty(0), np.empty(0)
@@ -332,11 +476,9 @@ class AntiresonanceTargets:
         masks = [np.ones(len(table), dtype=bool) for table in tables]
         usual = usual_damping(found)
         if usual is not None:
-            limit_hz = looked_up_to(max(found[dof].max(initial=0.0) for dof in found))
-            real = real_zeros(model, dofs, force, limit_hz)
-            for label, table, dof, roots, keep in zip(found, tables, dofs, real, masks, strict=True):
-                series = partial(zero_series, model, dof, force, limit_hz)
-                self.left_out += tuple(sorted_out(label, table, usual, roots, series, keep))
+            zeros = zeros_beside(model, dofs, force, max(found[dof].max(initial=0.0) for dof in found))
+            for label, table, (real, series), keep in zip(found, tables, zeros, masks, strict=True):
+                self.left_out += tuple(sorted_out(label, table, usual, real, series, keep))
         # Without all that measured together nothing is known to be shared.
         sees = None if found.sees == "transmissibility" and not channels else found.sees
         others = [dof for dof in channels if dof not in dofs] if sees == "transmissibility" else []
@@ -354,11 +496,7 @@ class AntiresonanceTargets:
         return np.asarray(2.0 * np.concatenate([np.empty(0), *self.stds]) / self.hz)
 
     def weights(self, given: Any) -> FloatArray | None:
-        """Factors on the residuals, mean one of those from standard deviations; None for equal ones.
-
-        These are 1 / sqrt(s^2 + 0.002^2), s that of the residual; a value whose s is not known counts like
-        the median of those known.
-        """
+        """Factors on the residuals; from standard deviations their mean is one; None for equal ones."""
         if not (isinstance(given, str) and given == "std"):
             wanted = "None, 'std', or one number for each measured value"
             return _given_weights(given, self.hz.size, self._kept, wanted, _ALIKE)
@@ -401,10 +539,7 @@ class AntiresonanceTargets:
         return np.asarray((core.pairs(ahead)[0] ** 2 - core.pairs(behind)[0] ** 2) / self.hz**2)
 
     def exact(self, nominal: StructuralModel, _: FloatArray, moved: Sequence[StructuralModel]) -> Exact:
-        """Antiresonances up to the highest measured one that can be followed from the nominal model.
-
-        ``moved`` are models hardly different from it.
-        """
+        """Antiresonances up to the highest measured one that can be followed from the nominal model."""
         band_hz = float(self.hz.max())
         tests = list(zip(self.sets, self.dofs_of, self.forces, self._channels, strict=True))
         intact = [steady(nominal, moved, d, f, 1.5 * band_hz, s.sees, ch) for s, d, f, ch in tests]

@@ -17,7 +17,7 @@ from ..support.checks import FloatArray, integer
 from ..support.progress import waiting, watched
 from ..support.workers import Failed, in_order
 from .problem import UpdatingProblem, fingerprint
-from .reduced_search import Reduction, ReductionReport, reduced_search, wanted_reduction
+from .reduced_model import Reduction, ReductionReport, reduced_search, wanted_reduction
 from .result import UpdateResult
 
 
@@ -100,10 +100,7 @@ def search(
     checkpoint: Any,
     reduction: Reduction | None = None,
 ) -> tuple[OptimizeResult, int, ReductionReport | None]:
-    """The core's search as ``update`` and ``assess_damage`` run it, the seed used, how reductions served.
-
-    The nominal model is evaluated first: what comes back is never worse, however short the search was.
-    """
+    """The core's search as ``update`` and ``assess_damage`` run it, the seed used, how reductions served."""
     ga = IslandGA() if optimizer is None else optimizer
     if not isinstance(ga, IslandGA):
         reject("optimizer", optimizer, "an IslandGA", "Leave it out for IslandGA().")

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..damage.assess import DamageResult, assess_damage, checked_search, elements_of
-from ..damage.assessor import AssessedTest, Assessor
+from ..damage.assess import AssessedTest, Assessor, DamageResult, assess_damage, checked_search, elements_of
 from ..damage.options import TWO_STATES, SearchOptions, checked_prior, sorted_out
 from ..exceptions import reject
 from ..io.data_frames import frame_of
