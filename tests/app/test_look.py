@@ -106,10 +106,10 @@ def test_a_set_is_looked_at_and_saved_in_its_own_file(started, tmp_path):
 def test_a_result_is_looked_at(started, tmp_path):
     write_measured(tmp_path)
     run(tmp_path, DAMAGE)
-    (tmp_path / "job_results" / "result.npz").rename(tmp_path / "softened.npz")
-    process, url = started("softened.npz")
+    (tmp_path / "job_results" / "result.npz").rename(tmp_path / "job_results" / "softened.npz")
+    process, url = started("job_results/softened.npz")
     state = asked(url, "state")
-    assert (state["kind"], state["title"]) == ("result", "softened.npz")
+    assert (state["kind"], state["title"]) == ("result", "job_results")
     assert state["answer"]
     titles = [table["title"].partition(";")[0] for table in state["tables"]]
     assert titles == ["Stiffness losses", "Hypotheses", "Antiresonances"]
