@@ -24,16 +24,6 @@ ENDLESS = UPDATE.replace(
     "seed = 1", "seed = 3\npatience = 1_000_000_000\npolish = false\nmax_evaluations = 1_000_000_000_000"
 )
 
-#: Every generation is written, so that a kill finds a checkpoint, and may fall into its writing.
-OFTEN = """
-import antires_rs.optimize.checkpoint
-write = antires_rs.optimize.checkpoint.Checkpoint.__init__
-def often(self, path, every_s=0.0):
-    write(self, path, every_s)
-antires_rs.optimize.checkpoint.Checkpoint.__init__ = often
-"""
-
-
 FILES = {"antiresonances.json", "result.npz", "run.json", "summary.json"}
 
 
@@ -131,16 +121,6 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
     assert "has finished" in err
 
 
-def test_killed_at_any_moment_a_job_goes_on_to_the_same_bits(tmp_path, whole):
-    results = fill(tmp_path, LONG)
-    for command, after in (("update", 0.05), ("resume", 0.15), ("resume", 0.1)):
-        stopped(tmp_path, signal.SIGKILL, command, "job.toml", after=after, code=OFTEN + ANTIRES)
-    (results / ".result.npz.4711.tmp").write_bytes(b"half")
-    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
-    assert bytes_of(results / "result.npz") == whole
-    assert names_in(results) == FILES
-
-
 def test_a_time_limit_leaves_a_search_to_go_on_with(tmp_path, whole, capsys):
     results = fill(tmp_path, LONG.replace("seed = 3", "seed = 3\nmax_seconds = 0.2"))
     assert cli.main(["update", str(tmp_path / "job.toml")]) == 0
@@ -148,14 +128,6 @@ def test_a_time_limit_leaves_a_search_to_go_on_with(tmp_path, whole, capsys):
     (tmp_path / "job.toml").write_text(LONG)
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
     assert bytes_of(results / "result.npz") == whole
-
-
-def test_out_of_time_without_a_checkpoint_is_not_called_finished(tmp_path, capsys):
-    fill(tmp_path, LONG.replace("seed = 3", "seed = 3\nmax_seconds = 0.1\ncheckpoint = false"))
-    assert cli.main(["update", str(tmp_path / "job.toml")]) == 0
-    capsys.readouterr()
-    assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
-    assert "ran out of time and kept no checkpoint" in capsys.readouterr().err
 
 
 def test_changed_data_are_not_taken_for_those_of_the_search(tmp_path, capsys):

@@ -106,7 +106,8 @@ def test_a_set_is_looked_at_and_saved_in_its_own_file(started, tmp_path):
 def test_a_result_is_looked_at(started, tmp_path):
     write_measured(tmp_path)
     run(tmp_path, DAMAGE)
-    process, url = started("job_results")
+    (tmp_path / "job_results" / "result.npz").rename(tmp_path / "job_results" / "softened.npz")
+    process, url = started("job_results/softened.npz")
     state = asked(url, "state")
     assert (state["kind"], state["title"]) == ("result", "job_results")
     assert state["answer"]
@@ -138,17 +139,41 @@ def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("call", "said"),
     [
-        (["--excitation", "0", "--out", "zeros.txt"], "ends in .json"),
-        ([], "--excitation: got nothing"),
-        (["--excitation", "0", "--edits", "none.json"], "--edits: got"),
-        (["--excitation", "0", "--band", "9", "2"], "--band"),
+        ("look test.csv --excitation 0 --out zeros.txt", "ends in .json"),
+        ("look test.csv", "--excitation: got nothing"),
+        ("look test.csv --excitation 0 --edits none.json", "--edits: got"),
+        ("look test.csv --excitation 0 --band 9 2", "--band"),
+        ("look zeros.json --band 5 100", "--band: got it beside antiresonances"),
+        ("identify zeros.json --band 5 100", "--band: got it beside antiresonances"),
+        ("look job.toml --max-order 10", "--max-order: got it beside a job"),
+        ("look job_results --band 5 100", "--band: got it beside a result"),
+        ("look job_results --out a.json", "--out: got it beside a result"),
+        ("look job_results zeros.json", "FILE: got 2 of them"),
+        ("identify zeros.json --drop 0=55", "--drop: got 55 Hz at dof 0"),
+        ("identify zeros.json --drop 9=5", "--drop: got 9"),
+        *((f"identify zeros.json --add {value}", "DOF=HZ") for value in ("0=x", "5", "0=-3")),
+        (
+            "identify test.csv --band 0.8 9 --excitation 0 --add 0=500",
+            "--add: got 500 Hz at dof 0; wanted a frequency from 0 to 12.5 Hz",
+        ),
+        ("identify test.csv --band 0.8 9 --excitation 0 --hit 3", "--hit: got it for one place"),
     ],
 )
-def test_wrong_calls_are_told(measured, capsys, given, said):
+def test_wrong_calls_are_told(measured, tmp_path, monkeypatch, capsys, call, said):
     pytest.importorskip("bokeh", reason="the page needs bokeh")
-    assert cli.main(["look", str(measured), "--no-browser", *given]) == 2
+    (tmp_path / "test.csv").write_bytes(measured.read_bytes())
+    (tmp_path / "job_results").mkdir()
+    (tmp_path / "job_results" / "result.npz").write_bytes(b"")
+    (tmp_path / "job.toml").write_text(DAMAGE)
+    ar.AntiresonanceSet(0, {0: [8.7]}).save(tmp_path / "zeros.json")
+    monkeypatch.chdir(tmp_path)
+    try:
+        code = cli.main([*call.split(), *["--no-browser"] * call.startswith("look")])
+    except SystemExit as exc:
+        code = exc.code
+    assert code == 2
     assert said in capsys.readouterr().err
 
 
@@ -163,20 +188,24 @@ def test_a_file_that_cannot_be_read_is_told_on_the_page_too(started, tmp_path):
     assert "Traceback" not in err
 
 
-def identified(measured, capsys, *given):
+def test_identify_drops_and_adds(measured):
     out = measured.with_name("zeros.json")
-    more = ["--excitation", "0", "--max-order", "30", "--out", str(out)]
-    code = cli.main(["identify", str(measured), *BAND_GIVEN, *more, *given])
-    return code, capsys.readouterr().err, out
-
-
-def test_identify_drops_and_adds(measured, capsys):
-    _, _, out = identified(measured, capsys)
+    call = [
+        "identify",
+        str(measured),
+        *BAND_GIVEN,
+        "--excitation",
+        "0",
+        "--max-order",
+        "30",
+        "--out",
+        str(out),
+    ]
+    assert cli.main(call) == 0
     plain = ar.AntiresonanceSet.load(out)
     first = float(plain[0][0])
     edits = ["--drop", f"0={first:.2f} mains hum", "--add", "1=3.21", "--add", "0=3.3 in the phase"]
-    code, _, out = identified(measured, capsys, *edits)
-    assert code == 0
+    assert cli.main([*call, *edits]) == 0
     found = ar.AntiresonanceSet.load(out)
     assert [(e.action, e.dof, e.reason) for e in found.edits] == [
         ("drop", 0, "mains hum"), ("add", 1, ""), ("add", 0, "in the phase"),
@@ -184,64 +213,6 @@ def test_identify_drops_and_adds(measured, capsys):
     assert found.edits[0].freq_hz == first
     assert 3.21 in found[1]
     assert found.original() == plain
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        (["--drop", "0=55"], "--drop: got 55 Hz at dof 0"),
-        (["--drop", "9=5"], "--drop: got 9"),
-        (["--add", "0=x"], "DOF=HZ"),
-        (["--add", "5"], "DOF=HZ"),
-        (["--add", "0=-3"], "DOF=HZ"),
-        (["--add", "0=500"], "--add: got 500 Hz at dof 0; wanted a frequency from 0 to 12.5 Hz"),
-        (["--hit", "3"], "--hit: got it for one place"),
-    ],
-)
-def test_edits_that_cannot_be_made_are_told(measured, capsys, given, said):
-    try:
-        code, err, _ = identified(measured, capsys, *given)
-    except SystemExit as exc:
-        code, err = exc.code, capsys.readouterr().err
-    assert code == 2
-    assert said in err
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        (["zeros.json", "--band", "5", "100"], "--band: got it beside antiresonances"),
-        (["job.toml", "--max-order", "10"], "--max-order: got it beside a job"),
-        (["job_results", "--band", "5", "100"], "--band: got it beside a result"),
-        (["job_results", "--out", "a.json"], "--out: got it beside a result"),
-        (["job_results", "zeros.json"], "FILE: got 2 of them"),
-    ],
-)
-def test_options_that_would_do_nothing_are_refused(tmp_path, monkeypatch, capsys, given, said):
-    pytest.importorskip("bokeh", reason="the page needs bokeh")
-    (tmp_path / "job_results").mkdir()
-    (tmp_path / "job_results" / "result.npz").write_bytes(b"")
-    (tmp_path / "job.toml").write_text(DAMAGE)
-    ar.AntiresonanceSet(0, {0: [8.7]}).save(tmp_path / "zeros.json")
-    monkeypatch.chdir(tmp_path)
-    assert cli.main(["look", *given, "--no-browser"]) == 2
-    assert said in capsys.readouterr().err
-    if given[0] == "zeros.json":
-        assert cli.main(["identify", *given]) == 2
-        assert said in capsys.readouterr().err
-
-
-def test_a_result_under_another_name_is_looked_at(tmp_path):
-    from antires_rs.app.look_view import result_file
-
-    write_measured(tmp_path)
-    run(tmp_path, DAMAGE)
-    there = tmp_path / "job_results"
-    other = (there / "result.npz").rename(there / "softened.npz")
-    assert result_file(other) == other
-    assert result_file(ar.write_npz(tmp_path / "record.npz", record())) is None
-    (tmp_path / "bad.npz").write_bytes(b"PK no archive")
-    assert result_file(tmp_path / "bad.npz") is None
 
 
 def test_a_single_channel_takes_the_route_over_the_force(tmp_path, capsys):

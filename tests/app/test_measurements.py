@@ -1,4 +1,4 @@
-"""What jobs and commands read: repeats, folders, files that state the force, values edited by hand."""
+"""What jobs and commands read: repeats, folders, files that state the force, roving hammers, edits."""
 
 import json
 import re
@@ -64,17 +64,6 @@ def test_repeats_of_a_job_and_files_of_one_command(tmp_path, impacts, monkeypatc
     assert "FILE: got 'job.toml' among several" in capsys.readouterr().err
 
 
-def test_wrong_repeats_are_named_where_they_stand(tmp_path, impacts):
-    ar.write_npz(tmp_path / "other.npz", ar.Recording(np.random.default_rng(0).random((4, 999)), 100.0))
-    for repeats, said in (
-        (["hit_9.npz"], r"job.toml, line 3, .data. repeats\[0\]: got 'hit_9.npz'"),
-        (["miss_*.npz"], r"repeats\[0\]: got \"miss_\*.npz\""),
-        (["hit_1.npz", "other.npz"], r"repeats\[1\]: got a sampling rate of 100 Hz"),
-    ):
-        with pytest.raises(ar.InvalidInputError, match=said):
-            repeated(tmp_path, repeats)
-
-
 def test_a_folder_of_frfs_is_identified_on_the_command_line_and_in_a_job(tmp_path, capsys):
     folder, freq = tmp_path / "frfs", np.arange(1, 2240) / 16
     folder.mkdir()
@@ -115,18 +104,15 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
 
 
 def test_the_force_that_a_file_states(tmp_path, capsys):
-    rod = ar.Tube(0.02, 0.01, 2.1e11, 7850.0)
-    frame = ar.FrameModel([(0.2 * i, 0.0) for i in range(6)], [(i, i + 1) for i in range(5)], rod, fixed=[0])
-    freq = np.arange(1.0, 400.0, 0.25)
-    places = {f"{node}+Y": frame.dof(node, "v") for node in (1, 2, 3, 4, 5)}
-    values = frame.frf(list(places.values()), frame.dof(3, "v"), freq, damping_ratio=0.01)
-    response = ar.FrequencyResponse(freq, values, dofs=list(places))
+    places = [f"{node}+Y" for node in (1, 2, 3, 4, 5)]
+    values = frame().frf([at(place) for place in places], at("3+Y"), FREQ, damping_ratio=0.01)
+    response = ar.FrequencyResponse(FREQ, values, dofs=places)
     file, job = ar.write_uff(tmp_path / "a.uff", response, excitation="3+Y"), tmp_path / "job.toml"
     assert cli.main(["init", str(job), "--model", "frame", "--data", str(file)]) == 0
     text = job.read_text()
     data = tomllib.loads(text)["data"]
     assert data["excitation"] == "3+Y"
-    assert data["dofs"] == {f"{node}+Y": "?" for node in (1, 2, 3, 4, 5)}
+    assert data["dofs"] == dict.fromkeys(places, "?")
     assert '"1+Y" = "1 v"' in text
     assert all(line.startswith("#") for line in text.splitlines() if '"1 v"' in line)
     capsys.readouterr()
@@ -172,18 +158,32 @@ def test_what_was_identified_can_be_edited_too(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    ("data", "said"),
     [
-        ('drop = ["0=55"]', r"line 3, .data. drop\[0\]"),
-        ('drop = ["0 55"]', "line 3.*DOF=HZ"),
-        ('add = ["0=x"]', "line 3.*DOF=HZ"),
-        ("add = [3.2]", "line 3, .data. add"),
-        ('drop = ["9=3.2"]', "line 3.*one of"),
+        (
+            'file = "hit.npz"\nrepeats = ["hit_9.npz"]',
+            r"job.toml, line 3, .data. repeats\[0\]: got 'hit_9.npz'",
+        ),
+        ('file = "hit.npz"\nrepeats = ["miss_*.npz"]', r"repeats\[0\]: got \"miss_\*.npz\""),
+        (
+            'file = "hit.npz"\nrepeats = ["hit.npz", "other.npz"]',
+            r"repeats\[1\]: got a sampling rate of 100 Hz",
+        ),
+        ('file = "measured.json"\ndrop = ["0=55"]', r"line 3, .data. drop\[0\]"),
+        ('file = "measured.json"\ndrop = ["0 55"]', "line 3.*DOF=HZ"),
+        ('file = "measured.json"\nadd = ["0=x"]', "line 3.*DOF=HZ"),
+        ('file = "measured.json"\nadd = [3.2]', "line 3, .data. add"),
+        ('file = "measured.json"\ndrop = ["9=3.2"]', "line 3.*one of"),
     ],
 )
-def test_edits_that_cannot_be_made_name_their_line(tmp_path, saved, more, said):
+def test_what_cannot_be_read_or_edited_names_its_line(tmp_path, saved, data, said):
+    noise = np.random.default_rng(0).standard_normal((4, 999))
+    for name, fs_hz in (("hit", 512.0), ("other", 100.0)):
+        ar.write_npz(tmp_path / f"{name}.npz", ar.Recording(noise, fs_hz))
+    if "hit" in data:
+        data += "\nexcitation = 0\nband_hz = [3.0, 130.0]"
     with pytest.raises(ar.InvalidInputError, match=said):
-        edited(tmp_path, more)
+        measured(tmp_path, f"{data}\n")
 
 
 def test_the_result_keeps_what_was_edited(tmp_path):
@@ -192,3 +192,106 @@ def test_the_result_keeps_what_was_edited(tmp_path):
     run(tmp_path, re.sub("(file = .*)", rf'\1\ndrop = ["1={value:.3f} mains hum"]', DAMAGE))
     kept = ar.AntiresonanceSet.load(tmp_path / "job_results" / "antiresonances.json")
     assert [edit.reason for edit in kept.edits] == ["mains hum"]
+
+
+SENSORS, HITS, ROVED = ("3+Y", "5+Y"), ("1+Y", "2+Y", "3+Y", "4+Y", "5+Y"), ("2", "390")
+FREQ = np.arange(1.0, 400.0, 0.25)
+
+
+def frame():
+    rod = ar.Tube(0.02, 0.01, 2.1e11, 7850.0)
+    return ar.FrameModel([(0.2 * i, 0.0) for i in range(6)], [(i, i + 1) for i in range(5)], rod, fixed=[0])
+
+
+def at(point):
+    return frame().dof(int(point[0]), "v")
+
+
+def hit(place, seed):
+    """FRFs of the sensors to a force at that place, with a little noise."""
+    values = frame().frf([at(s) for s in SENSORS], at(place), FREQ, damping_ratio=0.01)
+    rng = np.random.default_rng(seed)
+    noise = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
+    return ar.FrequencyResponse(FREQ, values + 1e-6 * np.abs(values).max() * noise, dofs=list(SENSORS))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("roving")
+    single = [
+        ar.write_uff(folder / f"hit_{place[0]}.uff", hit(place, i), excitation=place)
+        for i, place in enumerate(HITS)
+    ]
+    (folder / "all.uff").write_bytes(b"".join(file.read_bytes() for file in single))
+    return folder / "all.uff", single
+
+
+def test_reciprocity_reads_all_hits_as_one_response(files):
+    read = ar.read_uff(files[0], roving="3+Y")
+    assert read.dofs == HITS
+    for i, place in enumerate(HITS):
+        np.testing.assert_array_equal(read.values[i], hit(place, i).values[0])
+    with pytest.raises(ar.UnsuitableDataError, match=r"FRFs at the responses 3\+Y, 5\+Y"):
+        ar.read_uff(files[0], roving="2+Y")
+    with pytest.raises(ar.InvalidInputError, match="roving: got 'tip'"):
+        ar.read_uff(files[0], roving="tip")
+
+
+def identified(out, *args):
+    assert cli.main(["identify", *map(str, args), "--band", *ROVED, "--out", str(out)]) == 0
+    return ar.AntiresonanceSet.load(out)
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_the_command_line_takes_both(files, tmp_path, capsys):
+    truth = {p: frame().antiresonances(at(p), at("3+Y")) for p in HITS}
+    for name, given in (("one", files[:1]), ("many", files[1])):
+        found = identified(tmp_path / f"{name}.json", *given, "--roving", "3+Y")
+        assert found.excitation == "3+Y"
+        assert set(found) == set(HITS)
+        seen = 0
+        for place in HITS:
+            there = truth[place][(truth[place] > 5.0) & (truth[place] < 380.0)]
+            for value in found[place]:
+                seen += 1
+                assert np.abs(there / value - 1.0).min() < 2e-3, (name, place, value, there)
+        assert seen >= 5
+    assert json.loads((tmp_path / "one.json").read_text())
+    assert "none of the channels" not in capsys.readouterr().err  # a hammer that roves hits other places
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_the_page_shows_what_identify_finds(files, tmp_path):
+    pytest.importorskip("bokeh", reason="the page needs bokeh")
+    from antires_rs.app.look_view import view_of
+    from antires_rs.app.parser import parser
+
+    for given, title in ((files[:1], "all.uff"), (files[1], "hit_1.uff and 4 more")):
+        found = identified(tmp_path / "found.json", *given, "--roving", "3+Y")
+        call = ["look", *map(str, given), "--roving", "3+Y", "--band", *ROVED]
+        view = view_of(parser().parse_args([*call, "--out", str(tmp_path / "z.json")]))
+        assert view.title == title
+        assert view.state(0)["dofs"] == list(found)
+        view.do("identify", {})
+        assert view.session.zeros == found
+        for number, dof in enumerate(found):
+            assert view.figure(number)["doc"]
+            curve = view.session.curve(dof)
+            for value in found[dof]:  # a dip of that curve
+                near = np.abs(curve.freq_hz / value - 1.0) < 0.02
+                assert curve.size[near].min() < 0.2 * np.median(curve.size)
+        view.do("identify", {"low_hz": 20.0, "high_hz": 300.0})
+        assert all(20.0 <= f <= 300.0 for each in view.session.zeros.values() for f in each)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--roving", "2+Y"], "--roving: got '2+Y'"),
+        (["--roving", "3+Y", "--hit", "1+Y"], "--hit: got 1 places"),
+        (["--roving", "3+Y", "--excitation", "1+Y"], "--excitation: got it beside --roving"),
+    ],
+)
+def test_wrong_hits_are_named(files, capsys, more, said):
+    assert cli.main(["identify", *map(str, files[1]), "--band", *ROVED, *more]) != 0
+    assert said in capsys.readouterr().err

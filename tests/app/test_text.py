@@ -1,15 +1,20 @@
-"""The text of jobs: lines of keys, the template, the defaults it states."""
+"""The text of jobs: lines of keys, the template, the defaults it states; and any text at all."""
 
 import inspect
 import json
 import tomllib
+import warnings
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
+from antires_rs.app.arguments import model_of, parameters_of
 from antires_rs.app.job import lines_of, parsed, read_job
-from antires_rs.app.keys import FORMATS, SECTIONS, TASKS, format_of, template
+from antires_rs.app.keys import SECTIONS, TASKS, template
+from tests.support.campaign import examples
+from tests.support.job_files import DAMAGE, UPDATE
+from tests.support.mutations import any_bytes, mutated
 
 
 def places(value, path=()):
@@ -142,14 +147,6 @@ def test_defaults_in_the_template_are_those_in_force():
                 assert tomllib.loads(f"x = {key.default}")["x"] == value, key.name
 
 
-def test_every_format_has_a_reader_and_its_endings():
-    for kind, endings in FORMATS.items():
-        assert {format_of(f"A{ending.upper()}") for ending in endings} == {kind}
-    assert format_of("record.xyz") is None
-    assert format_of("record.xyz", "csv") == "csv"
-    assert format_of("record.csv", "cvs") is None
-
-
 def test_dots_and_brackets_in_texts_and_comments_are_no_nesting():
     deep = ".".join(["a"] * 60)
     text = f'note = """\n{deep} = 1\n{"[" * 60}\n"""\nb = "x] \\" [["\n# {deep}, {deep}.\n'
@@ -165,3 +162,48 @@ def test_texts_without_an_end_are_refused(part):
     # Of this length only a search that is linear comes to its end.
     with pytest.raises(ar.InvalidInputError, match="no TOML"):
         parsed("job.toml", part * 100_000)
+
+
+ONE_FILE = settings(
+    deadline=20_000, max_examples=examples(100), suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+TEMPLATES = {
+    f"{task} of a {model}": template(task, model, data="record.npz")
+    for task, model in (("damage", "chain"), ("update", "frame"), ("update", "matrices"))
+}
+GOOD = {"damage": DAMAGE, "update": UPDATE} | TEMPLATES
+
+
+def taken(path, content):
+    """The job in the file, with its model and parameters made; None where it is refused."""
+    path.write_bytes(content)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", ar.AntiresWarning)
+        try:
+            job = read_job(path)
+            model = model_of(job)
+            if job.task == "update":
+                parameters_of(job, model)
+        except ar.AntiresError:
+            return None
+    return job
+
+
+@ONE_FILE
+@given(content=any_bytes)
+def test_any_bytes(tmp_path, content):
+    assert taken(tmp_path / "job.toml", content) is None
+
+
+@pytest.mark.parametrize("name", GOOD)
+@ONE_FILE
+@given(data=st.data())
+def test_a_good_job_gone_wrong(tmp_path, name, data):
+    content = data.draw(mutated(GOOD[name].encode()))
+    job = taken(tmp_path / "job.toml", content)
+    if job is not None:
+        text = content.decode()
+        lines = lines_of(text)
+        assert set(tomllib.loads(text)) <= {path[0] for path in lines}
+        assert all(1 <= line <= text.count("\n") + 1 for line in lines.values())

@@ -1,7 +1,5 @@
 """Figures to be explored: what stands in them, and that nothing is loaded from anywhere."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -11,10 +9,7 @@ from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="figures to be explored need bokeh")
 
-from antires_rs.figures.identification import LOOKS
-from antires_rs.figures.live_canvas import columns, explored, item, script_files
-from antires_rs.figures.live_identification import curve_of, evidence_figure, mark_columns
-from antires_rs.figures.marks import Axis, Bars, Panel
+from antires_rs.figures.live_identification import curve_of, evidence_figure
 
 
 @pytest.fixture(scope="module")
@@ -48,17 +43,6 @@ def test_a_figure_shows_the_poles_and_the_values_of_its_response(identified, rec
     )
 
 
-def test_marks_tell_what_was_dropped_and_added(identified):
-    value = float(identified[1][0])
-    edited = identified.drop(1, value).add(1, 1.1 * value)
-    marks = mark_columns(edited, 1, BAND)
-    assert marks["dropped by hand"]["x"] == [value]
-    assert marks["added by hand"]["x"] == [1.1 * value]
-    assert marks["accepted"]["x"] == identified[1][1:].tolist()
-    looks = [(str(dash), colour) for colour, dash in LOOKS.values()]
-    assert len({dash for dash, _ in looks}) == len(looks)  # told apart in grey
-
-
 def test_a_curve_has_its_dips_at_the_values(identified, record, averages):
     curve = curve_of(record, averages, 1)
     for value in identified[1]:
@@ -77,21 +61,3 @@ def test_values_alone_have_a_figure(identified):
     for dof in alone:
         assert list(figures_in(evidence_figure(alone, dof))) == ["values_alone"]
     assert evidence_figure(ar.AntiresonanceSet(0, {0: []}), 0).children
-
-
-def test_numbers_are_slim_and_axes_have_units(identified):
-    table = columns(a=np.arange(3.0), b=["x", "y", "z"])
-    assert table.data["a"].dtype == np.float32
-    assert table.data["b"] == ["x", "y", "z"]
-    bars = Bars(np.arange(3), [1.0, 2.0, 3.0], label="loss", says={"Loss": "@y %"})
-    fig = explored(Panel("losses", Axis("Element (-)"), Axis("Loss (%)"), [bars]))
-    text = json.dumps(item(fig))
-    assert "Loss (%)" in text
-    assert "http" not in text
-    assert fig.below[-1].ncols == 2
-
-
-def test_a_page_needs_the_files_of_the_package_alone():
-    files = script_files()
-    assert [file.name for file in files] == ["bokeh.min.js"]
-    assert sum(file.stat().st_size for file in files) < 1.6e6

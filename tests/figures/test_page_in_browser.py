@@ -169,20 +169,6 @@ def test_by_keyboard_and_by_the_table(shown, session, identified):
     said(page, "A frequency in Hz")
 
 
-def test_a_dip_of_the_curve_is_added(shown, session, identified):
-    page = shown
-    value = float(identified[0][-1])
-    page.locator("#values tr[data-dof='0'] td.drop button").nth(len(identified[0]) - 1).click()
-    said(page, "dropped")
-    page.get_by_role("button", name="take back").click()
-    said(page, "brought back")
-    click_on(page, "curve", value)
-    said(page, "dropped")
-    click_on(page, "coherence", 0.5 * (identified[0][0] + identified[0][1]))
-    said(page, "nothing there")
-    assert len(session.zeros[0]) == len(identified[0]) - 1
-
-
 @contextmanager
 def page_of(chromium, view, width=1400):
     served = Page(view, ends_with_page=False)

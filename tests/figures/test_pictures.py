@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib import pyplot, rcParams
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import antires_rs as ar
@@ -221,10 +220,9 @@ def test_poles_without_damping_stand_on_the_foot(unsteady, ax):
     diagram = unsteady.diagrams[0]
     negative = replace(diagram, damping_ratio=tuple(-np.abs(d) for d in diagram.damping_ratio))
     figures.plot_damping_clusters(negative, ax=ax)
-    foot = line_of(ax, f"pole with less than {LEAST_PERCENT:g} %, or none")
-    assert len(foot.get_xdata()) == sum(map(len, diagram.freq_hz))
-    assert set(foot.get_ydata()) == {LEAST_PERCENT}
-    ax.figure.canvas.draw()
+    assert set(line_of(ax, f"pole with less than {LEAST_PERCENT:g} %, or none").get_ydata()) == {
+        LEAST_PERCENT
+    }
 
 
 @pytest.mark.parametrize("kind", DIAGRAMS)
@@ -266,17 +264,6 @@ def test_marks_differ_without_colour(unsteady, ax, kind):
     assert {colour for colour, _ in LOOKS.values()} <= set(COLOURS.values())
 
 
-def test_the_curve_behind_is_paler_than_every_mark(unsteady, ax):
-    figures.plot_stabilization(unsteady.diagrams[0], ax=ax)
-    (behind,) = [other for other in ax.figure.axes if other is not ax]
-
-    def luminance(line):
-        return float(np.dot(to_rgb(line.get_color()), [0.299, 0.587, 0.114]))
-
-    marks = [line_of(ax, label) for label in ("pole, not stable", "stable pole", "accepted")]
-    assert luminance(behind.lines[0]) > max(map(luminance, marks))
-
-
 def test_few_coherences_are_drawn_one_by_one_and_told_apart_without_colour(record, ax):
     resp = ar.transmissibility(record, 2, nperseg=512)
     figures.plot_coherence(resp, ax=ax, band_hz=BAND)
@@ -309,24 +296,31 @@ def test_singular_values_are_in_decibels_over_the_noise(record, ax):
     assert len({line_of(ax, label).get_linestyle() for label in columns}) == 3
     assert ax.get_title() == ""
     assert ax.get_xlim() == BAND
-
-
-def test_a_second_force_is_in_the_title(record, ax):
     other = chain().simulate(excitation=2, fs_hz=25.0, duration_s=400.0, damping_ratio=0.01, rng=1)
     check_data(ar.Recording(record.responses + other.responses, 25.0), band_hz=BAND).plot(ax=ax)
     assert ax.get_title() == "more than one force (fatal)"
 
 
-def test_what_has_no_coherence_or_no_eigenvalues_is_refused(record):
-    resp = ar.FrequencyResponse(np.linspace(0.5, 9.0, 300), np.ones((2, 300)))
-    for draw, given, said in (
-        (figures.plot_coherence, resp, "several averages"),
-        (figures.plot_coherence, record, "got Recording"),
-        (figures.plot_singular_values, check_data(resp, band_hz=BAND), "no spectral matrix"),
-        (figures.plot_singular_values, record, "got Recording"),
+def test_what_cannot_be_drawn_is_refused(record, judged):
+    alone = ar.FrequencyResponse(np.linspace(0.5, 9.0, 300), np.ones((2, 300)))
+    h, t = ar.frf(record, nperseg=512), ar.transmissibility(record, 0, nperseg=512)
+    force = {"excitation": 0}
+    for name, given, more, said in (
+        ("coherence", [alone], {}, "several averages"),
+        ("coherence", [record], {}, "got Recording"),
+        ("singular_values", [check_data(alone, band_hz=BAND)], {}, "no spectral matrix"),
+        ("singular_values", [record], {}, "got Recording"),
+        ("transmissibility", [t, chain()], {"dof": 0, **force}, "reference"),
+        ("transmissibility", [t, chain()], {"dof": 9, **force}, r"\[1, 2, 3\]"),
+        ("transmissibility", [h, chain()], {"dof": 1, **force}, "transmissibility"),
+        ("convergence", [judged], {}, "without a search; wanted the result of a search. See result.hy"),
+        ("hypotheses", [judged.hypotheses], {"most": 0}, "^most: got 0"),
+        ("chain", [chain(), [1.0, 2.0]], {}, r"an array \(3,\)"),
+        ("chain", [chain()], {"excitation": 9}, "excitation"),
+        ("damage", [judged], {"truth": [0.0, 0.4, 0.0]}, "truth"),
     ):
         with pytest.raises(ar.InvalidInputError, match=said):
-            draw(given)
+            getattr(figures, f"plot_{name}")(*given, **more)
 
 
 # -- Measured curves beside those of the model
@@ -352,13 +346,6 @@ def test_transmissibility_sum_peaks_at_the_antiresonances_and_leaves_out_0_hz(ax
     assert x[0] > 0.0
     peaks = x[1:-1][(y[1:-1] > y[:-2]) & (y[1:-1] > y[2:])]
     np.testing.assert_allclose(peaks, chain().antiresonances(0, 0), rtol=1e-3)
-
-
-def test_transmissibility_refuses_what_it_cannot_draw(record):
-    t, h = ar.transmissibility(record, 0, nperseg=512), ar.frf(record, nperseg=512)
-    for given, dof, said in ((t, 0, "reference"), (t, 9, r"\[1, 2, 3\]"), (h, 1, "transmissibility")):
-        with pytest.raises(ar.InvalidInputError, match=said):
-            figures.plot_transmissibility(given, chain(), dof=dof, excitation=0)
 
 
 # -- Updating: differences and the search
@@ -464,22 +451,26 @@ def test_damage_has_one_bar_an_element_and_prints_the_severity(damage, ax):
     np.testing.assert_array_equal(bars["loss_percent"], heights)
     np.testing.assert_allclose(bars["smallest_seen_percent"], [100 * v for v in damage.detectable.values()])
     np.testing.assert_array_equal(bars["truth_percent"], [0.0, 40.0, 0.0])
-    with pytest.raises(ar.InvalidInputError, match="truth"):
-        damage.plot(ax=ax, truth=[0.0, 0.4, 0.0])
 
 
-def test_no_damage_is_no_picture_of_damage(ax):
-    ar.assess_damage(chain(), exact(chain()), rng=0, workers=1).plot(ax=ax)
-    assert ax.get_title() == "no damage found"
-    assert texts(ax) == []
+@pytest.mark.parametrize(
+    ("springs", "responses", "options", "said"),
+    [
+        ([500.0] * 3, DOFS, {"baseline": True}, "no damage declared"),
+        ([500.0, 300.0, 500.0], DOFS, {"baseline": True, "elements": [0]}, "no candidate explains"),
+        ([500.0] * 3, DOFS, {}, "no damage found"),
+        ([500.0] * 3, [2], {"elements": [0, 1, 2]}, "no damage could be seen"),  # H_31 depends on one spring
+    ],
+)
+def test_no_bar_has_a_reason(ax, springs, responses, options, said):
+    model = chain(np.full(3, 500.0))
+    if options.pop("baseline", False):
+        options["baseline"] = exact(model)
+    ar.assess_damage(model, exact(chain(springs), responses), rng=0, workers=1, **options).plot(ax=ax)
+    assert any(
+        said in text for text in [ax.get_title(), *texts(ax), *(labels(ax) if ax.get_legend() else [])]
+    )
     assert ax.get_ylim()[1] >= 10.0
-
-
-def test_an_element_that_nothing_shows_is_marked(ax):
-    result = ar.assess_damage(chain(), exact(chain(), [2]), elements=[0, 1, 2], rng=0, workers=1)
-    assert not np.isfinite(result.detectable[0])  # H_31 does not depend on it
-    result.plot(ax=ax)
-    assert "no damage could be seen" in labels(ax)
 
 
 def test_what_is_seen_only_above_the_axis_is_named_at_its_edge(damage, ax, monkeypatch):
@@ -532,16 +523,6 @@ def test_what_cannot_be_told_apart_stands_beside_it(halves, ax):
     assert "element 2 or element 3. The values cannot tell which." in halves.headline
 
 
-@pytest.mark.parametrize(
-    ("springs", "elements", "said"),
-    [([500.0] * 3, None, "no damage declared"), ([500.0, 300.0, 500.0], [0], "no candidate explains")],
-)
-def test_no_bar_has_a_reason(ax, springs, elements, said):
-    model = chain(np.full(3, 500.0))
-    ar.assess_damage(model, exact(chain(springs)), baseline=exact(model), elements=elements).plot(ax=ax)
-    assert any(said in text for text in texts(ax))
-
-
 def test_hypotheses_are_bars_of_their_probability(halves, ax):
     halves.hypotheses.plot(ax=ax)
     table = figures.data_of(ax)["hypotheses"]
@@ -550,14 +531,6 @@ def test_hypotheses_are_bars_of_their_probability(halves, ax):
     assert table["name"][-1].endswith("others together")
     assert [bar.get_width() for bar in ax.patches] == table["probability"].tolist()
     assert ax.get_yticklabels()[0].get_text().startswith("element 2\n40.0 % (")
-    with pytest.raises(ar.InvalidInputError, match="^most: got 0"):
-        halves.hypotheses.plot(ax=ax, most=0)
-
-
-def test_there_is_no_search_to_be_drawn(judged, ax):
-    said = "without a search; wanted the result of a search. See result.hy"
-    with pytest.raises(ar.InvalidInputError, match=said):
-        figures.plot_convergence(judged, ax=ax)
 
 
 # -- Structures
@@ -573,13 +546,6 @@ def test_a_chain_shows_the_springs_it_has(ax, ground):
     assert np.isfinite(springs["value"]).tolist() == [False, True, False, False][: len(springs["value"])]
     assert set(labels(ax)) == {"without a value", "accelerometer", "force"}
     assert texts(ax).count("ground") == len(ground)
-
-
-def test_a_chain_refuses_what_it_does_not_have(ax):
-    with pytest.raises(ar.InvalidInputError, match=r"an array \(3,\)"):
-        figures.plot_chain(chain(), [1.0, 2.0], ax=ax)
-    with pytest.raises(ar.InvalidInputError, match="excitation"):
-        figures.plot_chain(chain(), ax=ax, excitation=9)
 
 
 def test_no_loss_at_all_has_no_scale_that_pretends(ax):

@@ -1,4 +1,4 @@
-"""Readers of text and binary files, whatever is in them: a signal, or an error of ours."""
+"""Readers, whatever is in a file and wherever it was cut: a signal, or an error of ours."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import antires_rs as ar
+from reference import truncation
 from reference.io_signals import differences
 from reference.mutant_kinds import KINDS, mutant, outcome
 from reference.truncation import FORMATS
@@ -26,6 +27,8 @@ READ_HERE = (
     "Matrix Market",
     "AntiresonanceSet",
 )
+for _package in ("pyuff", "h5py"):
+    pytest.importorskip(_package)
 ONE_FILE = settings(
     deadline=20_000, max_examples=examples(60), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
@@ -79,21 +82,6 @@ def test_a_good_file_gone_wrong(tmp_path, whole, name, data):
     read(form, tmp_path / f"any{form.ending}", data.draw(mutated(whole(name))), **options)
 
 
-@pytest.mark.parametrize("sizes", ["2 3", "3 2", "2 2_0", "-2 -2", "0 0"])
-@pytest.mark.parametrize("symmetry", ["symmetric", "skew-symmetric", "general"])
-def test_a_matrix_that_is_not_square_ends_no_process(tmp_path, sizes, symmetry):
-    """Found at random: SciPy wrote beyond its memory at a symmetric array of two rows and three columns."""
-    text = f"%%MatrixMarket matrix array real {symmetry}\n{sizes}\n" + "1.0\n" * 3
-    assert read(FORMATS["Matrix Market"], tmp_path / "any.mtx", text.encode()) is None
-
-
-@pytest.mark.parametrize("entry", ["0\0", "0x", "1 2", "", "nan-", "1e", "--1"])
-def test_an_entry_that_is_no_number_ends_no_process(tmp_path, entry):
-    """Found at random: SciPy ended the process at a NUL behind a number of a symmetric array."""
-    lines = ["%%MatrixMarket matrix array real symmetric", "40 40", *["0"] * 177, entry, *["0"] * 642, ""]
-    assert read(FORMATS["Matrix Market"], tmp_path / "any.mtx", "\n".join(lines).encode()) is None
-
-
 @st.composite
 def recordings(draw):
     """Recordings of any dofs and values that are finite, from a billionth to a billion."""
@@ -128,18 +116,46 @@ def test_what_was_written_is_read(tmp_path, write, read, ending, record):
     assert differences(record, read(path))["responses"] == 0.0
 
 
-#: Formats that need no child process; benchmarks/mutant_files.py reads many more, of every kind.
+#: What needs no child process; benchmarks/mutant_files.py reads many more, of every kind.
 CHILDREN = ("hdf5", "mat", "tdms", "wav", "excel", "parquet", "miniseed")
-QUICK = [kind for kind in KINDS if not kind.startswith(CHILDREN)]
 
 
-@pytest.mark.parametrize("kind", QUICK)
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind.startswith(CHILDREN)])
 def test_mutants(tmp_path, kind):
-    if kind.startswith("uff"):
-        pytest.importorskip("pyuff")
     whole = KINDS[kind].make(tmp_path)
     assert outcome(kind, whole) == ("read", "")
     good, path = whole.read_bytes(), tmp_path / f"mutant{KINDS[kind].ending}"
     for number in range(12):
         path.write_bytes(mutant(good, np.random.default_rng([7, number])))
         assert outcome(kind, path)[0] in ("read", "ours"), (number, outcome(kind, path))
+
+
+# -- Cuts: row 3 of the files' bar on a few of each format; benchmarks/truncated_files.py takes 300
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_no_cut_goes_unnoticed(tmp_path, name):
+    counts, bad = truncation.judged(name, tmp_path, 12 if name.startswith("MAT") else 40)
+    assert bad == []
+    # Nearly all cuts lose something, and then an error is the rule.
+    errors = sum(n for (where, what), n in counts.items() if what == "error" and "partial" not in where)
+    told = sum(n for (where, what), n in counts.items() if what == "warning" and "partial" not in where)
+    inside = sum(n for (where, what), n in counts.items() if where == "inside")
+    assert errors + told >= 0.9 * inside
+
+
+@pytest.mark.parametrize("name", ["UFF 58b, ours", "UFF 58b, other", "UFF 58, ours"])
+def test_every_byte_around_a_boundary(tmp_path, name):
+    """A marker is seven bytes, five of them blanks: random cuts seldom fall among them."""
+    form = FORMATS[name]
+    path = tmp_path / "whole"
+    form.write(path)
+    data, whole = path.read_bytes(), form.read(path)
+    ends = form.ends(data)
+    for position in range(ends[1] - 90, ends[1] + 90):
+        path.write_bytes(data[:position])
+        found = truncation.outcome(form, path, whole)
+        silent = not form.states_size and position in ends
+        assert found == ("silence" if silent else "error"), position - ends[1]
+    path.write_bytes(data[:-1])
+    assert truncation.outcome(form, path, whole) == "whole"

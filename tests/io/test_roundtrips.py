@@ -1,5 +1,9 @@
 """Row 2 of the files' bar: every format and every kind of data comes back to the format's precision."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -84,3 +88,29 @@ def test_readers_name_the_file(tmp_path, read):
     (tmp_path / "prose").write_text("To whom it may concern:\nno number here.\n")
     with pytest.raises(ar.UnsuitableDataError, match="^path: got '.*prose', .*; wanted "):
         read(tmp_path / "prose")
+
+
+# A limit on the size of files stands for a disk without room: writing beyond it fails in the same place.
+LIMITED = """
+import resource, signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+import numpy as np, antires_rs as ar
+record = ar.Recording(np.random.default_rng(0).standard_normal((2, 2000)), 100.0)
+try:
+    ar.{writer}({target!r}, record)
+except OSError as exc:
+    print(type(exc).__name__)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits as set here are POSIX")
+@pytest.mark.parametrize("writer", ["write_npz", "write_mat", "write_csv", "write_uff"])
+def test_writers_leave_what_was_there(tmp_path, writer):
+    target = tmp_path / "a.out"
+    target.write_bytes(b"before")
+    code = LIMITED.format(writer=writer, target=str(target))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "OSError"), done.stderr
+    assert target.read_bytes() == b"before"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.out"]

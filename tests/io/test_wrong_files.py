@@ -160,26 +160,16 @@ def lvm(*lines, **options):
 
 FRFS = ar.FrequencyResponse(F, H, dofs=["1+X", "2+X"])
 RECORD = ar.Recording([A, B], 128.0, dofs=["1+X", "2+X"])
-SEGMENT = [
-    "Channels\t1",
-    "Samples\t3",
-    "Y_Unit_Label\tg",
-    "Delta_X\t0.01",
-    "***End_of_Header***",
-    "X_Value\ta\tComment",
-]
+SEGMENT = ["Channels\t1", "Samples\t3", "Y_Unit_Label\tg", "Delta_X\t0.01"]
+SEGMENT += ["***End_of_Header***", "X_Value\ta\tComment"]
 REAL = np.abs(H) + 0j
 UNEVEN = np.concatenate([np.arange(2000) / 128.0, 2000 / 128.0 + np.arange(2000) / 127.3])
 GAP = np.delete(np.arange(65) / 128.0, 30)
 MARKET = "%%MatrixMarket matrix array "
-FOREIGN = (
-    "a.dxd a.d7d a.ldsf a.mf4 a.sie a.rsp a.tim a.dat a.edf a.sdt a.tdm a.svd a.pti a.xls a.pkl a.mp3 a.sac "
-    "a.tdms_index a.bin a.blk a.doc"
-)
 SET = {"wf_increment": 1 / 128, "unit_string": "g"}
 
 MISTAKES = {
-    **{f"file: {name}": foreign(name) for name in FOREIGN.split()},
+    **{f"file: {name}": foreign(name) for name in ("a.dxd", "a.dat", "a.xls", "a.tdms_index", "a.doc")},
     "npz: no rate": npz(a=A),
     "npz: two times": npz(run1_time=T, time=T, t=T, a=A),
     "npz: time and frequency": npz(time=T, freq=F, a=A),
@@ -199,7 +189,6 @@ MISTAKES = {
     "npz: no such force": npz(more={"force": "hammer"}, fs=128.0, a=A),
     "npz: an unknown unit": npz(more={"unit": "furlong"}, fs=128.0, a=A),
     "npz: a rate of zero": npz(more={"fs_hz": 0.0}, a=A),
-    "npz: a rate as text": npz(more={"fs_hz": "fast"}, a=A),
     "npz: NaN in a record": npz(fs=128.0, a=np.where(T > 0.2, np.nan, A)),
     "npz: values of 1e160": npz(fs=128.0, a=1e160 * A),
     "npz: three axes": npz(fs=128.0, a=np.zeros((2, 3, 64)), b=A),
@@ -210,7 +199,6 @@ MISTAKES = {
     "npz: a dof twice": npz(more={"dofs": [1, 1]}, fs=128.0, a=A, b=B),
     "npz: a .npy cut in the header": raw("a.npy", b"\x93NUMPY\x01\x00", ar.read_npz),
     "csv: real columns over frequency": rows("freq,a", F, np.abs(H[0])),
-    "csv: complex without imaginary part": rows("freq,a", F, [f"{x!r}+0j" for x in REAL[0].real.tolist()]),
     "csv: complex columns over time": rows(
         "time,a", T[:32], [f"{x.real!r}{x.imag:+}j" for x in H[0].tolist()]
     ),
@@ -230,11 +218,9 @@ MISTAKES = {
     "csv: names that do not fit": text("time,a,b", "0,1", "1,2"),
     "csv: no numbers": text("time,a", "x,y"),
     "csv: one row": text("time,a", "0,1"),
+    "csv: an unknown unit of time": text("time [ticks],a [g]", "0,1", "1,2", "2,3"),
     "csv: a rate beside another time": rows("time,a", T, A, fs_hz=100.0),
-    "csv: an unknown unit of a column": rows("time,a [furlong]", T, A),
-    "csv: m and m/s2 together": rows("time,a [m],b [m/s2]", T, A, B),
     "csv: two forces": rows("time,a [N],b [N],c [g]", T, A, B, A),
-    "csv: NaN": text("time,a", "0,1", "1,nan", "2,3"),
     "csv: a NUL byte": raw("a.csv", b"time,a\n0,1\n\x00,2\n", ar.read_csv),
     "hdf5: rates that disagree": hdf5({"a": ("fs", 128.0), "b": ("fs", 64.0)}),
     "hdf5: a rate that no name tells": hdf5({"a": ("abtastung", 9.0)}),
@@ -254,25 +240,23 @@ MISTAKES = {
     "uff: a force that is not there": uff(RECORD, force="9+Z"),
     "uff: a name that is no point": other(measured(), dofs={"12Q": 4}),
     "uff: dofs in a list": other(measured(), dofs=[1]),
-    "uff: two forces": other(measured(), *(measured(node=n, unit="kN") for n in (8, 9))),
-    "uff: a force that is no point": other(measured(), force="77Q"),
     "uff: several references": other(*(function(node=n, reference=(k, 3)) for k in (1, 2) for n in (3, 4))),
     "uff: a hammer that roved": other(*(function(node=7, reference=(k, 3)) for k in (1, 2))),
     "uff: cross spectra alone": other(function(kind=3, reference=(5, 3))),
     "uff: several kinds": other(measured(), function()),
     "uff: a kind that does not exist": other(measured(), kind="modes"),
     "uff: a function of an unknown type": other(function(kind=0)),
-    "uff: a time with a gap": other(measured(even=0, x=np.where(T < 0.2, T, T + 0.05))),
     "uff: m and m/s2 together": other(function(), function(node=2, unit="mm")),
     "uff: a real FRF": other(function(A)),
     "uff: other frequencies": other(function(), function(node=2, step=0.25)),
     "uff: a step of zero": other(measured(step=0.0)),
     "uff: an unknown unit": other(measured(unit="V")),
-    "uff: an unknown unit that is given": other(measured(), unit="V"),
     "uff: several runs": other(*[measured()] * 3),
     "uff: two dofs at one point": uff(RECORD, write={"dofs": {"1+X": (1, 0), "2+X": (1, 0)}}),
-    "uff: a dof without point": uff(RECORD, write={"dofs": {"1+X": (1, 0)}}),
+    "uff: a force that is no point": other(measured(), force="77Q"),
+    "uff: a time with a gap": other(measured(even=0, x=np.where(T < 0.2, T, T + 0.05))),
     "uff: written in g": uff(RECORD, write={"unit": "g"}),
+    "uff: a dof without point": uff(RECORD, write={"dofs": {"1+X": (1, 0)}}),
     "uff: a label that is too long": uff(ar.Recording([A], 128.0, dofs=["x" * 100])),
     "tdms: two rates": tdms([SET, {**SET, "wf_increment": 0.1}], A, B[:9]),
     "tdms: no rate": tdms([{"unit_string": "g"}], A),
@@ -291,10 +275,8 @@ MISTAKES = {
     "lvm: a gap between segments": lvm(*SEGMENT, "\t1", "\t2", "\t3", "", *SEGMENT, "\t1", "\t2", "\t3"),
     "excel: an empty cell": sheet(["time", "a"], [0.0, 1.0], [1.0, 2.0, 3.0], [2.0, 3.0]),
     "excel: no sheet of that name": sheet(["time", "a"], [0.0, 1.0], sheet="run 2"),
-    "excel: a first column without name": sheet(["x", "a"], [0.0, 1.0], [0.5, 2.0]),
     "parquet: texts": parquet({"time": T, "a": ["x"] * 64}),
     "parquet: empty cells": parquet({"time": T, "a": [None, *A[1:]]}),
-    "parquet: no time": parquet({"a": A, "b": B}),
     "file: a folder in place of a file": lambda folder: ar.read_npz(folder),
     "file: empty": raw("a.npz", b"", ar.read_npz),
     "file: a number in place of a name": lambda folder: ar.read_csv(7),
@@ -316,46 +298,26 @@ MISTAKES = {
     ),
     "dof map: no line": dof_map("nothing\n"),
     "dof map: a point twice": dof_map("1 X\n1 X\n"),
-    "dof map: a row below the first": dof_map("0 1 X\n"),
     "dof map: an unknown direction": dof_map("1 X\n2 Q\n"),
 }
 
 
-@pytest.fixture(scope="module")
-def messages(tmp_path_factory):
-    said = {}
+def test_each_mistake_is_told_in_the_words_that_were_looked_at(tmp_path):
+    told = {}
     for number, (case, call) in enumerate(MISTAKES.items()):
-        folder = tmp_path_factory.mktemp(f"m{number}_", numbered=False)
+        folder = tmp_path / f"m{number}_"
+        folder.mkdir()
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
-                told = call(folder)
-                told = told if isinstance(told, str) else ""
-                kind = "exit 2"
+                said, kind = call(folder), "exit 2"
             except ar.AntiresError as exc:
-                told, kind = str(exc), type(exc).__name__
-        if not told:
-            told = " | ".join(str(each.message) for each in caught)
-            kind = "warning"
+                said, kind = str(exc), type(exc).__name__
+        if not isinstance(said, str):
+            said, kind = " | ".join(str(each.message) for each in caught), "warning"
             assert all(issubclass(each.category, ar.AntiresWarning) for each in caught), case
-        said[case] = kind, told.replace(str(folder), "FOLDER")
-    return said
-
-
-@pytest.mark.parametrize("case", MISTAKES)
-def test_each_mistake_is_told(messages, case):
-    kind, told = messages[case]
-    assert told, case
-    assert "Traceback" not in told
-    assert kind == "warning" or ("got" in told and "wanted" in told), told
-
-
-def test_the_messages_are_those_that_were_looked_at(messages):
-    """One line each, below the format that they are about."""
-    kept = {}
-    for case, (kind, told) in messages.items():
-        form, _, mistake = case.partition(": ")
-        kept.setdefault(form, []).append(f"{mistake}: {kind}  {told}")
-    compare(
-        Path(__file__).with_name("wrong_files.txt"), {form: "\n".join(lines) for form, lines in kept.items()}
-    )
+        assert said, case
+        assert "Traceback" not in said
+        assert kind == "warning" or ("got" in said and "wanted" in said), said
+        told[case] = f"{kind}  {said.replace(str(folder), 'FOLDER')}"
+    compare(Path(__file__).with_name("wrong_files.txt"), told)

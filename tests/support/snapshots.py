@@ -7,12 +7,11 @@ from antires_rs.app import command, parser as usage
 
 
 def compare(file, messages):
-    """Messages by what is wrong, against that file, which lies beside its test."""
-    text = "".join(f"# {case}\n{message}\n" for case, message in messages.items())
+    """Messages by what is wrong, a line each, against that file, which lies beside its test."""
+    text = "".join(f"{case}: {message}\n" for case, message in messages.items())
     if os.environ.get("ANTIRES_SNAPSHOTS") == "write":
         file.write_text(text, encoding="utf-8")
-    kept = [line for line in file.read_text(encoding="utf-8").splitlines() if line]
-    assert text.splitlines() == kept
+    assert text.splitlines() == file.read_text(encoding="utf-8").splitlines()
 
 
 @contextmanager
