@@ -3,7 +3,7 @@ r"""Stability selection: which zeros come back when the data and the fit are per
 A *look* is the direction of the responses over the band in one resolution (one length of segments, one length
 of a decay), as measured and several times perturbed: from random halves of the segments or of the impacts, in
 complementary pairs, or, where there are too few, with its own noise added once more; in every second one
-channel is left out. Zeros of local fits (:mod:`~antires_rs.identification.directions`) to the unperturbed
+channel is left out. Zeros of local fits (:mod:`~antires_rs.identification.local_fits`) to the unperturbed
 directions are candidates. The *share* of a candidate is how often perturbed fits see it, within 1.5 %, over
 stretches of the best of three widths, averaged over the looks. Accepted is
 
@@ -43,8 +43,8 @@ from ..signals.spectra import (
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen
-from .directions import MOST_LINES, SCALES, LocalFits, Stretch, fit, stretches
 from .lines import SNR_CAP, Lines
+from .local_fits import MOST_LINES, SCALES, LocalFits, Stretch, fit, stretches
 from .options import FitOptions, IdentificationOptions
 from .scores import scored, window_grades
 from .stabilization import StabilizationDiagram

@@ -375,6 +375,8 @@ def owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
 # lines does not mind whether it sees many averages or many lines.
 BANDWIDTHS = 16.0
 LEAST_SAMPLES = 256
+# Shorter ones are taken of records that have no more, down to these.
+FEWEST_SAMPLES = 64
 # Bands with more lines are fitted in windows, which costs more than the resolution gains.
 MOST_LINES = 5000
 # Lines below which no bandwidth is measured.
@@ -394,16 +396,16 @@ def choose_nperseg(
 ) -> int:
     """Samples per segment from the record's length and the sharpness of its resonances."""
     n_long = longest_segments(rec, band_hz)
-    if n_long < LEAST_SAMPLES:
-        wanted = f"a record of at least {int(LEAST_SAMPLES * SEGMENTS)} samples"
-        got = f"None for a record of {rec.n_samples} samples"
+    if n_long < FEWEST_SAMPLES:
+        wanted = f"a record of at least {FEWEST_SAMPLES * SEGMENTS / rec.fs_hz:.3g} s"
+        got = f"None for a record of {rec.n_samples / rec.fs_hz:.3g} s"
         reject("nperseg", got, wanted, "Give nperseg, or record for longer.")
     power = (correlation or Autocorrelation(rec)).power(n_long, band_hz)
     width = narrow_width(power) if power.size >= LEAST_LINES else None
     if width is None:
         return n_long
     bandwidth = width * rec.fs_hz / n_long
-    return max(LEAST_SAMPLES, min(n_long, power_of_two(BANDWIDTHS / bandwidth * rec.fs_hz)))
+    return min(n_long, max(LEAST_SAMPLES, power_of_two(BANDWIDTHS / bandwidth * rec.fs_hz)))
 
 
 METHODS = ("auto", "welch", "transient")

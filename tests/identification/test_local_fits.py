@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.identification.directions import fit, stretches
+from antires_rs.identification.local_fits import fit, stretches
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
 
 BAND = (3.0, 130.0)
