@@ -96,7 +96,7 @@ class ExpectedErrors:
 
 
 #: Relative distance up to which roots of two responses are one, and from which on transmissibilities show
-#: both in full; as in the core (update/sight.rs).
+#: both in full; as in the core (update/objective.rs).
 ONE, APART = 1e-6, 1e-3
 #: What shows less of a root does not show it; as in ``damage.measured_states``.
 SEEN = 0.5
