@@ -20,7 +20,7 @@ from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitt
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
-from .options import DamagePrior
+from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
 
 # -- Which elements may be damaged: a beam search over sets of elements
@@ -299,11 +299,13 @@ _DRAWS, _NINE_OF_TEN = 4000, 0.9
 
 
 def log_odds_threshold(
-    slopes: FloatArray, prior: DamagePrior, rate: float, rng: np.random.Generator
-) -> float:
-    """Log odds of damage that this share of intact tests exceeds; ``slopes`` are ``intact_slopes``."""
+    slopes: FloatArray, prior: DamagePrior, options: SearchOptions, rng: np.random.Generator
+) -> float | None:
+    """Log odds of damage that the share of intact tests wanted exceeds; ``slopes`` are ``intact_slopes``."""
     from scipy.special import logsumexp
 
+    if options.quantile is None:
+        return None
     n = slopes.shape[1]
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-6)
     # Height of each severity's peak over its standard deviation, and the room that it has from 0 on.
@@ -311,7 +313,7 @@ def log_odds_threshold(
     room = size * HIGHEST
     evidence = 0.5 * height**2 + log_between(-height, room - height) + np.log(np.sqrt(2.0 * np.pi) / room)
     odds = logsumexp(evidence, axis=1)
-    return float(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, n) - prior.log_of(0, n)
+    return float(np.quantile(odds, options.quantile)) + prior.log_of(1, n) - prior.log_of(0, n)
 
 
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
@@ -431,7 +433,7 @@ def learned_from(
 ) -> Learned:
     """What is known before the values of now are looked at."""
     likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
-    error, odd, rate = likelihood.error, prepared.odd, question.options.false_alarm_rate
+    error, odd = likelihood.error, prepared.odd
     slopes = intact_slopes(likelihood, len(question.elements))
     own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
     between = [
@@ -446,7 +448,7 @@ def learned_from(
         outside=error.outside,
         low=likelihood.band.low,
         high=likelihood.band.high,
-        threshold=None if rate is None else log_odds_threshold(slopes, prior, rate, rng),
+        threshold=log_odds_threshold(slopes, prior, question.options, rng),
         detectable=tuple(smallest_found(slopes, prior).tolist()),
         assumed_std=prepared.responses.assumed,
         n_intact=intact.size,

@@ -220,16 +220,19 @@ class UpdateResult(ReadOnly, Viewed):
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
         head = f"J = {self.fun:.6g} after {self.search.effort}: {self.status} ({self.message})"
+        notes = [f"note: {note}" for note in self.notes]
+        return "\n".join([head, "", *self._values(), "", str(self.table), *([""] if notes else []), *notes])
+
+    def _values(self) -> list[str]:
+        """A line a parameter."""
         width = max(len(name) for name in self.problem.names)
         spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
         wide = max(map(len, spreads))
         rows = zip(self.problem.names, self.x, spreads, self.problem.bounds, strict=True)
-        values = [
+        return [
             f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
             for name, value, spread, (low, high) in rows
         ]
-        notes = [f"note: {note}" for note in self.notes]
-        return "\n".join([head, "", *values, "", str(self.table), *([""] if notes else []), *notes])
 
     @property
     def std(self) -> FloatArray:
