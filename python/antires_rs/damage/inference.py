@@ -17,7 +17,7 @@ from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
 from ..updating.reduced_search import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitted
-from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
+from .hypotheses import Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
 from .options import DamagePrior, SearchOptions
@@ -209,9 +209,10 @@ class Search:
         return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
     def log_weights(self) -> dict[Elements, float]:
-        """Log of prior times evidence by elements; ``UNKNOWN`` for something else."""
+        """Log of prior times evidence by elements, and of what is no damage of an element."""
         found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-        return {**found, UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
+        others = self.likelihood.of_no_element
+        return found | {kind: log_evidence + self._log_priors[-1] for kind, log_evidence in others.items()}
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""
@@ -370,7 +371,7 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
         while len(apart) < _MOST:
             weights = search.log_weights()
             least = float(np.logaddexp.reduce(list(weights.values()))) + np.log(_SHARE)
-            near = [s for s, weight in weights.items() if s and s != UNKNOWN and weight > least]
+            near = [s for s, weight in weights.items() if s and s in search.fits and weight > least]
             likeliest = [(), *sorted(near, key=lambda s: -weights[s])]
             new = next((elements for elements in likeliest if elements not in apart), None)
             if new is None:
@@ -484,8 +485,8 @@ def posterior(
         probability = min(float(np.exp(weight - total)), 1.0)
         if probability < least and elements and elements != kept:
             continue
-        if elements == UNKNOWN:
-            rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
+        if elements not in search.fits:
+            rows.append(Hypothesis(elements, probability, (), (), (), candidate=False))
             continue
         fit = search.fits[elements]
         ends = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
@@ -508,7 +509,7 @@ def concluded(
     """Hypotheses with their probabilities, and how well the best explains the values."""
     likelihood, now, numbers = search.likelihood, search.likelihood.now, question.numbers
     weights = search.log_weights()
-    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and not search.outside(s)}
+    damage = {s: w for s, w in weights.items() if s and s in search.fits and not search.outside(s)}
     likeliest = max(damage, key=lambda s: damage[s], default=())
     rows = posterior(search, weights, numbers, likeliest, least)
     best = rows[0]
