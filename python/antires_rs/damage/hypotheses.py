@@ -45,7 +45,7 @@ def figure(share: float) -> str:
 
 
 #: Changes that are no damage of an element, by what stands for their elements; and what they are called.
-UNKNOWN = (-1,)
+UNKNOWN: tuple[int, ...] = (-1,)
 OF_NO_ELEMENT = {UNKNOWN: "something else"}
 _SHOWN = 8
 
