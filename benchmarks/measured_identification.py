@@ -3,7 +3,7 @@
 The settings are the defaults everywhere. Dips, clear (12 dB within 5 %) and faint (3 dB within 3 %), are told
 by ``reference/measured.py``, which knows nothing of rational functions; a value without even a
 faint dip counts as false. Nothing was tuned on the frame and the beam; what was tuned on the plates is in
-``order_sweep/limits.py``.
+``identification/windows.py`` and ``identification/selection.py``.
 
     python -m benchmarks.measured_identification                    # all parts, some minutes
     python -m benchmarks.measured_identification --only plates

@@ -11,8 +11,8 @@ from typing import Any
 
 # By class and verb: the function, in "room.module:function".
 VIEWS = {
-    ("AntiresonanceSet", "plot damping_clusters"): "figures.identification:plot_damping_clusters",
     ("AntiresonanceSet", "plot stabilization"): "figures.identification:plot_stabilization",
+    ("AntiresonanceSet", "plot damping_clusters"): "figures.identification:plot_damping_clusters",
     ("AntiresonanceSet", "to_dataframe"): "io.data_frames:to_dataframe",
     ("AntiresonanceSet", "to_xarray"): "io.data_frames:to_xarray",
     ("Assessor", "load"): "io.archive:load_assessor",
@@ -51,6 +51,12 @@ class Viewed:
     """A value of which :data:`VIEWS` has functions; a class has those of its bases, too."""
 
     __slots__ = ()
+
+    @classmethod
+    def _kinds(cls, verb: str) -> tuple[str, ...]:
+        """Of which kinds that view is, where there are several."""
+        own = (name.split(" ") for of, name in VIEWS if of == cls.__name__ and " " in name)
+        return tuple(kind for each, kind in own if each == verb)
 
     @classmethod
     def _view(cls, verb: str) -> Any:

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..damage.options import ONE_STATE, TWO_STATES, SearchOptions, options_with
 from ..identification.options import declared
-from ..io.registry import ENDINGS
+from ..io.registry import ENDINGS, formats_of
 
 # -- What a key and a section of a job file are
 
@@ -66,18 +66,19 @@ def small(sentence: str) -> str:
 
 #: Endings of files by format.
 FORMATS = {**ENDINGS, "antiresonances": (".json",)}
+SIGNAL_ENDINGS = [ending for endings in ENDINGS.values() for ending in endings]
 #: What has no ending: a folder of files of one response each.
 FOLDER = "folder"
 SIGNALS = (*ENDINGS, FOLDER)
-RECORDS = ("tdms", "lvm", "wav", "miniseed")
+RECORDS = formats_of("records")
 CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
 #: Names of several formats, or kinds of parameter, in the declarations below.
 GROUPS = {
     "signals": SIGNALS,
     "records": RECORDS,
     "responses": tuple(kind for kind in SIGNALS if kind not in RECORDS),
-    "arrays": ("mat", "hdf5", "npz"),
-    "columns": ("csv", "excel", "parquet"),
+    "arrays": formats_of("arrays"),
+    "columns": formats_of("columns"),
     "stiffness": ("stiffness_factor", "stiffness_reduction"),
     "sectioned": ("youngs_modulus", "density", "thickness", "diameter"),
     "lumped": ("point_mass", "inertia"),
@@ -152,13 +153,11 @@ def _of_damage(scope: str) -> list[Key]:
 
 _TEXT = """
 [data] may: What was measured. One [[data]] for each position of the force, or a single [data].
-file (required text): The measurement: a file .uff, .unv, .mat, .h5, .csv, .tsv, .txt, .npz, .npy, .tdms,
-    .lvm, .wav, .xlsx, .parquet or .mseed, a folder of files of one FRF each, or the .json of 'antires
-    identify'. Relative to this job file.
+file (required text): The measurement: a file <endings>, a folder of files of one FRF each, or the .json of
+    'antires identify'. Relative to this job file.
 repeats (texts of signals): Further files of the same test, other impacts or runs, in the same format; *
     stands for anything. They are averaged with the first.
-format (text, --format FORMAT): One of uff, mat, hdf5, csv, npz, tdms, lvm, wav, excel, parquet, miniseed,
-    antiresonances. By default the ending tells.
+format (text, --format FORMAT): One of <formats>. By default the ending tells.
 excitation (dof of signals, --excitation DOF): Dof of the model at which the one force acts, or the name of
     its channel.
 band_hz (pair of signals, --band LOW HIGH): Lowest and highest frequency in Hz: from above the rigid-body
@@ -304,7 +303,10 @@ pictures (switch) = true: Whether to write the pictures as PNG too.
 """
 #: In the order of a job file.
 SECTIONS = _sections(
-    _TEXT, options=_IDENTIFICATION, two_states=_of_damage(TWO_STATES), one_state=_of_damage(ONE_STATE)
+    _TEXT.replace("<endings>", " ".join(SIGNAL_ENDINGS)).replace("<formats>", ", ".join(FORMATS)),
+    options=_IDENTIFICATION,
+    two_states=_of_damage(TWO_STATES),
+    one_state=_of_damage(ONE_STATE),
 )
 DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
 #: What a job of each task may hold, in the order in which ``antires init`` writes it.

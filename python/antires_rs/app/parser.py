@@ -320,8 +320,7 @@ _SHARED = {
     "threads": "--workers N>=1: threads of the search (default: all processors); no number depends on it",
     "search": "'antires init' writes one. Ctrl-C hands back the best so far; 'antires resume' goes on from "
     "there.",
-    "files": "a measurement (.uff .unv .mat .h5 .csv .tsv .txt .npz .npy .tdms .lvm .wav .xlsx .parquet "
-    ".mseed, or a folder of files of one FRF each), several of one test,",
+    "files": "a measurement (<endings>, or a folder of files of one FRF each), several of one test,",
     "results": "or a result.npz or the folder that holds it",
     "edit": ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each',
 }
@@ -367,9 +366,13 @@ class Command(NamedTuple):
         for text in self.arguments:
             if text == "<measurement>":
                 yield from measurement_rows()
-            else:
-                use, _, about = text.partition(": ")
-                yield argument(use, about)
+                continue
+            use, _, about = text.partition(": ")
+            if "<endings>" in about:
+                from .keys import SIGNAL_ENDINGS
+
+                about = about.replace("<endings>", " ".join(SIGNAL_ENDINGS))
+            yield argument(use, about)
 
 
 def _declared(text: str) -> dict[str, Command]:

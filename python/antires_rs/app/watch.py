@@ -347,9 +347,7 @@ class _Teller:
         with warnings.catch_warnings():
             if self._warned:
                 warnings.simplefilter("ignore", AntiresWarning)
-            watched = monitor(
-                series, baseline=slice(0, wanted), false_alarm_rate=self._args.rate, assessor=self._assessor
-            )
+            watched = monitor(series, slice(0, wanted), self._args.rate, assessor=self._assessor)
         for i in range(wanted, count):
             if series.names[i] not in self._told:
                 print(_line(watched, i), flush=True)

@@ -44,8 +44,9 @@ def figure(share: float) -> str:
     return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{float(f'{value:.2g}'):g} %"
 
 
-#: Elements of the hypothesis that something else has changed.
-UNKNOWN = (-1,)
+#: Changes that are no damage of an element, by what stands for their elements; and what they are called.
+UNKNOWN: tuple[int, ...] = (-1,)
+OF_NO_ELEMENT = {UNKNOWN: "something else"}
 _SHOWN = 8
 
 
@@ -84,7 +85,7 @@ class Hypothesis:
     @property
     def unknown(self) -> bool:
         """Whether no element explains the change."""
-        return self.elements == UNKNOWN
+        return self.elements in OF_NO_ELEMENT
 
 
 class Hypotheses(Viewed):
@@ -125,7 +126,7 @@ class Hypotheses(Viewed):
     def called(self, one: Hypothesis) -> str:
         """A hypothesis in words."""
         if one.unknown:
-            return "something else"
+            return OF_NO_ELEMENT[one.elements]
         if not one.elements:
             return "no damage"
         return self.named(one.elements) + ("" if one.candidate else " (no candidate)")

@@ -17,10 +17,10 @@ from ..support.progress import one_blas_thread, step
 from ..updating.model_check import roots_between
 from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitted
-from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
+from .hypotheses import Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
-from .options import DamagePrior
+from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
 
 # -- Which elements may be damaged: a beam search over sets of elements
@@ -205,9 +205,10 @@ class Search:
         return (*own, self.prior.log_elsewhere(others) if others else -np.inf, self.prior.log_unknown(others))
 
     def log_weights(self) -> dict[Elements, float]:
-        """Log of prior times evidence by elements; ``UNKNOWN`` for something else."""
+        """Log of prior times evidence by elements, and of what is no damage of an element."""
         found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-        return {**found, UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
+        others = self.likelihood.of_no_element
+        return found | {kind: log_evidence + self._log_priors[-1] for kind, log_evidence in others.items()}
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""
@@ -295,11 +296,13 @@ _DRAWS, _NINE_OF_TEN = 4000, 0.9
 
 
 def log_odds_threshold(
-    slopes: FloatArray, prior: DamagePrior, rate: float, rng: np.random.Generator
-) -> float:
-    """Log odds of damage that this share of intact tests exceeds; ``slopes`` are ``intact_slopes``."""
+    slopes: FloatArray, prior: DamagePrior, options: SearchOptions, rng: np.random.Generator
+) -> float | None:
+    """Log odds of damage that the share of intact tests wanted exceeds; ``slopes`` are ``intact_slopes``."""
     from scipy.special import logsumexp
 
+    if options.quantile is None:
+        return None
     n = slopes.shape[1]
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-6)
     # Height of each severity's peak over its standard deviation, and the room that it has from 0 on.
@@ -307,7 +310,7 @@ def log_odds_threshold(
     room = size * HIGHEST
     evidence = 0.5 * height**2 + log_between(-height, room - height) + np.log(np.sqrt(2.0 * np.pi) / room)
     odds = logsumexp(evidence, axis=1)
-    return float(np.quantile(odds, 1.0 - rate)) + prior.log_of(1, n) - prior.log_of(0, n)
+    return float(np.quantile(odds, options.quantile)) + prior.log_of(1, n) - prior.log_of(0, n)
 
 
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
@@ -364,7 +367,7 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
         while len(apart) < _MOST:
             weights = search.log_weights()
             least = float(np.logaddexp.reduce(list(weights.values()))) + np.log(_SHARE)
-            near = [s for s, weight in weights.items() if s and s != UNKNOWN and weight > least]
+            near = [s for s, weight in weights.items() if s and s in search.fits and weight > least]
             likeliest = [(), *sorted(near, key=lambda s: -weights[s])]
             new = next((elements for elements in likeliest if elements not in apart), None)
             if new is None:
@@ -426,7 +429,7 @@ def learned_from(
 ) -> Learned:
     """What is known before the values of now are looked at."""
     likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
-    error, odd, rate = likelihood.error, prepared.odd, question.options.false_alarm_rate
+    error, odd = likelihood.error, prepared.odd
     slopes = intact_slopes(likelihood, len(question.elements))
     own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
     between = [
@@ -441,7 +444,7 @@ def learned_from(
         outside=error.outside,
         low=likelihood.band.low,
         high=likelihood.band.high,
-        threshold=None if rate is None else log_odds_threshold(slopes, prior, rate, rng),
+        threshold=log_odds_threshold(slopes, prior, question.options, rng),
         detectable=tuple(smallest_found(slopes, prior).tolist()),
         assumed_std=prepared.responses.assumed,
         n_intact=intact.size,
@@ -474,8 +477,8 @@ def posterior(
         probability = min(float(np.exp(weight - total)), 1.0)
         if probability < least and elements and elements != kept:
             continue
-        if elements == UNKNOWN:
-            rows.append(Hypothesis(UNKNOWN, probability, (), (), (), candidate=False))
+        if elements not in search.fits:
+            rows.append(Hypothesis(elements, probability, (), (), (), candidate=False))
             continue
         fit = search.fits[elements]
         ends = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
@@ -498,7 +501,7 @@ def concluded(
     """Hypotheses with their probabilities, and how well the best explains the values."""
     likelihood, now, numbers = search.likelihood, search.likelihood.now, question.numbers
     weights = search.log_weights()
-    damage = {s: w for s, w in weights.items() if s and s != UNKNOWN and not search.outside(s)}
+    damage = {s: w for s, w in weights.items() if s and s in search.fits and not search.outside(s)}
     likeliest = max(damage, key=lambda s: damage[s], default=())
     rows = posterior(search, weights, numbers, likeliest, least)
     best = rows[0]

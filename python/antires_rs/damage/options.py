@@ -89,6 +89,11 @@ class SearchOptions(Options):
         """Those of damage without a baseline, and what counts as none."""
         return self.gamma1, self.gamma2, self.snap
 
+    @property
+    def quantile(self) -> float | None:
+        """Of the odds in intact tests, beyond which damage is declared; None: by probability alone."""
+        return None if self.false_alarm_rate is None else 1.0 - self.false_alarm_rate
+
     def of(self, scope: str) -> SearchOptions:
         """The same, checked; options that have no effect in this kind of assessment are refused."""
         for name, said in self.declared().items():

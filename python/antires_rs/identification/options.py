@@ -20,10 +20,11 @@ from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..signals.averaging import METHODS, Averaging
-from ..support.checks import choice, integer
+from ..support.checks import FloatArray, choice, integer
 from ..support.options import Option, Options, documented, option
 
 # Beyond, a narrower band or windows serve better than more orders.
@@ -205,6 +206,12 @@ class FitOptions(Options):
             )
         choice("formulation", self.formulation, CHOICES)
         return super().checked()
+
+    def agree(self, ratio: FloatArray, damping: FloatArray, own: float, least: float) -> NDArray[np.bool_]:
+        """Whether roots are one with a root of damping ``own``, by ratio of moduli and by damping."""
+        return (np.abs(ratio - 1.0) <= self.freq_tol) & (
+            np.abs(damping - own) <= self.damping_tol * abs(own) + least
+        )
 
     def check_span(self, min_order: int, max_order: int) -> None:
         """Refuse orders among which no chain could be long enough."""

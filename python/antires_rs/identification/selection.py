@@ -208,10 +208,7 @@ def _seen(
     seen = []
     for zero in zeros.tolist():
         own_size, own_damping = abs(zero), -zero.real / abs(zero)
-        near = np.flatnonzero(
-            (np.abs(size / own_size - 1.0) <= rule.freq_tol)
-            & (np.abs(damping - own_damping) <= rule.damping_tol * abs(own_damping) + SAME_DAMPING)
-        )
+        near = np.flatnonzero(rule.agree(size / own_size, damping, own_damping, SAME_DAMPING))
         # Of each order the nearest.
         near = near[np.argsort(np.abs(roots[near] - zero), kind="stable")]
         nearest = near[np.unique(order[near], return_index=True)[1]]

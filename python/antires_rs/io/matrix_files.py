@@ -161,8 +161,8 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
                 if fields[i]:
                     own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _fortran(fields[i + 2])))
         except (ValueError, IndexError) as exc:
-            found = f"with the card in line {line} that cannot be read ({exc})"
-            unsuitable(file, found, _WANTED, "Correct it.")
+            got = f"with the card in line {line} that cannot be read ({exc})"
+            unsuitable(file, got, _WANTED, "Correct it.")
     if not entries:
         unsuitable(file, "without a DMIG card", _WANTED, "Export with PARAM,EXTOUT,DMIGPCH.")
     return {name: by_points(file, own, columns[name]) for name, own in entries.items()}
@@ -270,8 +270,8 @@ def read_harwell_boeing(file: Path) -> dict[str, Labelled]:
             raise ValueError("pointers or rows out of range")
         columns = np.repeat(np.arange(n), np.diff(pointers))
     except (ValueError, IndexError) as exc:
-        found = f"which is cut, damaged or of another kind ({exc})"
-        unsuitable(file, found, _WANTED_HARWELL_BOEING, "Export it again.")
+        got = f"which is cut, damaged or of another kind ({exc})"
+        unsuitable(file, got, _WANTED_HARWELL_BOEING, "Export it again.")
     return {file.stem: Labelled(completed(rows, columns, values, n))}
 
 
@@ -334,8 +334,8 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
         table = np.array(b" ".join(numbers[1:]).split(), dtype=np.float64).reshape(-1, places + width)
         whole = _matrix(table[:, :places], table[:, places:], symmetry, n)
     except (ValueError, OverflowError, MemoryError) as exc:
-        found = f"which cannot be read ({brief(exc)})"
-        unsuitable(file, found, wanted, "Export it again, as real numbers in MatrixMarket format.")
+        got = f"which cannot be read ({brief(exc)})"
+        unsuitable(file, got, wanted, "Export it again, as real numbers in MatrixMarket format.")
     return {file.stem: Labelled(whole)}
 
 

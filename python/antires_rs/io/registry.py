@@ -12,22 +12,27 @@ from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
 from .table_files import read_csv, read_excel, read_parquet
 from .uff import read_uff
 
-#: Each format with its reader and the endings of its files.
-_FORMATS: dict[str, tuple[Callable[..., Signal], str]] = {
-    "uff": (read_uff, ".uff .unv .uf .u58"),
-    "mat": (read_mat, ".mat"),
-    "hdf5": (read_hdf5, ".h5 .hdf5 .hdf"),
-    "csv": (read_csv, ".csv .tsv .txt"),
-    "npz": (read_npz, ".npz .npy"),
-    "tdms": (read_tdms, ".tdms"),
-    "lvm": (read_lvm, ".lvm"),
-    "wav": (read_wav, ".wav"),
-    "excel": (read_excel, ".xlsx .xlsm"),
-    "parquet": (read_parquet, ".parquet .pq"),
-    "miniseed": (read_miniseed, ".mseed .miniseed"),
+#: Each format with its reader, the endings of its files, and the group of formats to which it belongs.
+_FORMATS: dict[str, tuple[Callable[..., Signal], str, str]] = {
+    "uff": (read_uff, ".uff .unv .uf .u58", ""),
+    "mat": (read_mat, ".mat", "arrays"),
+    "hdf5": (read_hdf5, ".h5 .hdf5 .hdf", "arrays"),
+    "csv": (read_csv, ".csv .tsv .txt", "columns"),
+    "npz": (read_npz, ".npz .npy", "arrays"),
+    "tdms": (read_tdms, ".tdms", "records"),
+    "lvm": (read_lvm, ".lvm", "records"),
+    "wav": (read_wav, ".wav", "records"),
+    "excel": (read_excel, ".xlsx .xlsm", "columns"),
+    "parquet": (read_parquet, ".parquet .pq", "columns"),
+    "miniseed": (read_miniseed, ".mseed .miniseed", "records"),
 }
-READERS = {name: reader for name, (reader, _) in _FORMATS.items()}
-ENDINGS = {name: tuple(endings.split()) for name, (_, endings) in _FORMATS.items()}
+READERS = {name: reader for name, (reader, _, _) in _FORMATS.items()}
+ENDINGS = {name: tuple(endings.split()) for name, (_, endings, _) in _FORMATS.items()}
+
+
+def formats_of(group: str) -> tuple[str, ...]:
+    """Names of the formats of a group: arrays with names, tables of columns, or records alone."""
+    return tuple(name for name, (_, _, own) in _FORMATS.items() if own == group)
 
 
 def format_by_ending(name: str) -> str | None:

@@ -601,9 +601,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         Parameters
         ----------
         dof : int or str
-        kind : {"stabilization", "damping_clusters"}
-            :func:`~antires_rs.figures.plot_stabilization` or
-            :func:`~antires_rs.figures.plot_damping_clusters`.
+        kind : str
+            Which picture of :mod:`~antires_rs.figures`, such as "stabilization" of
+            :func:`~antires_rs.figures.plot_stabilization`; another word is refused with the list of all.
         ax : matplotlib.axes.Axes, optional
 
         Raises
@@ -613,7 +613,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         MissingDependencyError
             matplotlib is not installed.
         """
-        choice("kind", kind, ("stabilization", "damping_clusters"))
+        choice("kind", kind, self._kinds("plot"))
         if self._dof(dof) not in self.diagrams:
             wanted = "a dof of a set that was identified, not made by hand or loaded"
             remedy = "Identify it from the measurement to have its diagram."

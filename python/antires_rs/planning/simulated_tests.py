@@ -164,13 +164,10 @@ class Judge:
         rows[np.arange(1, rows.shape[0]), self.element] = self.beta[1:]
         found = roots_at(core, rows, slopes=True, threads=self.threads)
         self._tabulate(error, found)
-        self.threshold = None
-        rate = self.options.false_alarm_rate
-        if rate is not None:
-            states = (self.baseline, self.baseline)
-            likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)
-            slopes = intact_slopes(likelihood, len(self.test.elements))
-            self.threshold = log_odds_threshold(slopes, self.prior, rate, self.rng)
+        states = (self.baseline, self.baseline)
+        likelihood = Likelihood(core, n, error, *states, self.options.std_common, self.threads)
+        slopes = intact_slopes(likelihood, len(self.test.elements))
+        self.threshold = log_odds_threshold(slopes, self.prior, self.options, self.rng)
 
     def _tabulate(self, error: ModelError, found: list[Roots]) -> None:
         """Place, covariance and slope of every value under every hypothesis."""

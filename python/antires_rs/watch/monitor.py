@@ -474,9 +474,9 @@ _MOST_FAULTS = 0.5
 @patient("watching the series")
 def monitor(
     series: Series | Sequence[AntiresonanceSet | None],
-    *,
     baseline: Any,
     false_alarm_rate: float = 0.01,
+    *,
     conditions: Any = None,
     model: StructuralModel | None = None,
     assessor: Assessor | None = None,
