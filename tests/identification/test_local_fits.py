@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.local_fits import fit, stretches
+from antires_rs.signals.averaging import Averaging, holds_hits
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
 
 BAND = (3.0, 130.0)
@@ -74,6 +76,25 @@ def test_noise_alone_says_so():
     with pytest.warns(ar.AntiresWarning, match="no antiresonance in 1 to 40 Hz"):
         zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=(1, 40), check="off", fit=fit_options)
     assert not any(map(len, zeros.values()))
+
+
+@pytest.mark.parametrize("formulation", ["auto", "directions"])
+def test_a_band_of_few_lines_is_refused(formulation):
+    rec = ar.Recording(np.random.default_rng(4).standard_normal((3, 1000)), 100.0)
+    asked = ar.FitOptions(formulation=formulation)
+    with pytest.raises(InvalidInputError, match=r"lines for (local fits|orders)"):
+        ar.identify_antiresonances(rec, excitation=0, band_hz=(10.0, 22.0), check="off", fit=asked)
+
+
+@pytest.mark.parametrize("seconds", [2.0, 4.0])
+def test_a_hit_that_still_rings_is_a_hit(seconds):
+    fs_hz = 2048.0
+    time = np.arange(int((0.5 + seconds) * fs_hz)) / fs_hz - 0.5
+    shapes = np.array([[1.0, 0.7, 0.4], [0.8, -0.5, -0.9], [0.3, -0.8, 0.6]])
+    modes = [np.exp(-0.003 * 2 * np.pi * f * time) * np.sin(2 * np.pi * f * time) for f in (5.0, 9.0, 23.0)]
+    clean = np.where(time > 0.0, shapes @ np.array(modes), 0.0)
+    noise = 1e-3 * np.random.default_rng(5).standard_normal(clean.shape)
+    assert holds_hits(ar.Recording(clean + noise, fs_hz), Averaging())
 
 
 def test_the_same_record_gives_the_same_bits(chain):

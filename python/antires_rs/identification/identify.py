@@ -45,9 +45,11 @@ from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
 from .cross_validation import CLEAN, LARGEST, few, misfit_ahead
 from .lines import FORCE, Lines, lines_of
+from .local_fits import LEAST_LINES
 from .numerators import freedom, independent_averages
 from .options import (
     OF_BOTH,
+    OF_DIRECTIONS,
     OF_SWEEP,
     OF_WINDOWS,
     USUAL_ORDER,
@@ -153,14 +155,17 @@ def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) ->
     elif formulation == "auto":
         # What holds over the whole band is the better estimate, where it holds.
         formulation = "numerators" if misfit_ahead(lines, USUAL_ORDER) <= LARGEST else "directions"
-    if formulation in ("windows", "directions"):
+    if formulation == "directions":
+        idle = [name for name in sorted(options.given) if name not in (*OF_DIRECTIONS, "formulation")]
+        fit = "local fits (formulation 'directions': what one fit over the band does not predict)"
+        counts = [*OF_DIRECTIONS]
+    elif formulation == "windows":
         idle = [name for name in OF_SWEEP if name in options.given]
         if "max_order" in options.given and options.max_order > HIGHEST_ORDER:
             idle.append(f"max_order above {HIGHEST_ORDER}")
         if options.rule.min_order > HIGHEST_ORDER:
             idle.append(f"min_order above {HIGHEST_ORDER}")
-        kind = "given curves" if formulation == "windows" else "what one fit over the band does not predict"
-        fit = f"local fits (formulation {formulation!r}: {kind})"
+        fit = "fits over windows (formulation 'windows': given curves and clean single impacts)"
         counts = [*OF_BOTH, *OF_WINDOWS, f"orders up to {HIGHEST_ORDER}"]
     else:
         options.rule.check_span(*options.orders)
@@ -343,13 +348,9 @@ def identify_antiresonances(
     step("fit")
     looks: list[Look] = []
     if options.formulation == "directions":
-        if not isinstance(one, Recording) or averages is None or options.use_force:
-            strange = "'directions' for curves or the route 'frf'"
-            needed = "a Recording, and the route 'transmissibility'"
-            reject(
-                "formulation", strange, needed, "Take 'windows' for curves, 'numerators' for the route 'frf'."
-            )
-        looks = looks_of(one, averages, band)
+        looks, options = _looks(
+            one, averages, band, options, asked=fit is not None and "formulation" in fit.given
+        )
     diagrams = diagrams_of(one.dofs, lines_for, band, options, looks)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
@@ -388,6 +389,29 @@ def identify_antiresonances(
         channels=one.dofs,
         options={"antires_rs": __version__, "band_hz": list(band), **options.values()},
     )
+
+
+def _looks(
+    source: Recording | FrequencyResponse,
+    averages: Averages | None,
+    band: tuple[float, float],
+    options: IdentificationOptions,
+    *,
+    asked: bool,
+) -> tuple[list[Look], IdentificationOptions]:
+    """What perturbed local fits look at; the other fits serve where lines are too few, unless asked for."""
+    if not isinstance(source, Recording) or averages is None or options.use_force:
+        strange = "'directions' for curves or the route 'frf'"
+        needed = "a Recording, and the route 'transmissibility'"
+        reject("formulation", strange, needed, "Take 'windows' for curves, 'numerators' for the route 'frf'.")
+    looks = looks_of(source, averages, band)
+    if looks:
+        return looks, options
+    if asked:
+        needed = f"a band with at least {2 * LEAST_LINES} lines for local fits"
+        reject("band_hz", f"({band[0]:g}, {band[1]:g}) Hz", needed, "Widen the band, or record for longer.")
+    averaged = averages.spectra.n_averages > 1
+    return [], replace(options, formulation="numerators" if averaged else "windows")
 
 
 def _of_before(

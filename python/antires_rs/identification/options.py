@@ -240,6 +240,8 @@ class FitOptions(Options):
 OF_SWEEP = ("damping_tol", "min_rows", "min_dominance", "persistent")
 OF_WINDOWS = ("min_share", "min_depth_db")
 OF_BOTH = ("freq_tol", "max_damping")
+#: Those of perturbed local fits, and of how their records are averaged; damping counts up to 0.06.
+OF_DIRECTIONS = ("min_share", "min_depth_db", "max_damping", "method", "window", "nperseg")
 
 
 def declared() -> dict[str, Option]:

@@ -13,8 +13,8 @@ stretches of the best of three widths, averaged over the looks. Accepted is
 - a dip of the response beside the others, 6 dB deep: what all of them have, a line of the force or a mode
   that it hardly excites, makes none.
 
-The standard deviation is the scatter of the perturbed fits; that of halves is the scatter of the whole times
-the square root of two.
+The standard deviation is the scatter of the perturbed fits (complementary halves scatter about the whole as
+the whole does about the truth), with half of the difference between the looks.
 
 References: N. Meinshausen and P. Buehlmann, J. R. Stat. Soc. B 72 (2010) 417-473; R. D. Shah and R. J.
 Samworth, J. R. Stat. Soc. B 75 (2013) 55-80 (complementary pairs).
@@ -44,7 +44,7 @@ from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen
 from .lines import SNR_CAP, Lines
-from .local_fits import MOST_LINES, SCALES, LocalFits, Stretch, fit, stretches
+from .local_fits import LEAST_LINES, MOST_LINES, SCALES, LocalFits, Stretch, fit, stretches
 from .options import FitOptions, IdentificationOptions
 from .scores import scored, window_grades
 from .stabilization import StabilizationDiagram
@@ -79,17 +79,23 @@ class Look:
 
 
 def looks_of(rec: Recording, averages: Averages, band_hz: tuple[float, float]) -> list[Look]:
-    """Resolutions of a record: segments and shorter ones, or decays and their first halves."""
+    """Resolutions of a record: segments and shorter ones, or decays and their first halves.
+
+    Without those that have too few lines in the band; none may be left.
+    """
     rng = np.random.default_rng(SEED)
     if averages.nperseg is None:
-        return [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)]
+        looks = [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)]
+        return [look for look in looks if look.freq_hz.size >= 2 * LEAST_LINES]
     given = averages.options.window
     window = given if isinstance(given, str | tuple) else "hann"
-    longest = look_samples(rec, band_hz)
-    return [
+    longest = averages.options.nperseg or look_samples(rec, band_hz)
+    made = [
         _of_segments(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), rng)
         for n in (longest, longest // 2, longest // 4)
+        if n * (band_hz[1] - band_hz[0]) >= 2 * LEAST_LINES * rec.fs_hz
     ]
+    return [look for look in made if look.freq_hz.size >= 2 * LEAST_LINES]
 
 
 def look_samples(rec: Recording, band_hz: tuple[float, float]) -> int:
@@ -190,6 +196,8 @@ BETWEEN_DB = 8.0
 #: Of several values in one dip those count between which it rises less than the first number, with at least
 #: the second part of the largest share.
 SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
+#: Values further apart are never one; and what stands for a rise where too few lines lie between two.
+ONE_DIP_WITHIN, UNRESOLVED_DB = 0.06, -300.0
 #: Lines over which what the fits leave is averaged.
 NOISE_LINES = 31
 
@@ -231,12 +239,14 @@ def direction_diagrams(
         surveyed.append(_survey(look))
     sightings = [_sightings(one, band_hz) for one in surveyed]
     step("perturbed fits")
-    found = _judged(surveyed, sightings, n_responses)
-    why = reasons(found, options.rule)
+    judged = _judged(surveyed, sightings, n_responses)
+    why = reasons(judged, options.rule)
+    found, refused = _apart(judged[why == ""], surveyed), judged[why != ""]
+    why = why[why != ""]
     seen = np.concatenate([one.zeros for one in sightings])
     diagrams = []
     for row in range(n_responses):
-        own = found["row"] == row
+        own, out = found["row"] == row, refused["row"] == row
         quotients = lines.quotients(row)[0]
         background = np.abs(quotients.sum(axis=0))
         zeros = seen[seen[:, 0] == row]
@@ -244,7 +254,7 @@ def direction_diagrams(
         orders, first = np.unique(zeros[:, 2], return_index=True)
         if not zeros.size:
             orders, first = np.array([SCALES[0][2][0]]), np.array([0])
-        accepted, left_out = _table(found[own & (why == "")]), _table(found[own & (why != "")])
+        accepted, left_out = _table(found[own]), _table(refused[out])
         off = np.abs(zeros[:, 1][:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf)
         freq, damping, stable = (
             tuple(frozen(part) for part in np.split(column, first[1:]))
@@ -260,7 +270,7 @@ def direction_diagrams(
                 background_freq_hz=frozen(lines.freq_hz),
                 background=frozen(background),
                 band_hz=band_hz,
-                left_out=left_out.with_scores(why=why[own & (why != "")]),
+                left_out=left_out.with_scores(why=why[out]),
             )
         )
     return diagrams
@@ -315,7 +325,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
                 sum(part.fits for part in parts),
             )
         )
-    return np.array(_apart(rows, surveyed), dtype=CANDIDATE)
+    return np.array(rows, dtype=CANDIDATE)
 
 
 def reasons(found: NDArray[np.void], rule: FitOptions) -> NDArray[np.str_]:
@@ -351,7 +361,7 @@ def _survey(look: Look) -> _Surveyed:
     noise = np.stack(
         [np.interp(look.freq_hz, look.freq_hz[some], row[some] / count[some]) for row in left.T], axis=1
     )
-    width = min(NOISE_LINES, max(3, look.freq_hz.size // 8))
+    width = min(NOISE_LINES, look.freq_hz.size // 8)
     kernel = np.ones(width)
     share = np.convolve(np.ones(len(noise)), kernel, "same")
     noise = np.stack([np.convolve(row, kernel, "same") / share for row in np.maximum(noise, look.noise).T], 1)
@@ -471,12 +481,10 @@ def _perturbed(
                     [np.where(good, own[at, best], np.nan), np.where(good, damping[at, k, best], np.nan)]
                 )
                 hits[i][scale].append(both[:, there[:, row]])
-    # Halves scatter more than the whole.
-    whole = np.sqrt(0.5) if len(look.vectors) > 1 else 1.0
-    return [_best_scale(each, whole) for each in hits]
+    return [_best_scale(each) for each in hits]
 
 
-def _best_scale(by_scale: list[list[FloatArray]], whole: float) -> _Seen | None:
+def _best_scale(by_scale: list[list[FloatArray]]) -> _Seen | None:
     """What the scale that sees most of it says."""
     best: _Seen | None = None
     for parts in by_scale:
@@ -487,13 +495,15 @@ def _best_scale(by_scale: list[list[FloatArray]], whole: float) -> _Seen | None:
         share = float(good.mean()) if good.size else 0.0
         if good.any() and (best is None or share > best.share):
             own = freq[good]
-            std = whole * float(np.std(own))
+            # Within one stretch and order: halves about the whole scatter as the whole about the truth.
+            each = [np.std(f[np.isfinite(f)]) for f, _ in parts if np.isfinite(f).sum() > 1]
+            std = float(np.median(each)) if each else 0.0
             best = _Seen(share, float(np.median(own)), float(np.median(damping[good])), std, good.size)
     return best
 
 
 def noisy(vectors: ComplexArray, noise: FloatArray, rng: np.random.Generator) -> ComplexArray:
-    """Views with noise of this power added, in each but the first a channel left out in turn."""
+    """Views with noise of this power added, in every second one a channel left out."""
     drawn = rng.standard_normal((2, VIEWS, *vectors.shape))
     views = vectors + (drawn[0] + 1j * drawn[1]) * np.sqrt(0.5 * noise)
     return leave_out(views)
@@ -537,40 +547,43 @@ def _flank_db(one: _Surveyed, row: int, value: float, over: FloatArray) -> float
     return float(10.0 * np.log10(max(min(sides), 1e-30)))
 
 
-def _apart(rows: Sequence[tuple[float, ...]], surveyed: list[_Surveyed]) -> list[tuple[float, ...]]:
+def _apart(found: NDArray[np.void], surveyed: list[_Surveyed]) -> NDArray[np.void]:
     """One entry a dip: where a response does not rise over its noise between values, noise has split one.
 
     It keeps the largest share; its frequency is the mean by share, and its error holds their scatter.
     """
-    dips: list[list[tuple[float, ...]]] = []
-    for one in sorted(rows, key=lambda r: -r[4]):
+    dips: list[list[NDArray[np.void]]] = []
+    for one in found[np.argsort(-found["share"], kind="stable")]:
         for dip in dips:
             first = dip[0]
-            if first[0] != one[0]:
+            if first["row"] != one["row"]:
                 continue
-            between = max(_between_db(s, int(one[0]), first[1], one[1]) for s in surveyed)
+            ends = float(first["freq_hz"]), float(one["freq_hz"])
+            between = max(_between_db(each, int(one["row"]), *ends) for each in surveyed)
             if between < BETWEEN_DB:
-                if between < SPLIT_DB and one[4] >= COUNTS_IN_DIP * first[4]:
+                near = abs(ends[1] / ends[0] - 1.0) <= ONE_DIP_WITHIN
+                counts = one["share"] >= COUNTS_IN_DIP * first["share"]
+                if near and counts and UNRESOLVED_DB < between < SPLIT_DB:
                     dip.append(one)
                 break
         else:
             dips.append([one])
-    kept = []
-    for dip in dips:
-        freq, share = np.array([(r[1], r[4]) for r in dip]).T
-        middle = float(np.average(freq, weights=share))
-        scatter = float(np.sqrt(np.average((freq - middle) ** 2, weights=share)))
-        kept.append((dip[0][0], middle, dip[0][2], max(dip[0][3], scatter), *dip[0][4:]))
-    return sorted(kept)
+    kept = np.array([dip[0] for dip in dips], dtype=CANDIDATE)
+    for entry, dip in zip(kept, dips, strict=True):
+        freq, share = np.array([(one["freq_hz"], one["share"]) for one in dip]).T
+        middle = np.average(freq, weights=share)
+        entry["freq_hz"] = middle
+        entry["std_hz"] = max(entry["std_hz"], np.sqrt(np.average((freq - middle) ** 2, weights=share)))
+    return kept[np.lexsort((kept["freq_hz"], kept["row"]))]
 
 
 def _between_db(one: _Surveyed, row: int, a_hz: float, b_hz: float) -> float:
     """How far a response rises over its noise between two values, two lines together."""
     low, high = sorted((a_hz, b_hz))
     if high / low - 1.0 < APART:
-        return -np.inf
+        return UNRESOLVED_DB
     inside = np.flatnonzero((one.look.freq_hz > low) & (one.look.freq_hz < high))
     if inside.size < 3:
-        return -np.inf
+        return UNRESOLVED_DB
     power = np.abs(one.look.vectors[0, inside, row]) ** 2 / np.maximum(one.noise[inside, row], 1e-300)
     return float(10.0 * np.log10(max(np.max(np.minimum(power[1:], power[:-1])), 1e-30)))

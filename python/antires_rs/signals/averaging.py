@@ -76,8 +76,12 @@ def is_transient(rec: Recording) -> bool:
         energy = (
             _energy(part, n // COARSE_BLOCKS, max(1, n // MEDIAN_SAMPLES)) if n >= 2 * COARSE_BLOCKS else None
         )
-        ratio = 0.0 if energy is None else float(energy.max() / max(np.quantile(energy, 0.2), 1e-300))
-        decaying.append(ratio > DECAY_RATIO or (ratio > LEAST_DECAY and _decays(part)))
+        if energy is None:
+            decaying.append(False)
+            continue
+        rest, low = (energy.max() / max(np.quantile(energy, share), 1e-300) for share in (0.05, 0.2))
+        ringing = (low > LEAST_DECAY or rest > DECAY_RATIO) and _decays(part, unseen=False)
+        decaying.append(bool(low > DECAY_RATIO or ringing))
     if any(decaying) and not all(decaying):
         raise UnsuitableDataError(
             "method",
@@ -155,20 +159,31 @@ def until_noise(x: FloatArray, event: Event, level: FloatArray, fs_hz: float) ->
 # time), does not lie above its chord by more than a share of what it falls, and is within an eighth of its
 # highest no longer than an exponential times a factor; less energy comes afterwards.
 DECAY_BLOCKS, DECAY_RANK, ABOVE_CHORD, LOUD, AFTERWARDS = 32, -0.85, 0.12, 1.4, 1.0
+# An impact has a quarter of its highest energy within so many fine blocks, or seconds.
+SHARP_BLOCKS, SHARP_S = 3, 0.1
 # A decay ends where its energy has fallen to so many times the noise.
 CUT_AT = 10.0
 
 
-def _decays(rec: Recording) -> bool:
-    """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too."""
+def _decays(rec: Recording, *, unseen: bool) -> bool:
+    """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too.
+
+    ``unseen`` is the answer where the record has no impact in it.
+    """
     try:
         events = find_events(rec)
     except UnsuitableDataError:
-        return False
+        return unseen
     if len(events) > 1:
         return True
     (event,) = events
     x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
+    fine = _energy(rec, FINE_BLOCK_SAMPLES)[
+        event.hit // FINE_BLOCK_SAMPLES : event.stop // FINE_BLOCK_SAMPLES
+    ]
+    sharp = max(SHARP_BLOCKS, int(SHARP_S * rec.fs_hz / FINE_BLOCK_SAMPLES))
+    if np.argmax(fine >= 0.25 * fine.max(initial=0.0)) < sharp:
+        return True  # the response of a light structure to a blow need not have decayed where the record ends
     level = tail_noise(x[:, event.hit :])[0]
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     end = until_noise(x, event, level, rec.fs_hz) - event.hit
@@ -441,7 +456,7 @@ class Averages:
 def holds_hits(rec: Recording, options: Averaging) -> bool:
     """Whether a record is to be transformed impact by impact."""
     if options.method == "auto":
-        return is_transient(rec) and all(_decays(part) for part in parts_of(rec))
+        return is_transient(rec) and all(_decays(part, unseen=True) for part in parts_of(rec))
     return options.method == "transient"
 
 

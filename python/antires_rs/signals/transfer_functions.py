@@ -8,7 +8,7 @@ import numpy as np
 
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, choice
-from .averaging import METHODS, is_transient, transient_spectra
+from .averaging import METHODS, Averaging, holds_hits, transient_spectra
 from .frequency_response import FrequencyResponse
 from .recording import Recording, check_recording, force_of
 from .spectra import CrossSpectra, cross_spectra, response_vectors, std_of_rank_one, two_channel
@@ -203,7 +203,7 @@ def averaged_spectra(
         return transient_spectra(rec, include_force=include_force)
     if nperseg is None:
         reject("nperseg", None, "an integer, the samples per segment", "Long enough for several decay times.")
-    if method == "auto" and is_transient(rec):
+    if holds_hits(rec, Averaging(method=method)):
         raise UnsuitableDataError(
             "method",
             "'auto' for a record whose energy decays by more than 20 dB",
