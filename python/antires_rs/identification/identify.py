@@ -285,8 +285,8 @@ def identify_antiresonances(
 
     What is there in most orders without standing still is marked "persistent" in ``.scores[dof]["how"]``,
     what the fit of the likeliest order shows clearly without either "likeliest order"
-    (:mod:`~antires_rs.identification.selection`). Fits over windows accept a zero that makes a visible dip,
-    see ``min_depth_db``; of curves whose noise is so low that 35 standard deviations make less, a dip of that
+    (:mod:`~antires_rs.identification.selection`). Fits over windows accept a zero that makes a visible dip;
+    of curves whose noise is so low that 35 standard deviations make less, a dip of that
     depth is enough, but never less than 0.5 dB. What they see and do not accept is ``.left_out`` of the set
     with the reason; peaks of the curve behind a diagram that nothing explains are ``.unexplained_hz``.
 
