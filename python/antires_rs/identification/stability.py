@@ -56,6 +56,8 @@ from .stabilization import StabilizationDiagram
 VIEWS, GROUPS = 12, 24
 #: With fewer groups halves tell little, and noise is added instead; averages that the longer segments leave.
 LEAST_GROUPS, LEAST_AVERAGES = 6, 11.0
+#: From so many records of one test on they are the groups.
+LEAST_DRAWS = 4
 #: Amplitude to which an exponential window brings a decay down, and lines of it that are independent.
 WINDOWED_END, INDEPENDENT = 1e-2, 3
 #: Seed of halves and of added noise: the same record gives the same values.
@@ -114,9 +116,12 @@ def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
     largest, rest, first = dominant(spectra.matrix, scale)
     snr = largest / np.maximum(rest, 1e-12 * largest)
     vectors = [first]
-    count = min(spectra.n_averages, GROUPS)
-    if count >= LEAST_GROUPS:
-        parts = np.array_split(np.arange(spectra.n_averages), count)
+    parts = np.array_split(np.arange(spectra.n_averages), min(spectra.n_averages, GROUPS))
+    if spectra.draws is not None and (n_draws := int(spectra.draws.max()) + 1) >= LEAST_DRAWS:
+        # Halves of the records of one test, so that what differs between these perturbs the fits.
+        parts = [np.flatnonzero(spectra.draws == draw) for draw in range(n_draws)]
+    count = len(parts)
+    if count >= LEAST_DRAWS and spectra.n_averages >= LEAST_GROUPS:
         x = spectra.segments.at(slice(None))
         sums = [x[:, :, part].conj() @ x[:, :, part].transpose(0, 2, 1) for part in parts]
         for _ in range(VIEWS // 2):
