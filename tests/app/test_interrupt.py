@@ -92,7 +92,7 @@ def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, cap
 
     interrupt_assessments(monkeypatch)
     monkeypatch.setattr(damage_result, "smallest_visible", slow)
-    monkeypatch.setattr(results, "identifiability", slow)
+    monkeypatch.setattr(results, "at_solution", slow)
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 130
     captured = capsys.readouterr()
     out = captured.out

@@ -173,10 +173,11 @@ def parsed(name: str, text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except ValueError as exc:  # of TOML, or of Python for numbers of thousands of digits
-        lines = text.split("\n")
-        sound = (line for line in reversed(starts) if _is_toml("\n".join(lines[: line - 1])))
-        number = next(sound, 1)
-        lines = [line.strip() for line in lines]
+        known = re.search(r"at line (\d+)", str(exc))
+        longest = max(tokens_of(text), key=lambda token: len(token.text), default=Token("", 1)).line
+        end = int(known[1]) if known else longest if "digits" in str(exc) else text.count("\n") + 1
+        number = max((line for line in starts if line <= end), default=1)
+        lines = [line.strip() for line in text.split("\n")]
         line = lines[number - 1]
         remedy = "Text stands in quotes, lists in [ ], and each key once."
         heading = line.strip("[] ")
@@ -187,14 +188,6 @@ def parsed(name: str, text: str) -> dict[str, Any]:
             remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'."
         got = f"{line if len(line) <= 60 else line[:57] + '...'!r}, which is no TOML ({exc})"
         raise _no_job(name, number, got, remedy) from exc
-
-
-def _is_toml(text: str) -> bool:
-    try:
-        tomllib.loads(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _no_job(name: str, line: int, got: str, remedy: str) -> InvalidInputError:

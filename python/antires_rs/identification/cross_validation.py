@@ -11,7 +11,7 @@ from .lines import SNR_CAP, Lines
 from .numerators import likeliest
 
 #: Lines that are looked at, parts of the band, and the largest misfit of a part over what noise makes of it.
-MOST_LINES, PARTS, LARGEST = 600, 8, 2.5
+MOST_LINES, PARTS, LARGEST = 2400, 8, 2.5
 #: Segments without which halves tell nothing.
 LEAST_SEGMENTS = 4
 #: Signal-to-noise power at the median line from which few impacts are as good as curves.

@@ -52,7 +52,6 @@ from .options import (
     OF_DIRECTIONS,
     OF_SWEEP,
     OF_WINDOWS,
-    USUAL_ORDER,
     CallOptions,
     FitOptions,
     IdentificationOptions,
@@ -153,8 +152,10 @@ def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) ->
         clean = float(np.median(lines.snr)) >= CLEAN
         formulation = "directions" if not clean else "windows" if lines.segments is None else "numerators"
     elif formulation == "auto":
-        # What holds over the whole band is the better estimate, where it holds.
-        formulation = "numerators" if misfit_ahead(lines, USUAL_ORDER) <= LARGEST else "directions"
+        # What holds over the whole band is the better estimate, where it holds; options of the sweep ask for it.
+        asked = options.given & {*OF_SWEEP, "max_order"}
+        predicted = asked or misfit_ahead(lines, options.most) <= LARGEST
+        formulation = "numerators" if predicted else "directions"
     if formulation == "directions":
         idle = [name for name in sorted(options.given) if name not in (*OF_DIRECTIONS, "formulation")]
         fit = "local fits (formulation 'directions': what one fit over the band does not predict)"

@@ -5,7 +5,7 @@ the standard deviation of every zero: their zeros are the candidates and give th
 orders, whose values are biased near the noise, shows what stays. A candidate is lightly damped, known to half
 the frequency tolerance, no factor that all numerators share, and not half of a pair of one modulus and two
 dampings, which is one zero that is complex even without damping. It is accepted at once unless there is a
-doubt (:func:`_credible`); without a chain in the diagram it is marked "persistent" if most higher orders have
+doubt (``_credible``); without a chain in the diagram it is marked "persistent" if most higher orders have
 it, else "likeliest order".
 """
 

@@ -147,7 +147,7 @@ def tail_noise(x: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def until_noise(x: FloatArray, event: Event, level: FloatArray, fs_hz: float) -> int:
-    """Sample at which the energy of half seconds has fallen to :data:`CUT_AT` times the noise."""
+    """Sample at which the energy of half seconds has fallen to ``CUT_AT`` times the noise."""
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     block = max(8, min(int(0.5 * fs_hz), energy.size // 16))
     means = energy[: energy.size // block * block].reshape(-1, block).mean(axis=1)

@@ -277,7 +277,7 @@ def identifiability(
         Dofs to be tried beside those of the test. Default: up to twelve of the responses as forces, and up to
         twelve of the other dofs that move along an axis as sensors. Forces count for antiresonances only.
     progress : bool, optional
-        As of :func:`update`.
+        As of :func:`~antires_rs.update`.
 
     Returns
     -------

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 #: What a result has of its search.
-_OF_SEARCH = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations", "history")
+_OF_SEARCH = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
 #: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
 _ON_BOUND = 1e-6
 #: A largest difference that stays above half of what it was is not explained, unless it is that of an
@@ -78,7 +78,6 @@ class UpdateResult(ReadOnly, Viewed):
     njev: int | None
     nit: int
     migrations: int
-    history: History
 
     def __init__(
         self,
@@ -92,6 +91,11 @@ class UpdateResult(ReadOnly, Viewed):
         self._fill(**{name: getattr(search, name) for name in _OF_SEARCH})
         self._fill(problem=problem, search=search, seed=seed, reduction=reduction)
         self._fill(options=FrozenDict(search.options if options is None else options))
+
+    @property
+    def history(self) -> History:
+        """Best cost by generation and island."""
+        return self.search.history
 
     @cached_property
     def model(self) -> StructuralModel:
