@@ -152,7 +152,7 @@ def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) ->
         clean = float(np.median(lines.snr)) >= CLEAN
         formulation = "directions" if not clean else "windows" if lines.segments is None else "numerators"
     elif formulation == "auto":
-        # What holds over the whole band is the better estimate, where it holds; options of the sweep ask for it.
+        # What holds over the whole band is the better estimate; options of the sweep ask for it.
         asked = options.given & {*OF_SWEEP, "max_order"}
         predicted = asked or misfit_ahead(lines, options.most) <= LARGEST
         formulation = "numerators" if predicted else "directions"
