@@ -161,6 +161,8 @@ def until_noise(x: FloatArray, event: Event, level: FloatArray, fs_hz: float) ->
 DECAY_BLOCKS, DECAY_RANK, ABOVE_CHORD, LOUD, AFTERWARDS = 32, -0.85, 0.12, 1.4, 1.0
 # An impact has a quarter of its highest energy within so many fine blocks, or seconds.
 SHARP_BLOCKS, SHARP_S = 3, 0.1
+# Share of the highest energy that is left in the last eighth of what still rings; the first has most.
+STILL_RINGS = 0.01
 # A decay ends where its energy has fallen to so many times the noise.
 CUT_AT = 10.0
 
@@ -182,8 +184,10 @@ def _decays(rec: Recording, *, unseen: bool) -> bool:
         event.hit // FINE_BLOCK_SAMPLES : event.stop // FINE_BLOCK_SAMPLES
     ]
     sharp = max(SHARP_BLOCKS, int(SHARP_S * rec.fs_hz / FINE_BLOCK_SAMPLES))
-    if np.argmax(fine >= 0.25 * fine.max(initial=0.0)) < sharp:
-        return True  # the response of a light structure to a blow need not have decayed where the record ends
+    eighths = [part.mean() for part in np.array_split(fine, 8) if part.size]
+    rings = bool(eighths) and eighths[-1] > STILL_RINGS * fine.max() and int(np.argmax(eighths)) == 0
+    if rings and np.argmax(fine >= 0.25 * fine.max()) < sharp:
+        return True  # what is damped little has not decayed where the record ends
     level = tail_noise(x[:, event.hit :])[0]
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     end = until_noise(x, event, level, rec.fs_hz) - event.hit
