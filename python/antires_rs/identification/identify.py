@@ -260,7 +260,7 @@ def identify_antiresonances(
         evidence. A dof without any antiresonance in the band has an empty array. ``.sees`` is
         "transmissibility" where the values are what transmissibilities see: a peak also where the sensor
         sits on a node of a mode, a root that cancels in its FRF. It is "frf" on that route, and for FRFs and
-        single impacts, where such roots are told by the response itself and left out.
+        clean single impacts, where such roots are told by the response itself and left out.
 
     Raises
     ------

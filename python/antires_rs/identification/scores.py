@@ -8,7 +8,8 @@ spread           relative standard deviation of its frequency over these orders
 dominance        share of the curve that the pole owns at its frequency; 1 is all of it
 how              "chain": stable in consecutive orders; "persistent": in most orders, without standing still;
                  "likeliest order": accepted at once from the fit of the order that the data support;
-                 "windows": seen by most of the fits over windows
+                 "windows": seen by most of the fits over windows;
+                 "directions": seen again by most of the perturbed local fits
 residual         relative misfit of the fit around the value
 prominence_db    height of its peak in the summed transmissibilities
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only

@@ -103,7 +103,7 @@ class StabilizationDiagram(ReadOnly, Viewed):
         ``abs(sum over outputs)`` of the data, for drawing behind the poles.
     band_hz : (low, high)
     left_out : ResponseTable
-        What fits over windows see and was not accepted, with the score "why".
+        What fits over windows and local fits see and was not accepted, with the score "why".
     unexplained_hz : (n,)
         Peaks of the curve behind the poles beside which nothing was accepted or left out.
 
