@@ -11,7 +11,7 @@ import antires_rs as ar
 from antires_rs.damage.evidence import FURTHEST, log_inside, truncated
 from antires_rs.damage.inference import log_odds_threshold
 from antires_rs.damage.options import SearchOptions
-from antires_rs.damage.severity_intervals import stepwise
+from antires_rs.updating.posterior import stepwise
 
 
 def correlated(rng, n):
@@ -65,7 +65,9 @@ def test_particles_find_both_peaks_and_their_integral():
         return np.log(sum(w * norm.pdf(u[:, 0], m, s) for m, s, w in peaks) + 1e-300)
 
     start = truncated(np.array([1.2]), np.array([[0.3**2]]))
-    u, log_integral = stepwise(log_density, start, 2000, np.random.default_rng(0))
+    rng = np.random.default_rng(0)
+    u = start.draws(rng.random((2000, 1)))[0]
+    u, log_integral, _ = stepwise(u, start.log_density, log_density, FURTHEST, rng)
     assert abs(log_integral - np.log(4.0)) < 0.15
     assert abs(np.mean(u < 1.2) - 0.75) < 0.06
     assert abs(np.std(u[u < 1.2]) - 0.01) < 0.002

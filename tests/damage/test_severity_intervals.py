@@ -140,7 +140,7 @@ def test_a_profile_agrees_with_the_interval_where_the_likelihood_is_a_parabola(t
         ("draws", lambda one: one.intervals(draws=10)),
         ("element", lambda one: one.intervals()[17]),
         ("element declared damaged", lambda one: one.profile(one.problem.names[0])),
-        ("a severity of the result", lambda one: one.profile("nothing")),
+        ("a parameter of the result", lambda one: one.profile("nothing")),
     ],
 )
 def test_wrong_arguments_are_refused(one, wrong, asked):

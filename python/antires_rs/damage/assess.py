@@ -38,7 +38,7 @@ from .severity_intervals import severity_intervals, severity_profile
 from .words import all_lost, headline, headline_of_one_state, largest_left, note_of_reduction, reservations
 
 if TYPE_CHECKING:
-    from ..updating.posterior import Method, ParameterIntervals, ProfileLikelihood
+    from ..updating.posterior import ParameterIntervals, ProfileLikelihood
 
 
 # -- The model, the elements and the sets that a question about damage names
@@ -248,59 +248,15 @@ class DamageResult(Answered, UpdateResult):
         limits = self.assessment.intervals
         return {e: limits.get(e, (0.0, 0.0)) for e in self.elements}
 
-    def intervals(
-        self,
-        method: Method = "laplace",
-        *,
-        level: float = 0.9,
-        draws: int = 1000,
-        rng: int | np.random.Generator | None = 0,
-        workers: int | None = None,
-        progress: bool | None = None,
-    ) -> ParameterIntervals:
-        """Intervals of the severities, given the elements declared damaged, with draws of their posterior.
-
-        With a baseline a :class:`SeverityIntervals`, errors of the model considered. Without one as
-        :meth:`UpdateResult.intervals`, from the errors of the values and what the residuals tell.
-
-        Parameters
-        ----------
-        method : {'laplace', 'ensemble'}
-            Quick, with ln f linear in ln(1 - severity) around the most probable severities, as
-            :attr:`interval`; or sure, with the model's antiresonances at every draw, values and
-            antiresonances associated anew there. The sure one estimates also how probable the hypotheses are,
-            without these approximations: some hundred evaluations of the model for the likeliest.
-        level, draws, rng, workers, progress
-            As of :meth:`UpdateResult.intervals`; so are the errors, and a result of an older file is one,
-            which lacks the values of the baseline.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> case = ar.cases.chain8()
-        >>> result = ar.assess_damage(case.model, case.exact(level=1), baseline=case.exact(level=0))
-        >>> sure = result.intervals("ensemble", draws=200)
-        >>> low, high = sure[4]
-        >>> bool(low < 0.55 < high), bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
-        (True, True, (200, 7))
-        """
-        how: Any = {"level": level, "draws": draws, "rng": rng, "workers": workers, "progress": progress}
+    def _intervals(self, *asked: Any) -> ParameterIntervals:
         if self._assessment is None:
-            return super().intervals(method, **how)
-        return severity_intervals(self._asked(), self._assessment, self.problem.names, method=method, **how)
+            return super()._intervals(*asked)
+        return severity_intervals(self._asked(), self._assessment, self.problem.names, *asked)
 
-    def profile(
-        self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
-    ) -> ProfileLikelihood:
-        """Profile likelihood of one severity, the others of the set declared damaged fitted at every value.
-
-        With a baseline the likelihood is that of the assessment, errors of the model in it. A name that is
-        unknown, or of an element that is not declared damaged, is an ``InvalidInputError``.
-        """
+    def _profile(self, *asked: Any) -> ProfileLikelihood:
         if self._assessment is None:
-            return super().profile(name, level=level, points=points, progress=progress)
-        asked = self._asked(), self._assessment, self.problem.names
-        return severity_profile(*asked, name, level=level, points=points, progress=progress)
+            return super()._profile(*asked)
+        return severity_profile(self._asked(), self._assessment, self.problem.names, *asked)
 
     def _asked(self) -> Question:
         """Both states, as they were assessed."""

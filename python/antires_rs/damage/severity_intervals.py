@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..optimize.island_ga import seed_of, thread_count
-from ..support.checks import FloatArray, choice, finite_scalar, integer
-from ..support.progress import one_blas_thread, patient, step
+from ..optimize.island_ga import thread_count
+from ..support.checks import FloatArray
+from ..support.progress import step
 from ..updating.posterior import (
+    Density,
     Method,
     ParameterIntervals,
     ProfileLikelihood,
+    Section,
     evenly_chosen,
-    kind_of,
-    longest_step,
-    threshold,
+    stepwise,
 )
 from .evidence import FURTHEST, HIGHEST, Fit, Truncated, truncated
 from .hypotheses import Assessment
@@ -71,6 +69,11 @@ class SeverityIntervals(ParameterIntervals):
     all others. ``words`` are "two-sided"; "from 0 on" or "up to 0.99", where the most probable severity is at
     that bound; "not damaged". ``model_error`` is what no factor of the model explains of the baseline.
 
+    ``'laplace'`` takes ln f as linear in ln(1 - severity) around the most probable severities; ``'ensemble'``
+    has the model's antiresonances at every draw, values and antiresonances associated anew there, and
+    estimates also how probable the hypotheses are: some hundred evaluations of the model for the likeliest.
+    The result of an older file lacks the values of the baseline, and has neither.
+
     Attributes
     ----------
     elements : tuple of int, (n,)
@@ -89,6 +92,9 @@ class SeverityIntervals(ParameterIntervals):
     >>> quick = damage.intervals()
     >>> quick[4] == damage.interval[4], quick.words[4], quick.mixture.shape
     (True, 'two-sided', (1000, 7))
+    >>> sure = damage.intervals("ensemble", draws=200)
+    >>> bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
+    (True, (200, 7))
     """
 
     elements: tuple[int, ...]
@@ -102,50 +108,6 @@ class SeverityIntervals(ParameterIntervals):
             reject("element", name, "a candidate", f"One of {', '.join(map(str, self.elements))}.")
         nth = self.elements.index(name)
         return float(self.low[nth]), float(self.high[nth])
-
-
-# -- Draws of a density that no Gaussian is near, and its evidence: particles that go by steps and walk
-#
-# Transitional Markov chain Monte Carlo. Reference: J. Ching and Y.-C. Chen, J. Eng. Mech. 133 (2007) 816-832.
-
-Density = Callable[[FloatArray], FloatArray]
-#: Walks of each particle in a step and in the last.
-_WALKS, _LAST = 3, 10
-#: Share of walks that should be accepted, and the least step.
-_ACCEPTED, _SHORTEST = 0.3, 1e-5
-
-
-def stepwise(
-    log_density: Density, start: Truncated, count: int, rng: np.random.Generator
-) -> tuple[FloatArray, float]:
-    """Draws (count, n) of a density within the bounds of ``start``, and the log of its integral."""
-    from scipy.special import logsumexp
-
-    u = start.draws(np.clip(rng.random((count, start.mean.size)), 1e-12, 1.0 - 1e-12))[0]
-    target, first = log_density(u), start.log_density(u)
-    share, scale, total = 0.0, 2.4 / np.sqrt(start.mean.size), 0.0
-    while share < 1.0:
-        ahead = longest_step(target - first, 1.0 - share)
-        share = min(1.0, share + ahead) if ahead < 1.0 - share else 1.0
-        step(f"severities by steps: {100 * share:.0f} % of the way")
-        log_weight = ahead * (target - first)
-        total += float(logsumexp(log_weight) - np.log(count))
-        weight = np.exp(log_weight - logsumexp(log_weight))
-        _, covariance = _moments(weight, u)
-        factor = np.linalg.cholesky(covariance + _SHORTEST**2 * np.eye(len(covariance)))
-        chosen = evenly_chosen(weight, count, rng)
-        u, target, first = u[chosen], target[chosen], first[chosen]
-        for _ in range(_LAST if share == 1.0 else _WALKS):
-            walked = u + scale * rng.standard_normal(u.shape) @ factor.T
-            inside = np.all((walked >= 0.0) & (walked <= FURTHEST), axis=1)
-            walked = np.where(inside[:, None], walked, u)
-            new_target, new_first = log_density(walked), start.log_density(walked)
-            gain = share * (new_target - target) + (1.0 - share) * (new_first - first)
-            taken = inside & (np.log(rng.random(count)) < gain)
-            u = np.where(taken[:, None], walked, u)
-            target, first = np.where(taken, new_target, target), np.where(taken, new_first, first)
-            scale *= float(np.exp(taken.mean() - _ACCEPTED))
-    return u, total
 
 
 def _moments(weight: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -242,7 +204,9 @@ def sampled(
             for gaussian, share in sizes if rate > 0.6 else [(pool.learned(), 1.0)]:
                 pool.add(gaussian, int(np.ceil(share * missing)))
     if by_steps and pool.effective < _POOR * min(len(pool.u), 4 * wanted):
-        u, log_evidence = stepwise(log_density, sizes[-1][0], 2 * wanted, rng)
+        start = sizes[-1][0]
+        uniform = np.clip(rng.random((2 * wanted, n)), 1e-12, 1.0 - 1e-12)
+        u, log_evidence, _ = stepwise(start.draws(uniform)[0], start.log_density, log_density, FURTHEST, rng)
         even = np.full(len(u), 1.0 / len(u))
         return Sampled(-np.expm1(-u), even, log_evidence, len(np.unique(u, axis=0)))
     return Sampled(-np.expm1(-pool.u), pool.weight, pool.log_evidence, pool.effective)
@@ -306,26 +270,19 @@ _MAIN = 0.2
 _CHANGED, _FEW = 0.02, 0.5
 
 
-@patient("intervals")
-@one_blas_thread
 def severity_intervals(
     question: Question,
     found: Assessment,
     names: list[str],
-    *,
     method: Method,
     level: float,
     draws: int,
-    rng: int | np.random.Generator | None,
-    workers: int | None,
-    progress: bool | None = None,
+    seed: int,
+    threads: int,
 ) -> SeverityIntervals:
-    """Intervals given the elements declared damaged; see ``DamageResult.intervals``."""
-    choice("method", method, ("laplace", "ensemble"))
-    finite_scalar("level", level, low=0.5, high=0.999)
-    integer("draws", draws, low=50, high=1_000_000)
-    seed, sure, declared = seed_of(rng), method == "ensemble", found.answer
-    prepared = question.prepared(thread_count(workers))
+    """Intervals given the elements declared damaged; see ``UpdateResult.intervals``."""
+    sure, declared = method == "ensemble", found.answer
+    prepared = question.prepared(threads)
     near = [h for h in found.hypotheses if h.elements and not h.unknown and h.probability >= _NEAR][:_MOST]
     if declared is not None and declared not in near:
         near.append(declared)
@@ -394,7 +351,7 @@ def severity_intervals(
     return SeverityIntervals(
         tuple(names),
         method,
-        float(level),
+        level,
         low,
         high,
         np.median(own_draws, axis=0),
@@ -412,99 +369,52 @@ def severity_intervals(
 
 # -- Profile likelihood of one severity, after an assessment against a baseline
 #
-# The severity is held at points of u = -ln(1 - beta), the others of the set declared damaged are fitted
-# again, and the likelihood is that of the assessment, with the errors of values and model in it.
-#
-# Reference: A. Raue et al., Bioinformatics 25 (2009) 1923-1929.
+# In u = -ln(1 - beta), by the likelihood of the assessment, with the errors of values and model in it.
 
-#: Standard deviations within which the points lie, and Newton steps of the other severities at each.
-_REACH, _STEPS = 4.0, 4
-#: Largest step of u.
-_LONGEST = 0.3
+#: Newton steps of the other severities, the longest of them, and one that ends them.
+_STEPS, _LONGEST, _RESTS = 4, 0.3, 1e-4
 
 
-@patient("profile")
-@one_blas_thread
 def severity_profile(
-    question: Question,
-    found: Assessment,
-    names: list[str],
-    name: str,
-    *,
-    level: float,
-    points: int,
-    progress: bool | None = None,
+    question: Question, found: Assessment, names: list[str], name: str, level: float, points: int
 ) -> ProfileLikelihood:
-    """Profile of the severity called ``name``; see ``DamageResult.profile``."""
-    finite_scalar("level", level, low=0.5, high=0.999)
-    integer("points", points, low=5, high=1001)
-    if name not in names:
-        reject("name", repr(name), "a severity of the result", f"One of {', '.join(names)}.")
+    """Profile of the severity called ``name``; see ``UpdateResult.profile``."""
     element, one = question.elements[names.index(name)], found.answer
     if one is None or element not in one.elements:
         remedy = "The others are 0: result.probability tells how probable their damage is."
         reject("name", repr(name), "a severity of an element declared damaged", remedy)
-    prepared = question.prepared(thread_count(None))
-    held = one.elements.index(element)
-    at = np.array([prepared.numbers.index(e) for e in one.elements])
-    start = -np.log1p(-np.minimum(one.severities, HIGHEST))[None]
-    best, (u,), curvature = _fitted_again(prepared.likelihood, at, start, None)
-    std = float(np.sqrt(np.linalg.inv(curvature)[held, held]))
-    around = u[held] + std * _REACH * np.linspace(-1.0, 1.0, points)
-    inside = around[(around > 0.0) & (around < FURTHEST)]
-    places = np.unique(np.concatenate([[0.0], inside, [FURTHEST]]))
-    step(f"{name} held at {places.size} points")
-    start = np.repeat(u[None], places.size, axis=0)
-    start[:, held] = places
-    logs, others, _ = _fitted_again(prepared.likelihood, at, start, held)
-    rise = 2.0 * (max(float(logs.max()), float(best[0])) - logs)
-    limit = threshold(level)
-    low, low_open = _end(places, rise, limit, -1)
-    high, high_open = _end(places, rise, limit, 1)
-    own = [names[question.elements.index(e)] for e in one.elements]
-    on_bound = [
-        tuple(own[nth] for nth in range(len(own)) if nth != held and row[nth] <= 0.0) for row in others
-    ]
-    return ProfileLikelihood(
-        name,
-        -np.expm1(-places),
-        rise,
-        limit,
-        level,
-        -float(np.expm1(-low)),
-        -float(np.expm1(-high)),
-        kind_of(low_open, high_open),
-        tuple(on_bound),
+    prepared, j = question.prepared(thread_count(None)), one.elements.index(element)
+    at, own = np.array([prepared.numbers.index(e) for e in one.elements]), np.arange(len(one.elements))
+    called = [names[question.elements.index(e)] for e in one.elements]
+
+    def refitted(free: NDArray[np.bool_], u: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Twice the log-likelihood, negative, with those ``free`` fitted; the place, and the curvature."""
+        u = u.copy()
+        for nth in range(_STEPS + 1):
+            view = prepared.likelihood.views(prepared.likelihood.rows(at, -np.expm1(-u[None])))[0]
+            room = np.exp(-u)
+            curvature = view.curvature[np.ix_(at, at)] * np.outer(room, room) + 1e-6 * np.eye(at.size)
+            gain = view.gain[at] * room
+            ahead = np.clip(np.linalg.solve(curvature[np.ix_(free, free)], gain[free]), -_LONGEST, _LONGEST)
+            moved = np.clip(u[free] + ahead, 0.0, FURTHEST) - u[free]
+            if nth == _STEPS or np.abs(moved).max(initial=0.0) < _RESTS:
+                break
+            u[free] += moved
+        return -2.0 * view.log_likelihood, u, curvature
+
+    def resting(u: FloatArray) -> tuple[str, ...]:
+        return tuple(called[nth] for nth in own if nth != j and u[nth] <= 0.0)
+
+    begin = -np.log1p(-np.minimum(one.severities, HIGHEST))
+    squares, u, curvature = refitted(np.ones(at.size, dtype=bool), begin)
+    section = Section(
+        j,
+        u,
+        squares,
+        float(np.sqrt(np.linalg.inv(curvature)[j, j])),
+        FURTHEST,
+        lambda u: refitted(own != j, u)[:2],
+        lambda place: -float(np.expm1(-place)),
+        resting,
     )
-
-
-def _fitted_again(
-    likelihood: Likelihood, at: NDArray[np.intp], start: FloatArray, held: int | None
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Log-likelihood at rows of u and the rows, all but the one held fitted; curvature at the first."""
-    u = np.clip(start, 0.0, FURTHEST)
-    free = np.array([nth for nth in range(at.size) if nth != held], dtype=np.intp)
-    for nth in range(_STEPS + 1):
-        views = likelihood.views(likelihood.rows(at, -np.expm1(-u)))
-        if nth == _STEPS or not free.size:
-            break
-        for row, view in zip(u, views, strict=True):
-            room = np.exp(-row[free])
-            matrix = view.curvature[np.ix_(at[free], at[free])] * np.outer(room, room)
-            ahead = np.linalg.solve(matrix + 1e-6 * np.eye(free.size), view.gain[at[free]] * room)
-            row[free] = np.clip(row[free] + np.clip(ahead, -_LONGEST, _LONGEST), 0.0, FURTHEST)
-    room = np.exp(-u[0])
-    curvature = views[0].curvature[np.ix_(at, at)] * np.outer(room, room) + 1e-6 * np.eye(at.size)
-    return np.array([view.log_likelihood for view in views]), u, curvature
-
-
-def _end(places: FloatArray, rise: FloatArray, limit: float, side: int) -> tuple[float, bool]:
-    """Where the rise passes the limit on one side of its least, and whether it never does."""
-    best = int(np.argmin(rise))
-    own = range(best, places.size) if side > 0 else range(best, -1, -1)
-    for before, here in pairwise(own):
-        if rise[here] > limit:
-            first, second = np.sqrt(rise[[before, here]])  # a parabola's root is a line
-            share = (np.sqrt(limit) - first) / (second - first)
-            return float(places[before] + share * (places[here] - places[before])), False
-    return float(places[0 if side < 0 else -1]), True
+    return section.profile(name, level, points)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..optimize.island_ga import seed_of, thread_count
-from ..support.checks import FloatArray, choice, finite_scalar, integer
-from ..support.progress import one_blas_thread, patient, step
+from ..support.checks import FloatArray
+from ..support.progress import step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
 from .residuals import FAR, SAME, UNSEEN, Fit, drawn, fitted, normalized
@@ -112,11 +113,6 @@ _WIDE = 1e4
 _FAR = 30.0
 
 
-def axes_of(precision: FloatArray) -> FloatArray:
-    """Directions of the sweeps, (2n, n): principal axes of the Gaussian, then the edges of the box."""
-    return np.vstack([np.linalg.eigh(precision)[1].T, np.eye(len(precision))])
-
-
 def sweep(
     u: FloatArray,
     center: FloatArray,
@@ -189,7 +185,8 @@ class Linear:
         self.precisions = weighted @ fit.jacobian
         self.slopes = weighted @ fit.e - fit.residuals.tilt
         self.typical = self.precisions[middle]
-        self.axes = axes_of(self.typical)
+        #: Directions of the sweeps, (2n, n): principal axes, then the edges of the box.
+        self.axes = np.vstack([np.linalg.eigh(self.typical)[1].T, np.eye(fit.u.size)])
 
     def residuals(self, u: FloatArray) -> FloatArray:
         """Linear residuals at every row, (k, m)."""
@@ -224,11 +221,75 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
     return u, which
 
 
-#: Share of the particles that must count after a step.
-_COUNTING = 0.5
+# -- Draws of a density that no Gaussian is near, and its integral: particles that go by steps and move
+#
+# Transitional Markov chain Monte Carlo (J. Ching and Y.-C. Chen, J. Eng. Mech. 133 (2007) 816-832): particles
+# go from a density that they were drawn from to the one wanted, at each step as far as half of them still
+# count, are drawn anew by their weights, and walk. Where a density near the wanted one can be drawn from, it
+# proposes moves, which the true one accepts (Christen & Fox, J. Comput. Graph. Stat. 14 (2005) 795-810).
+
+Density = Callable[[FloatArray], FloatArray]
+#: Moves of all particles, and what they add to the log odds of being accepted.
+Guide = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+#: Share of the particles that must count after a step; share of walks that should be accepted.
+_COUNTING, _ACCEPTED = 0.5, 0.3
+#: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
+_MOVES, _LAST, _MOST = 1.0, 3.0, 30
+#: Where moves are proposed, so many more are asked for, and a walk is a short way.
+_GUIDED, _SHORT = 1.8, 0.2
 
 
-def longest_step(gain: FloatArray, most: float) -> float:
+def stepwise(
+    u: FloatArray,
+    start: Density,
+    target: Density,
+    top: float,
+    rng: np.random.Generator,
+    guided: Callable[[float], Guide] | None = None,
+) -> tuple[FloatArray, float, float]:
+    """Draws of ``target`` in the box from 0 to ``top``, from draws ``u`` (k, n) of ``start``; ln of the
+    integral of the one over that of the other; share of the moves that were accepted."""
+    from scipy.special import logsumexp
+
+    count, n = u.shape
+    first, last = start(u), target(u)
+    share, log_integral, scale = 0.0, 0.0, 2.4 / np.sqrt(n)
+    accepted, rounds = 0.0, 0
+
+    def moved(proposed: FloatArray, bias: Any = 0.0) -> float:
+        """Take the moves that chance and the density allow; the share that was taken."""
+        nonlocal u, first, last
+        inside = np.all((proposed >= 0.0) & (proposed <= top), axis=1)
+        proposed = np.where(inside[:, None], proposed, u)
+        new_first, new_last = start(proposed), target(proposed)
+        gain = share * (new_last - last) + (1.0 - share) * (new_first - first) + bias
+        taken = inside & (np.log(rng.random(count)) < gain)
+        u = np.where(taken[:, None], proposed, u)
+        first, last = np.where(taken, new_first, first), np.where(taken, new_last, last)
+        return float(taken.mean())
+
+    while share < 1.0:
+        ahead = _longest_step(last - first, 1.0 - share)
+        share = share + ahead if ahead < 1.0 - share else 1.0
+        step(f"particles, {100 * share:.0f} % of the way")
+        log_weight = ahead * (last - first)
+        log_integral += float(logsumexp(log_weight) - np.log(count))
+        chosen = evenly_chosen(normalized(log_weight), count, rng)
+        u, first, last = u[chosen], first[chosen], last[chosen]
+        sizes, axes = np.linalg.eigh(np.cov(u.T).reshape(n, n))  # of a matrix that may be singular
+        spread = axes * np.sqrt(np.maximum(sizes, 1e-10))
+        guide = guided(share) if guided else None
+        wanted, done, most = (_LAST if share == 1.0 else _MOVES) * (_GUIDED if guide else 1.0), 0.0, _MOST
+        while done < wanted and most:
+            taken = moved(*guide(u)) if guide else 0.0
+            walked = moved(u + scale * rng.standard_normal(u.shape) @ spread.T)
+            scale = float(np.clip(scale * np.exp(walked - _ACCEPTED), 1e-3, 5.0))
+            done += taken + _SHORT * walked if guide else walked
+            accepted, rounds, most = accepted + taken + walked, rounds + 1, most - 1
+    return u, log_integral, accepted / rounds
+
+
+def _longest_step(gain: FloatArray, most: float) -> float:
     """The longest step towards a density of log weights ``gain`` after which enough particles count."""
 
     def counting(share: float) -> float:
@@ -249,116 +310,50 @@ def evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> N
     return np.minimum(np.searchsorted(np.cumsum(weight), places), weight.size - 1)
 
 
-# -- Draws of the parameters given the measured values, with the residuals as the model has them
-#
-# Sequential Monte Carlo, as the transitional Markov chain Monte Carlo of Ching & Chen (J. Eng. Mech. 133
-# (2007) 816-832): particles go by steps from one density to another, weighted, drawn anew and moved. They set
-# out not from the prior but from the linear posterior with twice its errors; and most moves are proposed by
-# the linear posterior of the step itself, along its axes there and back, and accepted by what the true
-# residuals say (Christen & Fox, J. Comput. Graph. Stat. 14 (2005) 795-810). Random walks do the rest.
-
 #: How much wider than the linear posterior the particles set out, and the proposals are.
 _START, _WIDER = 2.0, 1.1
-#: Sweeps that draw the first ones.
-_SWEEPS_ENSEMBLE = 8
-#: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
-_MOVES, _LAST, _MOST = 2.0, 5.0, 30
-
-
-class _Particles:
-    """Particles with their residuals on the way from the linear posterior to the true one."""
-
-    def __init__(self, fit: Fit, count: int, rng: np.random.Generator, workers: int) -> None:
-        self.fit, self.rng, self.workers = fit, rng, workers
-        self.wide = _START**2 * fit.errors.variance[fit.middle]
-        start = Linear(fit, self.wide[None], 0)
-        one = np.zeros(count, dtype=np.intp)
-        self.u = start.spread(count, rng)
-        for _ in range(_SWEEPS_ENSEMBLE):
-            self.u = start.swept(self.u, one, rng, start.axes)
-        self.linear = start.residuals
-        self.which = drawn(fit.chances, rng.random(count))
-        self.e = fit.residuals.many(self.u, workers)
-        self.log_chances = np.log(np.maximum(fit.chances, 1e-300))
-        self.b, self.scale = 0.0, 0.5
-
-    def heat(self) -> None:
-        """The next step: as far as half of the particles still count, then drawn anew by their weights."""
-        count = len(self.u)
-        target = self.fit.errors.log_density(self.e**2)[np.arange(count), self.which]
-        gain = (
-            target + 0.5 * np.sum(self.linear(self.u) ** 2 / self.wide, axis=1) - self.log_chances[self.which]
-        )
-        ahead = longest_step(gain, 1.0 - self.b)
-        self.b = min(1.0, self.b + ahead)
-        chosen = evenly_chosen(normalized(ahead * gain), count, self.rng)
-        self.u, self.e, self.which = self.u[chosen], self.e[chosen], self.which[chosen]
-
-    def settle(self, moves: float) -> tuple[float, int]:
-        """Moves of all particles until each was accepted ``moves`` times on average; moves and rounds."""
-        fit, b = self.fit, self.b
-        true = fit.errors.variance
-        variance = _WIDER**2 / ((1.0 - b) / self.wide + b / true)
-        linear = Linear(fit, variance, fit.middle)
-        n = self.u.shape[1]
-        axes = linear.axes[:n]
-        values, vectors = np.linalg.eigh(np.cov(self.u.T).reshape(n, n))  # of a matrix that may be singular
-        factor = np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
-        done, rounds = 0.0, 0
-        while done < moves and rounds < _MOST:
-            logits = (1.0 - b) * self.log_chances + b * fit.errors.log_density(self.e**2)
-            self.which = drawn(normalized(logits), self.rng.random(len(self.u)))
-            guide = variance[self.which]
-            proposed = linear.swept(self.u, self.which, self.rng, np.vstack([axes, axes[::-1]]))
-            bias = [
-                0.5 * np.sum(self.linear(u) ** 2 / guide, axis=1) - u @ fit.residuals.tilt
-                for u in (proposed, self.u)
-            ]
-            done += self._accept(proposed, bias[0] - bias[1])
-            walked = self.u + self.scale * self.rng.standard_normal(self.u.shape) @ factor.T
-            share = self._accept(walked, np.zeros(len(walked)))
-            self.scale = float(np.clip(self.scale * np.exp(share - 0.25), 1e-3, 2.0))
-            done += 0.2 * share  # a short way
-            rounds += 1
-        return done, rounds
-
-    def _accept(self, proposed: FloatArray, correction: FloatArray) -> float:
-        """Take the proposals that chance and the density allow; the share that was taken."""
-        inside = np.all((proposed >= 0.0) & (proposed <= 1.0), axis=1)
-        e = self.e.copy()
-        if inside.any():
-            e[inside] = self.fit.residuals.many(proposed[inside], self.workers)
-        gain = self._log_density(np.where(inside[:, None], proposed, self.u), e) - self._log_density(
-            self.u, self.e
-        )
-        taken = inside & (np.log(self.rng.random(len(e))) < gain + correction)
-        self.u = np.where(taken[:, None], proposed, self.u)
-        self.e = np.where(taken[:, None], e, self.e)
-        return float(taken.mean())
-
-    def _log_density(self, u: FloatArray, e: FloatArray) -> FloatArray:
-        """Logarithm of the density of the step at fixed errors of the model, (k,)."""
-        start = np.sum(self.linear(u) ** 2 / self.wide, axis=1)
-        end = np.sum(e**2 / self.fit.errors.variance[self.which], axis=1)
-        prior = u @ self.fit.residuals.tilt
-        return np.asarray(prior - 0.5 * ((1.0 - self.b) * start + self.b * end))
 
 
 def ensemble_draws(
     fit: Fit, count: int, rng: np.random.Generator, workers: int
 ) -> tuple[FloatArray, NDArray[np.intp], float]:
-    """As :func:`linear_draws`, the same bits for any number of workers; and the share of moves accepted."""
+    """As :func:`linear_draws`, with the residuals that the model has; and the share of moves accepted."""
     if fit.u.size == 0:
         return np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 1.0
-    particles = _Particles(fit, count, rng, workers)
-    steps, accepted, rounds = 0, 0.0, 0
-    while particles.b < 1.0:
-        particles.heat()
-        steps += 1
-        step(f"ensemble, step {steps}: {100 * particles.b:.0f} % of the way")
-        moved, passed = particles.settle(_LAST if particles.b == 1.0 else _MOVES)
-        accepted, rounds = accepted + moved, rounds + passed
-    return particles.u, particles.which, min(1.0, accepted / max(rounds, 1))
+    residuals, variance = fit.residuals, fit.errors.variance
+    wide = _START**2 * variance[fit.middle]
+    linear = Linear(fit, wide[None], 0)
+
+    def start(u: FloatArray) -> FloatArray:
+        return np.asarray(u @ residuals.tilt - 0.5 * np.sum(linear.residuals(u) ** 2 / wide, axis=1))
+
+    def errors_at(u: FloatArray) -> FloatArray:
+        return fit.errors.log_density(residuals.many(u, workers) ** 2)
+
+    def target(u: FloatArray) -> FloatArray:
+        return np.asarray(u @ residuals.tilt + np.logaddexp.reduce(errors_at(u), axis=1))
+
+    def guided(share: float) -> Guide:
+        """Sweeps there and back through the linear posterior of the step, its errors drawn."""
+        own = Linear(fit, _WIDER**2 / ((1.0 - share) / wide + share / variance), fit.middle)
+        axes = own.axes[: fit.u.size]
+
+        def guide(u: FloatArray) -> tuple[FloatArray, FloatArray]:
+            which = drawn(fit.chances, rng.random(count))
+            proposed = own.swept(u, which, rng, np.vstack([axes, axes[::-1]]))
+            logs = [
+                v @ residuals.tilt - 0.5 * np.sum(own.residuals(v) ** 2 / own.variance[which], axis=1)
+                for v in (u, proposed)
+            ]
+            return proposed, logs[0] - logs[1]
+
+        return guide
+
+    u = linear.spread(count, rng)
+    for _ in range(_SWEEPS):
+        u = linear.swept(u, np.zeros(count, dtype=np.intp), rng, linear.axes)
+    u, _, accepted = stepwise(u, start, target, 1.0, rng, guided)
+    return u, drawn(normalized(errors_at(u)), rng.random(count)), accepted
 
 
 # -- Profile likelihood: how the fit falls when one parameter is held and all others are fitted again
@@ -495,71 +490,66 @@ class ProfileLikelihood(Value):
         return "\n".join(lines)
 
 
-@patient("profile")
-@one_blas_thread
-def profile(
-    problem: UpdatingProblem,
-    x: FloatArray,
-    name: str,
-    *,
-    level: float = 0.9,
-    points: int = 21,
-    progress: bool | None = None,
-) -> ProfileLikelihood:
-    """Profile around the least-squares solution near ``x``; see ``UpdateResult.profile``."""
-    finite_scalar("level", level, low=0.5, high=0.999)
-    integer("points", points, low=5, high=1001)
-    if name not in problem.names:
-        reject("name", repr(name), "a parameter of the problem", f"One of {', '.join(problem.names)}.")
-    fit = fitted(problem, x)
-    where = np.flatnonzero(fit.residuals.free == problem.names.index(name))
-    if where.size == 0:
-        remedy = "Its bounds are equal, or it was decided to be 0."
-        reject("name", repr(name), "a parameter that may move", remedy)
-    j, center = int(where[0]), float(fit.u[where[0]])
-    std = np.sqrt(variances(fit)[j])
-    found: dict[float, tuple[float, FloatArray]] = {center: (fit.squares(fit.u), fit.u)}
-    for bound, count in ((0.0, points // 2), (1.0, points - points // 2)):
-        u = fit.u
-        for place in _places(center, bound, std, count):
+@dataclass(frozen=True)
+class Section:
+    """Parameter ``j`` of u (n,), within [0, top], through the best point; its spread where it is free."""
+
+    j: int
+    u: FloatArray
+    squares: float  # least sum of squares over the errors' variances
+    std: float
+    top: float
+    #: The least sum of squares and its place, the parameter held as in u, the others begun there.
+    refitted: Callable[[FloatArray], tuple[float, FloatArray]]
+    value: Callable[[float], float]  # of the parameter, in its unit
+    resting: Callable[[FloatArray], tuple[str, ...]]  # other parameters on a bound
+
+    def profile(self, name: str, level: float, points: int) -> ProfileLikelihood:
+        """The likelihood along it."""
+        found = {float(self.u[self.j]): (self.squares, self.u)}
+
+        def hold(u: FloatArray, place: float) -> FloatArray:
+            step(f"{name} held at {self.value(place):.5g}")
             u = u.copy()
-            u[j] = place
-            step(f"{name} held at {_value(fit, j, u):.5g}")
-            found[float(place)] = fit.held(j, u)
-            u = found[float(place)][1]
-    limit = threshold(level)
-    (low, low_open), (high, high_open) = (_end(fit, found, j, side, limit) for side in (-1.0, 1.0))
-    places = sorted(found)
-    rise = np.array([found[place][0] for place in places])
-    return ProfileLikelihood(
-        name=name,
-        values=np.array([_value(fit, j, found[place][1]) for place in places]),
-        rise=rise - rise.min(),
-        threshold=limit,
-        level=level,
-        low=_value(fit, j, np.where(np.arange(fit.u.size) == j, low, fit.u)),
-        high=_value(fit, j, np.where(np.arange(fit.u.size) == j, high, fit.u)),
-        kind=kind_of(low_open, high_open),
-        others_on_bound=tuple(_on_bound(fit, found[place][1], j) for place in places),
-    )
+            u[self.j] = place
+            found[place] = self.refitted(u)
+            return found[place][1]
 
+        for bound, count in ((0.0, points // 2), (self.top, points - points // 2)):
+            u = self.u
+            for place in self._places(bound, count):
+                u = hold(u, place)
+        limit = threshold(level)
+        (low, low_open), (high, high_open) = (_end(found, hold, side, limit) for side in (-1.0, 1.0))
+        places = sorted(found)
+        rise = np.array([found[place][0] for place in places])
+        return ProfileLikelihood(
+            name=name,
+            values=np.array([self.value(place) for place in places]),
+            rise=rise - rise.min(),
+            threshold=limit,
+            level=level,
+            low=self.value(low),
+            high=self.value(high),
+            kind=kind_of(low_open, high_open),
+            others_on_bound=tuple(self.resting(found[place][1]) for place in places),
+        )
 
-def _value(fit: Fit, j: int, u: FloatArray) -> float:
-    """Free parameter j at u, in its unit."""
-    return float(fit.residuals.vector(u)[fit.residuals.free[j]])
-
-
-def _places(center: float, bound: float, std: float, count: int) -> FloatArray:
-    """Values away from the center: most within a few standard deviations, then the bound."""
-    reach = min(_REACH * std, abs(bound - center))
-    if reach < 1e-9:
-        return np.empty(0)
-    near = center + np.sign(bound - center) * reach * np.arange(1, count + 1) / count
-    return near if abs(near[-1] - bound) < 1e-9 else np.append(near, bound)
+    def _places(self, bound: float, count: int) -> list[float]:
+        """Values away from the center: most within a few standard deviations, then the bound."""
+        center = float(self.u[self.j])
+        reach = min(_REACH * self.std, abs(bound - center))
+        if reach < 1e-9:
+            return []
+        near = center + np.sign(bound - center) * reach * np.arange(1, count + 1) / count
+        return [*near.tolist(), *([] if abs(near[-1] - bound) < 1e-9 else [bound])]
 
 
 def _end(
-    fit: Fit, found: dict[float, tuple[float, FloatArray]], j: int, side: float, limit: float
+    found: dict[float, tuple[float, FloatArray]],
+    hold: Callable[[FloatArray, float], FloatArray],
+    side: float,
+    limit: float,
 ) -> tuple[float, bool]:
     """Where the rise passes the limit on one side, and whether it never does; adds points to ``found``."""
     for _ in range(_REFINED):
@@ -575,14 +565,42 @@ def _end(
         end = places[k - 1] + share * (places[k] - places[k - 1])
         if root[1] - root[0] < _NEAR * np.sqrt(limit):
             break
-        u = found[places[k - 1]][1].copy()
         # A rise that begins late is no parabola: not too near to the side that is known to be within.
-        u[j] = places[k - 1] + max(share, 0.3) * (places[k] - places[k - 1])
-        found[float(u[j])] = fit.held(j, u)
+        between = places[k - 1] + max(share, 0.3) * (places[k] - places[k - 1])
+        hold(found[places[k - 1]][1], float(between))
     return end, False
 
 
-def _on_bound(fit: Fit, u: FloatArray, held: int) -> tuple[str, ...]:
+def profile(
+    problem: UpdatingProblem, x: FloatArray, name: str, level: float, points: int
+) -> ProfileLikelihood:
+    """Profile around the least-squares solution near ``x``; see ``UpdateResult.profile``."""
+    fit = fitted(problem, x)
+    where = np.flatnonzero(fit.residuals.free == problem.names.index(name))
+    if where.size == 0:
+        remedy = "Its bounds are equal, or it was decided to be 0."
+        reject("name", repr(name), "a parameter that may move", remedy)
+    j = int(where[0])
+
+    def value(place: float) -> float:
+        return float(fit.residuals.vector(np.where(np.arange(fit.u.size) == j, place, fit.u))[where_in_x])
+
+    where_in_x = fit.residuals.free[j]
+    section = Section(
+        j,
+        fit.u,
+        fit.squares(fit.u),
+        float(np.sqrt(variances(fit)[j])),
+        1.0,
+        partial(fit.held, j),
+        value,
+        partial(_on_bound, fit, j),
+    )
+    return section.profile(name, level, points)
+
+
+def _on_bound(fit: Fit, held: int, u: FloatArray) -> tuple[str, ...]:
+    """Names of the parameters that rest on a bound, but for the one held."""
     names = np.array(fit.residuals.problem.names)[fit.residuals.free]
     on = (u <= _ON_BOUND) | (u >= 1.0 - _ON_BOUND)
     on &= np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
@@ -596,25 +614,11 @@ def _on_bound(fit: Fit, u: FloatArray, held: int) -> tuple[str, ...]:
 _ODD = 4.0
 
 
-@patient("intervals")
-@one_blas_thread
 def intervals(
-    problem: UpdatingProblem,
-    x: FloatArray,
-    *,
-    method: Method = "laplace",
-    level: float = 0.9,
-    draws: int = 1000,
-    rng: int | np.random.Generator | None = 0,
-    workers: int | None = None,
-    progress: bool | None = None,
+    problem: UpdatingProblem, x: FloatArray, method: Method, level: float, draws: int, seed: int, threads: int
 ) -> ParameterIntervals:
     """Intervals around the least-squares solution near ``x``; see ``UpdateResult.intervals``."""
-    choice("method", method, ("laplace", "ensemble"))
-    finite_scalar("level", level, low=0.5, high=0.999)
-    integer("draws", draws, low=50, high=1_000_000)
-    generator = np.random.default_rng(seed_of(rng))
-    threads = thread_count(workers)
+    generator = np.random.default_rng(seed)
     fit = fitted(problem, x)
     notes = [*fit.residuals.assumed, *_doubts(fit, x)]
     if method == "laplace":
@@ -641,7 +645,7 @@ def intervals(
     return ParameterIntervals(
         names=tuple(problem.names),
         method=method,
-        level=float(level),
+        level=level,
         low=low,
         high=high,
         center=np.median(drawn_x, axis=0),

@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
-from ..support.checks import FloatArray
+from ..exceptions import reject
+from ..optimize.island_ga import seed_of, thread_count
+from ..support.checks import FloatArray, choice, finite_scalar, integer
+from ..support.progress import one_blas_thread, patient
 from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .identifiability import Identifiability, at_solution
@@ -162,13 +165,15 @@ class UpdateResult(ReadOnly, Viewed):
 
     @cached_property
     def _quick(self) -> ParameterIntervals:
-        return intervals(self.problem, self.x, progress=False)
+        return self.intervals(progress=False)
 
     @cached_property
     def chi_square(self) -> float:
         """Reduced chi-square of the least-squares residuals by their stated errors; NaN where none are."""
         return fitted(self.problem, self.x).chi_square
 
+    @patient("intervals")
+    @one_blas_thread
     def intervals(
         self,
         method: Method = "laplace",
@@ -183,7 +188,8 @@ class UpdateResult(ReadOnly, Viewed):
 
         Uniform within the bounds before the test; Gaussian errors with the ``std_hz`` of the measured values,
         and an error of the model that the residuals tell. Where no errors are stated, one error of all
-        is learned. Around the least-squares solution near ``x``.
+        is learned. Around the least-squares solution near ``x``. Of damage against a baseline a
+        :class:`SeverityIntervals`: given the elements declared damaged, errors of the model considered.
 
         Parameters
         ----------
@@ -202,18 +208,34 @@ class UpdateResult(ReadOnly, Viewed):
         InvalidInputError
             A method, level or number out of range.
         """
-        how: dict[str, Any] = {"level": level, "draws": draws, "rng": rng, "workers": workers}
-        return intervals(self.problem, self.x, method=method, progress=progress, **how)
+        choice("method", method, ("laplace", "ensemble"))
+        finite_scalar("level", level, low=0.5, high=0.999)
+        integer("draws", draws, low=50, high=1_000_000)
+        return self._intervals(method, float(level), draws, seed_of(rng), thread_count(workers))
 
+    def _intervals(self, *asked: Any) -> ParameterIntervals:
+        return intervals(self.problem, self.x, *asked)
+
+    @patient("profile")
+    @one_blas_thread
     def profile(
         self, name: str, *, level: float = 0.9, points: int = 21, progress: bool | None = None
     ) -> ProfileLikelihood:
         """Profile likelihood of one parameter: the others are fitted again at ``points`` of its values.
 
         For parameters on a bound, and those that the data hardly tell; ``kind`` says whether both sides
-        close. An unknown name is an ``InvalidInputError``.
+        close. An unknown name is an ``InvalidInputError``. Of damage against a baseline the others of the set
+        declared damaged are fitted, by the likelihood of the assessment; other elements have no profile.
         """
-        return profile(self.problem, self.x, name, level=level, points=points, progress=progress)
+        finite_scalar("level", level, low=0.5, high=0.999)
+        integer("points", points, low=5, high=1001)
+        if name not in self.problem.names:
+            named = f"One of {', '.join(self.problem.names)}."
+            reject("name", repr(name), "a parameter of the result", named)
+        return self._profile(name, level, points)
+
+    def _profile(self, *asked: Any) -> ProfileLikelihood:
+        return profile(self.problem, self.x, *asked)
 
     def summary(self) -> str:
         """Parameters, frequencies and notes as text."""
