@@ -378,7 +378,7 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
         search.interrupted = True
     worst = max(apart.values(), default=float("inf"))
     return ReductionReport(
-        n_dof=source.terms.n_dof,
+        n_dof=source.terms.core.n_dof,
         size=source.largest,
         rounds=source.bases,
         estimate=source.expected,

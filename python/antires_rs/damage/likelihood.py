@@ -688,7 +688,7 @@ class Question:
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts)
         if self.reduced and isinstance(responses, Responses):
-            core = ReducedRoots(Terms(model, responses.parts, parts, numbers, factors), core)
+            core = ReducedRoots(Terms(model, responses.parts, numbers, factors), core)
         if not self._taught:
 
             def taught(intact: Values) -> ModelError:

@@ -15,7 +15,7 @@ from .. import _core
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.checks import FloatArray
-from ..updating.targets import AntiresonanceTargets, antiresonance_objective
+from ..updating.targets import AntiresonanceTargets, Part, antiresonance_objective
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -260,10 +260,6 @@ def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) ->
         table[:, 0].astype(np.intp),
         asked=np.array(asked, dtype=np.intp).reshape(-1, 2),
     )
-
-
-#: Response dof, force dof, frequencies (Hz), what they see, number of those measured together.
-Part = tuple[int, int, FloatArray, str | None, int]
 
 
 @dataclass(frozen=True)

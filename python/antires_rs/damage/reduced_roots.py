@@ -7,25 +7,33 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-from ..models.matrices import Entries
+from ..models.parameters import stiffness_reduction
 from ..support.progress import step
-from ..updating.reduced_model import beside, coordinates, expected_errors, matrices, point_basis, solved
+from ..updating.reduced_model import (
+    Large,
+    Term,
+    beside,
+    coordinates,
+    expected_errors,
+    matrices,
+    point_basis,
+    projected,
+    solved,
+)
 from .measured_states import Roots, shown_roots
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from .._core import Model as CoreModel
     from ..models.parameters import Parameter
     from ..models.structural_model import StructuralModel
     from ..support.checks import FloatArray
-    from .measured_states import Part
+    from ..updating.targets import Part
 
 
 # -- A large model on few dofs around one point, whichever of a few severities change from there
@@ -53,14 +61,13 @@ class NearPoint:
 
     def __init__(self, terms: Terms, x: FloatArray, depth: int) -> None:
         self.terms, self.x = terms, x.copy()
-        core = terms.at(x)
-        self.stiffness, self.mass = matrices(core)
-        self.basis, self.moving = point_basis(core, terms.sensors, terms.forces, terms.limit_hz, depth)
+        self.stiffness, self.mass = matrices(terms.at(x))
+        self.basis, self.moving = point_basis(terms, x, depth)
         self._shifted = self.basis.shifted
         own = self.basis.vectors
         self._own = own, self.stiffness @ own, self.mass @ own
         self._square = tuple(own.T @ each for each in self._own[1:])
-        most = max(_LEAST_KEPT, int(_ROOM / (8 * _USUAL * terms.n_dof)))
+        most = max(_LEAST_KEPT, int(_ROOM / (8 * _USUAL * terms.core.n_dof)))
         #: The reduced model in which the severities of some elements are free.
         self.local = lru_cache(most)(lambda elements: Local(self, elements, self._answering(elements)))
         self._alone = lru_cache(most // 2)(self._of_one)
@@ -68,7 +75,7 @@ class NearPoint:
     def _answering(self, elements: tuple[int, ...]) -> FloatArray:
         """What answers damage of the elements, beside the basis, (n, k)."""
         if not elements:
-            return np.empty((self.terms.n_dof, 0))
+            return np.empty((self.terms.core.n_dof, 0))
         alone = [self._alone(e) for e in elements]
         if len(alone) == 1:
             return alone[0][0]
@@ -99,7 +106,7 @@ class NearPoint:
             found.append(new)
             sized.append(last)
             core = np.hstack([core, new])
-        none = [np.empty((self.terms.n_dof, 0))]
+        none = [np.empty((self.terms.core.n_dof, 0))]
         return np.hstack(found or none), np.hstack(sized or none)
 
     def _moved(self, pairs: list[tuple[int, FloatArray]]) -> FloatArray:
@@ -107,7 +114,7 @@ class NearPoint:
         loads = [self.terms.loads(e, self.x, vectors) for e, vectors in pairs]
         return solved(self.basis.factors, np.hstack(loads))
 
-    def projected(self, more: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def on_basis(self, more: FloatArray) -> list[FloatArray]:
         """K and M on the basis and ``more`` vectors."""
         found = []
         for matrix, mine, square in zip(
@@ -115,7 +122,7 @@ class NearPoint:
         ):
             across = mine.T @ more
             found.append(np.block([[square, across], [across.T, more.T @ (matrix @ more)]]))
-        return found[0], found[1]
+        return found
 
 
 class Local:
@@ -128,13 +135,9 @@ class Local:
         self.size = self._change.shape[1]
         # An objective has a parameter at least.
         scaled = elements or (0,)
-        each = []
-        for e in scaled:  # what is lost with severity one of what the point has left
-            term = terms.of_element(e)
-            here = np.hstack([own[term.dofs], vectors[term.dofs]])
-            each.append(self._entries(terms.left(e, near.x) * (here.T @ (term.matrix @ here))))
-        both = [self._entries(matrix) for matrix in near.projected(vectors)]
-        model = _core.Model.from_matrices(self.size, both[0], both[1], each, [])
+        # What is lost with severity one of what the point has left.
+        lost = [terms.left(e, near.x) * terms.of_element(e).on(own, vectors) for e in scaled]
+        model = projected(self._change, *near.on_basis(vectors), lost, [])
         free = [("stiffness_reduction", [nth], False, None) for nth in range(len(scaled))]
         self.core = _core.Objective.antiresonance(
             model, free, terms.reduced_parts, "squared", None, 0.0, None
@@ -161,10 +164,6 @@ class Local:
             return np.asarray(own @ turned[:count] + self.vectors @ turned[count:])
 
         return target, hz, shown, full(left), full(right), slope
-
-    def _entries(self, matrix: FloatArray) -> Entries:
-        small = self._change.T @ matrix @ self._change
-        return Entries.of(0.5 * (small + small.T))
 
 
 #: Krylov vectors of a sensor, first and most; relative difference from the full model's roots that is enough.
@@ -217,7 +216,7 @@ class ReducedRoots:
         self._settled[x.tobytes()] = near
         low, high = self.terms.measured_hz
         ours = ours.only(ours.between(np.log(low) - 1e-9, np.log(high) + 1e-9))
-        rows, forces = np.array(self.terms.ends)[ours.response].T
+        rows, forces = np.array([part[:2] for part in self.terms.parts])[ours.response].T
         matrices_here = near.stiffness, near.mass
         errors = expected_errors(matrices_here, near.basis, (rows, forces), np.exp(ours.log_f))
         self.expected = float(errors.max(initial=0.0))
@@ -254,75 +253,28 @@ class ReducedRoots:
 
 # -- K and M of a model as sums of terms that severities and factors scale, and how roots move with each
 
-#: The model is asked for roots up to this multiple of the highest measured one, as the core does; slopes are
-#: told of those within so much (ln f) of what was measured.
-_BAND, _NEAR = 1.5, 0.31
-#: Terms of more dofs stay sparse.
-_DENSE = 256
+#: Slopes are told of roots within so much (ln f) of what was measured.
+_NEAR = 0.31
 
 
-class Term(NamedTuple):
-    """The dofs that a term joins, and its matrix (d, d) there."""
-
-    dofs: NDArray[np.intp]
-    matrix: Any
-
-    @classmethod
-    def of(cls, entries: Any) -> Term:
-        """Of rows, columns and values."""
-        from scipy.sparse import coo_array
-
-        rows, columns, values = entries
-        dofs = np.unique(np.concatenate([rows, columns])).astype(np.intp)
-        at = np.searchsorted(dofs, rows), np.searchsorted(dofs, columns)
-        matrix = coo_array((values, at), shape=(dofs.size, dofs.size))
-        return cls(dofs, matrix.toarray() if dofs.size <= _DENSE else matrix.tocsr())
-
-    def joined(self, left: FloatArray, right: FloatArray) -> FloatArray:
-        """leftᵀ term right for each column."""
-        here = self.matrix @ right[self.dofs]
-        return np.asarray(np.einsum("dz,dz->z", left[self.dofs], here))
-
-
-class Terms:
-    """A model whose parameters are the severities of ``elements``, then ``factors`` of single terms."""
+class Terms(Large):
+    """A large model whose parameters are the severities of ``elements``, then ``factors`` of single terms."""
 
     def __init__(
         self,
         model: StructuralModel,
         parts: Sequence[Part],
-        parameters: Any,
         elements: Sequence[int],
         factors: Sequence[Parameter],
     ) -> None:
-        self._core, ends = model._core_for([dof for part in parts for dof in part[:2]])
-        self._parameters, self.n = parameters, len(elements)
-        self.sensors, self.forces = sorted(set(ends[::2])), sorted(set(ends[1::2]))
-        self.ends = list(zip(ends[::2], ends[1::2], strict=True))
-        self.rows = sorted({*ends})
-        #: The responses where these rows are the first dofs.
-        place = {row: nth for nth, row in enumerate(self.rows)}
-        self.reduced_parts = [
-            (place[i], place[k], *part[2:]) for (i, k), part in zip(self.ends, parts, strict=True)
-        ]
-        hz = np.concatenate([part[2] for part in parts])
-        self.limit_hz = _BAND * float(hz.max())
-        self.measured_hz = float(hz.min()), float(hz.max())
-        self.slopes_hz = float(hz.min() * np.exp(-_NEAR)), float(hz.max() * np.exp(_NEAR))
+        super().__init__(model, parts, (*stiffness_reduction(elements), *factors))
+        self.n, (low, high) = len(elements), self.measured_hz
+        self.slopes_hz = low * np.exp(-_NEAR), high * np.exp(_NEAR)
         self._elements = list(elements)
-        self._stiffness = [Term.of(each) for each in self._core.stiffness_terms()]
+        self._stiffness = [Term.of(each) for each in self.core.stiffness_terms()]
         self._factors = [(one.quantity, one.terms[0]) for one in factors]
         masses = {term for quantity, term in self._factors if quantity == "mass_factor"}
-        self._mass = {t: Term.of(each) for t, each in enumerate(self._core.mass_terms()) if t in masses}
-
-    @property
-    def n_dof(self) -> int:
-        """Dofs of the full model."""
-        return self._core.n_dof
-
-    def at(self, x: FloatArray) -> CoreModel:
-        """The full model."""
-        return self._core.at(self._parameters, np.ascontiguousarray(x))
+        self._mass = {t: Term.of(each) for t, each in enumerate(self.core.mass_terms()) if t in masses}
 
     def of_element(self, element: int) -> Term:
         """The term whose severity is number ``element``, whole."""
@@ -336,7 +288,7 @@ class Terms:
         """What is left of the term at ``x``, times vectors (dofs, m)."""
         term = self.of_element(element)
         found = np.zeros_like(vectors)
-        found[term.dofs] = self.left(element, x) * (term.matrix @ vectors[term.dofs])
+        found[term.dofs] = self.left(element, x) * term.times(vectors)
         return found
 
     def slopes(
@@ -352,12 +304,12 @@ class Terms:
         factor = self._factor_of(x)
         joined = {}
         for nth, term in enumerate(self._elements):
-            joined[term] = self._stiffness[term].joined(left, right) * scale
+            joined[term] = _between(self._stiffness[term], left, right) * scale
             found[known, nth] = -factor.get(term, 1.0) * joined[term]
         lost = dict(zip(self._elements, x, strict=False))
         for nth, (quantity, term) in enumerate(self._factors, start=self.n):
             if quantity == "mass_factor":
-                found[known, nth] = -squares * self._mass[term].joined(left, right) * scale
+                found[known, nth] = -squares * _between(self._mass[term], left, right) * scale
             else:
                 found[known, nth] = (1.0 - lost.get(term, 0.0)) * joined[term]
         return np.where(np.isfinite(found), found, 0.0)
@@ -366,3 +318,8 @@ class Terms:
         """Factor of each stiffness term that has one."""
         pairs = zip(self._factors, x[self.n :], strict=True)
         return {term: float(value) for (quantity, term), value in pairs if quantity != "mass_factor"}
+
+
+def _between(term: Term, left: FloatArray, right: FloatArray) -> FloatArray:
+    """leftᵀ term right for each column."""
+    return np.asarray(np.einsum("dz,dz->z", left[term.dofs], term.times(right)))

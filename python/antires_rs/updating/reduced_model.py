@@ -6,12 +6,13 @@ that asks for dofs works on it unchanged.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
 from ..exceptions import NumericalError, reject
@@ -19,11 +20,12 @@ from ..models.matrices import Entries, as_sparse
 from ..optimize.island_ga import IslandGA, OptimizeResult
 from ..support.checks import FloatArray, finite_scalar, integer
 from ..support.progress import one_blas_thread
-from .targets import AntiresonanceTargets, by_rows
+from .targets import AntiresonanceTargets, Part, by_rows
 
 if TYPE_CHECKING:
     from .._core import Model as CoreModel
     from ..models.parameters import Parameter
+    from ..models.structural_model import StructuralModel
     from .problem import UpdatingProblem
 
 
@@ -55,38 +57,76 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
     return as_sparse(core.stiffness()), as_sparse(core.mass())
 
 
-class Affine:
-    """The sums of a problem, its parameters as :func:`bent_by` allows: each has a term of K or of M."""
+#: The model is asked for roots up to this multiple of the highest measured one, as the objective does.
+_BAND = 1.5
+#: Terms of more dofs stay sparse.
+_DENSE = 256
 
-    def __init__(self, problem: UpdatingProblem) -> None:
-        assert isinstance(problem._targets, AntiresonanceTargets)
-        self.problem = problem
-        self.core, self.parts = by_rows(problem.model, problem._targets.parts)
+
+class Term(NamedTuple):
+    """The dofs that a term joins, and its matrix (d, d) there."""
+
+    dofs: NDArray[np.intp]
+    matrix: Any
+
+    @classmethod
+    def of(cls, *several: Any) -> Term:
+        """The sum of terms in rows, columns and values."""
+        from scipy.sparse import coo_array
+
+        rows, columns, values = (np.concatenate(each) for each in zip(*several, strict=True))
+        dofs = np.unique(np.concatenate([rows, columns])).astype(np.intp)
+        at = np.searchsorted(dofs, rows), np.searchsorted(dofs, columns)
+        matrix = coo_array((values, at), shape=(dofs.size, dofs.size))
+        return cls(dofs, matrix.toarray() if dofs.size <= _DENSE else matrix.tocsr())
+
+    def times(self, vectors: FloatArray) -> FloatArray:
+        """The term times vectors (n, m), at its dofs."""
+        return np.asarray(self.matrix @ vectors[self.dofs])
+
+    def on(self, *vectors: FloatArray) -> FloatArray:
+        """The term on a basis, given in blocks of its columns."""
+        here = np.hstack([block[self.dofs] for block in vectors])
+        return np.asarray(here.T @ (self.matrix @ here))
+
+
+class Large:
+    """A model of many dofs with parameters, and the responses that it is asked for."""
+
+    def __init__(
+        self, model: StructuralModel, parts: Sequence[Part], parameters: Sequence[Parameter]
+    ) -> None:
+        self.core, self.parts = by_rows(model, parts)
+        self._parameters = model.description.core_parameters(parameters)
         self.sensors = sorted({part[0] for part in self.parts})
         self.forces = sorted({part[1] for part in self.parts})
-        self._parameters = problem.model.description.core_parameters(problem.parameters)
-        self.stiffness, self.mass = matrices(self.core)
-        self.of_stiffness = [_SCALES[p.quantity] == "K" for p in problem.parameters]
-        terms = [self._term(nth) for nth in range(len(problem.parameters))]
-        self.places = [np.flatnonzero(np.diff(term.indptr)) for term in terms]
-        self._cut = [term[rows][:, rows] for term, rows in zip(terms, self.places, strict=True)]
+        #: Rows of sensors and forces, and the responses where these are the first dofs.
+        self.rows = sorted({*self.sensors, *self.forces})
+        place = {row: number for number, row in enumerate(self.rows)}
+        self.reduced_parts = [(place[part[0]], place[part[1]], *part[2:]) for part in self.parts]
+        hz = np.concatenate([part[2] for part in parts])
+        self.measured_hz = float(hz.min()), float(hz.max())
+        self.limit_hz = _BAND * self.measured_hz[1]
 
     def at(self, x: FloatArray) -> CoreModel:
         """The full model at ``x``."""
         return self.core.at(self._parameters, np.ascontiguousarray(x))
 
-    def times(self, nth: int, vectors: FloatArray) -> FloatArray:
-        """The term of a parameter times vectors (n, m), in its places."""
-        return np.asarray(self._cut[nth] @ vectors[self.places[nth]])
 
-    def _term(self, nth: int) -> Any:
-        # Half of it taken away or all of it added: no digit is lost that its sum with the others had kept.
-        reduction = self.problem.parameters[nth].quantity == "stiffness_reduction"
-        value, factor = (0.5, -0.5) if reduction else (2.0, 1.0)
-        k, m = matrices(self.core.at([self._parameters[nth]], np.array([value])))
-        term = (k - self.stiffness if self.of_stiffness[nth] else m - self.mass) / factor
-        term.eliminate_zeros()
-        return term.tocsr()
+class Affine(Large):
+    """The sums of a problem, its parameters as :func:`bent_by` allows: each has a term of K or of M."""
+
+    def __init__(self, problem: UpdatingProblem) -> None:
+        assert isinstance(problem._targets, AntiresonanceTargets)
+        super().__init__(problem.model, problem._targets.parts, problem.parameters)
+        self.problem = problem
+        self.stiffness, self.mass = matrices(self.core)
+        self.of_stiffness = [_SCALES[p.quantity] == "K" for p in problem.parameters]
+        every = {True: self.core.stiffness_terms(), False: self.core.mass_terms()}
+        self.terms = [
+            Term.of(*(every[of_stiffness][term] for term in p.terms))
+            for p, of_stiffness in zip(problem.parameters, self.of_stiffness, strict=True)
+        ]
 
 
 # -- Vectors that carry a model and its parameters' effect near one point, for antiresonances up to a limit
@@ -125,21 +165,16 @@ class Basis:
 
 
 def basis_at(
-    affine: Affine,
-    x: FloatArray,
-    half_widths: FloatArray,
-    f_max_hz: float,
-    depth: int,
-    largest: tuple[int, float],
+    affine: Affine, x: FloatArray, half_widths: FloatArray, depth: int, largest: tuple[int, float]
 ) -> Basis:
     """The basis at one point; ``largest`` are the most vectors that parameters make, and the least size."""
     size, least = largest
-    basis, moving = point_basis(affine.at(x), affine.sensors, affine.forces, f_max_hz, depth)
+    basis, moving = point_basis(affine, x, depth)
     needed = moving.shape[1]
     if size < needed:
         raise NumericalError(
             f"a reduced model of {size} vectors",
-            f"the modes to {f_max_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
+            f"the modes to {affine.limit_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
             f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
         )
     own = basis.vectors[:, :size]
@@ -148,24 +183,23 @@ def basis_at(
     return replace(basis, vectors=np.hstack([own, more]))
 
 
-def point_basis(
-    core: CoreModel, sensors: list[int], forces: list[int], f_max_hz: float, depth: int
-) -> tuple[Basis, FloatArray]:
-    """The basis of one model without parameters, and the vectors that these move most, of unit size."""
+def point_basis(large: Large, x: FloatArray, depth: int) -> tuple[Basis, FloatArray]:
+    """The basis at ``x`` without parameters, and the vectors that these move most, of unit size."""
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
+    core = large.at(x)
     stiffness, mass = matrices(core)
-    limit = (2.0 * np.pi * f_max_hz) ** 2
+    limit = (2.0 * np.pi * large.limit_hz) ** 2
     sigma = _SHIFT * limit
     shifted = sparse.csc_matrix(stiffness + sigma * mass)
     factors = splu(
         shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
-    freq_hz, shapes = core.modes(f_max_hz, None)
-    blocks = [np.asarray(shapes[:, freq_hz <= f_max_hz])]
+    freq_hz, shapes = core.modes(large.limit_hz, None)
+    blocks = [np.asarray(shapes[:, freq_hz <= large.limit_hz])]
     moving = blocks[:1]
-    for rows, count in ((sensors, depth), (forces, depth + _MORE_OF_FORCE)):
+    for rows, count in ((large.sensors, depth), (large.forces, depth + _MORE_OF_FORCE)):
         loads = np.zeros((mass.shape[0], len(rows)))
         loads[rows, range(len(rows))] = 1.0
         for _ in range(count):
@@ -213,8 +247,8 @@ def _moved(
     found = []
     for nth in np.flatnonzero(half_widths > 0.0).tolist():
         change = half_widths[nth] * (1.0 if affine.of_stiffness[nth] else basis.sigma)
-        places = affine.places[nth]
-        held = change * affine.times(nth, of)
+        places = affine.terms[nth].dofs
+        held = change * affine.terms[nth].times(of)
         loads = np.zeros(of.shape)
         loads[places] = held
         moved = _Moved(solved(basis.factors, loads), loads, core[places].T @ held)
@@ -386,11 +420,14 @@ class ReducedProblem:
 
     def __init__(self, affine: Affine, basis: Basis) -> None:
         self._affine, self._basis = affine, basis
-        rows = sorted({*affine.sensors, *affine.forces})
-        place = {row: number for number, row in enumerate(rows)}
-        self.size = basis.vectors.shape[1]
-        self._parts = [(place[part[0]], place[part[1]], *part[2:]) for part in affine.parts]
-        self._model = _projected(affine, basis.vectors, rows)
+        self.size, self._parts = basis.vectors.shape[1], affine.reduced_parts
+        vectors, terms = basis.vectors, [term.on(basis.vectors) for term in affine.terms]
+        sides = [[t for t, k in zip(terms, affine.of_stiffness, strict=True) if k == side] for side in (1, 0)]
+        both = vectors.T @ (affine.stiffness @ vectors), vectors.T @ (affine.mass @ vectors)
+        self._model = projected(coordinates(vectors[affine.rows]), *both, *sides)
+        own = [affine.of_stiffness[:nth].count(k) for nth, k in enumerate(affine.of_stiffness)]
+        parameters = zip(affine.problem.parameters, own, strict=True)
+        self._parameters = [(parameter.quantity, [term], False, None) for parameter, term in parameters]
         self.ratio = np.ones(affine.problem.measured_hz.size)
         self.is_corrected = False
         self._plain = self.core = self._objective()
@@ -430,8 +467,8 @@ class ReducedProblem:
         counts = np.cumsum([part[2].size for part in self._parts])[:-1]
         ratios = np.split(self.ratio, counts)
         parts = [(*part[:2], part[2] / r, *part[3:]) for part, r in zip(self._parts, ratios, strict=True)]
-        model, parameters = self._model
-        return _core.Objective.antiresonance(model, parameters, parts, *self._affine.problem._weighing)
+        weighing = self._affine.problem._weighing
+        return _core.Objective.antiresonance(self._model, self._parameters, parts, *weighing)
 
     def estimate(self, x: FloatArray) -> float:
         """Error to be expected of the paired frequencies at ``x``, relative, the largest."""
@@ -454,23 +491,17 @@ def largest_difference(one: FloatArray, other: FloatArray) -> float:
     return float(np.nanmax(np.abs(one / other - 1.0), initial=0.0))
 
 
-def _projected(affine: Affine, vectors: FloatArray, rows: list[int]) -> tuple[_core.Model, list[Any]]:
-    """The model on the basis, measured dofs first, and its parameters: each has a term of its own."""
-    change = coordinates(vectors[rows])
-    turned = vectors @ change
+def projected(
+    change: FloatArray, k: FloatArray, m: FloatArray, of_k: Sequence[FloatArray], of_m: Sequence[FloatArray]
+) -> CoreModel:
+    """The core's model of matrices on a basis, and of their terms, in other coordinates."""
 
-    def entries(of: FloatArray, product: Any) -> Entries:
-        small = of.T @ np.asarray(product)
+    def entries(matrix: FloatArray) -> Entries:
+        small = change.T @ matrix @ change
         return Entries.of(0.5 * (small + small.T))
 
-    sides: tuple[list[Entries], list[Entries]] = ([], [])
-    parameters = []
-    for nth, (parameter, places) in enumerate(zip(affine.problem.parameters, affine.places, strict=True)):
-        side = sides[0 if affine.of_stiffness[nth] else 1]
-        parameters.append((parameter.quantity, [len(side)], False, None))
-        side.append(entries(turned[places], affine.times(nth, turned)))
-    stiffness, mass = (entries(turned, matrix @ turned) for matrix in (affine.stiffness, affine.mass))
-    return _core.Model.from_matrices(change.shape[1], stiffness, mass, *sides), parameters
+    sides = ([entries(each) for each in side] for side in (of_k, of_m))
+    return _core.Model.from_matrices(change.shape[1], entries(k), entries(m), *sides)
 
 
 def coordinates(rows: FloatArray) -> FloatArray:
@@ -626,8 +657,6 @@ _FINER = 0.4
 _CLOSE, _CORRECTS = 1e-4, 0.1
 #: Largest share of the box that a basis around a place serves.
 _WIDEST = 0.5
-#: Modes are taken up to this multiple of the highest measured frequency, as the objective asks for roots.
-_MODES_TO = 1.5
 #: Most searches from elsewhere, until two end within this part of the box.
 _ATTEMPTS, _AT_ONE_PLACE = 4, 0.02
 #: A mean residual of nothing but rounding; else a search looks around its answer within this part of the box,
@@ -801,8 +830,6 @@ class _Search:
     ) -> ReducedProblem:
         """For that share of the parameters' ranges around ``x``."""
         self.bases += 1
-        problem, wanted = self.problem, self._reduction
-        half_widths = 0.5 * share * (problem.bounds[:, 1] - problem.bounds[:, 0])
-        limit_hz = _MODES_TO * float(problem.measured_hz.max())
-        largest = wanted.size, finer * wanted.least
-        return ReducedProblem(self._affine, basis_at(self._affine, x, half_widths, limit_hz, depth, largest))
+        half_widths = 0.5 * share * np.diff(self.problem.bounds)[:, 0]
+        largest = self._reduction.size, finer * self._reduction.least
+        return ReducedProblem(self._affine, basis_at(self._affine, x, half_widths, depth, largest))
