@@ -707,9 +707,7 @@ class Assessor(ReadOnly, Viewed):
         search = QuickSearch(TabulatedLikelihood(plan, test.values), len(question.elements), question.prior)
         search.run()
         learned = replace(learned, assumed_std=learned.assumed_std or test.assumed)
-        found = concluded(
-            search, question, learned, plan.states[1], measured=sets, notes=test.notes, least=_LISTED
-        )
+        found = concluded(search, question, learned, plan.states[1], notes=test.notes, least=_LISTED)
         reasons = tuple(dict.fromkeys([*test.strange, *doubts(search, found)]))
         elements = question.elements
         return AssessedTest(

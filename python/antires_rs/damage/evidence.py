@@ -16,19 +16,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import FloatArray
+from ..updating.posterior import between, log_between
 from .likelihood import View
 
 #: Largest severity, and the same as u: Gaussians of u are those of what lies in the box [0, FURTHEST]^n.
 HIGHEST = 0.99
 FURTHEST = -float(np.log1p(-HIGHEST))
 
-# -- Gaussians within bounds: where in the box the peak is, and quantiles of one coordinate
+# -- Gaussians within bounds: where in the box the peak is
 
 
 def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
@@ -49,41 +49,6 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
         spread[row] -= gain[:, :, None] * spread[row, at][:, None, :]
         free[row, at], spread[row, at, at] = False, 1.0
     return best
-
-
-def quantiles(
-    mean: float, std: float, low: float, high: float, shares: tuple[float, float]
-) -> tuple[float, float]:
-    """Quantiles of a Gaussian of which only [low, high] is left."""
-    from scipy.special import ndtr, ndtri
-
-    a, b = (low - mean) / std, (high - mean) / std
-    if a > 5.0:  # far below the bound: an exponential is left
-        first, second = (float(low - np.log1p(-q) * std / a) for q in shares)
-        return first, second
-    if b < -5.0:  # far above the other one: the same from there
-        first, second = quantiles(-mean, std, -high, -low, (1.0 - shares[1], 1.0 - shares[0]))
-        return -second, -first
-    bottom, top = ndtr(a), ndtr(b)
-    first, second = (
-        float(np.clip(mean + std * ndtri(bottom + q * (top - bottom)), low, high)) for q in shares
-    )
-    return first, second
-
-
-def log_between(low: Any, high: Any) -> FloatArray:
-    """ln of the standard normal probability between two limits, element by element."""
-    _, _, _, bottom, top = _on_negative_side(np.asarray(low), high)
-    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
-
-
-def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, FloatArray, Any, Any]:
-    """Where limits are turned about 0, so that the tail is resolved; the limits and ln of what is below."""
-    from scipy.special import log_ndtr
-
-    flip = low > 0.0
-    a, b = np.where(flip, -high, low), np.where(flip, -low, high)
-    return flip, a, b, log_ndtr(a), log_ndtr(b)
 
 
 # -- Gaussians of which only a box is left: their probability, densities, and draws
@@ -142,7 +107,7 @@ class Truncated:
             below, above = self._limits(z, i)
             total += log_between(below, above)
             if i < uniform.shape[1]:
-                z[..., i] = _between(below, above, uniform[:, i])
+                z[..., i] = between(below, above, uniform[:, i])
         return z, total
 
 
@@ -174,18 +139,6 @@ def log_inside(mean: FloatArray, covariance: FloatArray) -> FloatArray:
                 truncated(mean[row[:, None], at], own).transformed(points)[1], b=weights, axis=-1
             )
     return found
-
-
-def _between(low: FloatArray, high: FloatArray, p: FloatArray) -> FloatArray:
-    """Quantiles p of the standard normal distribution between two limits."""
-    from scipy.special import ndtri_exp
-
-    flip, a, b, bottom, top = _on_negative_side(low, high)
-    share = np.where(flip, 1.0 - p, p)
-    # ln of (1 - share) e^bottom + share e^top
-    z = ndtri_exp(top + np.log(share + (1.0 - share) * np.exp(np.minimum(bottom - top, 0.0))))
-    z = np.clip(z, a, b)
-    return np.asarray(np.where(flip, -z, z))
 
 
 @cache
@@ -245,7 +198,10 @@ class Fit:
                 mean + gain @ (self.u[at] - self.mean[at]),
                 variance - gain @ self.covariance[at, nth],
             )
-        return quantiles(float(mean), float(np.sqrt(variance)), 0.0, FURTHEST, shares)
+        std = np.sqrt(variance)
+        z = between(np.full(2, -mean / std), (FURTHEST - mean) / std, np.array(shares))
+        low, high = np.clip(mean + std * z, 0.0, FURTHEST).tolist()
+        return low, high
 
 
 def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit]:

@@ -14,9 +14,10 @@ import numpy as np
 from ..exceptions import reject
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
-from ..updating.model_check import roots_between
+from ..updating.model_check import Pairs, hint_between_states, roots_between
+from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
-from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, log_between, refitted
+from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
 from .hypotheses import Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
@@ -494,7 +495,6 @@ def concluded(
     learned: Learned,
     intact: Values,
     *,
-    measured: Sequence[Any],
     notes: Sequence[str] = (),
     least: float = _LEAST,
 ) -> Assessment:
@@ -532,11 +532,21 @@ def concluded(
     if not found.model_fits:
         found = replace(found, hint=question.hint() if learned.hint is None else learned.hint)
     elif question.baseline and 2 * matched < now.size:
-        found = replace(found, hint=question.hint_between(measured))
+        found = replace(found, hint=hint_between_states(_usual(intact), _usual(now)))
     if question.baseline and not shift and not found.explained:  # a change of unknown kind explains nothing
         up, moved = mostly_risen(intact.plain, now.plain)
         found = replace(found, n_risen=up, n_moved=moved)
     return found
+
+
+def _usual(values: Values) -> Pairs:
+    """Response and ln f of the test of each response that has the most: repeated tests are as good as one."""
+    plain = values.plain
+    kept = np.zeros(plain.size, dtype=bool)
+    for number in np.unique(plain.response):
+        tests = [(plain.response == number) & (plain.test == test) for test in plain.tests]
+        kept |= max(tests, key=np.count_nonzero)
+    return plain.response[kept], plain.log_f[kept]
 
 
 def _notes(search: Search, shift: float) -> list[str]:
@@ -567,7 +577,7 @@ def infer(
     search.run()
     reduction = confirmed(search, prepared.likelihood)
     learned = learned_from(prepared, question, rng)
-    found = concluded(search, question, learned, prepared.intact, measured=question.measured)
+    found = concluded(search, question, learned, prepared.intact)
     return found, prepared, reduction
 
 

@@ -24,7 +24,7 @@ Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -39,7 +39,7 @@ from ..measured.modal_set import ModalSet
 from ..models.parameters import Parameter, stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import step
-from ..updating.model_check import Lists, hint_between_states, hint_of
+from ..updating.model_check import hint_of
 from ..updating.targets import targets_of
 from .hypotheses import UNKNOWN
 from .measured_modes import ModeResponses, ModeRoots, measured_modes
@@ -717,19 +717,3 @@ class Question:
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""
         return hint_of(self.model, targets_of(self.model, self.baseline or self.measured, None))
-
-    def hint_between(self, measured: Sequence[Any]) -> str:
-        """A mistake that would account for values of now that have nothing in common with the intact ones."""
-
-        def lists(sets: Sequence[Any]) -> Lists:
-            found: dict[Any, list[FloatArray]] = {}
-            for each in sets:
-                if isinstance(each, ModalSet):
-                    found.setdefault(None, []).append(each.freq_hz[each.freq_hz > 0.0])
-                else:
-                    for dof, freq in each.items():
-                        found.setdefault((dof, each.excitation), []).append(freq)
-            # Repeated tests of one response are as good as one.
-            return {key: np.sort(max(parts, key=len)) for key, parts in found.items()}
-
-        return hint_between_states(lists(self.baseline), lists(measured))

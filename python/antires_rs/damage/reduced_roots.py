@@ -114,15 +114,14 @@ class NearPoint:
         loads = [self.terms.loads(e, self.x, vectors) for e, vectors in pairs]
         return solved(self.basis.factors, np.hstack(loads))
 
-    def on_basis(self, more: FloatArray) -> list[FloatArray]:
+    def on_basis(self, more: FloatArray) -> tuple[FloatArray, FloatArray]:
         """K and M on the basis and ``more`` vectors."""
-        found = []
-        for matrix, mine, square in zip(
-            (self.stiffness, self.mass), self._own[1:], self._square, strict=True
-        ):
-            across = mine.T @ more
-            found.append(np.block([[square, across], [across.T, more.T @ (matrix @ more)]]))
-        return found
+        (_, *across), (k, m) = (each.T @ more for each in self._own), self._square
+        own = [more.T @ (matrix @ more) for matrix in (self.stiffness, self.mass)]
+        return (
+            np.block([[k, across[0]], [across[0].T, own[0]]]),
+            np.block([[m, across[1]], [across[1].T, own[1]]]),
+        )
 
 
 class Local:

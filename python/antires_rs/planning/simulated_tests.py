@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..damage.assess import assess_damage
-from ..damage.evidence import HIGHEST, log_between
+from ..damage.evidence import HIGHEST
 from ..damage.inference import intact_slopes, log_odds_threshold
 from ..damage.likelihood import BOUNDS, ERRORS, Likelihood, ModelError, factors_of, learned
 from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_at
@@ -24,6 +24,7 @@ from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
 from ..support.workers import in_order
+from ..updating.posterior import log_between
 from .detection_curves import rising
 from .placement import objective
 from .plan import Sees

@@ -100,8 +100,8 @@ def at_solution(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
         step = np.zeros(len(x))
         step[j] = STEP_OF_SLOPES * width[j]
         # Straight from the core: a step below the snap threshold must not be snapped away.
-        change = problem._targets.change(problem._core, x - step, x + step) / (2.0 * STEP_OF_SLOPES)
-        columns.append(np.where(np.isfinite(change), change, 0.0))
+        ahead, behind = (problem._targets.errors(problem._core, at) for at in (x + step, x - step))
+        columns.append((ahead - behind) / (2.0 * STEP_OF_SLOPES))
     jacobian = np.stack(columns, axis=1)
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=True)
     rank = int(np.count_nonzero(singular > UNSEEN))

@@ -8,8 +8,9 @@ and roots between them, have a partner.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
 # A wrong unit multiplies every frequency of the model, or every measured one, by the same number; exchanged
 # matrices turn each root into its inverse.
 
-#: Values by response.
-Lists = dict[tuple[Any, Any] | None, FloatArray]
+#: Response of each value, and ln f, ascending within each response.
+Pairs = tuple[NDArray[np.intp], FloatArray]
 
 #: Measured over model, and which mistakes make it so.
 _RATIOS: tuple[tuple[float, str], ...] = (
@@ -62,41 +63,53 @@ _RATIOS: tuple[tuple[float, str], ...] = (
     (2.0, "is the sampling rate given twice the true one?"),
     (0.5, "is the sampling rate given half the true one?"),
 )
+#: What values of one of two tests may be in, over what they should be.
+_UNITS = (
+    (1e-3, "in kHz in place of Hz"),
+    (math.tau, "in rad/s in place of Hz"),
+    (60.0, "in revolutions per minute in place of Hz"),
+)
 #: Now over intact, and which mistakes with one of two tests make it so.
 _BETWEEN: tuple[tuple[float, str], ...] = (
-    (1e-3, "are they in kHz in place of Hz?"),
-    (1e3, "are those of the intact structure in kHz in place of Hz?"),
-    (math.tau, "are they in rad/s in place of Hz?"),
-    (1.0 / math.tau, "are those of the intact structure in rad/s in place of Hz?"),
-    (60.0, "are they in revolutions per minute in place of Hz?"),
-    (1.0 / 60.0, "are those of the intact structure in revolutions per minute in place of Hz?"),
+    *((ratio, f"are they {unit}?") for ratio, unit in _UNITS),
+    *((1.0 / ratio, f"are those of the intact structure {unit}?") for ratio, unit in _UNITS),
     (2.0, "is their sampling rate given twice the true one?"),
     (0.5, "is their sampling rate given half the true one?"),
 )
-#: Under a ratio values and roots agree so well, in ln f, and so many more of both have a partner.
-_NEAR, _SHARE, _BETTER = 0.06, 0.7, 1.3
+#: Under a ratio so many of values and roots have a partner, and so many more than without.
+_SHARE, _BETTER = 0.7, 1.3
 #: Nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for.
 _ORDINARY = 0.1
 #: Larger models take too long to be asked for all their roots.
 _MOST_DOFS = 600
 
 
-def unit_hint(model: StructuralModel, measured: Lists) -> str:
-    """A sentence, or '' where no ratio makes the model fit."""
-    if model.n_dof > _MOST_DOFS or not measured:
+def hint_of(model: StructuralModel, targets: Targets) -> str:
+    """A mistake that would account for values that the model does not explain; '' if none is known."""
+    if model.n_dof > _MOST_DOFS:
         return ""
-    roots = {key: np.log(freq[freq > 0.0]) for key, freq in _roots(model, measured).items()}
-    values = {key: np.log(freq[freq > 0.0]) for key, freq in measured.items()}
-    plain = _share(values, roots, 0.0)
-    first = [values[key][0] - roots[key][0] for key in values if values[key].size and roots[key].size]
-    guesses = list(_RATIOS)
+    if isinstance(targets, AntiresonanceTargets):
+        values = _values(targets)
+        found = [np.empty(0)] * len(targets.parts)
+        for force in set(targets.forces):
+            own = [nth for nth, part in enumerate(targets.parts) if part[1] == force and part[2].size]
+            zeros = model.antiresonances([targets.parts[nth][0] for nth in own], force) if own else []
+            for nth, freq in zip(own, zeros, strict=True):
+                found[nth] = freq
+    else:
+        values, found = _listed([targets.hz]), [model.modes().freq_hz]
+    roots = _listed(found)
+    both = [number for number in np.unique(values[0]) if (roots[0] == number).any()]
+    first = [values[1][values[0] == n].min() - roots[1][roots[0] == n].min() for n in both]
     free = float(np.median(first)) if first else 0.0
-    if abs(free) >= _ORDINARY:
-        guesses.append((math.exp(free), ""))
+    guesses = [*_RATIOS, *([(math.exp(free), "")] if abs(free) >= _ORDINARY else [])]
     shares = [_share(values, roots, math.log(ratio)) for ratio, _ in guesses]
-    best = int(np.argmax(shares))
-    turned = {key: np.sort(-each - 2.0 * math.log(math.tau)) for key, each in roots.items()}
-    if _share(values, turned, 0.0) >= max(_SHARE, shares[best], _BETTER * plain):
+    best, plain = int(np.argmax(shares)), _share(values, roots, 0.0)
+    turned = roots[0][::-1], -roots[1][::-1] - 2.0 * math.log(math.tau)
+    order = np.argsort(turned[0], kind="stable")
+    if _share(values, (turned[0][order], turned[1][order]), 0.0) >= max(
+        _SHARE, shares[best], _BETTER * plain
+    ):
         return "Each root of the model is the inverse of a measured one: are K and M swapped?"
     if shares[best] < max(_SHARE, _BETTER * plain):
         return ""
@@ -105,13 +118,11 @@ def unit_hint(model: StructuralModel, measured: Lists) -> str:
     return what + (why or "is a stiffness, a mass or a length wrong throughout?")
 
 
-def hint_between_states(intact: Lists, now: Lists) -> str:
+def hint_between_states(intact: Pairs, now: Pairs) -> str:
     """A sentence, or '' where no ratio of the table makes the values of two tests agree."""
-    before, after = ({key: np.log(freq) for key, freq in each.items() if freq.size} for each in (intact, now))
-    before = {key: before.get(key, np.empty(0)) for key in after}
-    shares = [_share(after, before, math.log(ratio)) for ratio, _ in _BETWEEN]
+    shares = [_share(now, intact, math.log(ratio)) for ratio, _ in _BETWEEN]
     best = int(np.argmax(shares))
-    if shares[best] < max(_SHARE, _BETTER * _share(after, before, 0.0)):
+    if shares[best] < max(_SHARE, _BETTER * _share(now, intact, 0.0)):
         return ""
     ratio, why = _BETWEEN[best]
     return f"The values of now are about {_said(ratio)} times those of the intact structure: {why}"
@@ -122,33 +133,11 @@ def _said(ratio: float) -> str:
     return f"{ratio:,.0f}" if ratio >= 100.0 else f"{ratio:.3g}"
 
 
-def _roots(model: StructuralModel, measured: Lists) -> Lists:
-    if None in measured:
-        return {None: model.modes().freq_hz}
-    found: Lists = {}
-    for force in {key[1] for key in measured if key is not None}:
-        dofs = [key[0] for key in measured if key is not None and key[1] == force]
-        for dof, freq in zip(dofs, model.antiresonances(dofs, force), strict=True):
-            found[dof, force] = np.sort(freq)
-    return found
-
-
-def _share(values: Lists, roots: Lists, shift: float) -> float:
+def _share(values: Pairs, roots: Pairs, shift: float) -> float:
     """Share of values, and of roots between them, that have a partner one to one."""
-    pairs = both = 0
-    for key, own in values.items():
-        if not own.size:
-            continue
-        there = roots[key] + shift
-        there = there[(there >= own[0] - _NEAR) & (there <= own[-1] + _NEAR)]
-        both += own.size + there.size
-        left = list(there)
-        for value in own:  # ascending, so the first that is near enough leaves most to the others
-            near = next((r for r in left if abs(r - value) <= _NEAR), None)
-            if near is not None:
-                left.remove(near)
-                pairs += 2
-    return pairs / both if both else 0.0
+    found = _paired(values, (roots[0], roots[1] + shift))
+    both = found.n_values + found.n_roots
+    return 2.0 * found.n_paired / both if both else 0.0
 
 
 #: Largest difference in ln f of partners: right models after their search leave less (chains and frames
@@ -216,7 +205,9 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
     """What the model at ``x`` explains; a hint is sought where that is too little, or ``doubted``."""
     targets = problem._targets
     if isinstance(targets, AntiresonanceTargets):
-        found = _of_antiresonances(problem._core, targets, x)
+        target, hz, shown, _ = problem._core.states(np.ascontiguousarray(x)[None], False, 1)[0]
+        seen = (shown >= 0.5) & (hz > 0.0)
+        found = _paired(_values(targets), (target[seen].astype(np.intp), np.log(hz[seen])))
     else:
         near = np.abs(np.log(problem.paired_hz(x) / problem.measured_hz)) <= NEAR  # NaN without a partner
         alike = near & (problem.paired_mac(x) >= _SAME_SHAPE)
@@ -226,30 +217,23 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
     return replace(found, hint=hint_of(problem.model, targets))
 
 
-def hint_of(model: StructuralModel, targets: Targets) -> str:
-    """A mistake that would account for values that the model does not explain; '' if none is known."""
-    if isinstance(targets, AntiresonanceTargets):
-        parts = targets.parts
-        measured: Lists = {(dof, force): np.sort(freq) for dof, force, freq, _, _ in parts if freq.size}
-    else:
-        measured = {None: np.sort(targets.hz)}
-    return unit_hint(model, measured)
+def _listed(frequencies: Iterable[FloatArray]) -> Pairs:
+    """Frequencies (Hz) by response."""
+    logs = [np.sort(np.log(freq[freq > 0.0])) for freq in frequencies]
+    number = np.repeat(np.arange(len(logs)), [each.size for each in logs]).astype(np.intp)
+    return number, np.concatenate([np.empty(0), *logs])
 
 
-def _of_antiresonances(core: _core.Objective, targets: AntiresonanceTargets, x: FloatArray) -> Explained:
-    """Values and roots in ln f, both ascending within each response, aligned at least cost."""
-    target, hz, shown, _ = core.states(np.ascontiguousarray(x)[None], False, 1)[0]
-    seen = (shown >= 0.5) & (hz > 0.0)
-    of_root, roots = target[seen].astype(np.intp), np.log(hz[seen])
-    response = np.repeat(np.arange(len(targets.parts)), [part[2].size for part in targets.parts])
-    response = response.astype(np.intp)
-    values = np.concatenate([np.empty(0), *(np.sort(np.log(part[2])) for part in targets.parts)])
+def _values(targets: AntiresonanceTargets) -> Pairs:
+    return _listed(part[2] for part in targets.parts)
+
+
+def _paired(values: Pairs, roots: Pairs) -> Explained:
+    """Values and roots aligned at least cost within each response."""
     # A pair further apart than NEAR costs more than both alone.
-    std, alone = np.full(values.size, 0.5 * NEAR), 2.0
-    none = np.zeros(roots.size)
-    partner = _core.associate(response, values, std, of_root, roots, none, alone, none)
-    between = roots_between(response, values, of_root, roots)
-    return Explained(values.size, between, int((partner >= 0).sum()))
+    std, alone, none = np.full(values[1].size, 0.5 * NEAR), 2.0, np.zeros(roots[1].size)
+    partner = _core.associate(*values, std, *roots, none, alone, none)
+    return Explained(values[1].size, roots_between(*values, *roots), int((partner >= 0).sum()))
 
 
 def roots_between(

@@ -101,16 +101,44 @@ class ParameterIntervals(Value, Viewed):
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
 
+# -- The standard normal distribution between two limits, which may lie far out
+
+
+def log_between(low: Any, high: Any) -> FloatArray:
+    """ln of the probability between two limits, element by element."""
+    _, _, _, bottom, top = _on_negative_side(np.asarray(low), high)
+    return np.asarray(top + np.log1p(-np.exp(np.minimum(bottom - top, -1e-15))))
+
+
+def between(low: FloatArray, high: Any, p: FloatArray) -> FloatArray:
+    """Quantiles p of what lies between two limits."""
+    from scipy.special import ndtri_exp
+
+    flip, a, b, bottom, top = _on_negative_side(low, high)
+    share = np.where(flip, 1.0 - p, p)
+    # ln of (1 - share) e^bottom + share e^top
+    z = ndtri_exp(top + np.log(share + (1.0 - share) * np.exp(np.minimum(bottom - top, 0.0))))
+    z = np.clip(z, a, b)
+    return np.asarray(np.where(flip, -z, z))
+
+
+def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, FloatArray, Any, Any]:
+    """Where limits are turned about 0, so that the tail is resolved; the limits and ln of what is below."""
+    from scipy.special import log_ndtr
+
+    flip = low > 0.0
+    a, b = np.where(flip, -high, low), np.where(flip, -low, high)
+    return flip, a, b, log_ndtr(a), log_ndtr(b)
+
+
 # -- Draws of a Gaussian that is cut off by the unit box, for many chains at once
 #
 # Hit-and-run along the principal axes of the Gaussian and along the edges of the box: along any line the
 # cut Gaussian is a normal distribution between two ends, drawn exactly. Without the box one sweep gives
 # independent draws; directions that the data do not see are uniform between the ends.
 
-#: A normal distribution this much wider than the line is drawn as uniform.
+#: A normal distribution this much wider than the line is as good as uniform.
 _WIDE = 1e4
-#: Beyond so many standard deviations the tail is drawn as an exponential distribution.
-_FAR = 30.0
 
 
 def sweep(
@@ -137,33 +165,18 @@ def sweep(
         forward = precisions @ axis  # (G, n)
         stiff = np.maximum(forward @ axis, 0.0)[which]
         pull = np.einsum("nk,nk->k", forward.T[:, which], v) + (slopes @ axis)[which]
-        v[on] += _between(pull, stiff, low, high, rng.random(np.shape(pull))) * axis[on, None]
+        v[on] += _on_line(pull, stiff, low, high, rng.random(np.shape(pull))) * axis[on, None]
     return np.clip(v.T + center, 0.0, 1.0)
 
 
-def _between(
+def _on_line(
     pull: FloatArray, stiff: FloatArray, low: FloatArray, high: FloatArray, p: FloatArray
 ) -> FloatArray:
     """Draws of ``exp(-stiff t**2 / 2 - pull t)`` within [low, high], by uniform numbers p."""
-    from scipy.special import ndtr, ndtri
-
-    span = high - low
-    std = 1.0 / np.sqrt(np.maximum(stiff, 1e-300))
-    flat = ~(std < _WIDE * span) & (np.abs(pull) * span < 1e-3)
-    std = np.where(flat, 1.0, np.minimum(std, _WIDE * np.maximum(span, 1e-300)))
+    widest = _WIDE * np.maximum(high - low, 1e-300)
+    std = np.minimum(1.0 / np.sqrt(np.maximum(stiff, 1e-300)), widest)
     mean = -pull * std**2
-    a, b = (low - mean) / std, (high - mean) / std
-    flip = a + b > 0.0  # the tail is resolved on the negative side
-    a, b = np.where(flip, -b, a), np.where(flip, -a, b)
-    below, above = ndtr(np.maximum(a, -_FAR)), ndtr(np.maximum(b, -_FAR))
-    with np.errstate(divide="ignore"):
-        z = ndtri(below + p * (above - below))
-    tail = b < -_FAR + 1.0
-    reach = -np.expm1(np.clip(-np.abs(b) * (b - a), -700.0, 0.0))
-    z = np.where(tail, b + np.log1p(-p * reach) / np.maximum(np.abs(b), 1.0), z)
-    z = np.clip(z, a, b)
-    t = np.where(flat, low + p * span, mean + std * np.where(flip, -z, z))
-    return np.asarray(np.clip(t, low, high))
+    return np.clip(mean + std * between((low - mean) / std, (high - mean) / std, p), low, high)
 
 
 # -- Draws of the parameters given the measured values: the residuals taken as linear around the fit

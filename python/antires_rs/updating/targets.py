@@ -6,9 +6,10 @@ and which exact measurement a damaged model would have given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -534,10 +535,6 @@ class AntiresonanceTargets:
         hz = core.pairs(before)[0], core.pairs(after)[0]
         return FrequencyTable(self.dofs, self.excitations, self.hz, *hz, self.names)
 
-    def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
-        """How what was measured differs between two parameter vectors; NaN without a partner."""
-        return np.asarray((core.pairs(ahead)[0] ** 2 - core.pairs(behind)[0] ** 2) / self.hz**2)
-
     def exact(self, nominal: StructuralModel, _: FloatArray, moved: Sequence[StructuralModel]) -> Exact:
         """Antiresonances up to the highest measured one that can be followed from the nominal model."""
         band_hz = float(self.hz.max())
@@ -627,12 +624,6 @@ class ModalTargets:
         assert shapes is not None  # a modal objective has them
         return freq, *shapes
 
-    def _by_set(self, shapes: FloatArray) -> Iterator[FloatArray]:
-        """Shapes of the partners at the sensors of each set, at unit length."""
-        ends = np.cumsum([0, *(len(freq) for freq, _, _ in self._parts)])
-        for first, last, (_, rows, _) in zip(ends[:-1], ends[1:], self._parts, strict=True):
-            yield _unit(shapes[first:last][:, rows])
-
     def mac(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """MAC of each measured mode with its partner, NaN without one."""
         return self._pairs(core, x)[1]
@@ -647,8 +638,9 @@ class ModalTargets:
         """As of antiresonances; of shapes at unit length, for 1 - MAC has no slope at a perfect fit."""
         paired, _, shapes = self._pairs(core, x)
         found = [np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)]
-        models = self._by_set(np.nan_to_num(shapes))
-        for (_, _, measured), own in zip(self._parts, models, strict=True):
+        partners = iter(np.nan_to_num(shapes))
+        for freq, rows, measured in self._parts:
+            own = _unit(np.reshape(list(islice(partners, freq.size)), (freq.size, -1))[:, rows])
             # Along its longest real direction a measured shape has the phase that a mode of the model has.
             turned = np.exp(-0.5j * np.angle(np.sum(measured**2, axis=1, keepdims=True)))
             found.append(_apart(_unit((measured * turned).real), own))
@@ -665,12 +657,6 @@ class ModalTargets:
         """Measured, before and after."""
         (hz, mac, _), (hz_after, mac_after, _) = self._pairs(core, before), self._pairs(core, after)
         return ModalTable(self.numbers, self.hz, hz, hz_after, mac, mac_after)
-
-    def change(self, core: _core.Objective, behind: FloatArray, ahead: FloatArray) -> FloatArray:
-        """Of the frequencies, then of the shapes at unit length."""
-        (f0, _, shapes0), (f1, _, shapes1) = self._pairs(core, behind), self._pairs(core, ahead)
-        both = zip(self._by_set(shapes0), self._by_set(shapes1), strict=True)
-        return np.concatenate([(f1**2 - f0**2) / self.hz**2, *(_apart(u, v) for u, v in both)])
 
     def exact(self, nominal: StructuralModel, nominal_hz: FloatArray, _: Sequence[StructuralModel]) -> Exact:
         """The modes whose numbers are those of the nominal model's partners."""
