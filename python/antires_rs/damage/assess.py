@@ -184,11 +184,6 @@ class DamageResult(Answered, UpdateResult):
         return np.where(width > 0.0, width / _WIDTH_90, np.nan)
 
     @property
-    def probability(self) -> dict[int, float]:
-        """Probability that each candidate is damaged, summed over all hypotheses."""
-        return {e: self.assessment.marginal(e) for e in self.elements}
-
-    @property
     def headline(self) -> str:
         """Is there damage, where, how sure, how much: in a sentence or two.
 
@@ -241,12 +236,6 @@ class DamageResult(Answered, UpdateResult):
     @cached_property
     def _detectable(self) -> tuple[float, ...]:
         return self._assessment.detectable if self._assessment else tuple(smallest_visible(self.problem))
-
-    @property
-    def interval(self) -> dict[int, tuple[float, float]]:
-        """90 % interval of each severity, given the elements declared damaged; (0, 0) of the others."""
-        limits = self.assessment.intervals
-        return {e: limits.get(e, (0.0, 0.0)) for e in self.elements}
 
     def _intervals(self, *asked: Any) -> ParameterIntervals:
         if self._assessment is None:
@@ -426,12 +415,6 @@ def assess_damage(
     >>> result = ar.assess_damage(model, now, baseline=before)
     >>> {element: round(beta, 2) for element, beta in result.severity.items()}, result.probability[1] > 0.99
     ({0: 0.0, 1: 0.4, 2: 0.0}, True)
-
-    The paper's way:
-
-    >>> result = ar.assess_damage(intact, now, rng=0)
-    >>> {element: round(beta, 2) for element, beta in result.severity.items()}
-    {0: 0.0, 1: 0.4, 2: 0.0}
     """
     checked_model(model)
     chosen = elements_of(model, elements)
@@ -508,7 +491,7 @@ class AssessedTest(Answered, ReadOnly):
         Whether the answer may not hold, and :func:`~antires_rs.assess_damage` should be asked.
     reasons : tuple of str
         Why; empty where it holds.
-    severity, interval, probability : dict of int to float, to (low, high), to float
+    severity : dict of int to float
     assessment : Assessment
     labels : dict of int to str
         What the elements are called.
@@ -525,8 +508,6 @@ class AssessedTest(Answered, ReadOnly):
     full_run_wanted: bool
     reasons: tuple[str, ...]
     severity: Mapping[int, float]
-    interval: Mapping[int, tuple[float, float]]
-    probability: Mapping[int, float]
     assessment: Assessment
     labels: Mapping[int, str]
 
@@ -709,16 +690,8 @@ class Assessor(ReadOnly, Viewed):
         learned = replace(learned, assumed_std=learned.assumed_std or test.assumed)
         found = concluded(search, question, learned, plan.states[1], notes=test.notes, least=_LISTED)
         reasons = tuple(dict.fromkeys([*test.strange, *doubts(search, found)]))
-        elements = question.elements
-        return AssessedTest(
-            bool(reasons),
-            reasons,
-            FrozenDict({e: found.severities.get(e, 0.0) for e in elements}),
-            FrozenDict({e: found.intervals.get(e, (0.0, 0.0)) for e in elements}),
-            FrozenDict({e: min(found.marginal(e), 1.0) for e in elements}),
-            found,
-            FrozenDict(plan.names),
-        )
+        severity = FrozenDict({e: found.severities.get(e, 0.0) for e in question.elements})
+        return AssessedTest(bool(reasons), reasons, severity, found, FrozenDict(plan.names))
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write model, baseline and tables to an .npz file, whole or not at all; no pickle is in it."""

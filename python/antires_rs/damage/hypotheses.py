@@ -280,9 +280,8 @@ class Assessment(Value, Taught):
 
     def marginal(self, element: int) -> float:
         """Probability that a candidate is damaged."""
-        return float(
-            np.sum([h.probability for h in self.hypotheses if h.candidate and element in h.elements])
-        )
+        own = [one.probability for one in self.hypotheses if one.candidate and element in one.elements]
+        return min(float(np.sum(own)), 1.0)
 
 
 #: A group holds this share of the probability of its kind; and has at most so many hypotheses.
@@ -314,6 +313,17 @@ class Answered:
     def damaged(self) -> list[int]:
         """Elements with damage, the worst first."""
         return sorted((e for e, beta in self.severity.items() if beta > 0), key=lambda e: -self.severity[e])
+
+    @property
+    def probability(self) -> dict[int, float]:
+        """Probability that each candidate is damaged, summed over all hypotheses."""
+        return {e: self.assessment.marginal(e) for e in self.severity}
+
+    @property
+    def interval(self) -> dict[int, tuple[float, float]]:
+        """90 % interval of each severity, given the elements declared damaged; (0, 0) of the others."""
+        limits = self.assessment.intervals
+        return {e: limits.get(e, (0.0, 0.0)) for e in self.severity}
 
     @property
     def hypotheses(self) -> Hypotheses:

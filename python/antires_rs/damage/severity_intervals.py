@@ -13,7 +13,6 @@ from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray
 from ..support.progress import step
 from ..updating.posterior import (
-    Density,
     Method,
     ParameterIntervals,
     ProfileLikelihood,
@@ -21,7 +20,7 @@ from ..updating.posterior import (
     evenly_chosen,
     stepwise,
 )
-from .evidence import FURTHEST, HIGHEST, Fit, Truncated, truncated
+from .evidence import FURTHEST, HIGHEST, Fit, truncated
 from .hypotheses import Assessment
 from .inference import LEVEL, settled
 from .likelihood import Likelihood, Question
@@ -110,28 +109,17 @@ class SeverityIntervals(ParameterIntervals):
         return float(self.low[nth]), float(self.high[nth])
 
 
-def _moments(weight: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean and covariance of weighted points."""
-    mean = weight @ u
-    return mean, (weight[:, None] * (u - mean)).T @ (u - mean)
-
-
 # -- Severities of one set of damaged elements drawn from their posterior, and its evidence, by sampling
 #
 # The density is that of :mod:`~antires_rs.damage.evidence`, p(ln f | u) exp(-sum u), with the model's roots
 # at every point and values and roots associated anew there. Points are drawn from the Gaussian of the fit,
-# widened and within its bounds, and weighted; where too few count, Gaussians of what was found so far are
-# added, and all points are weighted by the mixture of all Gaussians. Where that does not help either,
-# particles go by steps from the widest Gaussian to the density and walk there.
-#
-# Reference: J.-M. Cornuet et al., Scand. J. Stat. 39 (2012) 798-812 (adaptive multiple importance sampling).
+# widened and within its bounds, and weighted. Where hardly any of them count, particles go by steps from the
+# widest Gaussian to the density.
 
-#: Standard deviations of the first Gaussians, in those of the fit, and the shares of the points in them.
-_FIRST = ((1.25, 0.7), (3.0, 0.3))
-#: Widening of Gaussians that were learned, and the least standard deviation of u.
-_LEARNED, _LEAST_STD = 1.3, 1e-6
-#: Rounds; the share of the points that should count in the end, and that below which particles walk.
-_ROUNDS, _WANTED, _POOR = 4, 0.4, 0.1
+#: Standard deviations of the Gaussians, in those of the fit, and the shares of the points in them.
+_WIDER = ((1.25, 0.7), (3.0, 0.3))
+#: Rounds; share of the points that should count, below which particles walk; most points, in those wanted.
+_ROUNDS, _POOR, _MOST_POINTS = 3, 0.15, 6
 #: Points that are evaluated at once; Ctrl-C and progress come in between.
 _BATCH = 64
 
@@ -177,6 +165,8 @@ def sampled(
     by_steps: bool = True,
 ) -> Sampled:
     """The posterior of the severities of ``fit``, of at least one element; points until ``wanted`` count."""
+    from scipy.special import logsumexp
+
     n = len(fit.elements)
 
     def log_density(u: FloatArray) -> FloatArray:
@@ -188,64 +178,33 @@ def sampled(
             found += [view.log_likelihood for view in views]
         return np.asarray(np.array(found) - u.sum(axis=1) - n * float(np.log(HIGHEST)))
 
-    pool = _Pool(n, log_density, rng)
-    sizes = [(truncated(fit.mean, s**2 * fit.covariance), share) for s, share in _FIRST]
-    round_size = max(40, wanted // 2)
-    for gaussian, share in sizes:
-        pool.add(gaussian, int(np.ceil(share * round_size)))
+    gaussians = [truncated(fit.mean, s**2 * fit.covariance) for s, _ in _WIDER]
+    u, target, counts, missing = (
+        np.empty((0, n)),
+        np.empty(0),
+        np.zeros((len(_WIDER), 1)),
+        max(40, wanted // 2),
+    )
     for _ in range(_ROUNDS):
-        if pool.effective >= wanted:
+        for nth, (gaussian, (_, share)) in enumerate(zip(gaussians, _WIDER, strict=True)):
+            count = int(np.ceil(share * missing))
+            new = gaussian.draws(_evenly(count, n, rng))[0]
+            u, target = np.vstack([u, new]), np.concatenate([target, log_density(new)])
+            counts[nth] += count
+        drawn = logsumexp([gaussian.log_density(u) for gaussian in gaussians], axis=0, b=counts)
+        log_weight = target - drawn
+        log_evidence = float(logsumexp(log_weight))
+        weight = np.exp(log_weight - log_evidence)
+        effective = float(1.0 / np.sum(weight**2))
+        missing = min(1.2 * (wanted - effective) * len(u) / effective, _MOST_POINTS * wanted)
+        if missing <= 0.0 or (by_steps and effective < _POOR * len(u)):
             break
-        rate = pool.effective / len(pool.u)
-        if rate < _WANTED:
-            pool.add(pool.learned(), round_size)
-        else:  # good enough: as many more as are missing
-            missing = int(np.ceil(1.2 * (wanted - pool.effective) / rate))
-            for gaussian, share in sizes if rate > 0.6 else [(pool.learned(), 1.0)]:
-                pool.add(gaussian, int(np.ceil(share * missing)))
-    if by_steps and pool.effective < _POOR * min(len(pool.u), 4 * wanted):
-        start = sizes[-1][0]
+    if by_steps and effective < min(_POOR * len(u), wanted):
         uniform = np.clip(rng.random((2 * wanted, n)), 1e-12, 1.0 - 1e-12)
+        start = gaussians[-1]
         u, log_evidence, _ = stepwise(start.draws(uniform)[0], start.log_density, log_density, FURTHEST, rng)
-        even = np.full(len(u), 1.0 / len(u))
-        return Sampled(-np.expm1(-u), even, log_evidence, len(np.unique(u, axis=0)))
-    return Sampled(-np.expm1(-pool.u), pool.weight, pool.log_evidence, pool.effective)
-
-
-class _Pool:
-    """Points of several Gaussians, each with the log density wanted, weighted by the mixture of all."""
-
-    def __init__(self, n: int, log_density: Density, rng: np.random.Generator) -> None:
-        self.log_density, self.rng = log_density, rng
-        self.u, self.target = np.empty((0, n)), np.empty(0)
-        self.gaussians: list[tuple[Truncated, int]] = []
-
-    def add(self, gaussian: Truncated, count: int) -> None:
-        """Points of one Gaussian; evenly spread, from a random start."""
-        from scipy.special import logsumexp
-
-        u = gaussian.draws(_evenly(count, self.u.shape[1], self.rng))[0]
-        self.u = np.vstack([self.u, u])
-        self.target = np.concatenate([self.target, self.log_density(u)])
-        self.gaussians.append((gaussian, count))
-        shares = np.array([count for _, count in self.gaussians]) / len(self.u)
-        drawn = np.array([gaussian.log_density(self.u) for gaussian, _ in self.gaussians])
-        log_weight = self.target - logsumexp(drawn, axis=0, b=shares[:, None])
-        self.log_evidence = float(logsumexp(log_weight) - np.log(len(self.u)))
-        self.weight = np.exp(log_weight - logsumexp(log_weight))
-        self.effective = float(1.0 / np.sum(self.weight**2))
-
-    def learned(self) -> Truncated:
-        """The Gaussian of what was found so far."""
-        mean, covariance = _moments(self.weight, self.u)
-        # With few points that count the covariance is too small; with that of the first one it is not.
-        trust = min(self.effective / (10.0 * self.u.shape[1]), 1.0)
-        first = self.gaussians[0][0]
-        rough = np.empty_like(covariance)
-        rough[np.ix_(first.order, first.order)] = first.factor @ first.factor.T
-        covariance = trust * covariance + (1.0 - trust) * rough
-        covariance = _LEARNED**2 * covariance + _LEAST_STD**2 * np.eye(len(covariance))
-        return truncated(mean, covariance)
+        weight, effective = np.full(len(u), 1.0 / len(u)), len(np.unique(u, axis=0))
+    return Sampled(-np.expm1(-u), weight, log_evidence, effective)
 
 
 def _evenly(count: int, n: int, rng: np.random.Generator) -> FloatArray:
