@@ -1,7 +1,6 @@
 """What is known before a test: the question, the tables, and what was learned; and the search in it.
 
-A scan, its refinement and the errors of predictions come from the tables; the antiresonances of the sets that
-are judged are computed, so that what is most probable is what a full run has.
+A scan and the errors of predictions come from the tables; antiresonances of the sets judged are computed.
 """
 
 from __future__ import annotations

@@ -1,13 +1,8 @@
-r"""The evidence of a set of damaged elements, from one view of the values.
+"""The evidence of a set of damaged elements (see the page on theory), from one view of the values.
 
-.. math:: Z_S = \int_{[0, b]^k} p(\ln f_D \mid \beta_S) \, d\beta_S / b^k
-          = \int p(\ln f_D \mid u) \, e^{-\sum u} \, du / b^k, \qquad u = -\ln(1 - \beta)
-
-About a point ln f is linear in u (a frequency that one spring decides goes with its root), so that the
-integral over the box is that of a Gaussian with bounds. It is told only where the most probable severities
+In u = -ln(1 - beta) the density is p(ln f | u) exp(-sum u). About a point ln f is linear in u, so that the
+integral over the box is that of a Gaussian with bounds; it is formed only where the most probable severities
 are near enough to that point.
-
-Reference: R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795.
 """
 
 from __future__ import annotations

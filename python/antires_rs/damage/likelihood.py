@@ -1,22 +1,10 @@
-r"""The model's errors as the intact structure tells them, and how probable the values of now are.
+"""The model's errors as the intact structure tells them, and how probable the values of now are.
 
-The true structure is the model with unknown factors exp(theta) on every stiffness and mass term, and every
-root m has an error eps_m of its own, which no factor explains and which is there in both states:
-
-.. math:: \ln f_m = \ln r_m(\beta, \theta) + \epsilon_m + \mathrm{noise},
-          \qquad \theta \sim N(0, s^2), \quad \epsilon \sim N(0, \tau^2).
-
-The coordinates of shapes (:mod:`~.measured_modes`) are further such values, with a tau of their own. s and
-tau are learned from the baseline: under them its values are most probable (with weak priors). theta is then
-estimated by the values, in Gauss-Newton steps, each with values and roots associated anew; and what remains
-open of theta and eps, mean mu and covariance C, is carried into every prediction:
-
-.. math:: \ln f_D \sim N(\ln r(\beta, \hat\theta) + \mu, \;
-          C(\beta) + \sigma^2 + \kappa^2 g^2 + c^2 1 1^T)
-
-kappa is the error of a predicted change g that no factor of the model explains, a multiple of the share of
-the baseline's misfit that no factor explained (tau / s); it is summed over ``ERRORS``. c moves all values
-alike, as another temperature does.
+The page on theory has the formulas. The coordinates of shapes (:mod:`~.measured_modes`) are further values,
+with a tau of their own. theta is estimated in Gauss-Newton steps, each with values and roots associated anew;
+what remains open of theta and eps is carried into every prediction. kappa, the error of a predicted change
+that no factor of the model explains, is a multiple of the share of the baseline's misfit that no factor
+explained (tau / s), summed over ``ERRORS``.
 
 Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5 (evidence).
 """

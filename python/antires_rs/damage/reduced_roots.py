@@ -1,7 +1,4 @@
-"""The roots of a large model at many severities, from reduced models around the model after the baseline.
-
-Points that were settled have a basis of their own, and their roots were compared with the full model's.
-"""
+"""The roots of a large model at many severities, from reduced models around the model after the baseline."""
 
 from __future__ import annotations
 

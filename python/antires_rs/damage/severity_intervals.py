@@ -179,12 +179,8 @@ def sampled(
         return np.asarray(np.array(found) - u.sum(axis=1) - n * float(np.log(HIGHEST)))
 
     gaussians = [truncated(fit.mean, s**2 * fit.covariance) for s, _ in _WIDER]
-    u, target, counts, missing = (
-        np.empty((0, n)),
-        np.empty(0),
-        np.zeros((len(_WIDER), 1)),
-        max(40, wanted // 2),
-    )
+    u, target, counts = np.empty((0, n)), np.empty(0), np.zeros((len(_WIDER), 1))
+    missing = float(max(40, wanted // 2))
     for _ in range(_ROUNDS):
         for nth, (gaussian, (_, share)) in enumerate(zip(gaussians, _WIDER, strict=True)):
             count = int(np.ceil(share * missing))
@@ -203,7 +199,7 @@ def sampled(
         uniform = np.clip(rng.random((2 * wanted, n)), 1e-12, 1.0 - 1e-12)
         start = gaussians[-1]
         u, log_evidence, _ = stepwise(start.draws(uniform)[0], start.log_density, log_density, FURTHEST, rng)
-        weight, effective = np.full(len(u), 1.0 / len(u)), len(np.unique(u, axis=0))
+        weight, effective = np.full(len(u), 1.0 / len(u)), float(len(np.unique(u, axis=0)))
     return Sampled(-np.expm1(-u), weight, log_evidence, effective)
 
 

@@ -25,28 +25,15 @@ VERBS = {"drop": "dropped", "add": "added"}
 
 @dataclass(frozen=True)
 class Edit:
-    """One value dropped from a set or added to it by hand.
+    """One value dropped from a set or added to it by hand."""
 
-    Attributes
-    ----------
-    action : {"drop", "add"}
-    dof : int or str
-    freq_hz : float
-        The value itself, to the last bit, not the number typed.
-    reason : str
-    damping_ratio, std_hz : float or None
-        What the value had, or was given; None where not known.
-    scores : mapping of name to score
-        What spoke for a dropped value.
-    """
-
-    action: str
+    action: str  # "drop" or "add"
     dof: Any
-    freq_hz: float
+    freq_hz: float  # the value itself, to the last bit, not the number typed
     reason: str = ""
-    damping_ratio: float | None = None
+    damping_ratio: float | None = None  # what it had, or was given; None where not known
     std_hz: float | None = None
-    scores: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    scores: Mapping[str, Any] = field(default_factory=dict, hash=False)  # what spoke for a dropped value
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scores", FrozenDict(self.scores))

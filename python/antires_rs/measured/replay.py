@@ -18,16 +18,11 @@ from .edits import NAMED_WITHIN, SAME, Edit, edit_of
 
 @dataclass(frozen=True)
 class Asked:
-    """An edit, how many values were identified ``near`` it, and how far ``within`` one is taken for it.
-
-    Near is 1 % in the set before all edits: where an added value has more of them later on, it has been
-    identified itself. Within is that or half way to the neighbour, so that a dropped value that is not found
-    again does not take the neighbour along.
-    """
+    """An edit, how many values were identified ``near`` it, and how far ``within`` one is taken for it."""
 
     edit: Edit
-    near: int
-    within: float = NAMED_WITHIN
+    near: int  # within 1 % in the set before all edits: an added value with more has been identified itself
+    within: float = NAMED_WITHIN  # or half way to the neighbour, which is not to be taken along
 
     @classmethod
     def on(cls, base: AntiresonanceSet, edit: Edit) -> Asked:
@@ -47,11 +42,7 @@ def asked_of(zeros: AntiresonanceSet) -> tuple[Asked, ...]:
 
 
 def replayed(base: AntiresonanceSet, asked: Iterable[Asked]) -> tuple[AntiresonanceSet, Sequence[str | None]]:
-    """The set with all edits that it can take, and for each why it waits, None where it was made.
-
-    A value that was dropped may not be there in another band; one that was added may be identified now. Such
-    edits wait: the caller keeps them for the next set.
-    """
+    """The set with all edits that it can take, and for each why it waits, None where it was made."""
     made = base
     waits: list[str | None] = []
     for each in asked:

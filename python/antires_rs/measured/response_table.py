@@ -1,9 +1,4 @@
-"""One table for the antiresonances of one response, from the order sweep to the saved set.
-
-The sweep makes it, selection and the joining of windows take rows out of it, an
-:class:`~antires_rs.AntiresonanceSet` holds one for each response, and files, data frames and reports are
-written from it. It is never changed: whoever wants other rows or columns makes another table.
-"""
+"""One table for the antiresonances of one response, from the order sweep to the saved set."""
 
 from __future__ import annotations
 

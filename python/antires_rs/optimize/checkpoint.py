@@ -1,8 +1,7 @@
 """A search on disk: written now and then, resumed bit-identical.
 
-A checkpoint is one file of bytes with a checksum, and the one before it beside it as ``<name>.previous``. It
-is written whole to ``<name>.tmp``, flushed to the disk, and put in place in one step, so a process killed at
-any moment leaves at least one good file. There is no lock and nothing to clean up.
+One file of bytes with a checksum, and the one before it beside it as ``<name>.previous``. It is written whole
+to ``<name>.tmp`` and put in place in one step, so a process killed at any moment leaves a good file.
 """
 
 from __future__ import annotations
@@ -25,10 +24,7 @@ _HEADER = struct.Struct("<Q32s32sQ")
 
 
 class Checkpoint:
-    """Where a search is kept: a file, from which it goes on if it is there, written every so many seconds.
-
-    ``seed`` is the master seed of the search in the file, ``resume`` the search to go on from; None without.
-    """
+    """Where a search is kept; ``seed`` and ``resume`` are those of the search in the file, None without."""
 
     def __init__(self, path: str | os.PathLike[str], every_s: float = 2.0) -> None:
         if not isinstance(path, str | os.PathLike):

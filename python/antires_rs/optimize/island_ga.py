@@ -1,8 +1,4 @@
-"""The island genetic algorithm: several populations search on their own and exchange their best.
-
-The search itself runs in the Rust core, in parallel, with one random stream for each island, so that
-the same seed gives bit-identical results for any number of threads.
-"""
+"""The island genetic algorithm: several populations search on their own and exchange their best."""
 
 from __future__ import annotations
 
@@ -138,10 +134,7 @@ _MOST = 2**63 - 1
 
 
 def seed_of(rng: int | np.random.Generator | None) -> int:
-    """Master seed of a run: an int as it is, or one drawn from a Generator or the system.
-
-    So the seed kept in a result, passed back as ``rng``, repeats the run.
-    """
+    """Master seed of a run, which repeats it: an int, or one drawn from a Generator or the system."""
     if rng is not None and not isinstance(rng, np.random.Generator):
         return integer("rng", rng, low=0, high=_MOST)
     return int(np.random.default_rng(rng).integers(0, 2**63, dtype=np.int64))
@@ -226,11 +219,8 @@ class _Late(Exception):
 
 
 class Batch:
-    """A function of (m, n) candidates made of the user's function, with its workers if it needs some.
-
-    It returns the costs, NaN for those that were not evaluated, and why there are such: ``'interrupted'``,
-    ``'time'``, or ``'error'``, which is then in :attr:`error`.
-    """
+    """Costs of (m, n) candidates by the user's function, NaN for those that were not evaluated, and why:
+    ``'interrupted'``, ``'time'``, or ``'error'``, which is then in :attr:`error`."""
 
     def __init__(
         self, fun: Callable[..., Any], vectorized: bool, workers: Any, max_seconds: float | None

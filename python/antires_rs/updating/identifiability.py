@@ -1,9 +1,4 @@
-"""What the data tell about the parameters: at a solution, and before a test all over their bounds.
-
-At the solution: which directions of the parameter space leave every measured antiresonance, or mode, where it
-is (the null space of the residuals' Jacobian: the common scale of K and M, a mass that nothing sees), and how
-small a damage may be before the penalties outweigh what it explains.
-"""
+"""What the data tell about the parameters: at a solution, and before a test all over their bounds."""
 
 from __future__ import annotations
 

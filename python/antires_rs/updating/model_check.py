@@ -1,8 +1,7 @@
 """Whether a model explains what was measured at all: values and roots paired one to one in each response.
 
-A wrong unit, exchanged matrices or dofs of another numbering leave roots that have nothing to do with the
-values. Where there are many roots each value still has a near one, so what counts is how many of both, values
-and roots between them, have a partner.
+Where there are many roots each value has a near one even in a wrong model, so what counts is how many of
+both, values and roots between them, have a partner.
 """
 
 from __future__ import annotations

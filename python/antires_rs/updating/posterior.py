@@ -176,7 +176,8 @@ def _on_line(
     widest = _WIDE * np.maximum(high - low, 1e-300)
     std = np.minimum(1.0 / np.sqrt(np.maximum(stiff, 1e-300)), widest)
     mean = -pull * std**2
-    return np.clip(mean + std * between((low - mean) / std, (high - mean) / std, p), low, high)
+    z = between((low - mean) / std, (high - mean) / std, p)
+    return np.asarray(np.clip(mean + std * z, low, high))
 
 
 # -- Draws of the parameters given the measured values: the residuals taken as linear around the fit

@@ -1,8 +1,4 @@
-"""A problem on few dofs, its matrices projected on a basis, and the search on such problems.
-
-A change of coordinates makes the measured dofs and those of the forces dofs of the reduced model, so that all
-that asks for dofs works on it unchanged.
-"""
+"""A problem on few dofs, its matrices projected on a basis, and the search on such problems."""
 
 from __future__ import annotations
 

@@ -1,8 +1,4 @@
-"""What was measured, as an updating problem sees it: antiresonances, or resonances with their shapes.
-
-Each kind knows its sets, how the core's objective is made of them, how far the model moves what was measured,
-and which exact measurement a damaged model would have given.
-"""
+"""What was measured, as an updating problem sees it: antiresonances, or resonances with their shapes."""
 
 from __future__ import annotations
 
@@ -185,12 +181,10 @@ def _largest(percent: FloatArray) -> float:
 
 # -- Measured values that are no antiresonances: halves of complex zeros
 #
-# Between two antiresonances of the undamped structure that have met, the zeros of H_ik are complex,
-# f (1 + j d) and f (1 - j d) in frequency; with damping zeta they lie at damping ratios near zeta + d and
-# zeta - d. Identification keeps the first, if it looks like a strongly damped antiresonance; it is left out,
-# and named, if the nominal model has a complex zero nearer to it than any real root, its damping being nearer
-# to a half of that than to the median of the set; or one so much nearer that damping need not tell; or if its
-# damping differs from the median by more than 2 % and by more than twice the median.
+# See the page on theory. A value is left out, and named, if the nominal model has a complex zero nearer to it
+# than any real root, its damping being nearer to a half of that than to the median of the set; or one so much
+# nearer that damping need not tell; or if its damping differs from the median by more than 2 % and by more
+# than twice the median.
 
 #: Damping ratios whose median says what is usual.
 _LEAST_KNOWN = 4
@@ -219,12 +213,10 @@ def complex_zeros(
     f_max_hz: float,
     parts: tuple[float, float] = (_LEAST, _MOST),
 ) -> tuple[FloatArray, FloatArray]:
-    """Complex zeros f (1 + j d) of an undamped response up to a frequency: f in Hz, and d within ``parts``.
-
-    Zeros of the modal series, eigenvalues x of the pencil ``[[L - x, phi_k], [phi_i', 0]]`` with L the
-    diagonal of the eigenvalues.
-    """
+    """Complex zeros f (1 + j d) of an undamped response up to a frequency: f (Hz), and d within ``parts``."""
     from scipy.linalg import eigvals
+
+    # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues.
 
     modes = model.modes(f_max_hz=_MODES * f_max_hz)
     n = modes.freq_hz.size
