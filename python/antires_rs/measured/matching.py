@@ -6,8 +6,6 @@ explains them better than that one vanished and another appeared; t, the largest
     t^2 = (max_shift f)^2 + (3 std)^2,      std that of the difference.
 
 All pairs of a response are found at once, no value twice; the cost is convex, so that pairs do not cross.
-
-Reference: D. F. Crouse, IEEE Trans. Aerosp. Electron. Syst. 52 (2016) 1679-1696 (the algorithm in SciPy).
 """
 
 from __future__ import annotations
@@ -17,6 +15,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..exceptions import Argument, reject
 from ..support.checks import FloatArray, finite_scalar
 from .antiresonance_set import AntiresonanceSet
@@ -26,16 +25,12 @@ from .response_table import ResponseTable
 MAX_SHIFT = 0.05
 # A difference may exceed that by so many standard deviations.
 STDS = 3.0
-# Cost of what may not be paired: more than leaving both alone.
-FORBIDDEN = 1e3
 
 
 def paired(
     a_hz: FloatArray, b_hz: FloatArray, max_shift: float, variance: FloatArray | None = None
 ) -> list[tuple[int, int]]:
     """Indices of the values that are one, by ascending frequency."""
-    from scipy.optimize import linear_sum_assignment  # slow to import
-
     if not a_hz.size or not b_hz.size:
         return []
     middle = 0.5 * (a_hz[:, None] + b_hz)
@@ -43,18 +38,11 @@ def paired(
     if variance is not None:
         reach = reach + STDS**2 * np.nan_to_num(variance)
     cost = (b_hz - a_hz[:, None]) ** 2 / reach
-    # Of many tracks few are near what a test has; the others stay alone in any case.
-    near_a, near_b = (np.flatnonzero((cost < 1.0).any(axis=axis)) for axis in (1, 0))
-    cost, n, m = cost[np.ix_(near_a, near_b)], near_a.size, near_b.size
-    # Beside it a partner of nobody for each, so that the least total may leave any value alone.
-    square = np.full((n + m, n + m), FORBIDDEN)
-    square[:n, :m] = np.where(cost < 1.0, cost, FORBIDDEN)
-    square[np.arange(n), m + np.arange(n)] = 0.5
-    square[n + np.arange(m), np.arange(m)] = 0.5
-    square[n:, m:] = 0.0
-    rows, columns = linear_sum_assignment(square)
-    pairs = zip(rows.tolist(), columns.tolist(), strict=True)
-    return [(int(near_a[i]), int(near_b[k])) for i, k in pairs if i < n and k < m]
+    rows, columns = (np.argsort(each, kind="stable") for each in (a_hz, b_hz))
+    alone = (np.full(each.size, 0.5) for each in (a_hz, b_hz))
+    partner = _core.align(np.ascontiguousarray(cost[np.ix_(rows, columns)]), *alone)
+    has = np.flatnonzero(partner >= 0)
+    return list(zip(rows[has].tolist(), columns[partner[has]].tolist(), strict=True))
 
 
 def variance_hz(table: ResponseTable, std_between: float) -> FloatArray:
@@ -188,8 +176,6 @@ def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:
 # 377-385); a and tau are found in turn. The variance of a_t over the tests, less that of the mean, is the
 # square of the common scatter.
 
-# Bisections: the root of a falling function to ten digits.
-STEPS = 40
 # Common part and scatter of the rest settle in a few rounds.
 ROUNDS = 8
 
@@ -221,13 +207,11 @@ def scatter(freq_hz: FloatArray, std_hz: FloatArray) -> tuple[float, float]:
 
 def _beyond(rest: FloatArray, stated: FloatArray, free: int) -> float:
     """tau^2 of the module; 0 where the stated variances explain all."""
-    low, high = 0.0, float(np.sum(rest) / free)
-    if np.sum(rest / np.maximum(stated, 1e-300)) <= free:
+    from scipy.optimize import brentq  # slow to import
+
+    def too_large(tau2: float) -> float:
+        return float(np.sum(rest / np.maximum(stated + tau2, 1e-300))) - free
+
+    if too_large(0.0) <= 0.0:
         return 0.0
-    for _ in range(STEPS):
-        middle = 0.5 * (low + high)
-        if np.sum(rest / np.maximum(stated + middle, 1e-300)) > free:
-            low = middle
-        else:
-            high = middle
-    return high
+    return float(brentq(too_large, 0.0, 1.001 * float(np.sum(rest)) / free, xtol=1e-24, rtol=1e-12))

@@ -167,13 +167,9 @@ def reached(a: float, most: float = HIGHEST) -> float:
 
 def rising(share: FloatArray) -> FloatArray:
     """The nearest curve that nowhere falls (least squares): detection does not become less with damage."""
-    blocks: list[tuple[float, int]] = []
-    for value in share.tolist():
-        blocks.append((value, 1))
-        while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
-            (b, n), (a, m) = blocks.pop(), blocks.pop()
-            blocks.append(((a * m + b * n) / (m + n), m + n))
-    return np.repeat([value for value, _ in blocks], [count for _, count in blocks])
+    from scipy.optimize import isotonic_regression
+
+    return np.asarray(isotonic_regression(share).x)
 
 
 def crossing(severity: FloatArray, share: FloatArray, level: float) -> float:

@@ -305,17 +305,14 @@ def stepwise(
 
 def _longest_step(gain: FloatArray, most: float) -> float:
     """The longest step towards a density of log weights ``gain`` after which enough particles count."""
+    from scipy.optimize import brentq
 
     def counting(share: float) -> float:
         return 1.0 / float(np.sum(normalized(share * gain) ** 2)) / gain.size
 
     if counting(most) >= _COUNTING:
         return most
-    low, high = 0.0, most
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if counting(middle) >= _COUNTING else (low, middle)
-    return max(low, 1e-6)
+    return max(float(brentq(lambda share: counting(share) - _COUNTING, 0.0, most)), 1e-6)
 
 
 def evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> NDArray[np.intp]:
