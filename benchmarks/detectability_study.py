@@ -30,7 +30,7 @@ import antires_rs as ar
 from antires_rs.damage.options import DamagePrior, SearchOptions
 from antires_rs.planning.detectability import _virtual_test
 from antires_rs.planning.detection_curves import fit_logit
-from antires_rs.planning.placement import ExpectedErrors
+from antires_rs.planning.placement import ExpectedErrors, Layout
 from antires_rs.planning.simulated_tests import Task, judged
 from benchmarks.study_tools import print_table
 from reference.symmetric_structures import cases
@@ -82,10 +82,8 @@ def shares(model, test, tests, seed):
     a90 = ar.detectability(model, **options, std=STD, model_error=MODEL_ERROR, rng=seed, n_tests=10).a90
     elements = tuple(a90)
     force, sensors, band = (options[key] for key in ("excitation", "sensors", "band_hz"))
-    sees, errors = "transmissibility", ExpectedErrors(0.01, 200.0, 0.01, STD)
-    virtual, _ = _virtual_test(
-        model, elements, list(sensors), force, band, sees, errors, MODEL_ERROR, DamagePrior(), 1
-    )
+    layout = Layout(model, tuple(sensors), force, band, "transmissibility")
+    virtual, _ = _virtual_test(layout, elements, ExpectedErrors(0.01, 200.0, 0.01, STD), MODEL_ERROR, 1)
     found = {multiple: [] for multiple in (0.8, 1.0, 1.2)}
     known = [place for place, e in enumerate(elements) if np.isfinite(a90[e])][::2]
     seeds = iter(np.random.SeedSequence(seed + 1).spawn(len(known) * len(found) * tests))

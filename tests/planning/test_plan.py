@@ -1,18 +1,19 @@
 """A planned test: what it promises, against an assessment; its forms and its print."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.damage.measured_states import LEAST_STD, roots_at
-from antires_rs.models.parameters import stiffness_reduction
 from antires_rs.planning.placement import (
     CRITERIA,
     ExpectedErrors,
+    Layout,
     exhaustive,
     greedy,
     information,
-    objective,
     virtual_roots,
 )
 from reference.structures import CHAIN8_MASSES, CHAIN8_SPRINGS
@@ -128,14 +129,17 @@ def setting(name):
     return random_chain(int(name)), list(range(11)), 3, 200.0
 
 
+def damages(model):
+    return ar.stiffness_reduction(model.default_elements)
+
+
 def told(name, sees="transmissibility", symmetric=False):
     model, sensors, force, high = setting(name)
     if symmetric:
         model = next(one for one in cases() if one.name == KINDS[name]).build(0.0)
-    parameters = tuple(stiffness_reduction(model.default_elements))
-    start = np.zeros(len(parameters))
-    roots = virtual_roots(model, parameters, start, sensors, force, (1.0, high), sees, ERRORS, 1)
-    return model, sensors, force, high, information(roots, len(sensors), np.ones(start.size), 2)
+    layout, parameters = Layout(model, tuple(sensors), force, (1.0, high), sees), damages(model)
+    roots = virtual_roots(layout, parameters, np.zeros(len(parameters)), ERRORS, 1)
+    return layout, information(roots, len(sensors), np.ones(len(parameters)), 2)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)
@@ -156,12 +160,12 @@ def test_greedy_is_within_two_per_cent_of_the_best_of_all_sets(name, criterion):
     [("1", False), ("portal", False), ("portal", True), ("ring", False), ("ring", True)],
 )
 def test_the_information_of_a_set_is_that_of_the_roots_the_core_shows_of_it(name, symmetric):
-    model, sensors, force, high, found = told(name, symmetric=symmetric)
-    parameters = tuple(stiffness_reduction(model.default_elements))
-    rng = np.random.default_rng(3)
+    layout, found = told(name, symmetric=symmetric)
+    parameters, rng = damages(layout.model), np.random.default_rng(3)
     for _ in range(6):
-        chosen = sorted(rng.choice(len(sensors), 3, replace=False).tolist())
-        core = objective(model, parameters, [sensors[c] for c in chosen], force, high, "transmissibility")
+        chosen = sorted(rng.choice(len(layout.sensors), 3, replace=False).tolist())
+        few = dataclasses.replace(layout, sensors=tuple(layout.sensors[c] for c in chosen))
+        core = few.roots(parameters, layout.band_hz[1], "transmissibility")
         roots = roots_at(core, np.zeros((1, len(parameters))), slopes=True, threads=1)[0]
         kept = (np.exp(roots.log_f) > 1.0) & (np.abs(roots.slopes).max(axis=1) < 3.0)
         rows = roots.slopes[kept] / (np.sqrt(2.0) * 5e-4)
@@ -182,7 +186,7 @@ def expected(sensor, force, **options):
         **{"noise": 0.2, "duration_s": LENGTH_S, "damping_ratio": DAMPING, "std": None} | options
     )
     roots = LIGHT.antiresonances(sensor, force, f_max_hz=BAND_HZ)
-    return roots, errors.of(LIGHT, [sensor], force, [roots], BAND_HZ)[0]
+    return roots, errors.of(Layout(LIGHT, (sensor,), force, (0.0, BAND_HZ), "frf"), [roots])[0]
 
 
 def moved(freq, curve, old, new):

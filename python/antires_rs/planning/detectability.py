@@ -19,7 +19,7 @@ from ..support.checks import FloatArray, choice, finite_scalar, integer, real_ar
 from ..support.progress import one_blas_thread, waiting
 from ..support.values import FrozenDict, frozen
 from .detection_curves import DetectionCurves, crossing, fit_logit, reached
-from .placement import ExpectedErrors, objective
+from .placement import ExpectedErrors, Layout
 from .plan import Sees, band_of, chosen_elements, dofs_of
 from .simulated_tests import Task, VirtualTest, predicted, simulated
 
@@ -125,9 +125,9 @@ def detectability(
     threads = thread_count(None if spread else workers)
     seed = np.random.SeedSequence(seed_of(rng))
     judging = (checked_prior(prior, options), options)
-    test, linear = _virtual_test(
-        model, chosen, dofs, force, band, sees, errors, model_error, judging[0], threads
-    )
+    layout = Layout(model, tuple(dofs), force, band, sees)
+    test, slopes = _virtual_test(layout, chosen, errors, model_error, threads)
+    linear = smallest_found(slopes, judging[0])
     grid = [_around(loss) if given is None else given for loss in linear]
     names = {e: model.element_label(e) for e in chosen}
     rows: dict[int, tuple[Any, ...]] = {}
@@ -173,44 +173,30 @@ def _curves(
     method: str, rows: dict[int, tuple[Any, ...]], names: dict[int, str], calls: float, done: int, wanted: int
 ) -> DetectionCurves:
     """The curves of ``rows``: of each element severities, pod, a50, a90 and, of tests, a90_95 and these."""
-    labels = ("severity", "pod", "a50", "a90", "a90_95", "tests")
-    columns: dict[str, Any] = {label: FrozenDict() for label in labels}
-    for label, column in zip(labels, zip(*rows.values(), strict=True), strict=False):
-        columns[label] = FrozenDict(zip(rows, column, strict=True))
+    columns: list[Any] = [
+        FrozenDict(zip(rows, column, strict=True)) for column in zip(*rows.values(), strict=True)
+    ]
+    severity, pod, a50, a90, bound, tests = columns + [FrozenDict()] * (6 - len(columns))
+    ended = done < wanted
     return DetectionCurves(
-        method=method,
-        names=FrozenDict(names),
-        false_call_rate=calls,
-        n_tests=done,
-        interrupted=done < wanted,
-        **columns,
+        method, severity, pod, a50, a90, bound, calls, tests, done, ended, FrozenDict(names)
     )
 
 
 def _virtual_test(
-    model: StructuralModel,
-    elements: tuple[int, ...],
-    sensors: list[int],
-    force: int,
-    band: tuple[float, float],
-    sees: Sees,
-    errors: ExpectedErrors,
-    model_error: float,
-    prior: DamagePrior,
-    threads: int,
+    layout: Layout, elements: tuple[int, ...], errors: ExpectedErrors, model_error: float, threads: int
 ) -> tuple[VirtualTest, FloatArray]:
-    """The test, and the severity of each candidate that it shows by the linear estimate."""
-    core = objective(model, tuple(stiffness_reduction(list(elements))), sensors, force, band[1], sees)
+    """The test, and how many of its errors each severity moves the values in the band."""
+    core = layout.roots(stiffness_reduction(elements), layout.band_hz[1], layout.sees)
     roots = roots_at(core, np.zeros((1, len(elements))), slopes=True, threads=threads)[0]
-    own = [roots.log_f[roots.response == nth] for nth in range(len(sensors))]
-    std = errors.of(model, sensors, force, [np.exp(each) for each in own], band[1])
-    pairs = tuple((a, b) for a, b in zip(own, std, strict=True))
-    test = VirtualTest(model, elements, tuple(sensors), force, band, sees, pairs, model_error)
-    inside = test.inside(roots)
+    own = [roots.log_f[roots.response == nth] for nth in range(len(layout.sensors))]
+    std = errors.of(layout, [np.exp(each) for each in own])
+    inside = layout.inside(roots)
     if not inside.any():
-        reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
-    rows = roots.slopes / (np.sqrt(2.0) * np.concatenate(std)[:, None])
-    return test, smallest_found(rows[inside], prior)
+        got = f"{layout.band_hz[0]:g} to {layout.band_hz[1]:g} Hz"
+        reject("band_hz", got, "a band with antiresonances", "Widen it.")
+    test = VirtualTest(layout, elements, tuple(zip(own, std, strict=True)), model_error)
+    return test, (roots.slopes / (np.sqrt(2.0) * np.concatenate(std)[:, None]))[inside]
 
 
 def _severities(given: Any) -> FloatArray:

@@ -13,13 +13,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..damage.measured_states import LEAST_STD, roots_at
+from ..damage.measured_states import LEAST_STD, Roots, roots_at
 from ..support.checks import FloatArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
 if TYPE_CHECKING:
     from ..models.parameters import Parameter
     from ..models.structural_model import StructuralModel
+
+
+#: The core looks so far beyond the highest measured value.
+_MARGIN = 1.5
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a test measures and shakes a structure, in which band, and what is identified of it."""
+
+    model: StructuralModel
+    sensors: tuple[int, ...]
+    force: int
+    band_hz: tuple[float, float]
+    sees: str
+
+    def roots(
+        self, parameters: Sequence[Parameter], high_hz: float, sees: str | None = None
+    ) -> _core.Objective:
+        """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""
+        parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.sensors]
+        core = self.model.description.core_parameters(parameters)
+        return antiresonance_objective(self.model, core, parts, "squared", None, 0.0, None)
+
+    def inside(self, roots: Roots) -> NDArray[np.bool_]:
+        """Which roots lie in the band."""
+        low, high = np.log(np.maximum(self.band_hz, 1e-300))
+        return np.asarray((roots.log_f >= low) & (roots.log_f <= high))
 
 
 # -- How well a test tells an antiresonance: the Cramer-Rao bound for one response under random excitation
@@ -65,26 +93,20 @@ class ExpectedErrors:
             f"{100.0 * self.damping_ratio:g} % damping; tests repeat less well, say so by std="
         )
 
-    def of(
-        self,
-        model: StructuralModel,
-        sensors: list[int],
-        force: int,
-        roots_hz: list[FloatArray],
-        high_hz: float,
-    ) -> list[FloatArray]:
+    def of(self, layout: Layout, roots_hz: list[FloatArray]) -> list[FloatArray]:
         """Relative standard deviations of the roots of each sensor's response."""
         if self.std is not None:
             return [np.full(own.size, max(self.std, LEAST_STD)) for own in roots_hz]
         count = int(np.clip(-np.log(_LOWEST) * _LINES / self.damping_ratio, _FEWEST_LINES, _MOST_LINES))
+        high_hz = layout.band_hz[1]
         freq = np.geomspace(_LOWEST * high_hz, high_hz, count)
         width = np.gradient(freq)
         found = []
-        for sensor, own in zip(sensors, roots_hz, strict=True):
+        for sensor, own in zip(layout.sensors, roots_hz, strict=True):
             if not own.size:
                 found.append(np.empty(0))
                 continue
-            curve = model.frf(sensor, force, freq, damping_ratio=self.damping_ratio)
+            curve = layout.model.frf(sensor, layout.force, freq, damping_ratio=self.damping_ratio)
             power = float(width @ np.abs(curve) ** 2) / float(width.sum())
             damping = 2j * self.damping_ratio * freq * own[:, None]
             along = curve * (2.0 * own[:, None] ** 2 + damping) / (own[:, None] ** 2 - freq**2 + damping)
@@ -106,8 +128,6 @@ ONE, APART = 1e-6, 1e-3
 SEEN = 0.5
 #: A change of 1 % that moves a root by more than 3 % does so for a moment only: two roots are about to merge.
 _STEEPEST = 3.0
-#: The core looks so far beyond the highest measured value.
-_MARGIN = 1.5
 
 
 @dataclass(frozen=True)
@@ -117,48 +137,22 @@ class VirtualRoots:
     sensor: NDArray[np.intp]  # number of the candidate
     slopes: FloatArray  # d ln f / dp, (n, p)
     std: FloatArray  # relative, of a value
-    common: dict[
-        int, FloatArray
-    ]  # of roots that some candidates share: whether each shows it, (c,) of 0 or 1
-
-
-def objective(
-    model: StructuralModel,
-    parameters: tuple[Parameter, ...],
-    sensors: list[int],
-    force: int,
-    high_hz: float,
-    sees: str | None,
-) -> _core.Objective:
-    """The core's objective of these responses, for its roots up to ``high_hz`` (and none of its values)."""
-    parts = [(dof, force, np.array([high_hz / _MARGIN]), sees, 0) for dof in sensors]
-    core = model.description.core_parameters(parameters)
-    return antiresonance_objective(model, core, parts, "squared", None, 0.0, None)
+    common: dict[int, FloatArray]  # of roots that some share: whether each candidate shows it, 0 or 1
 
 
 def virtual_roots(
-    model: StructuralModel,
-    parameters: tuple[Parameter, ...],
-    nominal: FloatArray,
-    sensors: list[int],
-    force: int,
-    band_hz: tuple[float, float],
-    sees: str,
-    errors: ExpectedErrors,
-    threads: int,
+    layout: Layout, parameters: Sequence[Parameter], nominal: FloatArray, errors: ExpectedErrors, threads: int
 ) -> VirtualRoots:
     """The roots of every candidate in the band, less those that are about to merge or vanish."""
-    shown = "frf" if sees == "frf" else None
-    core = objective(model, parameters, sensors, force, band_hz[1], shown)
+    frf = layout.sees == "frf"
+    core = layout.roots(parameters, layout.band_hz[1], "frf" if frf else None)
     found = roots_at(core, nominal[None], slopes=True, threads=threads)[0]
-    inside = (found.log_f >= np.log(max(band_hz[0], 1e-300))) & (found.log_f <= np.log(band_hz[1]))
     relative = found.slopes * np.where(nominal == 0.0, 1.0, nominal)
-    inside &= np.abs(relative).max(axis=1, initial=0.0) < _STEEPEST
-    sensor, log_f = found.response[inside], found.log_f[inside]
-    own = [np.exp(log_f[sensor == nth]) for nth in range(len(sensors))]
-    std = errors.of(model, sensors, force, own, band_hz[1])
-    common = {} if sees == "frf" else _common([np.log(each) for each in own])
-    return VirtualRoots(sensor, found.slopes[inside], np.concatenate([np.empty(0), *std]), common)
+    found = found.only(layout.inside(found) & (np.abs(relative).max(axis=1, initial=0.0) < _STEEPEST))
+    own = [found.log_f[found.response == nth] for nth in range(len(layout.sensors))]
+    std = errors.of(layout, [np.exp(each) for each in own])
+    common = {} if frf else _common(own)
+    return VirtualRoots(found.response, found.slopes, np.concatenate([np.empty(0), *std]), common)
 
 
 def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:

@@ -27,6 +27,7 @@ from .placement import (
     CRITERIA,
     ExpectedErrors,
     Information,
+    Layout,
     Placed,
     Round,
     VirtualRoots,
@@ -317,8 +318,9 @@ def plan_test(
     with waiting("planning", progress):
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
-            args = (unknowns.parameters, unknowns.nominal, sensors, force, band, sees, errors, threads)
-            roots = found[force] = virtual_roots(model, *args)
+            layout = Layout(model, tuple(sensors), force, band, sees)
+            roots = virtual_roots(layout, unknowns.parameters, unknowns.nominal, errors, threads)
+            found[force] = roots
             told = information(roots, len(sensors), unknowns.spread, unknowns.tests)
             plans[force] = find(told, n, criterion), told
     if not any(_shown(found[force], placed.chosen) for force, (placed, _) in plans.items()):

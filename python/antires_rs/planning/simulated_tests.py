@@ -20,14 +20,12 @@ from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_
 from ..damage.options import DamagePrior, SearchOptions
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
 from ..support.workers import in_order
 from ..updating.posterior import log_between
 from .detection_curves import rising
-from .placement import objective
-from .plan import Sees
+from .placement import Layout
 
 #: Roots are followed so far beyond the band: damage may bring them in.
 _MARGIN = 1.5
@@ -35,14 +33,10 @@ _MARGIN = 1.5
 
 @dataclass(frozen=True)
 class VirtualTest:
-    """A kind of test: model, sensors and force, errors of values and of the model."""
+    """A kind of test, the elements in question, errors of values and of the model."""
 
-    model: StructuralModel
+    layout: Layout
     elements: tuple[int, ...]
-    sensors: tuple[int, ...]
-    force: int
-    band_hz: tuple[float, float]
-    sees: Sees
     #: For every sensor ln f and relative standard deviation of the model's roots, between which it is linear.
     std: tuple[tuple[FloatArray, FloatArray], ...]
     model_error: float  # standard deviation of ln of every stiffness and mass about the model's
@@ -54,16 +48,15 @@ class VirtualTest:
     @cached_property
     def numbers(self) -> list[int]:
         """Elements in the order of the core's parameters: candidates, then the others."""
-        return [*self.elements, *(e for e in self.model._springs if e not in self.elements)]
+        return [*self.elements, *(e for e in self.layout.model._springs if e not in self.elements)]
 
     @cached_property
     def core(self) -> tuple[_core.Objective, int]:
         """Roots by all severities and all factors; and the number of factors."""
-        factors = factors_of(self.model)
+        factors = factors_of(self.layout.model)
         parameters = (*stiffness_reduction(self.numbers), *factors)
-        high = _MARGIN * self.band_hz[1]
-        core = objective(self.model, parameters, list(self.sensors), self.force, high, self.sees)
-        return core, len(factors)
+        high_hz = _MARGIN * self.layout.band_hz[1]
+        return self.layout.roots(parameters, high_hz, self.layout.sees), len(factors)
 
     def truth(self, rng: np.random.Generator) -> FloatArray:
         """Factors of a structure."""
@@ -77,14 +70,9 @@ class VirtualTest:
             row[place] = severity
         return roots_at(self.core[0], rows, slopes=False, threads=threads)
 
-    def inside(self, roots: Roots) -> Any:
-        """Which roots lie in the band, (n,) bool."""
-        low = np.log(max(self.band_hz[0], 1e-300))
-        return (roots.log_f >= low) & (roots.log_f <= np.log(self.band_hz[1]))
-
     def values(self, roots: Roots, rng: np.random.Generator) -> Values:
         """What a test gives of roots in its band."""
-        kept, std = self.inside(roots), np.empty(roots.size)
+        kept, std = self.layout.inside(roots), np.empty(roots.size)
         every = np.concatenate([own for _, own in self.std])
         for nth, (log_f, own) in enumerate(self.std):
             mine = roots.response == nth
@@ -97,12 +85,13 @@ class VirtualTest:
         """The same as a set."""
         values = self.values(roots, rng)
         freq, std = {}, {}
-        for nth, dof in enumerate(self.sensors):
+        for nth, dof in enumerate(self.layout.sensors):
             own = values.response == nth
             order = np.argsort(values.log_f[own])
             freq[dof] = np.exp(values.log_f[own][order])
             std[dof] = (values.std[own] * np.exp(values.log_f[own]))[order]
-        return AntiresonanceSet(self.force, freq, std_hz=std, sees=self.sees, channels=list(self.sensors))
+        sees: Any = self.layout.sees
+        return AntiresonanceSet(self.layout.force, freq, std_hz=std, sees=sees, channels=self.layout.sensors)
 
 
 def along(intact: Roots, states: Sequence[Roots]) -> list[NDArray[np.intp]]:
@@ -313,7 +302,7 @@ def predicted(
     def of_structure(rng: np.random.Generator) -> tuple[list[FloatArray], float]:
         intact, *damaged = test.roots(test.truth(rng), [(0, 0.0), *damage], threads)
         judge = Judge(test, prior, test.values(intact, rng), threads, options, rng)
-        kept, left = np.flatnonzero(test.inside(intact)), iter(damaged)
+        kept, left = np.flatnonzero(test.layout.inside(intact)), iter(damaged)
         found = []
         for place, (betas, asked) in enumerate(zip(steps, severities, strict=True)):
             states = list(islice(left, betas.size))
@@ -321,7 +310,7 @@ def predicted(
             shares = []
             for nth in np.searchsorted(betas, asked):
                 log_f = np.full(intact.size, np.nan)
-                seen = (identities[nth] >= 0) & test.inside(states[nth])
+                seen = (identities[nth] >= 0) & test.layout.inside(states[nth])
                 log_f[identities[nth][seen]] = states[nth].log_f[seen]
                 there = np.isfinite(log_f[kept])
                 share, _ = judge.found(np.where(there, log_f[kept], 0.0), there, _DRAWS)
@@ -366,7 +355,7 @@ def judged(test: VirtualTest, task: Task) -> tuple[int, ...]:
     damage = (0, 0.0) if task.place is None else (task.place, task.severity)
     intact, now = test.roots(factors, [(0, 0.0), damage], task.threads)
     result = assess_damage(
-        test.model,
+        test.layout.model,
         test.measured(now, rng),
         baseline=test.measured(intact, rng),
         elements=list(test.elements),
