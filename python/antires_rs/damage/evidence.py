@@ -1,4 +1,4 @@
-"""The evidence of a set of damaged elements (see the page on theory), from one view of the values.
+"""The evidence of a set of damaged elements, from one view of the values.
 
 In u = -ln(1 - beta) the density is p(ln f | u) exp(-sum u). About a point ln f is linear in u, so that the
 integral over the box is that of a Gaussian with bounds; it is formed only where the most probable severities
@@ -48,12 +48,9 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
 
 # -- Gaussians of which only a box is left: their probability, densities, and draws
 #
-# One coordinate after the other, each given those before (Genz's transformation): within its limits the
-# conditional distribution is a normal one, of which uniform numbers give draws; the product of the
-# conditional probabilities, averaged over them, is the probability of the box. Coordinates with the least
-# room come first.
-#
-# Reference: A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149.
+# One coordinate after the other, those with the least room first, each given those before: within its limits
+# it is a normal one; the product of the conditional probabilities, averaged over draws, is the probability of
+# the box (A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149).
 
 #: Points of the rule of quadrature along each coordinate but the last.
 _POINTS = 16

@@ -26,12 +26,10 @@ from .reduced_roots import TOLERANCE, ReducedRoots
 
 # -- Which elements may be damaged: a beam search over sets of elements
 #
-# Each set is made from one with an element less. A scan of the new element's severity, the others kept,
-# finds where to begin; Newton steps with an error of the values that falls to nothing lead to the most
-# probable severities; there the evidence is told. From every point on the way the sets with one element
-# more are judged too, as far as the linear model goes. Elements that are no candidates are judged one by
-# one only. Where there are many elements a scan looks at those that would explain most to first order; all
-# others stay judged by the linear model alone.
+# Each set is made from one with an element less. A scan of the new element's severity finds where to begin;
+# Newton steps with an error of the values that falls to nothing lead to the most probable severities. From
+# every point on the way the sets with one element more are judged too, as far as the linear model goes. Where
+# there are many elements a scan looks at those that would explain most to first order.
 
 Elements = tuple[int, ...]
 
@@ -280,15 +278,11 @@ class Search:
 
 # -- The threshold at which damage is declared, and the smallest severity that a pair of tests would show
 #
-# Intact tests are simulated from what is known after the baseline: the values of the roots that it shows,
-# with noise and with the errors that are left. Each is judged as a real one is, by the sum of prior times
-# evidence of all single elements over that of no damage, with the linear model at no damage, where small
-# evidence is decided.
+# Intact tests are simulated with noise and the errors that the baseline leaves, and judged as real ones are,
+# by prior times evidence of all single elements over that of no damage, with the linear model at no damage.
+# Damage of one element outweighs no damage where, sigma being the standard deviation of its severity,
 #
-# Damage of one element is found where its evidence outweighs no damage: with sigma the standard deviation of
-# its severity (errors of values and of the model, after the baseline) and z = beta / sigma,
-#
-# .. math:: \tfrac{1}{2} z^2 + \ln\frac{\sqrt{2 \pi} \sigma p_1}{0.99 \, p_0} > 0,
+# .. math:: \tfrac{1}{2} z^2 + \ln\frac{\sqrt{2 \pi} \sigma p_1}{0.99 \, p_0} > 0, \qquad z = \beta / \sigma,
 #
 # which holds in nine of ten tests from 1.28 sigma above the beta of equality on.
 
@@ -583,11 +577,9 @@ def infer(
 
 # -- Without a baseline: is one factor on all stiffnesses more probable than the losses of many elements?
 #
-# A modulus, a section or a unit that is wrong throughout multiplies every stiffness by the same number. A
-# search that knows losses only makes it a loss of nearly every element. Both are judged by the same
-# likelihood, with the scatter of stiffnesses and masses that is assumed without a baseline, and by
-# Laplace's approximation of the evidence: the one factor with every loss equally probable, as that of one
-# element is, on the candidates or on all elements; the set of elements with the prior of their number.
+# A modulus or a unit that is wrong throughout comes out as a loss of nearly every element. Both are judged by
+# the same likelihood and Laplace's approximation: the one factor with every loss equally probable, on the
+# candidates or on all elements; the set of elements with the prior of their number.
 
 #: Steps to the most probable factor, and the largest of them, in u.
 _MOST_STEPS, _LONGEST_STEP = 10, 0.3

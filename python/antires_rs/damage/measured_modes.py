@@ -23,16 +23,10 @@ if TYPE_CHECKING:
 
 # -- Modes of the model as roots: a natural frequency each, and where its shape lies beside the intact one
 #
-# A shape u of unit length at the sensors is told by its coordinates in a basis Q of the directions across it,
-#
-# .. math:: a = Q^T (u' - u), \qquad Q^T u = 0, \quad Q^T Q = I,
-#
-# n - 1 numbers at n sensors, which neither sign nor size touches. Along a change of the model the basis is
-# turned with the shape, without any rotation about it, so that an error of a shape has the same coordinates
-# in both states.
-#
-# The modes of another state are those that look most alike, one to one, with a little weight on the
-# frequency: modes that pass each other are followed.
+# A shape u of unit length at n sensors is told by its n - 1 coordinates :math:`a = Q^T (u' - u)` in an
+# orthonormal basis Q of the directions across it, which neither sign nor size touches. Along a change of the
+# model the basis is turned with the shape, without any rotation about it, so that an error of a shape has the
+# same coordinates in both states. Modes are followed by their shapes, with a little weight on the frequency.
 
 #: Modes whose frequencies lie nearer together (ln f): the model does not tell how their shapes mix.
 _MIXED = 1e-3

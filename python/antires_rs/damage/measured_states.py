@@ -405,9 +405,7 @@ def _named(model: StructuralModel, responses: Sequence[Response] | Mapping[Respo
 # -- How tests of the intact structure scatter, and which of them contradict each other, by how much
 #
 # How far two tests are apart is the upper quartile of the differences of ln f, so that a few false values
-# count for nothing. Ordinary scatter from test to test is no contradiction: one test must differ from all
-# others by several times what these differ among themselves. Of two tests that are far apart none can be
-# named.
+# count for nothing. An odd test differs from all others by several times what these differ among themselves.
 
 #: So many repeated values tell how much tests scatter.
 _LEAST_REPEATS = 5

@@ -35,14 +35,11 @@ if TYPE_CHECKING:
 
 # -- A large model on few dofs around one point, whichever of a few severities change from there
 #
-# The basis at the point (:mod:`~antires_rs.updating.reduced_model`: modes, Krylov vectors of force and
-# sensors) carries the model there. Damage of element e adds :math:`\delta\, K_e`; what answers it are
-# :math:`A^{-1} K_e v` for all v of the basis and :math:`A^{-1} K_e w`, :math:`A^{-1} M w` for all w found so
-# far, with A = K + sigma M: a group of elements moves in few ways, so that these end soon. They are made for
-# the elements asked for only.
-#
-# Slopes by all parameters come from the null vectors of each root: those of the reduced model are those of
-# the full one, and the terms of the full one are sparse.
+# The basis at the point (:mod:`~antires_rs.updating.reduced_model`) carries the model there. Damage of
+# element e adds :math:`\delta\, K_e`; what answers it are :math:`A^{-1} K_e v` for all v of the basis and
+# :math:`A^{-1} K_e w`, :math:`A^{-1} M w` for all w found so far: a group of elements moves in few ways, so
+# that these end soon. Slopes by all parameters come from the null vectors of each root and the full model's
+# terms.
 
 #: Vectors that an element's damage makes: generations, and the least size of one.
 _GENERATIONS, _LEAST = 4, 1e-4

@@ -144,11 +144,9 @@ _HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
 
 # -- A set as JSON
 #
-# Version 1 holds excitation and, by dof, freq_hz, damping_ratio and std_hz. Version 2 adds the scores, the
-# edits made by hand, and the values as they were before the first of them. "sees" (what it was identified
-# from), "channels" (all dofs measured together) and "options" may follow, and by dof "left_out" and
-# "unexplained_hz" (what was seen and not accepted); older versions of the package read such files too. What
-# is not known is null.
+# Version 1 has excitation and, by dof, the columns; version 2 the scores, the edits made by hand, and the
+# values before the first of them. What else follows is optional, older versions of the package read such
+# files too.
 
 FORMAT = "antires_rs.AntiresonanceSet"
 VERSION = 2

@@ -98,22 +98,16 @@ def check_set(name: str, one: Any) -> AntiresonanceSet:
 # -- Is a difference more than its errors? A test of each value and of all
 #
 # A standard deviation told by k independent averages is itself known to about 1 / sqrt(2 k) only, so that a
-# difference over its standard deviation follows Student's t, not the normal law; nu is the smaller k of the
-# two sets (Welch's conservative choice). With p_i of each, the test of all is
+# difference over its standard deviation follows Student's t with the smaller k of the two sets. The test of
+# all is chi^2 = sum_i z_i^2, z_i being the normal deviate of the probability of each; it takes values of
+# different responses for independent (on the eight-mass chain their correlations are 0.08 at the root mean
+# square). What moves all values alike (temperature), with a relative standard deviation c, is no difference:
+# with l_i = sqrt(2) c f_i / std_i its likeliest size is
 #
-#     chi^2 = sum_i z_i^2,      z_i = the normal deviate of probability p_i,
+#     g = sum_i l_i d_i / (1 + sum_i l_i^2)      (d_i: difference over its own deviation),
 #
-# with as many degrees of freedom as values. It takes the values of different responses for independent; on
-# the eight-mass chain their correlations are below 0.5, and 0.08 at the root mean square.
-#
-# What moves all values alike from test to test (temperature, mostly), with a relative standard deviation c,
-# is no difference. With l_i = sqrt(2) c f_i / std_i its likeliest size and what it leaves are
-#
-#     g = sum_i l_i d_i / (1 + sum_i l_i^2),      d_i - l_i g     (d_i: difference over its own deviation),
-#
-# and chi^2 is that of the rests plus g^2: the quadratic form of d in the inverse of its covariance 1 + l l'.
-#
-# Which single values have changed is told at the same rate of false alarms for all of them together (Holm).
+# and chi^2 is that of the rests d_i - l_i g plus g^2. Which single values have changed is told at the same
+# rate of false alarms for all of them together (Holm).
 #
 # References: B. L. Welch, Biometrika 34 (1947) 28-35; R. A. Fisher, Statistical Methods for Research Workers,
 # 1932, sec. 21.1 (joining tests); S. Holm, Scand. J. Stat. 6 (1979) 65-70.
@@ -163,18 +157,11 @@ def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:
 
 # -- How much repeats of one test scatter beyond their stated deviations
 #
-# With r_tk the relative distance of value k in test t from the mean of k over the tests, and s_tk its stated
-# relative deviation, the part that all values of a test have in common is their weighted mean
-#
-#     a_t = sum_k w_tk r_tk / sum_k w_tk,      w_tk = 1 / (s_tk^2 + tau^2).
-#
-# The scatter of single values, tau, is that with which the rest is as large as it should be,
-#
-#     sum_tk w_tk (r_tk - a_t)^2 = degrees of freedom,
-#
-# so that values known well tell most (R. C. Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982)
-# 377-385); a and tau are found in turn. The variance of a_t over the tests, less that of the mean, is the
-# square of the common scatter.
+# With r_tk the distance of value k in test t from its mean over the tests, and s_tk its stated deviation,
+# both relative, what all values of a test share is a_t = sum_k w_tk r_tk / sum_k w_tk, w_tk = 1 / (s_tk^2 +
+# tau^2). tau, the scatter of single values, makes sum_tk w_tk (r_tk - a_t)^2 the degrees of freedom (R. C.
+# Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377-385); both are found in turn. The variance of
+# a_t, less that of the mean, is the square of the common scatter.
 
 # Common part and scatter of the rest settle in a few rounds.
 ROUNDS = 8

@@ -17,11 +17,9 @@ from .response_table import ResponseTable, label
 
 # -- One response seen by several setups: the mean of its values, and whether they agree
 #
-# Values f_i with variances v_i are joined to sum(f_i / v_i) / sum(1 / v_i), of variance 1 / sum(1 / v_i)
-# times max(1, chi^2 / (n - 1)) with chi^2 = sum (f_i - mean)^2 / v_i (R. T. Birge, Phys. Rev. 40 (1932)
-# 207-227).
-#
-# Whether a setup agrees is asked of each in turn, its values against the means of the others.
+# Values with variances v_i have a weighted mean of variance 1 / sum(1 / v_i), times max(1, chi^2 / (n - 1))
+# (R. T. Birge, Phys. Rev. 40 (1932) 207-227). Whether a setup agrees is asked of each against the others'
+# means.
 
 
 @dataclass(frozen=True)

@@ -94,15 +94,12 @@ def percent(loss: float) -> str:
     return "never" if loss == float("inf") else number(100.0 * loss, 2)
 
 
-# -- Probability of detection against severity, and what is read from it
+# -- Probability of detection against severity: ln(POD / (1 - POD)) = ln 9 + b (ln a - ln a90)
 #
-# .. math:: \ln \frac{POD}{1 - POD} = \ln 9 + b (\ln a - \ln a_{90})
-#
-# is fitted to found and missed by the largest likelihood. a90/95 is the largest a90 that the likelihood-ratio
-# test does not reject at 95 %, one-sided; infinity ("never") where the data do not rule out that 90 % are not
-# reached at all.
-#
-# Reference: MIL-HDBK-1823A, Nondestructive evaluation system reliability assessment, 2009, appendix G.
+# Fitted to found and missed by the largest likelihood. a90/95 is the largest a90 that the likelihood-ratio
+# test does not reject at 95 %, one-sided; infinity where the data do not rule out that 90 % are not reached
+# at all. Reference: MIL-HDBK-1823A, Nondestructive evaluation system reliability assessment, 2009, appendix
+# G.
 
 #: Logit of 0.9, and half the 90 % quantile of chi-square with one degree of freedom.
 _LN9, _DROP = float(np.log(9.0)), 1.3528

@@ -52,17 +52,15 @@ class Layout:
 
 # -- How well a test tells an antiresonance: the Cramer-Rao bound for one response under random excitation
 #
-# With a white force and white noise of the sensor, both over the band B, the spectral lines of a record of
-# the length T tell of the logarithms of the zeros of H
+# With a white force and white noise of the sensor, both over the band B, a record of the length T tells of
+# the logarithms of the zeros of H
 #
 # .. math:: I_{mn} = 2 T \int_B \frac{\mathrm{Re}(g_m^* g_n)}{\nu^2 \overline{|H|^2}} \, df, \qquad
-#           g_m = \frac{\partial H}{\partial \ln f_m}
-#               = H \, \frac{2 \omega_m^2 + 2 j \zeta \omega \omega_m}
+#           g_m = H \, \frac{2 \omega_m^2 + 2 j \zeta \omega \omega_m}
 #                          {\omega_m^2 - \omega^2 + 2 j \zeta \omega \omega_m},
 #
 # nu being the noise as a fraction of the channel's rms, the bar a mean over the band. The complex gain of H
-# is unknown too. The standard deviations are the roots of the diagonal of the inverse (L. Ljung, System
-# Identification, 2nd ed. 1999, section 7.4).
+# is unknown too (L. Ljung, System Identification, 2nd ed. 1999, section 7.4).
 
 #: The band is looked at from this share of its upper end on, with so many lines in a half-power bandwidth.
 _LOWEST, _LINES = 1e-3, 4.0
@@ -177,17 +175,10 @@ def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:
 
 # -- The Fisher information of a set of sensors, and what it is worth
 #
-# Parameters are taken in units of their spread before the test (uniform within their bounds), so that the
-# worth of a set that leaves some of them open is finite:
-#
-# .. math:: \tfrac{1}{2} \ln \det (1 + I(S)) \quad\text{("determinant")}, \qquad
-#           \min_e \tfrac{1}{2} \ln (1 + I_{ee}(S)) \quad\text{("worst")}.
-#
-# The first is what the test is expected to tell, in nats; to the second a hundredth of the mean over e is
-# added, which decides between sets that leave the worst element equally badly seen.
-#
-# Reference: K. Chaloner and I. Verdinelli, Bayesian experimental design, Statistical Science 10 (1995)
-# 273-304.
+# With parameters in units of their spread before the test, so that a set that leaves some of them open has a
+# worth too: ln det (1 + I(S)) / 2 nats ("determinant"), or the least ln (1 + I_ee(S)) / 2 of any parameter
+# ("worst"), to which a hundredth of the mean is added, which decides between sets that leave the worst
+# equally badly seen. Reference: K. Chaloner and I. Verdinelli, Statistical Science 10 (1995) 273-304.
 
 CRITERIA = ("determinant", "worst")
 #: Share of the mean in the criterion of the worst.
@@ -285,10 +276,7 @@ def information(roots: VirtualRoots, n_candidates: int, spread: FloatArray, test
     return Information(own, roots.sensor[common], rows[common], share)
 
 
-# -- The best sets of sensors: greedy forwards and backwards, then exchange of one for another; or all sets
-#
-# From both ends sensors are exchanged, one by one or two by two, for candidates left out, the best exchange
-# first, until none improves. The better end wins.
+# -- The best sets of sensors: greedy forwards and backwards, then exchange of one or two; or all sets
 #
 # References: V. V. Fedorov, Theory of Optimal Experiments, 1972 (exchange); D. C. Kammer, Sensor placement
 # for on-orbit modal identification, J. Guidance 14 (1991) 251-259 (backwards).

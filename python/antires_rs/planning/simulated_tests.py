@@ -108,11 +108,9 @@ def along(intact: Roots, states: Sequence[Roots]) -> list[NDArray[np.intp]]:
 
 # -- A quick judge of virtual tests: the evidence of every single element, without a search
 #
-# After the baseline the model is evaluated once for each element on a grid of severities; there mean,
-# covariance and slopes of all values are those of :mod:`antires_rs.damage.likelihood`. Any number of tests is
-# then judged by linear algebra: at the points of the grid next to the best one, the evidence of the
-# severity's Gaussian within its bounds (:mod:`antires_rs.damage.evidence`). A value that one of the two
-# states lacks costs what a root missed costs there.
+# After the baseline the model is evaluated once for each element on a grid of severities. Any number of tests
+# is then judged by linear algebra at the points next to the best one, with mean, covariance and evidence as
+# in :mod:`antires_rs.damage`; a value that one of the two states lacks costs what a root missed costs there.
 
 #: Severities of the grid: ln(1 - beta) in steps of a tenth.
 GRID = -np.expm1(-np.array([0.0, 0.005, 0.015, 0.03, 0.05, *np.arange(0.1, 3.6, 0.1)]))

@@ -127,12 +127,10 @@ class Affine(Large):
 
 # -- Vectors that carry a model and its parameters' effect near one point, for antiresonances up to a limit
 #
-# With :math:`A = K + \sigma M` and :math:`\sigma > 0`: the modes up to the limit; for every force and sensor
-# the first vectors of its Krylov space, :math:`A^{-1} e`, :math:`A^{-1} M A^{-1} e`, ..., which stand for all
-# higher modes, and the first for dofs without mass; and what a parameter makes of these to first order,
-# :math:`A^{-1} K_j v`, of which the largest combinations are kept. All are orthonormal in A. Projected on
-# them (Galerkin) a root errs by the product of the errors of both columns, that of the force and that of the
-# sensor.
+# With :math:`A = K + \sigma M`: the modes up to the limit; for every force and sensor the first vectors of
+# its Krylov space, :math:`A^{-1} e`, :math:`A^{-1} M A^{-1} e`, ..., which stand for all higher modes; and
+# the largest of what a parameter makes of these, :math:`A^{-1} K_j v`. All are orthonormal in A. Projected on
+# them a root errs by the product of the errors of both columns, that of the force and that of the sensor.
 #
 # References: Ericsson & Ruhe, Math. Comp. 35 (1980) 1251-1268; Balmes, Mech. Syst. Signal Process. 10 (1996)
 # 381-394 (bases of a parametric family); Benner, Gugercin & Willcox, SIAM Review 57 (2015) 483-531.
@@ -291,15 +289,11 @@ def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, lea
 
 # -- The error to be expected of a reduced model's antiresonances, from its residuals on the full one
 #
-# With a and b the columns of the force and of the sensor on the reduced model, at a root x of it,
-#
-# .. math:: r_a = e_k - (K - x M) V a, \quad r_b = e_i - (K - x M) V b, \quad
-#           \delta H_{ik} = r_b^T (K - x M)^{-1} r_a
-#
-# is what H lacks, exactly; over its slope it is how far the root is off. Outside of the basis, where the
-# residuals are, :math:`(K - x M)^{-1}` is at most :math:`(\lambda + \sigma) / (\lambda - x)` times
-# :math:`(K + \sigma M)^{-1}`, whose factors are at hand. Reference: Becker & Rannacher, Acta Numerica 10
-# (2001) 1-102 (residuals weighted with the dual solution).
+# With a and b the columns of force and sensor on the reduced model, at a root x, H lacks exactly :math:`r_b^T
+# (K - x M)^{-1} r_a`, :math:`r_a = e_k - (K - x M) V a` and r_b alike; over its slope it is how far the root
+# is off. Outside of the basis :math:`(K - x M)^{-1}` is at most :math:`(\lambda + \sigma) / (\lambda - x)`
+# times :math:`(K + \sigma M)^{-1}`, whose factors are at hand (Becker & Rannacher, Acta Numerica 10 (2001)
+# 1-102).
 
 
 def expected_errors(
@@ -513,11 +507,10 @@ def coordinates(rows: FloatArray) -> FloatArray:
 
 # -- The search on reduced models: a basis where the search stands, a search on it, its answer on the full one
 #
-# The first basis is that of the middle of the box, and the first search the optimizer's own. Those after it
-# are descents within a trust region around where the last one ended, on a basis made there whose frequencies
-# are brought to those of the full model at that place (Alexandrov & Lewis, Optim. Eng. 2 (2001) 413-430,
-# correct so in a first order; here the slopes are the basis' own). They end when full and reduced model agree
-# at the answer. Unless that answer explains everything, others begin elsewhere until two agree.
+# After the first search, on the basis of the middle of the box, come descents within a trust region on bases
+# made where the last one ended, their frequencies brought to those of the full model there (Alexandrov &
+# Lewis, Optim. Eng. 2 (2001) 413-430), until both models agree. Unless that answer explains everything,
+# others begin elsewhere until two agree.
 
 
 #: More dofs than these are reduced unless told otherwise.

@@ -298,11 +298,9 @@ def _complex(
 # -- Roots of the intact model that a test shows, and how far they can be counted on
 #
 # The smallest damage that can be seen follows from the antiresonances that the intact structure has and a
-# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show (of all
-# responses for transmissibilities, on a resonance for FRFs), nor new ones, made of zeros that were complex.
-# Others count less or not at all, since small differences between the members move them far, damage or not:
-# where a symmetric response is weak, or where two roots are all but one. The sensitivities of an ordinary
-# root to all stiffnesses add up to about one, for it goes with the common scale of K.
+# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show, nor new
+# ones, made of zeros that were complex; less or not at all those that small differences between the members
+# move far, damage or not. The sensitivities of an ordinary root to all stiffnesses add up to about one.
 
 #: Roots of all responses within this share are taken for one: a hidden mode, with double roots beside it that
 #: hardly any difference between the members splits by so much.
