@@ -35,7 +35,7 @@ from .inference import common_loss, concluded, infer
 from .likelihood import Prepared, Question
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
-from .words import all_lost, headline, headline_of_one_state, largest_left, note_of_reduction, reservations
+from .words import UNREDUCED, all_lost, headline, headline_of_one_state, largest_left, reservations
 
 if TYPE_CHECKING:
     from ..updating.posterior import ParameterIntervals, ProfileLikelihood
@@ -278,7 +278,7 @@ class DamageResult(Answered, UpdateResult):
             notes = [] if self.success else [f"The search did not finish: {self.message}"]
             notes += reservations(self._assessment)
             if self.reduction is not None:
-                notes.append(note_of_reduction(self.reduction))
+                notes.append(self.reduction.note_with(UNREDUCED))
             notes += self._of_the_values()
             if self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")

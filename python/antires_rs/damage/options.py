@@ -12,11 +12,10 @@ import numpy as np
 from ..exceptions import reject
 from ..support.checks import finite_scalar
 from ..support.options import Options, documented, option
+from ..updating.reduced_model import LARGE
 
 #: Scopes of options: two states that are compared, or one state and the model.
 TWO_STATES, ONE_STATE = "with a baseline", "without a baseline"
-#: More dofs than these are reduced unless told otherwise.
-_LARGE = 2000
 _PRICE: dict[str, Any] = {"kind": "number", "low": 0.0, "scope": ONE_STATE}
 
 
@@ -107,7 +106,7 @@ class SearchOptions(Options):
     def reduces(self, n_dof: int, modes: bool) -> bool:
         """Whether to seek the roots of a model of so many dofs on reduced ones."""
         if self.reduction == "auto":
-            return n_dof > _LARGE and not modes
+            return n_dof > LARGE and not modes
         if self.reduction and modes:
             reject("reduction", "a reduced model, but modes were measured", "antiresonances", "Leave it out.")
         return bool(self.reduction)

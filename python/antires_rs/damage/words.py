@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..updating.model_check import Explained, few_alone
-from ..updating.reduced_model import ReductionReport
+from ..updating.model_check import NOT_EXPLAINED, Explained, few_alone
 from ..updating.targets import FrequencyTable, ModalTable
 from .hypotheses import Assessment, Hypotheses, Hypothesis, figure, percent, span, together
 
@@ -289,7 +288,7 @@ def _no_model(found: Assessment) -> str:
 
 def _not_explained(found: Assessment, why: str, check: str) -> str:
     hint = f"{found.hint} " if found.hint else ""
-    return f"The model does not explain the measurement: {why}. {hint}Check {check}."
+    return NOT_EXPLAINED.format(why, hint, check)
 
 
 def _stopped(found: Assessment, many: int) -> list[str]:
@@ -420,15 +419,8 @@ def reservations(found: Assessment) -> list[str]:
     return [*found.notes, *(note for note, holds in notes.items() if holds)]
 
 
-def note_of_reduction(found: ReductionReport) -> str:
-    """How a reduced model served."""
-    if found.agreed:
-        return found.note
-    return (
-        f"Sought on a reduced model, {found.size} dofs for {found.n_dof}: at the answer its antiresonances "
-        f"still differ from the full model's by {found.difference:.0e}, which moves severities and "
-        "probabilities by as much. reduction=False assesses on the full model, which takes long."
-    )
+#: What to do about reduced models that differ from the full one.
+UNREDUCED = "Severities and probabilities move by as much; reduction=False takes the full model, and long."
 
 
 # -- What the most probable hypothesis leaves unexplained, in words

@@ -37,24 +37,10 @@ class ResponseTable(ReadOnly):
     ----------
     freq_hz : array_like, (n,)
         In any order; the other columns follow it.
-    damping_ratio, std_hz : array_like, (n,), optional
-        NaN where not known, which is the default.
+    damping_ratio, std_hz, by_hand : array_like, (n,), optional
+        NaN where not known, which is the default; whether a person added it.
     scores : mapping of name to array_like, (n,), optional
-        What speaks for each, see :mod:`~antires_rs.identification.scores`.
-    by_hand : array_like of bool, (n,), optional
-        Whether a person added it; by default none was.
-
-    Attributes
-    ----------
-    freq_hz, damping_ratio, std_hz, by_hand : (n,)
-    scores : dict of name to (n,)
-        Empty for antiresonances that no order sweep found. Those below are attributes of the table too.
-    how : (n,) str
-        "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
-        "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen
-        by most of the fits over windows; "directions": seen again by perturbed local fits.
-    rows, orders, spread, dominance, residual, prominence_db : (n,)
-        Their docstrings say what they are; NaN where not known.
+        What speaks for each, see :mod:`~antires_rs.identification.scores`; those below are attributes too.
 
     Examples
     --------
@@ -73,6 +59,9 @@ class ResponseTable(ReadOnly):
     rows = orders = _score("rows", "Model orders that have it.")
     spread = _score("spread", "Relative standard deviation of its frequency over the orders.")
     dominance = _score("dominance", "Share of the curve at its frequency.")
+    # "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
+    # "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen by
+    # most of the fits over windows; "directions": seen again by perturbed local fits.
     how = _score("how", "Why it was accepted: chain, persistent, likeliest order, windows or directions.")
     residual = _score("residual", "Relative misfit of the fit around it.")
     prominence_db = _score("prominence_db", "Height of its peak.")

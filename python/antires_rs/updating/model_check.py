@@ -147,6 +147,8 @@ NEAR = 0.06
 LEAST_SHARE = 0.75
 #: Least share of the values alone: two sensors of ten exchanged leave 0.83, a tenth of the values false 0.9.
 LEAST_PAIRED = 0.85
+#: Why, a hint, and what to check.
+NOT_EXPLAINED = "The model does not explain the measurement: {}. {}Check {}."
 #: Shapes of one mode agree so well at least.
 _SAME_SHAPE = 0.5
 
@@ -184,10 +186,8 @@ class Explained:
             )
         else:
             counted = "it takes the stiffness of most elements to come near the values"
-        return (
-            f"The model does not explain the measurement: {counted}. "
-            f"{self.hint + ' ' if self.hint else ''}Check its units, dofs, force and supports."
-        )
+        hint = f"{self.hint} " if self.hint else ""
+        return NOT_EXPLAINED.format(counted, hint, "its units, dofs, force and supports")
 
 
 def few_alone(n_paired: int, n_values: int) -> bool:

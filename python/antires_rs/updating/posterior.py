@@ -141,34 +141,6 @@ def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, Floa
 _WIDE = 1e4
 
 
-def sweep(
-    u: FloatArray,
-    center: FloatArray,
-    precisions: FloatArray,
-    slopes: FloatArray,
-    which: NDArray[np.intp],
-    axes: FloatArray,
-    rng: np.random.Generator,
-) -> FloatArray:
-    """Every chain ``u`` (k, n) moved once along each axis."""
-    # Chain c has the density exp(-v' P v / 2 - b' v), v = u - center, P and b those number which[c].
-    v = np.ascontiguousarray((u - center).T)  # (n, k)
-    low_edge, high_edge = -center[:, None], 1.0 - center[:, None]
-    for axis in axes:
-        on = np.flatnonzero(np.abs(axis) > 1e-12)
-        inverse = 1.0 / axis[on, None]
-        up = inverse > 0.0
-        ahead = (np.where(up, high_edge[on], low_edge[on]) - v[on]) * inverse
-        behind = (np.where(up, low_edge[on], high_edge[on]) - v[on]) * inverse
-        high = np.maximum(ahead.min(axis=0), 0.0)
-        low = np.minimum(behind.max(axis=0), 0.0)
-        forward = precisions @ axis  # (G, n)
-        stiff = np.maximum(forward @ axis, 0.0)[which]
-        pull = np.einsum("nk,nk->k", forward.T[:, which], v) + (slopes @ axis)[which]
-        v[on] += _on_line(pull, stiff, low, high, rng.random(np.shape(pull))) * axis[on, None]
-    return np.clip(v.T + center, 0.0, 1.0)
-
-
 def _on_line(
     pull: FloatArray, stiff: FloatArray, low: FloatArray, high: FloatArray, p: FloatArray
 ) -> FloatArray:
@@ -209,8 +181,24 @@ class Linear:
     def swept(
         self, u: FloatArray, which: NDArray[np.intp], rng: np.random.Generator, axes: FloatArray
     ) -> FloatArray:
-        """Every chain moved once along each axis within the Gaussian that ``which`` names."""
-        return sweep(u, self.fit.u, self.precisions, self.slopes, which, axes, rng)
+        """Every chain ``u`` (k, n) moved once along each axis within the Gaussian that ``which`` names."""
+        # Chain c has the density exp(-v' P v / 2 - b' v), v = u - center, P and b those number which[c].
+        center = self.fit.u
+        v = np.ascontiguousarray((u - center).T)  # (n, k)
+        low_edge, high_edge = -center[:, None], 1.0 - center[:, None]
+        for axis in axes:
+            on = np.flatnonzero(np.abs(axis) > 1e-12)
+            inverse = 1.0 / axis[on, None]
+            up = inverse > 0.0
+            ahead = (np.where(up, high_edge[on], low_edge[on]) - v[on]) * inverse
+            behind = (np.where(up, low_edge[on], high_edge[on]) - v[on]) * inverse
+            high = np.maximum(ahead.min(axis=0), 0.0)
+            low = np.minimum(behind.max(axis=0), 0.0)
+            forward = self.precisions @ axis  # (G, n)
+            stiff = np.maximum(forward @ axis, 0.0)[which]
+            pull = np.einsum("nk,nk->k", forward.T[:, which], v) + (self.slopes @ axis)[which]
+            v[on] += _on_line(pull, stiff, low, high, rng.random(np.shape(pull))) * axis[on, None]
+        return np.clip(v.T + center, 0.0, 1.0)
 
     def spread(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Points to start from, (count, n): of the Gaussian without its box, put on the box where outside."""

@@ -514,7 +514,7 @@ def coordinates(rows: FloatArray) -> FloatArray:
 
 
 #: More dofs than these are reduced unless told otherwise.
-_LARGE = 2000
+LARGE = 2000
 #: More parameters than these are not: their effect takes too many vectors.
 _MOST_PARAMETERS = 60
 
@@ -603,14 +603,17 @@ class ReductionReport:
     @property
     def note(self) -> str:
         """A sentence for the reader."""
+        return self.note_with(
+            "The basis is too small; give reduction=Reduction(size=...) more vectors, or reduction=False."
+        )
+
+    def note_with(self, remedy: str) -> str:
+        """The same, with what to do where the models differ."""
         bases = "a basis" if self.rounds == 1 else f"{self.rounds} bases"
         head = f"Sought on a reduced model, {self.size} dofs for {self.n_dof}, by {bases}: at the answer "
         if self.agreed:
             return f"{head}its antiresonances are those of the full model to {self.difference:.0e}."
-        return (
-            f"{head}they still differ from the full model's by {self.difference:.0e}. The basis "
-            "is too small; give reduction=Reduction(size=...) more vectors, or reduction=False."
-        )
+        return f"{head}they still differ from the full model's by {self.difference:.0e}. {remedy}"
 
 
 def wanted_reduction(problem: UpdatingProblem, given: Any, checkpoint: Any) -> Reduction | None:
@@ -622,7 +625,7 @@ def wanted_reduction(problem: UpdatingProblem, given: Any, checkpoint: Any) -> R
     else:
         unfit = bent_by(problem.parameters) if checkpoint is None else "a checkpoint is asked for"
     if isinstance(given, str) and given == "auto":
-        large = problem.model.n_dof > _LARGE and len(problem.parameters) <= _MOST_PARAMETERS
+        large = problem.model.n_dof > LARGE and len(problem.parameters) <= _MOST_PARAMETERS
         return Reduction() if large and unfit is None else None
     if given is not True and not isinstance(given, Reduction):
         remedy = "Leave it out: large models are reduced where that is sound."
