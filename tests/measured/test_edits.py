@@ -195,15 +195,6 @@ def test_what_goes_in_is_copied_and_evidence_stays_with_edits():
         assert each.cross_check is each.second_opinion is cross
 
 
-def test_the_columns_are_those_of_the_tables():
-    made = scored().add(0, 15.0)
-    for dof, table in made.tables.items():
-        assert made[dof] is table.freq_hz
-        assert made.columns(dof)["std_hz"] is table.std_hz
-    assert made.tables[0].by_hand.tolist() == [False, True, False, False]
-    assert made.scores[0]["rows"] is made.tables[0].rows is made.tables[0].orders
-
-
 def test_edits_move_with_the_names():
     made = scored().drop(0, 12.2, reason="hum").add(1, 9.0).relabelled("hammer", {0: "tip", 2: 5})
     assert (made.excitation, list(made), dict(made.diagrams)) == ("hammer", ["tip", 5], {})
