@@ -241,6 +241,3 @@ def test_priors_that_exclude_the_usual(prepared, prior):
     assert len(rows) == len(set(rows))
     assert quick.assessment.probability_of_nothing == 0.0
     assert rows[0] == full_run(before, before, prior=prior).hypotheses[0].elements
-
-
-# -- What the core makes of the tables is what the likelihood of a full run says there
