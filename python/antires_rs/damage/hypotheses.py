@@ -44,9 +44,8 @@ def figure(share: float) -> str:
     return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{float(f'{value:.2g}'):g} %"
 
 
-#: Changes that are no damage of an element, by what stands for their elements; and what they are called.
+#: What stands for the elements of a change that is no damage of an element.
 UNKNOWN: tuple[int, ...] = (-1,)
-OF_NO_ELEMENT = {UNKNOWN: "something else"}
 _SHOWN = 8
 
 
@@ -85,7 +84,7 @@ class Hypothesis:
     @property
     def unknown(self) -> bool:
         """Whether no element explains the change."""
-        return self.elements in OF_NO_ELEMENT
+        return self.elements == UNKNOWN
 
 
 class Hypotheses(Viewed):
@@ -126,7 +125,7 @@ class Hypotheses(Viewed):
     def called(self, one: Hypothesis) -> str:
         """A hypothesis in words."""
         if one.unknown:
-            return OF_NO_ELEMENT[one.elements]
+            return "something else"
         if not one.elements:
             return "no damage"
         return self.named(one.elements) + ("" if one.candidate else " (no candidate)")

@@ -18,7 +18,7 @@ from ..updating.model_check import Pairs, hint_between_states, roots_between
 from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
-from .hypotheses import Assessment, Hypotheses, Hypothesis, Taught, figure, together
+from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
 from .options import DamagePrior, SearchOptions
@@ -206,8 +206,7 @@ class Search:
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements, and of what is no damage of an element."""
         found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-        others = self.likelihood.of_no_element
-        return found | {kind: log_evidence + self._log_priors[-1] for kind, log_evidence in others.items()}
+        return found | {UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""

@@ -29,7 +29,6 @@ from ..support.checks import FloatArray
 from ..support.progress import step
 from ..updating.model_check import hint_of
 from ..updating.targets import targets_of
-from .hypotheses import UNKNOWN
 from .measured_modes import ModeResponses, ModeRoots, measured_modes
 from .measured_states import (
     FOUND,
@@ -515,11 +514,6 @@ class ValueLikelihood(ABC):
         found = [self.log_without_damage(extra, 0.0) for extra in ANY_CHANGE]
         by_itself = np.logaddexp.reduce(found) - np.log(len(found))
         return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike[1]))
-
-    @property
-    def of_no_element(self) -> dict[tuple[int, ...], float]:
-        """Log evidence of each change that is no damage of an element."""
-        return {UNKNOWN: self.something_else}
 
     @property
     def moved_alike(self) -> float:

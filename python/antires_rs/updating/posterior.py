@@ -579,32 +579,19 @@ def profile(
     if where.size == 0:
         remedy = "Its bounds are equal, or it was decided to be 0."
         reject("name", repr(name), "a parameter that may move", remedy)
-    j = int(where[0])
+    j, free = int(where[0]), fit.residuals.free
+    seen = np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
 
     def value(place: float) -> float:
-        return float(fit.residuals.vector(np.where(np.arange(fit.u.size) == j, place, fit.u))[where_in_x])
+        return float(fit.residuals.vector(np.where(np.arange(fit.u.size) == j, place, fit.u))[free[j]])
 
-    where_in_x = fit.residuals.free[j]
-    section = Section(
-        j,
-        fit.u,
-        fit.squares(fit.u),
-        float(np.sqrt(variances(fit)[j])),
-        1.0,
-        partial(fit.held, j),
-        value,
-        partial(_on_bound, fit, j),
-    )
+    def resting(u: FloatArray) -> tuple[str, ...]:
+        on = seen & ((u <= _ON_BOUND) | (u >= 1.0 - _ON_BOUND)) & (np.arange(u.size) != j)
+        return tuple(problem.names[nth] for nth in free[on])
+
+    std = float(np.sqrt(variances(fit)[j]))
+    section = Section(j, fit.u, fit.squares(fit.u), std, 1.0, partial(fit.held, j), value, resting)
     return section.profile(name, level, points)
-
-
-def _on_bound(fit: Fit, held: int, u: FloatArray) -> tuple[str, ...]:
-    """Names of the parameters that rest on a bound, but for the one held."""
-    names = np.array(fit.residuals.problem.names)[fit.residuals.free]
-    on = (u <= _ON_BOUND) | (u >= 1.0 - _ON_BOUND)
-    on &= np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
-    on[held] = False
-    return tuple(names[on].tolist())
 
 
 # -- Intervals: draws by either method, and the sides that the profile leaves open

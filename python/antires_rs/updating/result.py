@@ -158,14 +158,10 @@ class UpdateResult(ReadOnly, Viewed):
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
 
-    @property
+    @cached_property
     def interval(self) -> dict[Any, tuple[float, float]]:
         """90 % interval of each parameter by name: the quick answer of :meth:`intervals`."""
-        return self._quick.interval
-
-    @cached_property
-    def _quick(self) -> ParameterIntervals:
-        return self.intervals(progress=False)
+        return self.intervals(progress=False).interval
 
     @cached_property
     def chi_square(self) -> float:
