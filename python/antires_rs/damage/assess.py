@@ -1,4 +1,4 @@
-"""Damage assessment: which elements have lost stiffness, how much, and how sure that is."""
+"""Damage assessment: the call and its result, and the assessor that is prepared for many tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The model's errors as the intact structure tells them, and how probable the values of now are.
+"""What is asked of two states: the model's errors as the intact one tells them, and the likelihood of now.
 
 The page on theory has the formulas. The coordinates of shapes (:mod:`~.measured_modes`) are further values,
 with a tau of their own. theta is estimated in Gauss-Newton steps, each with values and roots associated anew;

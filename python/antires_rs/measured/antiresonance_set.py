@@ -370,15 +370,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     @property
     def share(self) -> Mapping[Any, FloatArray]:
-        """How often perturbed fits, or fits over windows, saw each value, 0 to 1; NaN for other fits.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> zeros = ar.AntiresonanceSet("hammer", {0: [5.8, 10.2]}, scores={0: {"share": [0.9, 0.6]}})
-        >>> zeros.share[0].tolist()
-        [0.9, 0.6]
-        """
+        """How often perturbed fits, or fits over windows, saw each value, 0 to 1; NaN for other fits."""
         return FrozenDict(
             {
                 dof: frozen(np.asarray(t.scores.get("share", np.full(len(t), np.nan)), dtype=np.float64))
@@ -540,17 +532,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         ------
         InvalidInputError
             No dof is left, or two have one name.
-
-        Examples
-        --------
-        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-        >>> found = AntiresonanceSet("tip", {"tip": [8.7], "root": 14.4}).add("tip", 9.9)
-        >>> print(found.relabelled(0, {"tip": 0}))
-        antiresonances, force at 0
-        dof  freq_hz  doubts
-          0    8.700
-               9.900  added by hand
-        edited by hand: added 9.90 Hz at dof 0
         """
         kept = [dofs[dof] for dof in self if dof in dofs]
         twice = [dof for dof in kept if kept.count(dof) > 1]
