@@ -411,10 +411,7 @@ def _column(each: ModalSet) -> dict[Any, Column]:
 def _values(
     name: str, sets: Sequence[ModalSet], dofs: list[_Dofs], groups: dict[_Dofs, int], twice: Container[int]
 ) -> ModeValues:
-    response: list[int] = []
-    log_f: list[float] = []
-    std: list[float] = []
-    test: list[int] = []
+    rows: list[tuple[int, float, float, int]] = []  # response, ln f, standard deviation, test
     start, group, shape = [], [], []
     for nth, each in enumerate(sets):
         if nth in twice:
@@ -422,25 +419,18 @@ def _values(
         own = groups[tuple(sorted(dofs[nth]))]
         shapes = each.to_real().shapes[:, np.argsort(dofs[nth])]
         for mode in np.flatnonzero(each.freq_hz > 0.0):
-            size, rest = float(np.linalg.norm(shapes[mode])), shapes.shape[1] - 1
+            size = float(np.linalg.norm(shapes[mode]))
             if size == 0.0:
                 reject(name, f"mode {mode} at rest at every dof", "shapes that move", "Leave that mode out.")
             of_hz = ASSUMED_STD if each.std_hz is None else each.std_hz[mode] / each.freq_hz[mode]
             of_shape = ASSUMED_SHAPE_STD if each.std_shapes is None else each.std_shapes[mode]
-            start.append(len(log_f))
+            start.append(len(rows))
             group.append(own)
             shape.append(np.asarray(shapes[mode] / size, dtype=np.float64))
-            response += [0] + [1 + own] * rest
-            log_f += [float(np.log(each.freq_hz[mode]))] + [0.0] * rest
-            std += [max(float(of_hz), LEAST_STD)] + [max(float(of_shape), _LEAST_SHAPE_STD)] * rest
-            test += [nth] * (1 + rest)
-    numbers = [np.array(column, dtype=np.intp) for column in (response, test, start, group)]
-    return ModeValues(
-        numbers[0],
-        np.array(log_f),
-        np.array(std),
-        numbers[1],
-        start=numbers[2],
-        group=numbers[3],
-        shape=tuple(shape),
-    )
+            rows.append((0, float(np.log(each.freq_hz[mode])), max(float(of_hz), LEAST_STD), nth))
+            rows += [(1 + own, 0.0, max(float(of_shape), _LEAST_SHAPE_STD), nth)] * (shapes.shape[1] - 1)
+    table = np.array(rows, dtype=np.float64).reshape(-1, 4)
+    response, test = table[:, [0, 3]].T.astype(np.intp)
+    begin, sensors = (np.array(column, dtype=np.intp) for column in (start, group))
+    columns = response, table[:, 1].copy(), table[:, 2].copy(), test
+    return ModeValues(*columns, start=begin, group=sensors, shape=tuple(shape))
