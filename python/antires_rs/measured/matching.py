@@ -6,6 +6,8 @@ explains them better than that one vanished and another appeared; t, the largest
     t^2 = (max_shift f)^2 + (3 std)^2,      std that of the difference.
 
 All pairs of a response are found at once, no value twice; the cost is convex, so that pairs do not cross.
+
+Reference: D. F. Crouse, IEEE Trans. Aerosp. Electron. Syst. 52 (2016) 1679-1696 (the algorithm in SciPy).
 """
 
 from __future__ import annotations
@@ -15,7 +17,6 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..exceptions import Argument, reject
 from ..support.checks import FloatArray, finite_scalar
 from .antiresonance_set import AntiresonanceSet
@@ -25,12 +26,16 @@ from .response_table import ResponseTable
 MAX_SHIFT = 0.05
 # A difference may exceed that by so many standard deviations.
 STDS = 3.0
+# Cost of what may not be paired: more than leaving both alone.
+FORBIDDEN = 1e3
 
 
 def paired(
     a_hz: FloatArray, b_hz: FloatArray, max_shift: float, variance: FloatArray | None = None
 ) -> list[tuple[int, int]]:
     """Indices of the values that are one, by ascending frequency."""
+    from scipy.optimize import linear_sum_assignment  # slow to import
+
     if not a_hz.size or not b_hz.size:
         return []
     middle = 0.5 * (a_hz[:, None] + b_hz)
@@ -38,11 +43,18 @@ def paired(
     if variance is not None:
         reach = reach + STDS**2 * np.nan_to_num(variance)
     cost = (b_hz - a_hz[:, None]) ** 2 / reach
-    rows, columns = (np.argsort(each, kind="stable") for each in (a_hz, b_hz))
-    alone = (np.full(each.size, 0.5) for each in (a_hz, b_hz))
-    partner = _core.align(np.ascontiguousarray(cost[np.ix_(rows, columns)]), *alone)
-    has = np.flatnonzero(partner >= 0)
-    return list(zip(rows[has].tolist(), columns[partner[has]].tolist(), strict=True))
+    # Of many tracks few are near what a test has; the others stay alone in any case.
+    near_a, near_b = (np.flatnonzero((cost < 1.0).any(axis=axis)) for axis in (1, 0))
+    cost, n, m = cost[np.ix_(near_a, near_b)], near_a.size, near_b.size
+    # Beside it a partner of nobody for each, so that the least total may leave any value alone.
+    square = np.full((n + m, n + m), FORBIDDEN)
+    square[:n, :m] = np.where(cost < 1.0, cost, FORBIDDEN)
+    square[np.arange(n), m + np.arange(n)] = 0.5
+    square[n + np.arange(m), np.arange(m)] = 0.5
+    square[n:, m:] = 0.0
+    rows, columns = linear_sum_assignment(square)
+    pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+    return [(int(near_a[i]), int(near_b[k])) for i, k in pairs if i < n and k < m]
 
 
 def variance_hz(table: ResponseTable, std_between: float) -> FloatArray:
