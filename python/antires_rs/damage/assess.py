@@ -684,12 +684,12 @@ class Assessor(ReadOnly, Viewed):
         """
         sets = sets_of("zeros", zeros, modes=False)
         plan, question, learned = self._plan, self._plan.question, self._plan.learned
-        test = read(sets, plan.expected, learned.scatter)
-        search = QuickSearch(TabulatedLikelihood(plan, test.values), len(question.elements), question.prior)
+        values, notes, strange, assumed = read(sets, plan.expected, learned.scatter)
+        search = QuickSearch(TabulatedLikelihood(plan, values), len(question.elements), question.prior)
         search.run()
-        learned = replace(learned, assumed_std=learned.assumed_std or test.assumed)
-        found = concluded(search, question, learned, plan.states[1], notes=test.notes, least=_LISTED)
-        reasons = tuple(dict.fromkeys([*test.strange, *doubts(search, found)]))
+        learned = replace(learned, assumed_std=learned.assumed_std or assumed)
+        found = concluded(search, question, learned, plan.states[1], notes=notes, least=_LISTED)
+        reasons = tuple(dict.fromkeys([*strange, *doubts(search, found)]))
         severity = FrozenDict({e: found.severities.get(e, 0.0) for e in question.elements})
         return AssessedTest(bool(reasons), reasons, severity, found, FrozenDict(plan.names))
 

@@ -205,18 +205,11 @@ class Expected(NamedTuple):
     channels: set[Any]
 
 
-class Read(NamedTuple):
-    """Values of a test, notes on those that are left out, what the plan does not hold, and whether some lack
-    a standard deviation."""
-
-    values: Values
-    notes: list[str]
-    strange: list[str]
-    assumed: bool
-
-
-def read(sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float) -> Read:
-    """The values of a test, without a question to the model."""
+def read(
+    sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
+) -> tuple[Values, list[str], list[str], bool]:
+    """The values of a test, without a question to the model; notes on those that are left out, what the plan
+    does not hold, and whether some lack a standard deviation."""
     notes: list[str] = []
     strange: list[str] = []
     columns: list[dict[int, Column]] = []
@@ -246,7 +239,7 @@ def read(sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatte
     if not values.size:
         reject("zeros", "no antiresonance", "at least one", "Identify in the band of the baseline.")
     assumed = any(not np.isfinite(column.std).all() for own in columns for column in own.values())
-    return Read(values.noisier(scatter), [*note_of_same_data("zeros", twice), *notes], strange, assumed)
+    return values.noisier(scatter), [*note_of_same_data("zeros", twice), *notes], strange, assumed
 
 
 @dataclass(frozen=True)
