@@ -10,7 +10,6 @@ import numpy as np
 
 from .. import _core
 from ..damage.assess import checked_model, elements_of
-from ..damage.evidence import HIGHEST
 from ..damage.inference import smallest_found
 from ..damage.options import DamagePrior
 from ..exceptions import reject
@@ -46,18 +45,6 @@ _RIGID = 1e-4
 UNIFORM = 1.0 / float(np.sqrt(12.0))
 
 
-@dataclass(frozen=True)
-class Unknowns:
-    """Severities of elements, from the difference of two tests, or parameters of an updating, from one."""
-
-    parameters: tuple[Parameter, ...]
-    names: tuple[str, ...]
-    nominal: FloatArray
-    spread: FloatArray  # standard deviations before the test, (p,)
-    elements: tuple[int, ...] | None  # of severities
-    tests: int
-
-
 def chosen_elements(model: Any, elements: Any) -> tuple[int, ...]:
     """Elements of a model by number, each once."""
     numbers = tuple(elements_of(checked_model(model), elements))
@@ -66,21 +53,16 @@ def chosen_elements(model: Any, elements: Any) -> tuple[int, ...]:
     return numbers
 
 
-def _unknowns_of(model: StructuralModel, elements: Any) -> Unknowns:
-    """Elements by number, or parameters."""
+def _unknowns_of(
+    model: StructuralModel, elements: Any
+) -> tuple[tuple[Parameter, ...], tuple[str, ...], tuple[int, ...] | None]:
+    """Severities of elements with their numbers, or parameters of an updating; and their names."""
     given = [elements] if isinstance(elements, Parameter) else elements
     if isinstance(given, Sequence) and any(isinstance(p, Parameter) for p in given):
-        numbers, tests = None, 1
         parameters = parameter_tuple(given)
-        names = tuple(parameter_name(model, p) for p in parameters)
-        spread = UNIFORM * np.array([p.bounds[1] - p.bounds[0] for p in parameters])
-    else:
-        numbers, tests = chosen_elements(model, elements), 2
-        parameters = tuple(stiffness_reduction(list(numbers)))
-        names = tuple(model.element_label(e) for e in numbers)
-        spread = np.full(len(numbers), HIGHEST * UNIFORM)
-    nominal = _core.nominal_values(model._core, model.description.core_parameters(parameters))
-    return Unknowns(parameters, names, np.asarray(nominal, dtype=np.float64), spread, numbers, tests)
+        return parameters, tuple(parameter_name(model, p) for p in parameters), None
+    numbers = chosen_elements(model, elements)
+    return tuple(stiffness_reduction(numbers)), tuple(map(model.element_label, numbers)), numbers
 
 
 def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | None = None) -> list[int]:
@@ -299,7 +281,9 @@ def plan_test(
     >>> plan.excitation, len(plan.sensors), max(plan.detectable.values()) < 0.01
     (3, 3, True)
     """
-    unknowns = _unknowns_of(checked_model(model), elements)
+    parameters, names, numbers = _unknowns_of(checked_model(model), elements)
+    nominal = _core.nominal_values(model._core, model.description.core_parameters(parameters))
+    spread = UNIFORM * np.array([high - low for low, high in (p.bounds for p in parameters)])
     sensors = dofs_of("candidates", model, candidates)
     forces = dofs_of("excitations", model, excitations, sensors)
     band = band_of(model, band_hz)
@@ -319,22 +303,23 @@ def plan_test(
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
             layout = Layout(model, tuple(sensors), force, band, sees)
-            roots = virtual_roots(layout, unknowns.parameters, unknowns.nominal, errors, threads)
+            roots = virtual_roots(layout, parameters, nominal, errors, threads)
             found[force] = roots
-            told = information(roots, len(sensors), unknowns.spread, unknowns.tests)
+            # Severities come from the difference of two tests, parameters from one.
+            told = information(roots, len(sensors), spread, 1 if numbers is None else 2)
             plans[force] = find(told, n, criterion), told
     if not any(_shown(found[force], placed.chosen) for force, (placed, _) in plans.items()):
         reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
 
     def detectable(told: Information, chosen: Sequence[int]) -> FloatArray:
         """Of each element alone, as :func:`assess_damage` tells it after a test."""
-        slopes = np.sqrt(np.diag(told.of(chosen))) / unknowns.spread
+        slopes = np.sqrt(np.diag(told.of(chosen))) / spread
         return smallest_found(np.diag(slopes), prior or DamagePrior())
 
     def value(told: Information, chosen: Sequence[int]) -> float:
         if criterion == "determinant":
             return told.worth(chosen, criterion)
-        if unknowns.elements is not None:
+        if numbers is not None:
             return float(detectable(told, chosen).max())
         return float(1.0 / np.sqrt(1.0 + np.diag(told.of(chosen)).min()))
 
@@ -342,8 +327,8 @@ def plan_test(
     placed, told = plans[order[0]]
     roots, everywhere = found[order[0]], range(len(sensors))
     of_set = told.of(placed.chosen)
-    after = unknowns.spread * np.sqrt(np.diag(np.linalg.inv(np.eye(of_set.shape[0]) + of_set)))
-    elements = unknowns.elements or ()
+    after = spread * np.sqrt(np.diag(np.linalg.inv(np.eye(of_set.shape[0]) + of_set)))
+    elements = numbers or ()
     dof_of: dict[int | None, int | None] = {None: None, **dict(enumerate(sensors))}
 
     def by_element(chosen: Sequence[int]) -> FrozenDict[int, float]:
@@ -359,12 +344,12 @@ def plan_test(
         n_values=_shown(roots, placed.chosen),
         detectable=by_element(placed.chosen),
         detectable_by_all=by_element(everywhere),
-        std=FrozenDict(zip(unknowns.names, after.tolist(), strict=True)),
-        std_before=FrozenDict(zip(unknowns.names, unknowns.spread.tolist(), strict=True)),
+        std=FrozenDict(zip(names, after.tolist(), strict=True)),
+        std_before=FrozenDict(zip(names, spread.tolist(), strict=True)),
         excitations=FrozenDict({force: value(plans[force][1], plans[force][0].chosen) for force in order}),
         rounds=tuple(Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
         band_hz=band,
-        names=FrozenDict(zip(elements, unknowns.names, strict=False)),
+        names=FrozenDict(zip(elements, names, strict=False)),
         labels=FrozenDict({dof: model.dof_label(dof) for dof in {*sensors, *order}}),
         value_std=FrozenDict({sensors[at]: frozen(roots.std[roots.sensor == at]) for at in placed.chosen}),
         errors=str(errors),
