@@ -87,7 +87,6 @@ def test_dof_map(tmp_path, text):
 
 
 def test_a_dof_map_names_the_channels_of_a_test(tmp_path):
-    pytest.importorskip("pyuff")
     (tmp_path / "dofs.txt").write_text("1 UZ\n2 UZ\n3 UZ\n")
     made = ar.Recording(np.random.default_rng(0).standard_normal((2, 64)), 128.0, ["3+Z", "1-Z"])
     rec = ar.read_uff(ar.write_uff(tmp_path / "a.uff", made), dofs=ar.io.read_dof_map(tmp_path / "dofs.txt"))

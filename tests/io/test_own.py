@@ -123,8 +123,6 @@ def test_a_job_names_channels_once(files, kind):
     assert read_signal(file, kind, {"dofs": [False, 1, 2]}).dofs == (1, 2)
 
 
-pytest.importorskip("pyuff")
-
 RECORD = ar.Recording(np.random.default_rng(2).standard_normal((2, 50)), 512.0, dofs=["a", "b"])
 
 

@@ -11,7 +11,6 @@ import antires_rs as ar
 from reference.io_signals import KINDS, differences, recording, response
 
 pytest.importorskip("h5py")
-pytest.importorskip("pyuff")
 
 #: Writer and reader of the formats that keep every bit of everything.
 EXACT = {
