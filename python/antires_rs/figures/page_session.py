@@ -26,9 +26,8 @@ from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
 from ..support.checks import FloatArray, frequency_band, integer
 from ..support.files import write_atomically
-from .identification import SEEN_ABOVE, pole_table
+from .identification import SEEN_ABOVE, Curve, curve_of, evidence_figure, mark_columns, pole_table
 from .live_canvas import item
-from .live_identification import Curve, curve_of, evidence_figure, mark_columns
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from . import report_parts as parts
 from .canvas import picture
 from .report_parts import Drawings, Facts
 from .responses import dof_name
-from .watch import draw_monitor, panels, size_in, watched_figure
+from .sets import draw_monitor, panels, size_in, watched_figure
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram

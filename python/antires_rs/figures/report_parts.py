@@ -31,8 +31,8 @@ from ..updating.targets import ModalTable, signed
 from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
+from .identification import stabilization_figure
 from .live_canvas import LEGEND, explored, item, script_files
-from .live_identification import stabilization_figure
 from .marks import Axis, Line, Panel
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points

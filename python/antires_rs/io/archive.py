@@ -44,8 +44,7 @@ from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
 from .common import existing_file, parts_of, unsuitable
-from .npz import read_archive, write_archive
-from .own_format import TEXT
+from .own_format import TEXT, read_archive, write_archive
 from .reading import PathLike
 
 

@@ -1,7 +1,9 @@
-"""From channels as a file has them to a signal: roles, units, rates and names."""
+"""From channels as a file has them to a signal: roles, rates, names, and units, which become SI."""
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +19,6 @@ from ..support.messages import LeftOut, Passed, Wording, warn
 from ._child import matches
 from .common import rate_of, refuse_real, simplest_rate, unsuitable
 from .reading import Dofs, Reading
-from .units import Unit, named_unit, parse_unit
 
 #: Names of a channel that holds the instants of the others.
 _TIME = ("time", "t", "time_s", "x_value", "zeit")
@@ -247,3 +248,114 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
         wanted = f"'auto', None or a channel of the file, {names or 'it has no force'}"
         reject("force", repr(force), wanted, "Name a channel of the file, or pass None for no force.")
     return forces[0 if automatic else names.index(force)]
+
+
+# -- Units of channels and how they become SI: m/s2, m/s, m and N
+
+#: m/s2 in one g, by definition (3rd CGPM, 1901).
+STANDARD_GRAVITY = 9.80665
+INCH, POUND_FORCE = 0.0254, 4.4482216152605
+
+_SI = {
+    "acceleration": {
+        **dict.fromkeys(("m/s2", "m/s/s", "ms-2"), 1.0),
+        **dict.fromkeys(("g", "gn"), STANDARD_GRAVITY),
+        **{"mg": 1e-3 * STANDARD_GRAVITY, "mm/s2": 1e-3, "cm/s2": 1e-2, "gal": 1e-2},
+        **{"in/s2": INCH, "ft/s2": 12.0 * INCH},
+    },
+    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": INCH, "ft/s": 12.0 * INCH},
+    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
+    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
+}
+#: Units of time and frequency, in small letters.
+_ABSCISSA = {
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "hz", "hertz", "1/s"), 1.0),
+    **dict.fromkeys(("ms", "msec", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "usec", "microseconds"), 1e-6),
+    "ns": 1e-9,
+    **dict.fromkeys(("min", "minutes"), 60.0),
+    **dict.fromkeys(("h", "hr", "hours"), 3600.0),
+    **dict.fromkeys(("samples/s", "samples/sec", "samples/second", "sa/s", "s/s", "sps"), 1.0),
+    **dict.fromkeys(("khz", "ksamples/s", "ksa/s", "ks/s", "ksps"), 1e3),
+    **dict.fromkeys(("rpm", "cpm", "1/min"), 1.0 / 60.0),
+    **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi),
+}
+_INVERSE = re.compile(r"^\(?1/(\w+)\)?[*.](.+)$")
+_NONE = {"", "1", "-", "none", "unknown", "[]"}
+_SPELLED = str.maketrans({"²": "2", "µ": "u", "μ": "u", "^": "", "·": "", " ": ""})
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What a channel measures, per what ('' where that is not stated), and the factor into SI."""
+
+    quantity: str = ""
+    per: str = ""
+    factor: float = 1.0
+
+
+def parse_unit(text: str) -> Unit | None:
+    """The unit of that name; None where it is not known."""
+    name = _plain(text)
+    if name.lower() in _NONE:
+        return Unit()
+    if inverse := _INVERSE.match(name):  # (1/N)*(m/s2)
+        name = f"{inverse[2].strip('()')}/{inverse[1]}"
+    if simple := _simple(name):
+        return Unit(simple[0], "", simple[1])
+    for cut in (i for i, letter in enumerate(name) if letter == "/"):
+        above, below = _simple(_plain(name[:cut])), _simple(_plain(name[cut + 1 :]))
+        if above and below:
+            return Unit(above[0], below[0], above[1] / below[1])
+    return None
+
+
+def named_unit(name: str, value: Any) -> Unit:
+    """The unit a user names; an unknown one is refused."""
+    unit = parse_unit(value) if isinstance(value, str) else None
+    if unit is None:
+        known = ", ".join(repr(u) for units in _SI.values() for u in list(units)[:4])
+        wanted = f"a unit such as {known}, or a quotient such as 'g/N'"
+        reject(name, repr(value), wanted, "Correct the unit, or convert the values to SI and leave it out.")
+    return unit
+
+
+def si_unit(name: str, value: Any) -> Unit:
+    """The unit in which a user writes values, which stay as they are."""
+    unit = named_unit(name, value)
+    if unit.factor != 1.0:
+        wanted = "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI"
+        reject(name, repr(value), wanted, "Convert the values to SI first, or leave unit out.")
+    return unit
+
+
+def abscissa_factor(text: str) -> float:
+    """Factor of a time or frequency into s or Hz; 1 for names that are not known."""
+    return _ABSCISSA.get(_plain(text).lower(), 1.0)
+
+
+def is_abscissa(text: str) -> bool:
+    """Whether the name is that of a unit of time or frequency."""
+    return _plain(text).lower() in _ABSCISSA
+
+
+def is_frequency(text: str) -> bool:
+    """Whether the name is that of a unit of frequency."""
+    return _plain(text).lower() in ("hz", "hertz", "khz", "rad/s", "rad/sec")
+
+
+def _plain(text: str) -> str:
+    # What is left of a Latin-1 ² where a package read it as UTF-8.
+    text = text.replace("/s\ufffd", "/s2").replace("**", "").translate(_SPELLED)
+    while len(text) > 1 and (text[0], text[-1]) in (("(", ")"), ("[", "]")):
+        text = text[1:-1]
+    return text
+
+
+def _simple(name: str) -> tuple[str, float] | None:
+    # Capitals as they are first: mN and MN differ. Then in small letters, as some programs print M/S2.
+    for spelled in (name, name.lower()):
+        for quantity, units in _SI.items():
+            if spelled in units:
+                return quantity, units[spelled]
+    return None

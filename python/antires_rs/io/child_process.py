@@ -16,7 +16,7 @@ from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
 from ._child import Answer, matches
 from .common import unsuitable
-from .npz import read_archive
+from .own_format import read_archive
 from .raw_arrays import ROLES, array_of
 from .reading import Reading
 

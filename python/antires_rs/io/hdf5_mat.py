@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from ..support.files import write_atomically
 from ._child import Answer, asked
-from .channels import Channel, response_of, stated_recording
+from .channels import Channel, abscissa_factor, is_abscissa, is_frequency, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
 from .common import Signal, existing_file, rate_of, require, unsuitable
 from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import signal_of_arrays, stated_number
 from .reading import OfArrays, PathLike, Reading, opened, reader, writer
-from .units import abscissa_factor, is_abscissa, is_frequency
 
 
 @reader

@@ -26,7 +26,7 @@ from ._child import Answer, room
 from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .child_process import Limits, in_a_child
 from .common import brief, existing_file, require, unsuitable
-from .npz import read_archive
+from .own_format import read_archive
 from .reading import PathLike
 
 #: Node and direction code, 1 to 6; 0 is a scalar.

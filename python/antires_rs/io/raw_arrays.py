@@ -17,10 +17,19 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import Passed, Wording, warn
 from ._child import matches
-from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
+from .channels import (
+    Channel,
+    Unit,
+    abscissa_factor,
+    is_abscissa,
+    parse_unit,
+    rate_of_step,
+    recording_of,
+    response_of,
+    warn_other_rate,
+)
 from .common import Signal, rate_of, unsuitable
 from .reading import Reading
-from .units import Unit, abscissa_factor, is_abscissa, parse_unit
 
 # -- The frequencies of responses whose file does not hold them
 

@@ -17,13 +17,12 @@ from ..signals.recording import Recording
 from ..support.checks import choice
 from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
-from .channels import Channel, in_si, recording_of
+from .channels import Channel, in_si, named_unit, recording_of, si_unit
 from .child_process import Limits, channels_of_child
 from .common import Signal, missing_part, parts_of, require, unsuitable
 from .own_format import as_asked, check_dofs
 from .reading import OfColumns, PathLike, Reading, opened, reader, writer
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
-from .units import named_unit, si_unit
 
 
 @reader

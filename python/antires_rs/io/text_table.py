@@ -17,11 +17,19 @@ from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, recording_of, response_of, warn_other_rate
+from .channels import (
+    Channel,
+    abscissa_factor,
+    is_abscissa,
+    is_frequency,
+    parse_unit,
+    recording_of,
+    response_of,
+    warn_other_rate,
+)
 from .common import Signal, rate_of, unsuitable
 from .raw_arrays import FrequencyAxis
 from .reading import Reading
-from .units import abscissa_factor, is_abscissa, is_frequency, parse_unit
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
 

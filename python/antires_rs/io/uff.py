@@ -23,7 +23,7 @@ from ..signals.recording import Recording
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.messages import LeftOut, Passed, Wording, warn
-from .channels import Channel, one_quantity, recording_of
+from .channels import Channel, Unit, abscissa_factor, named_unit, one_quantity, parse_unit, recording_of
 from .common import (
     Signal,
     choose_run,
@@ -35,7 +35,6 @@ from .common import (
     unsuitable,
 )
 from .reading import PathLike, Reading, reader
-from .units import Unit, abscissa_factor, named_unit, parse_unit
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #

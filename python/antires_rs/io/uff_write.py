@@ -17,11 +17,11 @@ from ..signals.recording import Recording
 from ..signals.spectra import std_of_coherence
 from ..support.files import write_atomically
 from ..support.messages import warn
+from .channels import si_unit
 from .common import Signal
 from .own_format import check_dofs
 from .reading import PathLike, writer
 from .uff import VERSION, Point, as_point, checksum_line, label_of, points_of
-from .units import si_unit
 
 #: Function types of record 6, and the titles in ID line 1.
 _TIME, _FRF, _TRANSMISSIBILITY, _COHERENCE = 1, 4, 5, 6

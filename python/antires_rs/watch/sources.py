@@ -25,9 +25,8 @@ from ..exceptions import (
 )
 from ..identification.identify import identify_antiresonances
 from ..identification.options import sorted_out
-from ..io.frf_files import read_frf_files
 from ..io.own_format import relabelled
-from ..io.registry import ENDINGS, READERS, format_by_ending
+from ..io.registry import ENDINGS, READERS, format_by_ending, read_frf_files
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.one_force import Finding
