@@ -1,17 +1,14 @@
 """Matrices of other programs become models: Matrix Market as SciPy reads it, DMIG, OP4, Abaqus, ANSYS."""
 
 import gzip
-import io
 import struct
 
 import numpy as np
 import pytest
 import scipy.sparse
-from scipy.io import hb_write, mmread, mmwrite
-from scipy.sparse import coo_array
+from scipy.io import hb_write, mmwrite
 
 import antires_rs as ar
-from antires_rs.io.matrix_files import read_matrix_market
 from tests.support.paths import DOCS
 
 CHAIN = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
@@ -104,36 +101,6 @@ def test_the_recipe_for_scikit_fem():
     found = names["model"].modes(2).freq_hz
     exact = np.array([1.8751040687, 4.6940911330]) ** 2 / (2 * np.pi) * np.sqrt(names["EI"] / names["RHO_A"])
     np.testing.assert_allclose(found, exact, rtol=1e-4)
-
-
-RNG = np.random.default_rng(4)
-DENSE = RNG.standard_normal((5, 5))
-SYMMETRIC = DENSE + DENSE.T
-
-
-@pytest.mark.parametrize(
-    ("matrix", "symmetry"),
-    [
-        (DENSE, "general"),
-        (SYMMETRIC, "symmetric"),
-        (DENSE - DENSE.T, "skew-symmetric"),
-        (SYMMETRIC + 1j * (DENSE - DENSE.T), "hermitian"),
-        (DENSE + 1j * DENSE.T, "general"),
-        ((10 * SYMMETRIC).astype(int), "symmetric"),
-    ],
-)
-@pytest.mark.parametrize("sparse", [False, True])
-def test_as_scipy_reads_it(tmp_path, matrix, symmetry, sparse):
-    text = io.BytesIO()
-    mmwrite(text, coo_array(matrix) if sparse else matrix, symmetry=symmetry, precision=17)
-    file = tmp_path / "k.mtx"
-    file.write_bytes(text.getvalue())
-    found = read_matrix_market(file)["k"].matrix
-    wanted = mmread(io.BytesIO(text.getvalue()))
-    assert isinstance(found, np.ndarray) is not sparse
-    assert np.array_equal(
-        np.asarray(found.toarray() if sparse else found), wanted.toarray() if sparse else wanted
-    )
 
 
 SQUARE = "array real symmetric\n40 40\n" + "0\n" * 177 + "{}\n" + "0\n" * 642

@@ -251,6 +251,9 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
 
 
 # -- Units of channels and how they become SI: m/s2, m/s, m and N
+#
+# Names are compared without brackets, spaces, carets and superscripts: ``m/s^2`` and ``(m/s²)`` are one unit.
+# An FRF has a quotient, such as ``g/N`` or ``m/s2/N``.
 
 #: m/s2 in one g, by definition (3rd CGPM, 1901).
 STANDARD_GRAVITY = 9.80665

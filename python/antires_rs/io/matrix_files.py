@@ -6,6 +6,7 @@ returns fits ``dofs=`` of :func:`~antires_rs.io.uff.read_uff`. First a reader fo
 
 from __future__ import annotations
 
+import io
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -86,11 +87,9 @@ _FIXED = 1e35
 def is_abaqus(file: Path) -> bool:
     """Whether the first line with data has node, dof, node, dof, value."""
     with file.open(encoding="ascii", errors="replace") as opened:
-        for line in opened:
-            if line.strip() and not line.startswith("*"):
-                parts = line.split(",")
-                return len(parts) == 5 and all(p.strip().lstrip("-").isdigit() for p in parts[:4])
-    return False
+        first = next((line for line in opened if line.strip() and not line.startswith("*")), "")
+    *places, _ = first.split(",")
+    return len(places) == 4 and all(place.strip().lstrip("-").isdigit() for place in places)
 
 
 def read_abaqus(file: Path) -> dict[str, Labelled]:
@@ -290,19 +289,16 @@ def _numbers(lines: list[str], form: str, count: int) -> np.ndarray:
     return np.array(list(map(_fortran, parts)))
 
 
-# -- Matrix Market files, read here and not by SciPy, whose reader ends the process at some damaged ones
-
-
-def is_matrix_market(file: Path) -> bool:
-    """Whether a plain file says so of itself."""
-    with file.open("rb") as opened:
-        return opened.read(14).lower() == b"%%matrixmarket"
+# -- Matrix Market files, every line checked before SciPy sees them: at some damaged ones it ends the process
 
 
 def read_matrix_market(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem; its entries are counted against its header."""
     import gzip
     import zlib
+
+    from scipy.io import mmread
+    from scipy.sparse import coo_array
 
     wanted = "a whole Matrix Market file"
     try:
@@ -316,7 +312,7 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
         found = "which is cut in its head or of another kind"
         unsuitable(file, found, wanted, "Export it again as MatrixMarket, .mtx.")
     try:
-        form, kind, symmetry, n, stated = _head(lines[0].lower().split(), numbers[0].split())
+        form, kind, stated = _head(lines[0].lower().split(), numbers[0].split())
     except ValueError:
         got = f"with the sizes {numbers[0]!r}"
         unsuitable(file, got, wanted, "Export it again: the matrix must be square.")
@@ -325,22 +321,22 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
         unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
     places, width = 2 * (form == b"coordinate"), {b"pattern": 0, b"complex": 2}.get(kind, 1)
     number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
-    blank, fields = rb"[ \t\r]*", rb"[ \t]+".join([number] * (places + width))
+    blank, fields = rb"[ \t\r]*", rb"[ \t]+".join([rb"\d+"] * places + [number] * width)
     entry = re.compile(blank + fields + blank, re.IGNORECASE)
     wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
     if wrong is not None:
         unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
     try:
-        table = np.array(b" ".join(numbers[1:]).split(), dtype=np.float64).reshape(-1, places + width)
-        whole = _matrix(table[:, :places], table[:, places:], symmetry, n)
+        head = b"%%MatrixMarket" + lines[0][14:].lower().replace(b"double", b"real")
+        whole = mmread(io.BytesIO(b"\n".join([head, *numbers, b""])))
     except (ValueError, OverflowError, MemoryError) as exc:
         got = f"which cannot be read ({brief(exc)})"
         unsuitable(file, got, wanted, "Export it again, as real numbers in MatrixMarket format.")
-    return {file.stem: Labelled(whole)}
+    return {file.stem: Labelled(coo_array(whole) if places else whole)}
 
 
-def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes, bytes, int, int]:
-    """Form, kind of numbers, symmetry, rows, and entries that are stated; ValueError for any other head."""
+def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes, int]:
+    """Form, kind of numbers, and entries that are stated; ValueError for any other head."""
     if len(words) != 5 or words[1] != b"matrix":
         raise ValueError("unknown head")
     _, _, form, kind, symmetry = words
@@ -355,32 +351,7 @@ def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes,
         raise ValueError("unknown symmetry or kind of numbers")
     if form == b"array" and kind == b"pattern":
         raise ValueError("a pattern without places")
-    return form, kind, symmetry, n, entries[0] if entries else stored[symmetry]
-
-
-def _matrix(at: NDArray[Any], parts: NDArray[Any], symmetry: bytes, n: int) -> Any:
-    """The matrix of entries at places, or of all of them in order; the other triangle is filled in."""
-    from scipy.sparse import coo_array
-
-    values: Any = np.ones(len(at)) if not parts.size else parts[:, 0]
-    if parts.shape[1] == 2:
-        values = parts[:, 0] + 1j * parts[:, 1]
-    sparse = at.shape[1] == 2
-    if sparse:
-        rows, columns = (at.astype(np.int64) - 1).T
-        if at.size and (at.min() < 1 or at.max() > n or (at != np.round(at)).any()):
-            raise ValueError("a row or column outside of the matrix")
-    elif symmetry == b"general":
-        columns, rows = np.divmod(np.arange(n * n), n)
-    else:  # lower triangle, column by column
-        columns, rows = np.triu_indices(n, int(symmetry == b"skew-symmetric"))
-    if symmetry != b"general":
-        below = rows != columns
-        other = {b"skew-symmetric": -values, b"hermitian": np.conj(values)}.get(symmetry, values)[below]
-        rows, columns = np.append(rows, columns[below]), np.append(columns, rows[below])
-        values = np.append(values, other)
-    whole = coo_array((values, (rows, columns)), shape=(n, n))
-    return whole if sparse else whole.toarray()
+    return form, kind, entries[0] if entries else stored[symmetry]
 
 
 # -- Matrices that Nastran's OUTPUT4 writes: text or binary, dense or sparse, of single or double precision
@@ -402,29 +373,26 @@ Run = tuple[int, int, NDArray[np.float64]]
 
 def read_op4(file: Path) -> dict[str, Labelled]:
     """All matrices of a file, by name."""
+    from scipy.sparse import coo_array
+
     content = file.read_bytes()
     binary = content[:4] in (b"\x18\0\0\0", b"\0\0\0\x18")
     found: dict[str, Labelled] = {}
     try:
         matrices = _binary(content) if binary else _text(content.decode("ascii").splitlines())
         for name, n_rows, n_columns, runs in matrices:
-            found[name] = Labelled(_matrix_op4(runs, n_rows, n_columns))
+            whole = coo_array((n_rows, n_columns))
+            if runs:
+                rows = np.concatenate([np.arange(first, first + own.size) for _, first, own in runs])
+                columns = np.concatenate([np.full(own.size, column) for column, _, own in runs])
+                values = np.concatenate([own for _, _, own in runs])
+                whole = coo_array((values, (rows, columns)), shape=(n_rows, n_columns))
+            found[name] = Labelled(whole)
     except (ValueError, IndexError, StopIteration, UnicodeDecodeError, RuntimeError) as exc:
         unsuitable(file, f"which is cut, damaged or of another kind ({exc})", _WANTED_OP4, _CUT)
     if not found:
         unsuitable(file, "without a matrix", _WANTED_OP4, _CUT)
     return found
-
-
-def _matrix_op4(runs: list[Run], n_rows: int, n_columns: int) -> object:
-    from scipy.sparse import coo_array
-
-    rows = [np.arange(first, first + values.size) for _, first, values in runs]
-    columns = [np.full(values.size, column) for column, _, values in runs]
-    if not runs:
-        return coo_array((n_rows, n_columns))
-    values = np.concatenate([values for _, _, values in runs])
-    return coo_array((values, (np.concatenate(rows), np.concatenate(columns))), shape=(n_rows, n_columns))
 
 
 def _checked(kind: int) -> None:
@@ -547,9 +515,7 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     if ending is None:
         remedy = "Export the matrix in one of these formats, or pass it as a scipy.sparse array."
         reject(name, repr(str(file)), "a file that ends in " + ", ".join(_READERS) + ", or a matrix", remedy)
-    if ending == ".mtx" and not is_matrix_market(file) and is_abaqus(file):
-        return read_abaqus(file)
-    return _READERS[ending](file)
+    return (read_abaqus if ending == ".mtx" and is_abaqus(file) else _READERS[ending])(file)
 
 
 def choose(name: str, path: PathLike, letter: str) -> Labelled:

@@ -34,45 +34,24 @@ from .reading import Reading
 # -- The frequencies of responses whose file does not hold them
 
 
-class FrequencyAxis:
-    """Frequencies that the caller gives: ``size`` of them, or (None) their spacing from 0 Hz on."""
-
-    def __init__(self, freq_hz: Any = None, df_hz: Any = None) -> None:
-        self._df_hz, self._freq_hz = 0.0, None
-        if df_hz is not None:
-            self._df_hz = finite_scalar("df_hz", df_hz, low=0.0, low_open=True, unit="Hz")
-        if freq_hz is not None:
-            self._freq_hz = _finite_lines(freq_hz)
-        self.size = None if self._freq_hz is None else self._freq_hz.size
-
-    @classmethod
-    def of(cls, given: Reading) -> FrequencyAxis | None:
-        """The axis by ``freq_hz`` or ``df_hz``; None where neither is given."""
-        if given.freq_hz is None and given.df_hz is None:
-            return None
-        if given.freq_hz is not None and given.df_hz is not None:
-            remedy = Wording("Leave out {}, which the frequencies tell.", Passed("df_hz"))
-            reject("df_hz", "it beside freq_hz", "one of them", remedy)
-        return cls(given.freq_hz, given.df_hz)
-
-    def lines(self, path: Path, count: int) -> FloatArray:
-        """The frequencies of ``count`` values."""
-        if self._freq_hz is None:
-            return self._df_hz * np.arange(count, dtype=np.float64)
-        if self._freq_hz.size != count:
-            found, remedy = f"with {count} values of each response", "Give the frequencies of this file."
-            unsuitable(path, found, f"{self._freq_hz.size}, one for each of freq_hz", remedy)
-        return self._freq_hz
-
-
-def _finite_lines(freq_hz: Any) -> FloatArray:
+def given_lines(path: Path, given: Reading, count: int) -> FloatArray:
+    """The frequencies of ``count`` values by ``freq_hz``, or by ``df_hz`` from 0 Hz on."""
+    if given.freq_hz is None:
+        spacing = finite_scalar("df_hz", given.df_hz, low=0.0, low_open=True, unit="Hz")
+        return spacing * np.arange(count, dtype=np.float64)
+    if given.df_hz is not None:
+        remedy = Wording("Leave out {}, which the frequencies tell.", Passed("df_hz"))
+        reject("df_hz", "it beside freq_hz", "one of them", remedy)
     try:
-        lines = np.asarray(freq_hz, dtype=np.float64)
+        lines = np.asarray(given.freq_hz, dtype=np.float64)
         got = f"an array of shape {lines.shape}"
     except (TypeError, ValueError):
-        lines, got = np.empty((0, 0)), type(freq_hz).__name__
+        lines, got = np.empty((0, 0)), type(given.freq_hz).__name__
     if lines.ndim != 1 or not np.isfinite(lines).all():
         reject("freq_hz", got, "finite frequencies in Hz, one for each line", "Pass a sequence of numbers.")
+    if lines.size != count:
+        found, remedy = f"with {count} values of each response", "Give the frequencies of this file."
+        unsuitable(path, found, f"{lines.size}, one for each of freq_hz", remedy)
     return lines
 
 
@@ -225,14 +204,14 @@ class _Bag:
 
     def signal(self) -> Signal:
         """What the arrays are."""
-        axis, given = FrequencyAxis.of(self.given), self.given
-        if axis is not None:
+        given = self.given
+        if given.freq_hz is not None or given.df_hz is not None:
             if given.freq is not None:
                 reject("freq", repr(given.freq), "no name beside freq_hz or df_hz", "Leave one of them out.")
             for name, rows in self.numeric.items():
-                if rows.shape[1] != axis.size == rows.shape[0]:
+                if given.freq_hz is not None and rows.shape[1] != np.size(given.freq_hz) == rows.shape[0]:
                     self.numeric[name] = rows.T
-            return self._response(axis, None)
+            return self._response(None)
         freq = self._role("freq", given.freq, _FREQ)
         time = self._role("time", given.time, _TIME)
         if freq is not None and time is not None:
@@ -241,8 +220,7 @@ class _Bag:
             unsuitable(self.path, f"with both {time!r} and {freq!r} ({self.listed})", "one of them", remedy)
         if freq is None:
             return self._recording(time)
-        factor = self.notes.factor(self.path, freq, "freq_hz")
-        return self._response(FrequencyAxis(factor * self.numeric[freq][0].real), freq)
+        return self._response(freq)
 
     def _role(self, argument: str, given: str | None, names: set[str]) -> str | None:
         """The array the user names for a role, or the only one whose name says it."""
@@ -285,7 +263,7 @@ class _Bag:
         given = replace(self.given, force=None if force is None else "auto")
         return recording_of(self.path, channels, rate, given)
 
-    def _response(self, axis: FrequencyAxis, freq: str | None) -> FrequencyResponse:
+    def _response(self, freq: str | None) -> FrequencyResponse:
         """FRFs or transmissibilities over the array ``freq``, or over a given axis."""
         path, numeric = self.path, self.numeric
         seen = [n for n in numeric if _last(n) in _COHERENCE]
@@ -297,8 +275,10 @@ class _Bag:
         if real is not None:
             remedy = "Magnitudes alone have lost the phase; combine magnitude and phase first."
             unsuitable(path, f"whose {real} is real", "complex FRFs or transmissibilities", remedy)
-        count = channels[0].values.size
-        lines = axis.lines(path, count if freq is None else axis.size or count)
+        if freq is None:
+            lines = given_lines(path, self.given, channels[0].values.size)
+        else:
+            lines = self.notes.factor(path, freq, "freq_hz") * numeric[freq][0].real
         for c in channels:
             if c.values.size != lines.size:
                 found = f"with {c.values.size} values of {c.name!r} over {lines.size} frequencies"

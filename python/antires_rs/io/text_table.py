@@ -28,7 +28,7 @@ from .channels import (
     warn_other_rate,
 )
 from .common import Signal, rate_of, unsuitable
-from .raw_arrays import FrequencyAxis
+from .raw_arrays import given_lines
 from .reading import Reading
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
@@ -486,9 +486,8 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     """The signal that the columns of a table are."""
     if given.first is not None:
         choice("first", given.first, ("time", "freq", "channel"))
-    axis = FrequencyAxis.of(given)
-    if axis is not None:
-        return _response_without_axis(file, table, axis, given)
+    if given.freq_hz is not None or given.df_hz is not None:
+        return _response_without_axis(file, table, given)
     columns, named = table.columns(), bool(table.names)
     digits, first = table.digits[0], given.first
     name = columns[0].name
@@ -562,20 +561,18 @@ def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) ->
     return response_of(file, lines, columns, given)
 
 
-def _response_without_axis(
-    file: Path, table: Table, axis: FrequencyAxis, given: Reading
-) -> FrequencyResponse:
+def _response_without_axis(file: Path, table: Table, given: Reading) -> FrequencyResponse:
     """All columns as responses over a given axis."""
     columns, named = table.columns(), bool(table.names)
     wanted = "it where no column is an axis"
-    option = "freq_hz" if axis.size is not None else "df_hz"
+    option = "df_hz" if given.freq_hz is None else "freq_hz"
+    lines = given_lines(file, given, columns[0].values.size)
     if given.first not in (None, "channel"):
         reject(option, f"it beside first={given.first!r}", wanted, "Leave one of them out.")
     if _says_frequency(columns[0], named):
         reject(option, f"it for a file with the column {columns[0].name!r}", wanted, "Leave it out.")
-    count = columns[0].values.size
     # An empty column in front: every one of the file is a value, also where the first is real.
-    joint = joined(file, [Channel("", np.zeros(count)), *columns], given.pairs, True)[1:]
+    joint = joined(file, [Channel("", np.zeros(lines.size)), *columns], given.pairs, True)[1:]
     values = [c.values for c in joint]
     if np.iscomplexobj(table.values):
         values = [np.asarray(each, dtype=np.complex128) for each in values]
@@ -583,7 +580,7 @@ def _response_without_axis(
         Channel(c.name if named and c.name else i, each, c.unit)
         for i, (c, each) in enumerate(zip(joint, values, strict=True))
     ]
-    return _response(file, axis.lines(file, count), channels, given)
+    return _response(file, lines, channels, given)
 
 
 def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:
