@@ -153,16 +153,6 @@ def _bars(mark: marks.Bars, ax: Any, zorder: float) -> None:
 
 
 @_draw.register
-def _ticks(mark: marks.Ticks, ax: Any, zorder: float) -> None:
-    x, y = np.asarray(mark.x), np.asarray(mark.y)
-    ends = (y, x - mark.half, x + mark.half)
-    ax.hlines(*ends, color="white", lw=3.0, zorder=zorder - 0.01)
-    ax.hlines(
-        *ends, color=mark.colour, lw=1.5, ls=(0, (3, 1)), zorder=zorder, clip_on=False, label=mark.label
-    )
-
-
-@_draw.register
 def _whiskers(mark: marks.Whiskers, ax: Any, zorder: float) -> None:
     half = 0.5 * (np.asarray(mark.high) - mark.low)
     look = {"fmt": "none", "ecolor": "black", "elinewidth": 1.4, "capsize": 5, "capthick": 1.4}
@@ -184,18 +174,9 @@ def _bands(mark: marks.Bands, ax: Any, zorder: float) -> None:
         ax.axvspan(low, high, label=mark.label if nth == 0 else f"_{mark.label}", **look)
 
 
-#: Place in points per ``away``, and alignments, of a text beside its place.
-_BESIDE = {
-    "above": ((0, 1), "center", "bottom"),
-    "below": ((0, -1), "center", "top"),
-    "right": ((1, 0), "left", "center"),
-    "centre": ((0, 0), "center", "center"),
-}
-
-
 @_draw.register
 def _words(mark: marks.Words, ax: Any, zorder: float) -> None:
-    way, across, along = _BESIDE[mark.where]
+    way, across, along = marks.BESIDE[mark.where]
     look = {"fontsize": mark.size, "color": mark.colour, "fontstyle": "italic" if mark.slanted else "normal"}
     look |= {"ha": across, "va": along, "rotation": 90 if mark.turned else 0, "zorder": zorder}
     look |= {"bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.6}} if mark.boxed else {}

@@ -11,7 +11,7 @@ from ..damage.hypotheses import loss, percent, span
 from ..exceptions import reject
 from ..support.checks import FloatArray, integer
 from .canvas import draw, fit_across, new_axes
-from .marks import Axis, Bands, Bars, Heads, Mark, Panel, Points, Ticks, Whiskers, Words
+from .marks import Axis, Bands, Bars, Heads, Mark, Panel, Paths, Points, Whiskers, Words
 
 if TYPE_CHECKING:
     from ..damage.assess import DamageResult
@@ -180,7 +180,9 @@ def _smallest_seen(x: FloatArray, visible: FloatArray, top: float) -> list[Mark]
     if nowhere.size:
         marks.append(Bands(nowhere - 0.5, nowhere + 0.5, hatch="...", label="no damage could be seen"))
     if on.any():
-        marks.append(Ticks(x[on], visible[on], label="smallest damage that would be seen"))
+        ticks = [np.array([(at - 0.42, y), (at + 0.42, y)]) for at, y in zip(x[on], visible[on], strict=True)]
+        label = "smallest damage that would be seen"
+        marks.append(Paths(ticks, "vermillion", dash=(3, 1), width=1.5, label=label))
     if above.any():
         edge = np.full(int(above.sum()), 0.975 * top)
         label = "seen only from this loss on, in %"

@@ -209,13 +209,6 @@ def _bars(mark: marks.Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
 
 
 @_draw.register
-def _ticks(mark: marks.Ticks, fig: Any, label: dict[str, Any]) -> list[Any]:
-    x = np.asarray(mark.x)
-    table = columns(y=mark.y, low=x - mark.half, high=x + mark.half, **mark.more)
-    return [fig.segment("low", "y", "high", "y", source=table, color=mark.colour, line_width=2, **label)]
-
-
-@_draw.register
 def _whiskers(mark: marks.Whiskers, fig: Any, label: dict[str, Any]) -> list[Any]:
     look = {"source": columns(x=mark.x, low=mark.low, high=mark.high), "color": "black", "line_width": 1.6}
     ends = [fig.scatter("x", end, marker="dash", size=13, **look, **label) for end in ("low", "high")]
@@ -239,20 +232,12 @@ def _bands(mark: marks.Bands, fig: Any, label: dict[str, Any]) -> list[Any]:
     return [fig.vstrip(x0="low", x1="high", source=table, line_alpha=0.0, **look, **label)]
 
 
-#: Offset per pixel away and alignments of a text beside its place.
-_BESIDE = {
-    "above": ((0, -1), "center", "bottom"),
-    "below": ((0, 1), "center", "top"),
-    "right": ((1, 0), "left", "middle"),
-    "centre": ((0, 0), "center", "middle"),
-}
-
-
 @_draw.register
 def _words(mark: marks.Words, fig: Any, label: dict[str, Any]) -> list[Any]:
-    (x, y), across, along = _BESIDE[mark.where]
-    look = {"x_offset": 1.3 * x * mark.away, "y_offset": 1.3 * y * mark.away, "text_color": mark.colour}
-    look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across, "text_baseline": along}
+    (x, y), across, along = marks.BESIDE[mark.where]
+    look = {"x_offset": 1.3 * x * mark.away, "y_offset": -1.3 * y * mark.away, "text_color": mark.colour}
+    look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across}
+    look |= {"text_baseline": along.replace("center", "middle")}
     if mark.turned:  # along the text is across the figure now
         up = {"above": "left", "below": "right"}.get(mark.where, "center")
         look |= {"angle": np.pi / 2, "text_align": up, "text_baseline": "middle"}

@@ -107,16 +107,6 @@ class Bars(Mark):
 
 
 @dataclass(frozen=True)
-class Ticks(Mark):
-    """Short lines across, with a white edge that keeps them apart from a bar behind."""
-
-    x: Any
-    y: Any
-    colour: str = "vermillion"
-    half: float = 0.42
-
-
-@dataclass(frozen=True)
 class Whiskers(Mark):
     """Intervals."""
 
@@ -144,6 +134,15 @@ class Bands(Mark):
     high: Any
     face: str = "none"
     hatch: str = ""
+
+
+#: Way from its place, and alignments, of a text beside it.
+BESIDE = {
+    "above": ((0, 1), "center", "bottom"),
+    "below": ((0, -1), "center", "top"),
+    "right": ((1, 0), "left", "center"),
+    "centre": ((0, 0), "center", "center"),
+}
 
 
 @dataclass(frozen=True)

@@ -90,6 +90,8 @@ def write_report(
     if warnings is None:
         checks = [getattr(each, "data_check", None) for each in problem.measured]
         warnings = [line for check in checks if check is not None for line in check.warnings]
+    made = ", ".join(f"{name} {version}" for name, version in versions().items())
+    when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     blocks: dict[str, Any] = {"trim_blocks": True, "lstrip_blocks": True}
     environment = Environment(autoescape=True, undefined=StrictUndefined, **blocks)
     html = environment.from_string(_asset("report.html")).render(
@@ -115,7 +117,7 @@ def write_report(
         policy=parts.policy(),
         warnings=list(warnings),
         model=parts.of_model(problem.model),
-        run=parts.of_search(result) | _lines(origin or {}) | _versions(),
+        run=parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]},
     )
     return write_atomically(path, html.encode("utf-8"))
 
@@ -183,11 +185,6 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
 
 def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
     return {name: [value] if isinstance(value, str) else list(value) for name, value in facts.items()}
-
-
-def _versions() -> Facts:
-    made = ", ".join(f"{name} {version}" for name, version in versions().items())
-    return {"Report made with": [made, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")]}
 
 
 # -- The page of a watch: what it found, its charts, its alarms; small enough to be written after every test

@@ -233,7 +233,9 @@ def load_assessor(path: PathLike) -> Assessor:
         if not np.array_equal(data["levels"], LEVELS):
             unsuitable(file, "with tables of another version", wanted, remedy)
         if data["version"] == 1:
-            plan = _plan_1(data, str(file))
+            learned = Learned(**{key: _plain_3(value) for key, value in data["learned"].items()})
+            asked = _question_3(data["question"], str(file), reduced=data["reduced"])
+            plan = Plan(asked, Tables(**data["tables"]), learned)
         else:
             plan = Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
     return Assessor._of(plan)
@@ -300,31 +302,22 @@ def _result_3(data: dict[str, Any], name: str) -> list[Any]:
     raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
     search = OptimizeResult(history=History(**raw.pop("history")), **raw)
     found, asked = data.get("assessment"), data.get("question")
-    return [
-        _problem_3(data["problem"], name),
-        search,
-        None if found is None else _assessment_3(found),
-        None if asked is None else _question_3(asked, name),
-        data.get("options"),
-    ]
-
-
-def _problem_3(data: dict[str, Any], name: str) -> UpdatingProblem:
-    return UpdatingProblem(
-        _model_3(data["model"], name),
-        _parameters_3(data["parameters"]),
-        [_set_3(each, name) for each in data["measured"]],
-        misfit=data["misfit"],
-        penalty=None if data["penalty"] is None else DamagePenalty(**data["penalty"]),
-        weights=data["weights"],
+    posed = data["problem"]
+    problem = UpdatingProblem(
+        _model_3(posed["model"], name),
+        _parameters_3(posed["parameters"]),
+        [_set_3(each, name) for each in posed["measured"]],
+        misfit=posed["misfit"],
+        penalty=None if posed["penalty"] is None else DamagePenalty(**posed["penalty"]),
+        weights=posed["weights"],
     )
+    assessment = None if found is None else _assessment_3(found)
+    question = None if asked is None else _question_3(asked, name)
+    return [problem, search, assessment, question, data.get("options")]
 
 
 def _parameters_3(rows: list[dict[str, Any]]) -> tuple[Parameter, ...]:
-    made: list[dict[str, Any]] = [
-        {key: tuple(v) if isinstance(v, list) else v for key, v in row.items()} for row in rows
-    ]
-    return tuple(Parameter(**row) for row in made)
+    return tuple(Parameter(**{key: _plain_3(value) for key, value in row.items()}) for row in rows)
 
 
 def _set_3(data: dict[str, Any], name: str) -> Any:
@@ -351,30 +344,17 @@ def _plain_3(value: Any) -> Any:
 def _assessment_3(data: dict[str, Any]) -> Assessment:
     table = data["hypotheses"]
     ends = np.cumsum([0 if elements == [-1] else len(elements) for elements in table["elements"]])[:-1]
-    ragged = [
-        [tuple(part.tolist()) for part in np.split(table[key], ends)] for key in ("severities", "low", "high")
-    ]
-    rows = [
-        Hypothesis(tuple(elements), *rest)
-        for elements, *rest in zip(
-            table["elements"], table["probability"].tolist(), *ragged, table["candidate"], strict=True
-        )
-    ]
-    values: dict[str, Any] = {
-        "hypotheses": Hypotheses(rows, {element: name for element, name in table["names"]}),
-        "group": tuple(rows[nth] for nth in data["group"]),
-    }
+    names = ("severities", "low", "high")
+    ragged = ([tuple(part.tolist()) for part in np.split(table[key], ends)] for key in names)
+    columns = (map(tuple, table["elements"]), table["probability"].tolist(), *ragged, table["candidate"])
+    rows = [Hypothesis(*row) for row in zip(*columns, strict=True)]
+    values: dict[str, Any] = {"hypotheses": Hypotheses(rows, dict(table["names"]))}
+    values["group"] = tuple(rows[nth] for nth in data["group"])
     for each in fields(Assessment):
         if each.name not in values and (each.name in data or each.default is MISSING):
             value = data[each.name]
             values[each.name] = _plain_3(value.tolist() if isinstance(value, np.ndarray) else value)
     return Assessment(**values)
-
-
-def _plan_1(data: dict[str, Any], name: str) -> Plan:
-    learned = {key: _plain_3(value) for key, value in data["learned"].items()}
-    asked = _question_3(data["question"], name, reduced=data["reduced"])
-    return Plan(asked, Tables(**data["tables"]), Learned(**learned))
 
 
 def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
@@ -385,21 +365,14 @@ def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
             reductions = np.array([p.quantity == "stiffness_reduction" for p in parameters])
             values = np.where(reductions & (np.abs(values) < problem["penalty"]["snap"]), 0.0, values)
         return _model_3(problem["model"], name).with_parameters(parameters, values)
-    recipe: Recipe
-    if data["kind"] == "chain":
-        recipe = ChainRecipe(**{each.name: data[each.name] for each in fields(ChainRecipe)})
-    elif data["kind"] == "matrices":
-        recipe = recipe_1(data)
-    elif data["kind"] == "frame":
-        recipe = _frame_3(data)
-    else:
-        got = f"{name!r} with a model of kind {data['kind']!r}"
-        reject("path", got, "a kind that this version knows", "Update antires_rs.")
-    applied = tuple(
-        AppliedParameters(_parameters_3(one["parameters"]), one["values"])
-        for one in data.get("applied", ())  # version 1 has none
-    )
+    recipe = {"chain": _chain_3, "matrices": recipe_1, "frame": _frame_3}[data["kind"]](data)
+    rows = data.get("applied", ())  # version 1 has none
+    applied = tuple(AppliedParameters(_parameters_3(one["parameters"]), one["values"]) for one in rows)
     return _MODELS[type(recipe)].from_description(ModelDescription(recipe, applied))
+
+
+def _chain_3(data: dict[str, Any]) -> ChainRecipe:
+    return ChainRecipe(**{each.name: data[each.name] for each in fields(ChainRecipe)})
 
 
 def recipe_1(data: dict[str, Any]) -> MatrixRecipe:

@@ -50,11 +50,11 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    remedy = (
-        Wording("Copy or export it again, or pass {} to read what is whole.", Passed("partial", True))
-        if kept
-        else "Copy or export it again."
-    )
+    remedy: str = "Copy or export it again."
+    if kept:
+        remedy = Wording(
+            "Copy or export it again, or pass {} to read what is whole.", Passed("partial", True)
+        )
     unsuitable(path, found, wanted, remedy)
 
 

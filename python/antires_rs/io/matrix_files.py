@@ -395,9 +395,12 @@ def read_op4(file: Path) -> dict[str, Labelled]:
     return found
 
 
-def _checked(kind: int) -> None:
+def _sizes(words: Iterable[Any]) -> tuple[int, int, int]:
+    """Columns, rows and type of a matrix, which has to be real."""
+    n_columns, n_rows, _, kind = map(int, words)
     if kind not in (1, 2):
         raise ValueError(f"matrix of type {kind}; 1 and 2 are real")
+    return n_columns, n_rows, kind
 
 
 def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
@@ -407,29 +410,24 @@ def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
         head = _HEADER.match(lines[at])
         if head is None:
             raise ValueError(f"line {at + 1} is no header")
-        n_columns, n_rows, _, kind = (int(head[i]) for i in range(1, 5))
-        _checked(kind)
+        n_columns, n_rows, _ = _sizes(head.groups()[:4])
         stated = _WIDTH.search(head[6])
         width = int(stated[1]) if stated else 16
         runs: list[Run] = []
-        column, first, at = 0, 0, at + 1
+        column, at = 0, at + 1
         while True:
             words = lines[at].split()
-            if len(words) == 3 and _whole(words):
-                column, first = int(words[0]), int(words[1])
-                if column > n_columns:
-                    at += 2  # the record that ends the matrix has one value
-                    break
-                at += 1
-                if first == 0:
-                    continue
-                start = first
-            elif _whole(words) and len(words) == 2:
-                start, at = int(words[1]), at + 1
-            elif _whole(words) and len(words) == 1:
-                start, at = int(words[0]) % _PACKED, at + 1
-            else:
+            if not _whole(words) or len(words) > 3:
                 raise ValueError(f"line {at + 1} is neither a header nor expected")
+            at += 1
+            start = int(words[-1]) % _PACKED if len(words) == 1 else int(words[1])
+            if len(words) == 3:
+                column = int(words[0])
+                if column > n_columns:
+                    at += 1  # the record that ends the matrix has one value
+                    break
+                if start == 0:
+                    continue
             values: list[float] = []
             while at < len(lines) and not _whole(lines[at].split()):
                 line = lines[at].rstrip()
@@ -451,8 +449,7 @@ def _binary(content: bytes) -> Iterator[tuple[str, int, int, list[Run]]]:
     for record in records:
         if len(record) != 24:
             raise ValueError("no header of 24 bytes")
-        n_columns, n_rows, _, kind = (int(i) for i in np.frombuffer(record[:16], f"{order}i4"))
-        _checked(kind)
+        n_columns, n_rows, kind = _sizes(np.frombuffer(record[:16], f"{order}i4"))
         name = record[16:].decode("ascii").strip()
         runs: list[Run] = []
         while True:
@@ -690,7 +687,13 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     """
     file = existing_file(path)
     if file.name.lower().endswith((".mtx", *_OF_BOTH)):
-        return _own_map(file)
+        several = matrices_in("path", file)
+        points = (next(iter(several.values())) if len(several) == 1 else choose("path", file, "K")).points
+        if points is None:
+            wanted = "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row"
+            remedy = "Write the table of equations beside the matrices."
+            unsuitable(file, "which does not name its rows", wanted, remedy)
+        return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
     wanted = "a line 'node direction' or 'row node direction' for each row"
     found: dict[tuple[int, str], int] = {}
     for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
@@ -715,22 +718,10 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     return found
 
 
-def _own_map(file: Path) -> dict[tuple[int, str], int]:
-    """Of a file of matrices."""
-    found = matrices_in("path", file)
-    points = (next(iter(found.values())) if len(found) == 1 else choose("path", file, "K")).points
-    if points is None:
-        got = "which does not name its rows"
-        wanted = "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row"
-        unsuitable(file, got, wanted, "Write the table of equations beside the matrices.")
-    return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
-
-
 def _own(path: PathLike) -> MatrixModel:
     file, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
     if data["version"] == 1:
-        stiffness, mass = data["matrices"]
-        recipe = recipe_1({**data, "stiffness": stiffness, "mass": mass})
+        recipe = recipe_1(data | dict(zip(("stiffness", "mass"), data["matrices"], strict=True)))
     else:
         recipe = decoded(data["recipe"], str(file))
     return MatrixModel.from_description(ModelDescription(recipe, ()))

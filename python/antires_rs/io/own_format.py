@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
@@ -43,8 +43,7 @@ def pack(signal: Any) -> tuple[str, dict[str, NDArray[Any]]]:
     """The text and the arrays of a signal."""
     text: dict[str, Any] = {"format": FORMAT, "version": VERSION, "dofs": check_dofs(signal)}
     needed, optional, values = _RECORDING if isinstance(signal, Recording) else _RESPONSE
-    if isinstance(signal, Recording):
-        text["kind"] = "recording"
+    text |= {"kind": "recording"} if isinstance(signal, Recording) else {}
     text |= {name: getattr(signal, name) for name in values}
     arrays = {name: getattr(signal, name) for name in (*needed, *optional)}
     arrays = {name: array for name, array in arrays.items() if array is not None}
@@ -58,8 +57,8 @@ def _checksum(array: NDArray[Any]) -> int:
     return crc32(np.ascontiguousarray(array).view(np.uint8).reshape(-1))  # type: ignore[arg-type]
 
 
-def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
-    """The signal of text and arrays; what is missing or cut is refused."""
+def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading) -> Signal:
+    """The signal of text and arrays, as the options say; what is missing or cut is refused."""
     with parts_of(path, _WANTED, "Copy it again, or write it anew."):
         data = json.loads(text)
         if data["format"] != FORMAT:
@@ -78,13 +77,12 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
                 wanted = f"{tuple(shape)} of {dtype}, as the file itself states"
                 unsuitable(path, got, wanted, "It was damaged.")
         _check_sums(path, data, made)
-        is_recording = data["kind"] == "recording"
-        needed, optional, values = _RECORDING if is_recording else _RESPONSE
-        held: dict[str, Any] = {name: made[name] for name in needed} | {
-            name: made.get(name) for name in optional
-        }
-        held |= {name: data[name] for name in ("dofs", *values)}
-        return Recording(**held) if is_recording else FrequencyResponse(**held)
+        kind: type[Signal] = Recording if data["kind"] == "recording" else FrequencyResponse
+        needed, optional, values = _RECORDING if kind is Recording else _RESPONSE
+        held: dict[str, Any] = {name: made[name] for name in needed}
+        held |= {name: made.get(name) for name in optional}
+        signal = kind(**held, **{name: data[name] for name in ("dofs", *values)})
+    return as_asked(path, signal, given)
 
 
 def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]]) -> None:
@@ -114,17 +112,9 @@ def check_dofs(signal: Any) -> list[Any]:
 # -- Options of a reader for a file of our own, which states itself what they would say
 
 
-def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading) -> Signal:
-    """The signal of text and arrays, as the options say."""
-    return as_asked(path, unpack(path, text, arrays), given)
-
-
 def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     """A signal of ours as the options say; those that the file contradicts are refused, not passed over."""
-    made = signal
-    if given.dofs is not None:
-        labels = renamed("dofs", signal.dofs, given.dofs)
-        made = relabelled(signal, kept(labels), [labels[i] for i in kept(labels)])
+    made = signal if given.dofs is None else relabelled(signal, renamed("dofs", signal.dofs, given.dofs))
     has_force = isinstance(signal, Recording) and signal.force is not None
     allowed = ("auto", *["force"] * has_force)
     if given.force is not None and not (isinstance(given.force, str) and given.force in allowed):
@@ -134,9 +124,7 @@ def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
         reject("force", got, wanted, "The file states itself which channel is its force; leave it out.")
     if isinstance(made, Recording) and given.force is None:
         made = Recording(made.responses, made.fs_hz, made.dofs)
-    stated: dict[str, Any] = {
-        name: value for name, value in vars(given).items() if name not in ("dofs", "force")
-    }
+    stated: dict[str, Any] = {name: one for name, one in vars(given).items() if name not in ("dofs", "force")}
     if given.freq_hz is not None:
         stated["freq_hz"] = "an axis"
     if given.fs_hz is not None:
@@ -151,28 +139,24 @@ def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
             del stated["fs_hz"]
         content = f"a recording at {signal.fs_hz:g} Hz"
     else:
-        content = f"kind {signal.kind!r}"
-        content += "" if signal.reference is None else f", reference {signal.reference!r}"
-        same = {
-            "responses": ("values", ["values"]),
-            "first": ("freq",),
-            "freq": ("freq_hz",),
-            "kind": (signal.kind,),
-            "reference": (signal.reference, getattr(made, "reference", None)),
-        }
+        reference = signal.reference
+        content = f"kind {signal.kind!r}" + ("" if reference is None else f", reference {reference!r}")
+        same = {"responses": ("values", ["values"]), "first": ("freq",), "freq": ("freq_hz",)}
+        same |= {"kind": (signal.kind,), "reference": (reference, getattr(made, "reference", None))}
     for name, value in stated.items():
         if value is None or any(type(value) is type(own) and value == own for own in same.get(name, ())):
             continue
         got = f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else content})"
-        remedy = "This file states it itself; leave it out." + (
-            " To leave channels out, name them by dofs." if name == "responses" else ""
-        )
+        remedy = "This file states it itself; leave it out."
+        remedy += " To leave channels out, name them by dofs." if name == "responses" else ""
         reject(name, got, "it with files of other programs alone", remedy)
     return made
 
 
-def relabelled(signal: Signal, rows: list[int], dofs: list[Any]) -> Signal:
-    """Some channels of a signal under other names."""
+def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
+    """The channels of a signal under other names; those without one are left out."""
+    rows = kept(labels)
+    dofs = [labels[i] for i in rows]
     if isinstance(signal, Recording):
         return Recording(signal.responses[rows], signal.fs_hz, dofs, signal.force)
     old = [signal.dofs[i] for i in rows]

@@ -369,7 +369,8 @@ def functions_of(file: Path, partial: bool) -> list[Function]:
     if not datasets or all(d.number == 0 for d in datasets):
         got = "without a dataset between lines '    -1'"
         unsuitable(file, got, WANTED, "It is no universal file, or was cut.")
-    functions, factors = [], (1.0, 1.0)
+    functions: list[Function] = []
+    factors: dict[int, float] = {}
     for i, dataset in enumerate(datasets, start=1):
         if dataset.problem or dataset.number not in (58, 164):
             continue
@@ -398,21 +399,16 @@ def functions_of(file: Path, partial: bool) -> list[Function]:
     return functions
 
 
-def _factors(file: Path, length: float, force: float) -> tuple[float, float]:
-    """Of lengths and forces into SI, by dataset 164."""
+def _factors(file: Path, length: float, force: float) -> dict[int, float]:
+    """Into SI by dataset 164, for specific data types of motions and of forces."""
     if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
         found = f"whose units (dataset 164) have the factors {length:g} and {force:g}"
         unsuitable(file, found, WANTED, "Export it again in SI units.")
-    return 1.0 / length, 1.0 / force
-
-
-def _si(data_type: int, factors: tuple[float, float]) -> float:
-    """Factor into SI of a specific data type: displacement, velocity, acceleration, or a force."""
-    return factors[0] if data_type in (8, 11, 12) else factors[1] if data_type in FORCES else 1.0
+    return dict.fromkeys((8, 11, 12), 1.0 / length) | dict.fromkeys(FORCES, 1.0 / force)
 
 
 def _function(
-    file: Path, i: int, dataset: Dataset, numbers: NDArray[np.float64], factors: tuple[float, float]
+    file: Path, i: int, dataset: Dataset, numbers: NDArray[np.float64], factors: dict[int, float]
 ) -> Function:
     """A set as its header says: points in record 6, abscissa in 7, data and units of the axes in 8 to 10."""
     lines = dataset.lines
@@ -443,7 +439,7 @@ def _function(
     unit, per = ("" if text.upper() == "NONE" else text for text in (unit, per))
     scale = 1.0
     if not (unit or per):
-        scale = _si(above, factors) / _si(below, factors)
+        scale = factors.get(above, 1.0) / factors.get(below, 1.0)
         unit, per = _SI.get(above, ""), _SI.get(below, "")
     response, reference = (points[0], points[1]), (points[2], points[3])
     role = "force" if above in FORCES else ""
@@ -491,11 +487,9 @@ def _check_marks(file: Path, functions: list[Function], partial: bool) -> None:
 
 # -- FRFs, transmissibilities and spectra of a universal file as a FrequencyResponse
 
-Named = Callable[[Point], tuple[Any, float]]
-
 
 def response_of(
-    file: Path, functions: list[Function], kind: str, named: Named, reference: Any, unit: str | None
+    file: Path, functions: list[Function], kind: str, named: Any, reference: Any, unit: str | None
 ) -> FrequencyResponse:
     """The response of all points to one reference; its kind, coherence and averages."""
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
@@ -745,7 +739,6 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
     return chosen
 
 
-Kind = Literal["time", "frf", "transmissibility", "spectra"]
 #: Kinds by what a function is, where they differ.
 _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 
@@ -754,7 +747,7 @@ _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 def read_uff(
     path: PathLike,
     *,
-    kind: Kind | None = None,
+    kind: Literal["time", "frf", "transmissibility", "spectra"] | None = None,
     dofs: Any = None,
     reference: Any = None,
     force: Any = "auto",
