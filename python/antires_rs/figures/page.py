@@ -10,7 +10,6 @@ import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
-from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +20,7 @@ from .live_canvas import item, require_bokeh
 from .page_session import Session, SetView, View
 
 if TYPE_CHECKING:
-    from .report_parts import Figure
+    from .report_parts import Figure, Table
 
 #: A page that is loaded again is gone for less.
 GRACE_S = 3.0
@@ -202,15 +201,6 @@ def of_set(
 # -- The page of a result: its figures, its answer and its tables; nothing can be changed there
 
 
-@dataclass(frozen=True)
-class Table:
-    """Heads and rows as text; heads with a unit are those of numbers."""
-
-    title: str
-    head: tuple[str, ...]
-    rows: list[list[str]]
-
-
 class ResultView(View):
     """A result: its answer, of which the first sentence is large, figures and tables."""
 
@@ -227,7 +217,7 @@ class ResultView(View):
             "kind": "result",
             "answer": list(self.answer),
             "figures": [{"caption": one.caption} for one in self.figures],
-            "tables": [asdict(one) for one in self.tables],
+            "tables": [one.plain() for one in self.tables],
         }
 
     def figure(self, shown: int) -> dict[str, Any]:

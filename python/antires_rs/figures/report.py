@@ -15,7 +15,6 @@ import numpy as np
 
 from .._core import __version__
 from ..damage.assess import DamageResult
-from ..damage.words import without_idle
 from ..exceptions import MissingDependencyError, reject
 from ..io.archive import versions
 from ..signals.frequency_response import FrequencyResponse
@@ -73,18 +72,14 @@ def write_report(
     if not Path(path).parent.is_dir():  # known before any picture is drawn
         remedy = f"Make the folder {str(Path(path).parent)!r} first."
         reject("path", str(path), "a file in a folder that exists", remedy)
-    damage = result if isinstance(result, DamageResult) else None
-    judged = damage if damage is not None and damage.has_baseline else None
+    damage = isinstance(result, DamageResult)
     problem = result.problem
     modal = problem.objective == "modal"
     if modal and response is not None:
         remedy = "A ModalSet does not tell where the force was, which the model's transmissibilities need."
         reject("response", "transmissibilities with measured modes", "None", remedy)
     measured = _measured(result, measurement)
-    what, values = (
-        ("resonance", "resonances and mode shapes") if modal else ("antiresonance", "antiresonances")
-    )
-    changes = "{} before, {} after".format(*_largest(result))
+    values = "resonances and mode shapes" if modal else "antiresonances"
     drawn = parts.drawings_of(result, response, truth, diagrams) if drawn is None else drawn
     shown, left_out = parts.fitting(drawn)
     if warnings is None:
@@ -96,18 +91,13 @@ def write_report(
     environment = Environment(autoescape=True, undefined=StrictUndefined, **blocks)
     html = environment.from_string(_asset("report.html")).render(
         title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
-        answer=damage._headline() if damage else [f"Largest {what} difference: {changes}."],
+        answer=parts.answer_of(result),
         lead=_lead(result),
         result=result,
-        damage=damage is not None,
+        damage=damage,
         modal=modal,
-        states=parts.states(result),
-        parameters=parts.damage_rows(damage, truth) if damage else parts.parameter_rows(result),
-        judged=judged is not None,
-        hypotheses=None if judged is None else parts.hypothesis_rows(without_idle(judged.assessment)),
+        tables=parts.tables_of(result, truth),
         intact=[_lines(each) for each in baseline or ()],
-        known=truth is not None,
-        rows=parts.frequency_rows(result),
         figures=drawn.figures,
         measured=measured,
         diagrams=shown,
@@ -124,12 +114,6 @@ def write_report(
 
 def _asset(name: str) -> str:
     return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
-
-
-def _largest(result: UpdateResult) -> list[str]:
-    """The largest differences before and after in words."""
-    table = result.table
-    return [parts.largest(one) for one in (table.largest_before_percent, table.largest_after_percent)]
 
 
 def _lead(result: UpdateResult) -> str:
@@ -156,7 +140,7 @@ def _lead(result: UpdateResult) -> str:
         )
         among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
         return f"{given}, compared with those of the intact structure; {among}.{would}"
-    before, after = _largest(result)
+    before, after = parts.largest(result)
     return (
         f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
         f"damage, {after} with the damage found."

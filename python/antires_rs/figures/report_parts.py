@@ -13,7 +13,7 @@ from hashlib import sha256
 from importlib.resources import files
 from importlib.util import find_spec
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -398,8 +398,9 @@ def drawings_of(
         (9.5, 4.6),
         f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
         f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
-        f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
-        f"{names[1]}",
+        "{} {} and {} {}".format(
+            *(word for pair in zip(largest(result), names, strict=True) for word in pair)
+        ),
         lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
     )
     if response is not None:
@@ -603,12 +604,71 @@ def states(result: UpdateResult) -> tuple[str, str]:
     return ("without damage", "with the damage found") if damage else ("before updating", "after updating")
 
 
-def largest(percent: float) -> str:
-    """The largest difference in words."""
-    return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
+def largest(result: UpdateResult) -> list[str]:
+    """The largest differences before and after in words."""
+    both = (result.table.largest_before_percent, result.table.largest_after_percent)
+    return [f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all" for percent in both]
 
 
-# -- The tables of a report, cell by cell
+def answer_of(result: UpdateResult) -> list[str]:
+    """What came out, the first sentence alone."""
+    if isinstance(result, DamageResult):
+        return list(result._headline())
+    what = "resonance" if result.problem.objective == "modal" else "antiresonance"
+    return ["Largest {} difference: {} before, {} after.".format(what, *largest(result))]
+
+
+# -- The tables of a report and of a page, cell by cell
+
+
+class Table(NamedTuple):
+    """Heads by column, those of numbers with their unit in brackets; rows with a ``mark`` stand out."""
+
+    title: str
+    heads: dict[str, str]
+    rows: list[dict[str, Any]]
+    mark: str
+    note: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """Heads and rows as texts."""
+        rows = [[str(row.get(key, "")) for key in self.heads] for row in self.rows]
+        title = f"{self.title}; {self.note}" if self.note else self.title
+        return {"title": title, "head": list(self.heads.values()), "rows": rows}
+
+
+def tables_of(
+    result: UpdateResult, truth: Mapping[int, float] | None = None, *, assumed: bool = False
+) -> dict[str, Table]:
+    """What may explain the measurement (without a baseline by an ``assumed`` error), what was found, by value."""
+    tables: dict[str, Table] = {}
+    judged = isinstance(result, DamageResult) and result.has_baseline
+    if isinstance(result, DamageResult):
+        if judged or assumed:
+            rows, others = hypothesis_rows(without_idle(result.assessment))
+            heads = {"probability": "probability (%)", "name": "explanation"}
+            heads |= {"losses": "stiffness loss (%), 90 % interval"}
+            tables["hypotheses"] = Table("Hypotheses", heads, rows, "hit", others)
+        certain = {"value": "found (%)", "std": "standard deviation (%)"}
+        likely = {"probability": "probability of damage (%)", "value": "found (%)"}
+        heads = {"name": "element"} | (likely | {"interval": "90 % interval (%)"} if judged else certain)
+        heads |= ({} if truth is None else {"truth": "truth (%)"}) | {
+            "visible": "smallest that would be seen (%)"
+        }
+        heads |= {} if judged else {"bounds": "bounds (%)"}
+        tables["found"] = Table("Stiffness loss by element", heads, damage_rows(result, truth), "damaged")
+    else:
+        heads = {"name": "parameter", "nominal": "before", "value": "found", "std": "standard deviation"}
+        heads |= {"change": "change (%)", "bounds": "bounds"}
+        tables["found"] = Table("Parameters", heads, parameter_rows(result), "on_bound")
+    modal = result.problem.objective == "modal"
+    heads = {"mode": "mode"} if modal else {"dof": "response dof", "force": "force dof"}
+    heads["measured"] = f"measured{', corrected by the baseline' if judged else ''} (Hz)"
+    for state, name in zip(("before", "after"), states(result), strict=True):
+        heads |= {state: f"{name} (Hz)", f"{state}_percent": "difference (%)"}
+        heads |= {f"{state}_mac": "MAC"} if modal else {}
+    title = "Resonances" if modal else "Antiresonances"
+    return tables | {"frequencies": Table(title, heads, frequency_rows(result), "group")}
 
 
 def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
