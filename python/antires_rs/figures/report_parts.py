@@ -640,7 +640,7 @@ class Table(NamedTuple):
 def tables_of(
     result: UpdateResult, truth: Mapping[int, float] | None = None, *, assumed: bool = False
 ) -> dict[str, Table]:
-    """What may explain the measurement (without a baseline by an ``assumed`` error), what was found, by value."""
+    """Hypotheses (without a baseline by an ``assumed`` error of the model), values found, frequencies."""
     tables: dict[str, Table] = {}
     judged = isinstance(result, DamageResult) and result.has_baseline
     if isinstance(result, DamageResult):

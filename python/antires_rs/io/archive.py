@@ -11,6 +11,7 @@ import json
 import math
 import os
 import platform
+from collections.abc import Callable
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -365,14 +366,10 @@ def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
             reductions = np.array([p.quantity == "stiffness_reduction" for p in parameters])
             values = np.where(reductions & (np.abs(values) < problem["penalty"]["snap"]), 0.0, values)
         return _model_3(problem["model"], name).with_parameters(parameters, values)
-    recipe = {"chain": _chain_3, "matrices": recipe_1, "frame": _frame_3}[data["kind"]](data)
+    recipe: Recipe = _RECIPES_3[data["kind"]](data)
     rows = data.get("applied", ())  # version 1 has none
     applied = tuple(AppliedParameters(_parameters_3(one["parameters"]), one["values"]) for one in rows)
     return _MODELS[type(recipe)].from_description(ModelDescription(recipe, applied))
-
-
-def _chain_3(data: dict[str, Any]) -> ChainRecipe:
-    return ChainRecipe(**{each.name: data[each.name] for each in fields(ChainRecipe)})
 
 
 def recipe_1(data: dict[str, Any]) -> MatrixRecipe:
@@ -409,3 +406,10 @@ def _frame_3(data: dict[str, Any]) -> FrameRecipe:
         },
         fixed=tuple((node, direction) for node, direction in data["fixed"]),
     )
+
+
+_RECIPES_3: dict[str, Callable[[dict[str, Any]], Recipe]] = {
+    "chain": lambda data: ChainRecipe(**{each.name: data[each.name] for each in fields(ChainRecipe)}),
+    "matrices": recipe_1,
+    "frame": _frame_3,
+}

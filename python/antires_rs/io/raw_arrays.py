@@ -50,8 +50,8 @@ def given_lines(path: Path, given: Reading, count: int) -> FloatArray:
     if lines.ndim != 1 or not np.isfinite(lines).all():
         reject("freq_hz", got, "finite frequencies in Hz, one for each line", "Pass a sequence of numbers.")
     if lines.size != count:
-        found, remedy = f"with {count} values of each response", "Give the frequencies of this file."
-        unsuitable(path, found, f"{lines.size}, one for each of freq_hz", remedy)
+        found, wanted = f"with {count} values of each response", f"{lines.size}, one for each of freq_hz"
+        unsuitable(path, found, wanted, "Give the frequencies of this file.")
     return lines
 
 

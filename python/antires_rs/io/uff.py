@@ -422,7 +422,7 @@ def _function(
     if kind == 0 and over == _OVER_TIME:
         what = "time"
     columns = numbers.reshape(dataset.points, -1).T
-    x = first + np.arange(dataset.points) * step if even else columns[0]
+    x: Any = first + np.arange(dataset.points) * step if even else columns[0]
     values = columns[-2] + 1j * columns[-1] if form in (5, 6) else columns[-1].copy()
     if not (np.isfinite(values).all() and np.isfinite(x).all()):
         found = f"whose dataset {i} has values that are not finite"
