@@ -76,37 +76,27 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     order, freq, damping, stable = pole_table(diagram)
     first, last = float(diagram.orders[0]), float(diagram.orders[-1])
     says = {"Frequency": "@x{0.000} Hz", "Model order": "@y", "Damping": "@damping{0.00} %"}
-    marks: list[Mark] = [
-        Points(
-            freq[which], order[which], size=3.3, says=says, more={"damping": 100.0 * damping[which]}, **look
-        )
-        for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
-    ]
+    marks: list[Mark] = []
+    for which, look in ((~stable, _POLE), (stable, _STABLE_POLE)):
+        more = {"damping": 100.0 * damping[which]}
+        marks.append(Points(freq[which], order[which], size=3.3, says=says, more=more, **look))
     left = diagram.left_out
     if len(left):
-        why = left.scores.get("why", np.full(len(left), "")).tolist()
-        hovered: dict[str, Any] = {
-            "says": {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"},
-            "more": {"why": why},
-        }
-        edge = np.full(len(left), last + SEEN_ABOVE)
-        seen = Points(
-            left.freq_hz, edge, "v", face="white", only="page", label="seen, not accepted", **hovered
+        more = {"why": left.scores.get("why", np.full(len(left), "")).tolist()}
+        edge, says = (
+            np.full(len(left), last + SEEN_ABOVE),
+            {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"},
         )
-        marks.append(seen)
+        look = {"face": "white", "only": "page", "label": "seen, not accepted"}
+        marks.append(Points(left.freq_hz, edge, "v", says=says, more=more, **look))
     size = np.asarray(diagram.background, dtype=np.float64)
     size = np.where(size > 0.0, size, np.nan)
-    curve = Line(
-        diagram.background_freq_hz, size, CURVE, width=1.0, label="summed curves, peaks at poles (right axis)"
-    )
-    return Panel(
-        "stabilization",
-        Axis("Frequency (Hz)", diagram.band_hz),
-        Axis("Model order (-)", (first - 1.5, last + 1.0)),
-        marks,
-        behind=(Axis("Summed curves (unit of the data)"), curve),
-        tables={"curve": {"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background}},
-    )
+    label = "summed curves, peaks at poles (right axis)"
+    curve = Line(diagram.background_freq_hz, size, CURVE, width=1.0, label=label)
+    x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Model order (-)", (first - 1.5, last + 1.0))
+    behind = (Axis("Summed curves (unit of the data)"), curve)
+    table = {"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background}
+    return Panel("stabilization", x, y, marks, behind=behind, tables={"curve": table})
 
 
 #: Looks of poles.
@@ -124,15 +114,11 @@ def diagram_tables(
     found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
     unknown = np.full(by_hand.size, np.nan)
     gone = np.isin(found.freq_hz, np.asarray(dropped, dtype=np.float64))
-    return {
-        "poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable},
-        "values": {
-            "freq_hz": np.r_[found.freq_hz, by_hand],
-            "damping_ratio": np.r_[found.damping_ratio, unknown],
-            "std_hz": np.r_[found.std_hz, unknown],
-            "how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size],
-        },
-    }
+    values = {"freq_hz": np.r_[found.freq_hz, by_hand], "damping_ratio": np.r_[found.damping_ratio, unknown]}
+    values |= {"std_hz": np.r_[found.std_hz, unknown]}
+    values |= {"how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size]}
+    poles = {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable}
+    return {"poles": poles, "values": values}
 
 
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
@@ -165,11 +151,8 @@ def mark_values(
         line = {"arrowstyle": "-", "lw": 0.6, "color": LOOKS[kind][0], "shrinkA": 0.0, "shrinkB": 0.0}
         places = {"xytext": (label_at, 1.03), "xycoords": transform, "textcoords": transform}
         ax.annotate(text, (freq, 1.0), arrowprops=line, **places, **look)
-    rules = [
-        Rules([f for f, one in marks if one == kind], True, colour, dash, 1.1, label=kind)
-        for kind, (colour, dash) in LOOKS.items()
-    ]
-    draw_marks(ax, rules, 1.5)
+    of = {kind: [f for f, one in marks if one == kind] for kind in LOOKS}
+    draw_marks(ax, [Rules(of[kind], True, *look, 1.1, label=kind) for kind, look in LOOKS.items()], 1.5)
     if not marks:
         ax.set_title("no antiresonance accepted in this band", fontsize="medium")
 
@@ -232,14 +215,9 @@ def plot_damping_clusters(
         label = "damping of the value"
         marks.append(Points(diagram.identified, found, "s", 9.0, "black", "none", 1.4, True, label=label))
     top = HEADROOM * max(float(percent.max(initial=0.0)), 1.0)
-    panel = Panel(
-        "damping_clusters",
-        Axis("Frequency (Hz)", diagram.band_hz),
-        Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True),
-        marks,
-        grid="y",
-        tables=diagram_tables(diagram, dropped, added),
-    )
+    x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True)
+    tables = diagram_tables(diagram, dropped, added)
+    panel = Panel("damping_clusters", x, y, marks, grid="y", tables=tables)
     ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
     mark_values(ax, diagram, dropped, added)
     plain_log(ax.yaxis, narrow=False)
@@ -358,16 +336,11 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
         marks.append(Line(check.freq_hz, level[:, 1], "vermillion", "--", 1.1, label="second", says=says))
     marks.append(Line(check.freq_hz, level[:, 0], "blue", width=1.5, label="first", says=says))
     found = check.named("one_force")
-    return Panel(
-        "singular_values",
-        Axis("Frequency (Hz)", check.band_hz),
-        Axis("Singular value (dB re noise power)"),
-        marks,
-        title=f"more than one force ({found[0].severity})" if found else "",
-        grid="both",
-        first=("first", "second", "second expected under one force", "the others"),
-        tables={"singular_values": table},
-    )
+    x, y = Axis("Frequency (Hz)", check.band_hz), Axis("Singular value (dB re noise power)")
+    title = f"more than one force ({found[0].severity})" if found else ""
+    first = ("first", "second", "second expected under one force", "the others")
+    rest: dict[str, Any] = {"title": title, "first": first, "tables": {"singular_values": table}}
+    return Panel("singular_values", x, y, marks, grid="both", **rest)
 
 
 # -- The values of a response as marks in its figures: found, added and dropped
@@ -456,13 +429,9 @@ def curve_of(source: Recording | FrequencyResponse, averages: Averages | None, d
     row = source.dofs.index(dof)
     if isinstance(source, FrequencyResponse):
         over = "the force" if source.reference is None else f"dof {source.reference}"
-        return Curve(
-            source.freq_hz,
-            np.abs(source.values[row]),
-            f"Dof {dof} over {over} (unit of the data)",
-            None if source.coherence is None else source.coherence[row],
-            over,
-        )
+        size, what = np.abs(source.values[row]), f"Dof {dof} over {over} (unit of the data)"
+        coherence = None if source.coherence is None else source.coherence[row]
+        return Curve(source.freq_hz, size, what, coherence, over)
     assert averages is not None
     spectra = averages.spectra
     auto = np.sqrt(spectra.matrix[:, row, row].real)
@@ -512,10 +481,8 @@ def evidence_figure(
         mark_lines(figures[-1], marks, every_kind=every_kind)
         figures[-1].legend.visible = diagram is None
         if curve.coherence is not None:
-            y, says = (
-                Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04)),
-                {"Coherence": "@y{0.000}"},
-            )
+            y = Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04))
+            says = {"Coherence": "@y{0.000}"}
             panel = _one_line("coherence", curve.freq_hz, curve.coherence, band, y, says, width=0.9)
             figures.append(live.explored(panel, height=180, x_range=x))
     if diagram is None and curve is None:  # the set was made by hand or loaded

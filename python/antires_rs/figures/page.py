@@ -185,15 +185,9 @@ def of_set(
 ) -> Page:
     """What :meth:`~antires_rs.AntiresonanceSet.look` does."""
     require_bokeh()
-    given = dict(options)
-    session = Session(
-        zeros,
-        None if source is None else one_source(source),
-        band_hz=given.pop("band_hz", None),
-        max_order=given.pop("max_order", None),
-        options=given,
-        save_to=save_to,
-    )
+    given, signal = dict(options), None if source is None else one_source(source)
+    own = {name: given.pop(name, None) for name in ("band_hz", "max_order")}
+    session = Session(zeros, signal, **own, options=given, save_to=save_to)
     title = f"antiresonances, force at {zeros.excitation}"
     return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)
 
@@ -213,12 +207,9 @@ class ResultView(View):
 
     def state(self, shown: int) -> dict[str, Any]:
         """Everything but the figures."""
-        return {
-            "kind": "result",
-            "answer": list(self.answer),
-            "figures": [{"caption": one.caption} for one in self.figures],
-            "tables": [one.plain() for one in self.tables],
-        }
+        figures = [{"caption": one.caption} for one in self.figures]
+        tables = [one.plain() for one in self.tables]
+        return {"kind": "result", "answer": list(self.answer), "figures": figures, "tables": tables}
 
     def figure(self, shown: int) -> dict[str, Any]:
         """One of the figures."""

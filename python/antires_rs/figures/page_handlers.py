@@ -111,16 +111,9 @@ def application(view: Future[View], guard: Guard, presence: Presence) -> Applica
         (r"/download", _Download),
         (r"/alive", _Alive),
     ]
-    return Application(
-        handlers,
-        default_handler_class=_Missing,
-        log_function=lambda handler: None,
-        websocket_ping_interval=5,
-        view=view,
-        guard=guard,
-        presence=presence,
-        turn=Lock(),  # of what takes long
-    )
+    own = {"view": view, "guard": guard, "presence": presence, "turn": Lock()}  # the turn of what takes long
+    quiet = {"log_function": lambda handler: None, "websocket_ping_interval": 5}
+    return Application(handlers, default_handler_class=_Missing, **quiet, **own)
 
 
 class _Guarded(RequestHandler):  # type: ignore[misc]

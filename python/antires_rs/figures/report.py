@@ -132,19 +132,13 @@ def _lead(result: UpdateResult) -> str:
         return f"{given}; {len(result.x)} parameters."
     if result.has_baseline:
         seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
-        would = (
-            f" Smallest loss that nine of ten such tests would show: {min(seen):.2g} to {max(seen):.2g} %, "
-            "depending on the element."
-            if seen
-            else ""
-        )
+        would = " Smallest loss that nine of ten such tests would show: " if seen else ""
+        would += f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element." if seen else ""
         among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
         return f"{given}, compared with those of the intact structure; {among}.{would}"
     before, after = parts.largest(result)
-    return (
-        f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
-        f"damage, {after} with the damage found."
-    )
+    change = f"Largest {what} difference {before} without damage, {after} with the damage found."
+    return f"{given}; {len(result.x)} candidate elements. {change}"
 
 
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:

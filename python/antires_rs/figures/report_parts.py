@@ -108,10 +108,8 @@ def of_identification(signal: Recording | FrequencyResponse, found: Antiresonanc
     ]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = used["band_hz"]
-    facts = {
-        "Band": [f"{low:g} to {high:g} Hz"],
-        "Method": [f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"],
-    }
+    method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
+    facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
     if isinstance(signal, Recording):
         facts["Spectra"] = [_spectra(signal, found, used)]
     facts["Orders"] = [f"{used['min_order']} to {max_order}"]
@@ -138,15 +136,12 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     if not isinstance(found, AntiresonanceSet):
         return {"Modes": [f"{len(found)} with shapes at {len(found.dofs)} dofs: {_names(found.dofs)}"]}
     force = found.excitation
-    facts = {
-        "Force": [dof_name(model, force)],
-        "Antiresonances": [", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)],
-    }
+    counts = ", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)
+    facts = {"Force": [dof_name(model, force)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    how = np.concatenate(
-        [np.empty(0, dtype=str), *(np.asarray(s["how"]) for s in found.scores.values() if "how" in s)]
-    )
+    ways = (np.asarray(scores["how"]) for scores in found.scores.values() if "how" in scores)
+    how = np.concatenate([np.empty(0, dtype=str), *ways])
     if how.size:
         facts["Accepted"] = [
             f"{np.sum(how == 'windows')} seen by most fits over windows"
@@ -193,14 +188,12 @@ def of_model(model: StructuralModel) -> Facts:
     elif isinstance(model, FrameModel):
         sections = enumerate(model.sections.values())
         facts["Sections"] = [f"{model.section_label(i)}: {_section(section)}" for i, section in sections]
-        facts["Carried"] = [
-            f"{len(carried) or 'no'} {one if len(carried) == 1 else many}"
-            for carried, one, many in (
-                (model.point_masses, "point mass", "point masses"),
-                (model.ground_springs, "spring to ground", "springs to ground"),
-                (model.node_springs, "spring between nodes", "springs between nodes"),
-            )
-        ]
+        carried = (
+            (len(model.point_masses), "point mass", "point masses"),
+            (len(model.ground_springs), "spring to ground", "springs to ground"),
+            (len(model.node_springs), "spring between nodes", "springs between nodes"),
+        )
+        facts["Carried"] = [f"{n or 'no'} {one if n == 1 else many}" for n, one, many in carried]
         facts["Fixed nodes"] = [_names(sorted({node for node, _ in model.fixed})) or "none"]
     facts["Numbers"] = ["all from 0, as in Python and in job files"]
     return facts
@@ -209,8 +202,9 @@ def of_model(model: StructuralModel) -> Facts:
 def of_search(result: UpdateResult) -> Facts:
     """The objective, the options of the search and where it ended."""
     problem, history = result.problem, result.history
+    ended = {"Ended": [f"{result.status}: {result.message}"]}
     if isinstance(result, DamageResult) and result.has_baseline:
-        return _of_assessment(result)
+        return ended | _of_assessment(result.assessment) | {"Seed": [f"{result.seed}"]}
     penalty = problem.penalty
     price = "" if penalty is None else (f", {penalty.text}, snap {penalty.snap:g}")
     options = [
@@ -220,34 +214,22 @@ def of_search(result: UpdateResult) -> Facts:
     ]
     weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
     count = history.cost.shape[1]
-    return {
-        "Ended": [f"{result.status}: {result.message}"],
-        "Objective": [f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"],
-        "Search": [f"{result.search.effort}, {count} islands", "; ".join(options)],
-        "Seed": [f"{result.seed}"],
-    }
+    objective = f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"
+    search = [f"{result.search.effort}, {count} islands", "; ".join(options)]
+    return ended | {"Objective": [objective], "Search": search, "Seed": [f"{result.seed}"]}
 
 
-def _of_assessment(result: DamageResult) -> Facts:
+def _of_assessment(found: Assessment) -> Facts:
     """How hypotheses were judged against a baseline."""
-    found = result.assessment
-    threshold = (
-        "damage is declared where it is more probable than none"
-        if found.threshold is None
-        else f"damage is declared from log odds of {found.threshold:.2f} on, for the rate of false alarms"
+    rule = "where it is more probable than none"
+    if found.threshold is not None:
+        rule = f"from log odds of {found.threshold:.2f} on, for the rate of false alarms"
+    learned = (
+        f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
+        f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
     )
-    return {
-        "Ended": [f"{result.status}: {result.message}"],
-        "Model errors": [
-            f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
-            f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
-        ],
-        "Values": [
-            f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
-        ],
-        "Rule": [threshold],
-        "Seed": [f"{result.seed}"],
-    }
+    values = f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
+    return {"Model errors": [learned], "Values": [values], "Rule": [f"damage is declared {rule}"]}
 
 
 def _names(dofs: Any) -> str:
@@ -398,9 +380,7 @@ def drawings_of(
         (9.5, 4.6),
         f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
         f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
-        "{} {} and {} {}".format(
-            *(word for pair in zip(largest(result), names, strict=True) for word in pair)
-        ),
+        + " and ".join(map(" ".join, zip(largest(result), names, strict=True))),
         lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
     )
     if response is not None:
@@ -479,30 +459,21 @@ def _model(result: UpdateResult) -> dict[str, Figure]:
     at: dict[str, Any] = {"sensors": sensors, "excitation": force, "label": label}
     if isinstance(model, MassSpringChain):
         every = -(-model.n_dof // MOST_NUMBERS)
-        return {
-            "model": Figure(
-                partial(plot_chain, model, loss, **at),
-                (9.0, 2.9),
-                caption,
-                f"Drawing of a chain of {model.n_dof} masses",
-                lambda: explored(chain(model, loss, sensors, force, label, WIDE_PT, every), height=260),
-            )
-        }
+        alt, draw = f"Drawing of a chain of {model.n_dof} masses", partial(plot_chain, model, loss, **at)
+        panel = partial(chain, model, loss, sensors, force, label, WIDE_PT, every)
+        return {"model": Figure(draw, (9.0, 2.9), caption, alt, lambda: explored(panel(), height=260))}
     if not isinstance(model, FrameModel):
         return {}
     beams = None if loss is None else {e: beta for e, beta in loss.items() if e < len(model.elements)}
     extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
     height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
     room = np.array([WIDE_PT, 0.7 * height])
-    return {
-        "model": Figure(
-            partial(plot_frame, model, beams, **at),
-            (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6),
-            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
-            f"Drawing of a frame of {len(model.elements)} elements",
-            lambda: explored(frame(model, beams, sensors, force, label, room), height=height),
-        )
-    }
+    size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
+    caption += " Numbers upright are of elements, slanted ones of nodes."
+    alt = f"Drawing of a frame of {len(model.elements)} elements"
+    panel = partial(frame, model, beams, sensors, force, label, room)
+    draw = partial(plot_frame, model, beams, **at)
+    return {"model": Figure(draw, size, caption, alt, lambda: explored(panel(), height=height))}
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
@@ -676,18 +647,12 @@ def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
     on_bound = set(result.at_bound)
     problem = result.problem
     columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
-    return [
-        {
-            "name": name,
-            "value": f"{value:#.5g}",
-            "std": _deviation(std),
-            "change": f"{100 * (value / nominal - 1):+.2f}" if nominal else "",
-            "nominal": f"{nominal:.5g}",
-            "bounds": f"{low:g} to {high:g}",
-            "on_bound": name in on_bound,
-        }
-        for name, value, std, nominal, (low, high) in columns
-    ]
+    rows = []
+    for name, value, std, nominal, (low, high) in columns:
+        row = {"name": name, "value": f"{value:#.5g}", "std": _deviation(std), "nominal": f"{nominal:.5g}"}
+        row |= {"change": f"{100 * (value / nominal - 1):+.2f}" if nominal else ""}
+        rows.append(row | {"bounds": f"{low:g} to {high:g}", "on_bound": name in on_bound})
+    return rows
 
 
 def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list[dict[str, Any]]:
@@ -719,21 +684,15 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
         for e, name, std, (low, high) in columns
     ]
     # Elements that were no candidates, and would explain the change.
-    others = [one for one in result.hypotheses if one.elements and not one.candidate] if judged else []
-    return rows + [
-        dict.fromkeys(("std", "visible", "bounds"), "")
-        | {
-            "name": f"{label(one.elements[0])}, no candidate",
-            "value": percent(one.severities[0]),
-            "interval": _interval(one.low[0], one.high[0]),
-            "probability": _probability(one.probability),
-            "truth": percent((truth or {}).get(one.elements[0])),
-            "damaged": one is result.hypotheses[0],
-            "on_bound": False,
-        }
-        for one in others
-        if not one.unknown and one.probability >= WORTH_A_ROW
-    ]
+    for one in result.hypotheses if judged else ():
+        if one.candidate or not one.elements or one.unknown or one.probability < WORTH_A_ROW:
+            continue
+        row: dict[str, Any] = dict.fromkeys(("std", "visible", "bounds"), "") | {"on_bound": False}
+        row |= {"name": f"{label(one.elements[0])}, no candidate", "value": percent(one.severities[0])}
+        row |= {"interval": _interval(one.low[0], one.high[0]), "probability": _probability(one.probability)}
+        row |= {"truth": percent((truth or {}).get(one.elements[0])), "damaged": one is result.hypotheses[0]}
+        rows.append(row)
+    return rows
 
 
 def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
@@ -751,17 +710,11 @@ def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
     """Rows of the hypotheses worth one, the answer and its like as hits, and a sentence on the others."""
     hypotheses, alike = found.hypotheses, found.group
     answer = alike if hypotheses[0] in alike else hypotheses[:1]
-    rows = [
-        {
-            "name": hypotheses.called(one),
-            "probability": _probability(one.probability),
-            "hit": one in answer,
-            "losses": ", ".join(
-                loss(s, low, high) for s, low, high in zip(one.severities, one.low, one.high, strict=True)
-            ),
-        }
-        for one in worth_a_row(hypotheses)
-    ]
+    rows = []
+    for one in worth_a_row(hypotheses):
+        losses = ", ".join(loss(*each) for each in zip(one.severities, one.low, one.high, strict=True))
+        row = {"name": hypotheses.called(one), "probability": _probability(one.probability), "losses": losses}
+        rows.append(row | {"hit": one in answer})
     others = len(hypotheses) - len(rows)
     rest = float(np.sum(hypotheses.probability[len(rows) :]))
     return rows, f"{others} others, together {_probability(rest)} %." if others else ""

@@ -57,19 +57,10 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     labelled = len(dof) <= MOST_LABELS
     names = [f"{f:.1f}" for f in compared.a_hz] if labelled else []
     columns = ("dof", "a_hz", "b_hz", "difference_percent", "std_percent", "changed")
-    panel = Panel(
-        "comparison",
-        Axis(
-            "Antiresonance of a (Hz), by response dof (above)",
-            names=names,
-            at=x if labelled else [],
-            upright=True,
-        ),
-        Axis("b less a (%), 90 % intervals"),
-        marks,
-        grid="y",
-        tables={"pairs": {name: getattr(compared, name) for name in columns}},
-    )
+    label = "Antiresonance of a (Hz), by response dof (above)"
+    x_axis = Axis(label, names=names, at=x if labelled else [], upright=True)
+    y_axis, table = Axis("b less a (%), 90 % intervals"), {name: getattr(compared, name) for name in columns}
+    panel = Panel("comparison", x_axis, y_axis, marks, grid="y", tables={"pairs": table})
     ax = draw(panel, new_axes(ax, (9.5, 4.2)), drop_pt=56.0 if labelled else 32.0)
     ax.tick_params(axis="x", labelsize="x-small")
     return ax
@@ -80,12 +71,8 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
 KINDS = ("change", "frequency")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Sign of each kind of event, and what the legend calls it.
-SIGNS = {
-    "new": ("o", "new"),
-    "back": ("s", "back"),
-    "lost": ("x", "lost"),
-    "merged": ("1", "merged with its neighbour"),
-}
+SIGNS = {"new": ("o", "new"), "back": ("s", "back"), "lost": ("x", "lost")}
+SIGNS |= {"merged": ("1", "merged with its neighbour")}
 #: Texts of conditions longer than this, all together, are turned.
 ROOM = 60
 
@@ -136,24 +123,18 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     marks: list[Mark] = []
     for n, (i, name) in enumerate(zip(some, names, strict=True)):
         error, marker, look = np.nan_to_num(std[rank, i]), MARKERS[n % len(MARKERS)], turn(n)
-        marks.append(
-            Points(
-                x[rank], y[rank, i], marker, 4.5, look["colour"], error=error, link=look["dash"], label=name
-            )
-        )
+        more = {"error": error, "link": look["dash"], "label": name}
+        marks.append(Points(x[rank], y[rank, i], marker, 4.5, look["colour"], **more))
     long = np.repeat(np.arange(x.size), some.size)
-    table = {"test": long, "track": np.tile(some, x.size)}
-    columns = {"freq_hz": tracks.freq_hz, "std_hz": tracks.std_hz, "change_percent": change}
-    panel = Panel(
-        "tracks",
-        Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions),
-        Axis("Change since its first test (%)" if kind == "change" else "Antiresonance (Hz)"),
-        [*marks, *_events(tracks, set(some.tolist()), x, y)],
-        title=f"Response at dof {dof}, force at {tracks.excitation}",
-        grid="both",
-        first=names,
-        tables={"tracks": table | {name: column[:, some].ravel() for name, column in columns.items()}},
-    )
+    table: dict[str, Any] = {"test": long, "track": np.tile(some, x.size)}
+    for name, column in (("freq_hz", tracks.freq_hz), ("std_hz", tracks.std_hz), ("change_percent", change)):
+        table[name] = column[:, some].ravel()
+    x_axis = Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions)
+    y_axis = Axis("Change since its first test (%)" if kind == "change" else "Antiresonance (Hz)")
+    title = f"Response at dof {dof}, force at {tracks.excitation}"
+    marks += _events(tracks, set(some.tolist()), x, y)
+    tables = {"tracks": table}
+    panel = Panel("tracks", x_axis, y_axis, marks, title=title, grid="both", first=names, tables=tables)
     turned = not numeric and len("".join(tracks.conditions)) > ROOM
     ax = draw(panel, new_axes(ax, (7.5, 4.5)), drop_pt=62.0 if turned else 36.0)
     if turned:

@@ -255,15 +255,9 @@ def save_result(result: UpdateResult, path: PathLike) -> Path:
     store = Store()
     assessed = [getattr(result, name, None) for name in ("_assessment", "_question")]
     parts = dict(zip(_PARTS, (result.problem, result.search, *assessed, dict(result.options)), strict=True))
-    data = {
-        "format": FORMAT_RESULTS,
-        "version": VERSION_RESULTS,
-        "class": type(result).__name__,
-        "seed": result.seed,
-        **{name: encoded(each, store) for name, each in parts.items()},
-        "made_with": versions(),
-    }
-    return write_store(path, data, store)
+    data = {"format": FORMAT_RESULTS, "version": VERSION_RESULTS, "class": type(result).__name__}
+    data |= {"seed": result.seed, **{name: encoded(each, store) for name, each in parts.items()}}
+    return write_store(path, data | {"made_with": versions()}, store)
 
 
 def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
@@ -283,12 +277,9 @@ def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
         problem, search, *assessed, held = parts
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
-        maker = data["made_with"]["antires_rs"]
-        warn(
-            "other_version",
-            f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
-            f"this version computes {cost:.9g}.",
-        )
+        made_by = f"was made by antires_rs {data['made_with']['antires_rs']}"
+        said = f"its objective was {search.fun:.9g} where this version computes {cost:.9g}."
+        warn("other_version", f"path: {str(file)!r} {made_by}; {said}")
     asked = assessed if assessed[0] is not None else ()
     return made(problem, search, data["seed"], *asked, options=held)
 
@@ -379,18 +370,12 @@ def recipe_1(data: dict[str, Any]) -> MatrixRecipe:
         rows, columns, values = parts
         return Entries(np.asarray(rows, dtype=np.uint32), np.asarray(columns, dtype=np.uint32), values)
 
-    stiffness_terms, mass_terms = (tuple(map(entries, terms)) for terms in data["terms"])
-    constraints = data.get("constraints")  # not in older files
-    return MatrixRecipe(
-        data["n_dof"],
-        entries(data["stiffness"]),
-        entries(data["mass"]),
-        stiffness_terms,
-        mass_terms,
-        tuple(data.get("names", ())),
-        None if constraints is None else entries(constraints),
-        tuple(data.get("keep", ())),
-    )
+    both = (entries(data["stiffness"]), entries(data["mass"]))
+    stiffness_terms, mass_terms = (tuple(map(entries, each)) for each in data["terms"])
+    held = data.get("constraints")  # not in older files
+    names, keep = (tuple(data.get(name, ())) for name in ("names", "keep"))
+    constraints = None if held is None else entries(held)
+    return MatrixRecipe(data["n_dof"], *both, stiffness_terms, mass_terms, names, constraints, keep)
 
 
 def _frame_3(data: dict[str, Any]) -> FrameRecipe:

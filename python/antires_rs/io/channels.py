@@ -66,12 +66,9 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
         for unit in sorted({c.unit for c in used}):
             unit_or_warning(path, unit)
     one_quantity(path, [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used])
-    return Recording(
-        np.stack([in_si(c.values, units[id(c)]) for c in used]),
-        fs_hz,
-        [labels[i] for i in rows],
-        None if force is None else in_si(force.values, units[id(force)]),
-    )
+    values = np.stack([in_si(c.values, units[id(c)]) for c in used])
+    pushed = None if force is None else in_si(force.values, units[id(force)])
+    return Recording(values, fs_hz, [labels[i] for i in rows], pushed)
 
 
 def response_of(
@@ -84,14 +81,10 @@ def response_of(
     units = [named or unit_or_warning(path, columns[i].unit) for i in chosen]
     values = [in_si(columns[i].values, unit) for i, unit in zip(chosen, units, strict=True)]
     refuse_real(path, values)
-    return FrequencyResponse(
-        freq_hz,
-        np.stack(values),
-        [labels[i] for i in chosen],
-        "frf" if given.kind is None else given.kind,  # type: ignore[arg-type]
-        given.reference,
-        None if coherence is None else coherence[chosen],
-    )
+    kind: Any = "frf" if given.kind is None else given.kind
+    beside = None if coherence is None else coherence[chosen]
+    dofs = [labels[i] for i in chosen]
+    return FrequencyResponse(freq_hz, np.stack(values), dofs, kind, given.reference, beside)
 
 
 def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) -> Recording:
@@ -107,11 +100,8 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
     rate = _rate(file, chosen, instants, given)
     _together(file, chosen)
     if given.unit is None and not any(c.unit for c in chosen):
-        warn(
-            "no_unit",
-            f"path: {str(file)!r} does not say in which unit its channels are; the values are as in "
-            "the file. Name it by unit=.",
-        )
+        said = "does not say in which unit its channels are; the values are as in the file"
+        warn("no_unit", f"path: {str(file)!r} {said}. Name it by unit=.")
     made = [replace(c, role="force" if c in forces and given.force is not None else "") for c in chosen]
     return recording_of(file, made, rate, given)
 
@@ -150,11 +140,8 @@ def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], 
 def warn_other_rate(file: Path, says: str, own: float | None, rate: float) -> None:
     """A rate that the caller gives and the file denies moves every frequency."""
     if own is not None and abs(own - rate) > 1e-3 * rate:
-        warn(
-            "other_rate",
-            f"path: {str(file)!r} {says} {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says. "
-            "Leave fs_hz= out if the file is right.",
-        )
+        said = f"{says} {own:.6g} Hz; read at {rate:.6g} Hz, as fs_hz= says"
+        warn("other_rate", f"path: {str(file)!r} {said}. Leave fs_hz= out if the file is right.")
 
 
 def rate_of_step(step_s: float) -> float:
@@ -228,11 +215,8 @@ def unit_or_warning(path: Path, text: str) -> Unit:
     """The unit of that name; one that is not known leaves values as they are, with a warning."""
     unit = parse_unit(text)
     if unit is None:
-        warn(
-            "unknown_unit",
-            f"path: {str(path)!r} has responses in {text!r}, which is no unit known "
-            "here; values are as they are in the file. Name it by unit= if they should be converted.",
-        )
+        said = f"has responses in {text!r}, which is no unit known here; values are as they are in the file"
+        warn("unknown_unit", f"path: {str(path)!r} {said}. Name it by unit= if they should be converted.")
     return unit or Unit()
 
 

@@ -68,13 +68,8 @@ def in_a_child(
         roles = (given.time, given.freq, None if given.force == "auto" else given.force)
         names = [*asked, *(name for each in roles for name in _texts(each))]
         only = list(dict.fromkeys(each for name in names for each in (name, array_of(name))))
-    request = {
-        "memory_gb": memory_gb,
-        "most_bytes": int(_SHARE * memory_gb * 2**30),
-        "only": only,
-        "roles": sorted(ROLES),
-        **more,
-    }
+    request = {"memory_gb": memory_gb, "most_bytes": int(_SHARE * memory_gb * 2**30), **more}
+    request |= {"only": only, "roles": sorted(ROLES)}
     with tempfile.TemporaryDirectory(prefix="antires_") as folder:
         out = Path(folder) / "arrays.npz"
         source = function.__code__.co_filename
@@ -108,13 +103,9 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
     """Run the child, which writes ``out``, and say what it met."""
     import subprocess
 
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMP_NUM_THREADS": "1",
-        "ARROW_DEFAULT_MEMORY_POOL": "system",  # others reserve more than the limit
-    }
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    environment |= dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"), "1")
+    environment["ARROW_DEFAULT_MEMORY_POOL"] = "system"  # others reserve more than the limit
     try:
         done = subprocess.run(
             [sys.executable, "-P", str(READER), *arguments],  # -P: its folder must not hide standard modules

@@ -18,6 +18,7 @@ from ..support.messages import Passed, Wording, warn
 
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
 _PARTS, _DRIFT = 32, 1e-3
+_EVEN = "instants in s, evenly spaced and ascending"
 
 Signal = Recording | FrequencyResponse
 
@@ -79,20 +80,15 @@ def refuse_real(path: Path, rows: Any) -> None:
     """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
     made = [np.asarray(row) for row in rows]
     if made and all(not np.any(row.imag) for row in made) and any((row != row[:1]).any() for row in made):
-        unsuitable(
-            path,
-            "whose responses have no imaginary part at all",
-            "complex FRFs or transmissibilities",
-            "Magnitudes alone have lost the phase: export real and imaginary part, or magnitude and phase.",
-        )
+        found, wanted = "whose responses have no imaginary part at all", "complex FRFs or transmissibilities"
+        remedy = "export real and imaginary part, or magnitude and phase."
+        unsuitable(path, found, wanted, f"Magnitudes alone have lost the phase: {remedy}")
 
 
 def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
     """The error that names the extra to install."""
-    error = MissingDependencyError(
-        f"{what} needs {package}; install it with: "
-        f'pip install "antires-rs[{extra}]", or: pip install {package}'
-    )
+    how = f'pip install "antires-rs[{extra}]", or: pip install {package}'
+    error = MissingDependencyError(f"{what} needs {package}; install it with: {how}")
     error.__cause__ = cause
     return error
 
@@ -111,11 +107,8 @@ def simplest_rate(low: float, high: float) -> float:
     """The rate in [low, high] that is the simplest number, or whose step is."""
     rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)
     # Of equally simple ones, the nearer to the middle.
-    found = [
-        (_digits(rate), abs(rate - 0.5 * (low + high)), rate),
-        (_digits(step), abs(1.0 / step - 0.5 * (low + high)), 1.0 / step),
-    ]
-    return min(found)[2]
+    pairs, middle = ((rate, rate), (step, 1.0 / step)), 0.5 * (low + high)
+    return min((_digits(number), abs(each - middle), each) for number, each in pairs)[2]
 
 
 def _simplest(low: float, high: float) -> float:
@@ -144,35 +137,29 @@ def _no_drift(path: Path, times: Any, step: float, rounding: float) -> None:
     odd = np.flatnonzero(np.abs(steps - step) > allowed)
     if odd.size:
         i = int(odd[np.argmax(np.abs(steps[odd] - step))])
-        unsuitable(
-            path,
-            f"whose steps are {steps[i]:.6g} s on average from {times[edges[i]]:.9g} to "
-            f"{times[edges[i + 1]]:.9g} s, and {step:.6g} s in all",
-            "instants in s, evenly spaced and ascending",
-            "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate.",
-        )
+        where = f"from {times[edges[i]]:.9g} to {times[edges[i + 1]]:.9g} s"
+        found = f"whose steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
+        remedy = "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate."
+        unsuitable(path, found, _EVEN, remedy)
 
 
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """Sampling rate of even instants in s, the simplest their rounding allows; gaps are refused."""
-    wanted = "instants in s, evenly spaced and ascending"
     if times.size < 2 or not np.isfinite(times).all():
         found = f"whose {times.size} instants are too few or not finite"
-        unsuitable(path, found, wanted, "Correct the instants, or leave them out and pass the rate.")
+        unsuitable(path, found, _EVEN, "Correct the instants, or leave them out and pass the rate.")
     span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
     step = span / (times.size - 1)
     if span <= 0.0:
         found = "whose time does not ascend"
-        unsuitable(path, found, wanted, "Sort the rows by time, or leave the instants out and pass the rate.")
+        unsuitable(path, found, _EVEN, "Sort the rows by time, or leave the instants out and pass the rate.")
     # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:
         i = int(late[0])
-        found = (
-            f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of "
-            f"{step:.6g} s ({late.size} such gaps)"
-        )
-        unsuitable(path, found, wanted, "Samples are missing, or the sampling was uneven.")
+        found = f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s"
+        remedy = "Samples are missing, or the sampling was uneven."
+        unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, remedy)
     _no_drift(path, times, step, rounding)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

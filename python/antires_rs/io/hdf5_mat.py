@@ -437,13 +437,13 @@ def _no_objects(file: Path, arrays: Arrays, texts: Mapping[str, str]) -> None:
     objects = {name[len(OPAQUE) :]: made for name, made in texts.items() if name.startswith(OPAQUE)}
     if objects and not any(array.size > 1 for array in arrays.values()):
         name, made = next(iter(objects.items()))
-        unsuitable(
-            file,
+        found, wanted = (
             f"whose {name or 'variable'} is a {made or 'object'} of MATLAB",
             "arrays or structs of numbers",
-            "Only MATLAB reads its objects. Of a timetable T save there: x = T.Variables; t = seconds("
-            "T.Properties.RowTimes); save('file.mat', 'x', 't').",
         )
+        saved = "x = T.Variables; t = seconds(T.Properties.RowTimes); save('file.mat', 'x', 't')"
+        remedy = f"Only MATLAB reads its objects. Of a timetable T save there: {saved}."
+        unsuitable(file, found, wanted, remedy)
 
 
 def _variables(file: Path, limits: Limits, given: Reading | None = None, **more: Any) -> Found:

@@ -106,13 +106,9 @@ def read_abaqus(file: Path) -> dict[str, Labelled]:
             unsuitable(file, found, wanted, "Export it again with FORMAT=MATRIX INPUT or LABELS.")
     fixed = {row for row, column, value in entries if row == column and value >= _FIXED}
     if fixed:
-        first = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5])
-        more = ", ..." if len(fixed) > 5 else ""
-        warn(
-            "dofs_on_supports",
-            f"path: {str(file)!r} has {len(fixed)} dof(s) with a boundary condition, 1e36 on the diagonal "
-            f"({first}{more}); they are left out.",
-        )
+        few = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5]) + ", ..." * (len(fixed) > 5)
+        said = f"has {len(fixed)} dof(s) with a boundary condition, 1e36 on the diagonal ({few})"
+        warn("dofs_on_supports", f"path: {str(file)!r} {said}; they are left out.")
     return {file.stem: by_points(file, [e for e in entries if e[0] not in fixed and e[1] not in fixed])}
 
 
@@ -219,10 +215,11 @@ def read_full(file: Path) -> dict[str, Labelled]:
     # The directions of ANSYS count from 0: UX, UY, UZ, ROTX, ROTY, ROTZ.
     named: tuple[Point, ...] = tuple((int(node), int(code) + 1) for node, code in points[kept])
     place = np.cumsum(np.isin(np.arange(len(points)), kept)) - 1
-    return {
-        name: Labelled(completed(place[row], place[column], arrays[f"{name}.data"], len(named)), named)
-        for name, row, column in zip("KM", rows, columns, strict=True)
-    }
+    made = {}
+    for name, row, column in zip("KM", rows, columns, strict=True):
+        whole = completed(place[row], place[column], arrays[f"{name}.data"], len(named))
+        made[name] = Labelled(whole, named)
+    return made
 
 
 def matrices_of_full(path: str, request: dict[str, Any]) -> Answer:
@@ -457,10 +454,8 @@ def _binary(content: bytes) -> Iterator[tuple[str, int, int, list[Run]]]:
             column, first, _ = (int(i) for i in np.frombuffer(record[:12], f"{order}i4"))
             if column > n_columns:
                 break
-            runs += [
-                (column - 1, start - 1, values.astype(np.float64))
-                for start, values in _strings(record[12:], first, n_rows < 0, f"{order}f{4 * kind}")
-            ]
+            for start, values in _strings(record[12:], first, n_rows < 0, f"{order}f{4 * kind}"):
+                runs.append((column - 1, start - 1, values.astype(np.float64)))
         yield name, abs(n_rows), n_columns, runs
 
 
@@ -595,23 +590,15 @@ def read_matrices(
     def placed(name: str, given: Any, letter: str) -> Any:
         return _in_rows_of(name, _labelled(name, given, letter), rows)
 
-    terms = [
-        [placed(part(name, i), term, letter) for i, term in enumerate(each)]
-        for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M"))
-    ]
+    terms = {}
+    for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M")):
+        terms[name] = [placed(part(name, i), term, letter) for i, term in enumerate(each)]
     if isinstance(dofs, str | os.PathLike):
         dofs = read_dof_map(dofs)
     elif dofs is None and rows.points is not None:
         dofs = rows.points
-    return MatrixModel(
-        rows.matrix,
-        placed("mass", mass, "M"),
-        stiffness_terms=terms[0],
-        mass_terms=terms[1],
-        constraints=constraints,
-        keep=tuple(keep),
-        dofs=dofs,
-    )
+    more: dict[str, Any] = {"constraints": constraints, "keep": tuple(keep), "dofs": dofs}
+    return MatrixModel(rows.matrix, placed("mass", mass, "M"), **terms, **more)
 
 
 def write_matrices(path: PathLike, model: MatrixModel) -> Path:

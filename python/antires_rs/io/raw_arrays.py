@@ -193,11 +193,9 @@ class _Bag:
         self.numeric = {n: _channels_first(v) for n, v in numbers.items() if v.ndim <= 2 and v.size}
         cubes = [name for name, value in numbers.items() if value.ndim > 2]
         if cubes and given.responses is None:
-            warn(
-                "many_axes",
-                f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
-                "read. Slice them to (n_channels, n_samples) if they are responses.",
-            )
+            said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
+            remedy = "Slice them to (n_channels, n_samples) if they are responses."
+            warn("many_axes", f"path: {str(path)!r} {said}. {remedy}")
         if not self.numeric:
             remedy = "Export the signals as arrays of numbers, one row or column a channel."
             unsuitable(path, f"with no numeric array ({self.listed})", "arrays of numbers", remedy)
@@ -294,11 +292,8 @@ class _Bag:
         """The sampling rate of arrays of these names."""
         path, notes, refuse = self.path, self.notes, self.given.fs_hz is None
         stated = notes.rate(path, names, refuse=refuse)
-        single = {
-            n: float(values[0, 0].real) * notes.factor(path, n, refuse=refuse)
-            for n, values in self.numeric.items()
-            if values.size == 1 and _last(n) in RATES | STEPS
-        }
+        alone = {n: v for n, v in self.numeric.items() if v.size == 1 and _last(n) in RATES | STEPS}
+        single = {n: float(v[0, 0].real) * notes.factor(path, n, refuse=refuse) for n, v in alone.items()}
         rates = [n for n in single if _last(n) in RATES]
         if self.given.rate_hz is not None:
             if stated is None and len(rates) == 1:
@@ -351,11 +346,9 @@ class _Bag:
         # Tables of settings are short; what is nearly as long is a channel that was cut.
         short = [f"{name} ({size})" for name, size in sizes.items() if longest > size > longest // 2]
         if short:
-            warn(
-                "short_arrays",
-                f"path: {str(self.path)!r} has arrays shorter than the {longest} samples of the longest, "
-                f"{', '.join(short)}, which are left out. Name the responses= to choose.",
-            )
+            said = f"has arrays shorter than the {longest} samples of the longest, {', '.join(short)}"
+            remedy = "Name the responses= to choose."
+            warn("short_arrays", f"path: {str(self.path)!r} {said}, which are left out. {remedy}")
         return [name for name, size in sizes.items() if size == longest > 1]
 
     def _asked(self, pattern: Any, among: Mapping[str, NDArray[Any]], taken: set[str]) -> list[_Row]:

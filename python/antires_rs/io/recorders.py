@@ -110,16 +110,12 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
                 raise Unfit(f"the channel {name!r} lies over frequency, not time")
             step = own.get("wf_increment")
             unit = own.get("unit_string") or own.get("NI_UnitDescription") or own.get("Unit") or ""
-            made.append(
-                {
-                    "name": name,
-                    "values": values,
-                    "unit": str(unit),
-                    "step_s": None if step is None else float(step),
-                    "start": str(own.get("wf_start_time", "")),
-                    "offset_s": float(own.get("wf_start_offset", 0.0) or 0.0),
-                }
-            )
+            one = {"name": name, "values": values, "unit": str(unit)}
+            one |= {
+                "step_s": None if step is None else float(step),
+                "start": str(own.get("wf_start_time", "")),
+            }
+            made.append(one | {"offset_s": float(own.get("wf_start_offset", 0.0) or 0.0)})
     return answer(made)
 
 
@@ -208,12 +204,10 @@ def channels_of_wav(path: str, request: dict[str, Any]) -> Answer:
         values = (values.astype(np.float64) - 128.0) / 128.0
     elif values.dtype.kind == "i":
         values = values / 2.0 ** (8 * values.dtype.itemsize - 1)
-    return answer(
-        [
-            {"name": f"channel {i + 1}", "values": np.float64(column), "step_s": 1.0 / rate}
-            for i, column in enumerate(values.T)
-        ]
-    )
+    columns = map(np.float64, values.T)
+    names = (f"channel {i + 1}" for i in range(values.shape[1]))
+    pairs = zip(names, columns, strict=True)
+    return answer([{"name": name, "values": column, "step_s": 1.0 / rate} for name, column in pairs])
 
 
 def _scales(full_scale: Any, count: int) -> list[float]:
@@ -285,13 +279,10 @@ def read_miniseed(
     name, count = Counter(entry["name"] for entry in entries).most_common(1)[0] if entries else ("", 0)
     if count > 1:
         before, after = [entry for entry in entries if entry["name"] == name][:2]
-        unsuitable(
-            file,
-            f"whose {name} has {count - 1} gaps or overlaps, the first between {before['until']} and "
-            f"{after['start']}",
-            "traces without gaps",
-            "Cut a part without gaps out of it, with ObsPy's slice or the recorder's program.",
-        )
+        first = f"the first between {before['until']} and {after['start']}"
+        found = f"whose {name} has {count - 1} gaps or overlaps, {first}"
+        remedy = "Cut a part without gaps out of it, with ObsPy's slice or the recorder's program."
+        unsuitable(file, found, "traces without gaps", remedy)
     for entry in entries:
         del entry["until"]
     return stated_recording(file, _on_one_clock([Channel(**entry) for entry in entries]), given)
@@ -304,19 +295,13 @@ def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
     room(int(sum(trace.stats.npts for trace in read(path, format="MSEED", headonly=True))), request)
     stream = read(path, format="MSEED")
     stream.merge(method=-1)
-    made = [
-        {
-            "name": trace.id,
-            "values": np.float64(trace.data),
-            "unit": "counts",
-            "step_s": float(trace.stats.delta),
-            "start": str(trace.stats.starttime),
-            "until": str(trace.stats.endtime),
-        }
-        for trace in stream
-        if asked((trace.id, trace.stats.channel), trace.stats.channel, request)
-        and trace.data.dtype.kind in "biuf"
-    ]
+    made = []
+    for trace in stream:
+        own = trace.stats
+        if asked((trace.id, own.channel), own.channel, request) and trace.data.dtype.kind in "biuf":
+            one = {"name": trace.id, "values": np.float64(trace.data), "unit": "counts"}
+            one |= {"step_s": float(own.delta), "start": str(own.starttime), "until": str(own.endtime)}
+            made.append(one)
     if not made and request["only"] is not None:
         raise Unfit("the traces are " + called(trace.id for trace in stream))
     return answer(made)
@@ -531,11 +516,10 @@ def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: f
         unsuitable(file, "with values that are not finite", "finite numbers", remedy)
     kinds = {kind.lower() for kind in segment.tags.get("X_Dimension", [])} - {"", "time"}
     if kinds:
-        warn(
-            "not_over_time",
-            f"path: {str(file)!r} lies over {', '.join(sorted(kinds))}, as its X_Dimension says; it is read "
-            "as a record over time.",
+        said = (
+            f"lies over {', '.join(sorted(kinds))}, as its X_Dimension says; it is read as a record over time"
         )
+        warn("not_over_time", f"path: {str(file)!r} {said}.")
     tags = [{key: "".join(of[c : c + 1]) for key, of in segment.tags.items()} for c in range(len(made))]
     return [_channel(file, *each, own, fs_hz) for each, own in zip(made, tags, strict=True)]
 

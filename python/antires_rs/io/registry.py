@@ -58,6 +58,7 @@ def format_by_ending(name: str) -> str | None:
 
 _EXPORT = "Export it there as a universal file (58), MAT, HDF5 or CSV"
 _SEVERAL = f"Several programs write that ending. {_EXPORT}, or name the format if it is one that is read"
+_SOUND = "Convert it to WAV; MP3, OGG and M4A have lost a part"
 _KNOWN: dict[tuple[str, ...], str] = {
     (".dxd", ".dxz", ".d7d", ".d7z"): f"It is one of Dewesoft. {_EXPORT}",
     (".ldsf", ".lms", ".tlab"): f"It is one of Siemens Simcenter Testlab. {_EXPORT}",
@@ -75,14 +76,7 @@ _KNOWN: dict[tuple[str, ...], str] = {
     (".nsrf", ".imc", ".raw", ".dat", ".bin", ".sdt", ".dta", ".asc", ".log"): _SEVERAL,
     (".xls", ".ods", ".xlsb"): "Save it as .xlsx or CSV",
     (".feather", ".arrow", ".pkl", ".pickle"): "Save it as Parquet: DataFrame.to_parquet",
-    (
-        ".flac",
-        ".mp3",
-        ".ogg",
-        ".m4a",
-        ".aiff",
-        ".aif",
-    ): "Convert it to WAV; MP3, OGG and M4A have lost a part",
+    (".flac", ".mp3", ".ogg", ".m4a", ".aiff", ".aif"): _SOUND,
     (".tdms_index",): "It is the index of the .tdms beside it: name that",
     (".slx", ".m"): "It is no data: save the arrays as MAT",
 }
@@ -187,15 +181,10 @@ def read_frf_files(
     averages = {each.n_averages for each in chosen}
     parts = {name: [getattr(each, name) for each in chosen] for name in ("coherence", "std")}
     stacked = {name: np.vstack(each) for name, each in parts.items() if all(row is not None for row in each)}
-    return FrequencyResponse(
-        chosen[0].freq_hz,
-        np.vstack([each.values for each in chosen]),
-        [labels[i] for i in rows],
-        chosen[0].kind if kind is None else kind,  # type: ignore[arg-type]
-        reference,
-        n_averages=averages.pop() if len(averages) == 1 else None,
-        **stacked,
-    )
+    values, of_kind = np.vstack([each.values for each in chosen]), chosen[0].kind if kind is None else kind
+    more: dict[str, Any] = {"n_averages": averages.pop() if len(averages) == 1 else None, **stacked}
+    dofs = [labels[i] for i in rows]
+    return FrequencyResponse(chosen[0].freq_hz, values, dofs, of_kind, reference, **more)  # type: ignore[arg-type]
 
 
 def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
@@ -204,19 +193,13 @@ def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
         if not folder.is_dir():
             return [existing_file(folder)]
         there = sorted((path for path in folder.iterdir() if path.is_file()), key=lambda p: _natural(p.name))
-        found = [
-            path
-            for path in there
-            if fnmatchcase(path.name, pattern) and (format is not None or format_by_ending(path.name))
-        ]
+        fitting = [path for path in there if fnmatchcase(path.name, pattern)]
+        found = [path for path in fitting if format is not None or format_by_ending(path.name)]
         if not found:
-            reject(
-                "files",
-                f"{str(folder)!r}, a folder with {len(there)} files, none of which fits {pattern!r} and has "
-                "a known ending",
-                "files of one FRF each",
-                Wording("Name the file, or choose by {} and {}.", Passed("pattern"), Passed("format")),
-            )
+            why = f"none of which fits {pattern!r} and has a known ending"
+            got = f"{str(folder)!r}, a folder with {len(there)} files, {why}"
+            remedy = Wording("Name the file, or choose by {} and {}.", Passed("pattern"), Passed("format"))
+            reject("files", got, "files of one FRF each", remedy)
         return found
     if shape_of(files) in ((), (0,)):
         reject("files", files, "a folder or a sequence of files", "Name the folder, or each file.")

@@ -106,15 +106,9 @@ def _own(file: Path, table: Table) -> Signal:
             return recording_of(file, channels, float(head["fs_hz"]), Reading())
         values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
         rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
-        return FrequencyResponse(
-            columns[0],
-            in_si(values, named_unit("unit", head["unit"])),
-            dofs,
-            head["kind"],
-            head["reference"],
-            n_averages=head["n_averages"],
-            **dict(zip(head["more"], rest, strict=True)),
-        )
+        values = in_si(values, named_unit("unit", head["unit"]))
+        more = {"n_averages": head["n_averages"], **dict(zip(head["more"], rest, strict=True))}
+        return FrequencyResponse(columns[0], values, dofs, head["kind"], head["reference"], **more)
 
 
 @writer

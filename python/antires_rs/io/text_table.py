@@ -6,7 +6,7 @@ import csv
 import json
 import re
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -298,11 +298,8 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
             stated = f" of {table.header['rows']}" if "rows" in table.header else ""
             table.problem = f"row {len(rows) + 1}{stated} is cut, {len(rows)} are whole"
         else:
-            warn(
-                "cut_line",
-                f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
-                "If it is whole, add one.",
-            )
+            said = "has no line end after its last row, whose last number may be cut"
+            warn("cut_line", f"path: {str(file)!r} {said}. If it is whole, add one.")
     _fill(file, table, rows, between, point, width)
     if instants:
         table.names[:1] = ["time"] if table.names else []
@@ -475,7 +472,6 @@ def _commented_names(lines: list[str], between: str | None, width: int) -> list[
 
 _FREQ = ("freq", "f", "hz", "frequency", "freq_hz")
 _TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
-_ROLES = {"force": "force"}
 #: What programs call the number of a row.
 _INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
 #: First instants from which on they are in ns, us or ms since 1970.
@@ -509,10 +505,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     if not rest:
         wanted = "at least one beside the first"
         unsuitable(file, "with no column of values", wanted, "Export the channels beside the first column.")
-    channels = [
-        Channel(c.name if named and c.name else i, c.values, c.unit, role=_ROLES.get(c.name.lower(), ""))
-        for i, c in enumerate(rest)
-    ]
+    channels = _called(rest, named)
     if first == "freq":
         return _response(file, lead.values.real * _into_si(file, lead), channels, given)
     if any(np.iscomplexobj(c.values) for c in columns):
@@ -552,11 +545,8 @@ def _says_frequency(column: Channel, named: bool) -> bool:
 def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) -> FrequencyResponse:
     if not all(np.iscomplexobj(c.values) for c in columns):
         wanted = "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'"
-        remedy = Wording(
-            "Pass {} or another of its kinds if two columns are one response; magnitudes alone have lost the "
-            "phase.",
-            Passed("pairs", PAIRS[0]),
-        )
+        how = "Pass {} or another of its kinds if two columns are one response"
+        remedy = Wording(f"{how}; magnitudes alone have lost the phase.", Passed("pairs", PAIRS[0]))
         unsuitable(file, "with real columns over frequency", wanted, remedy)
     return response_of(file, lines, columns, given)
 
@@ -573,14 +563,17 @@ def _response_without_axis(file: Path, table: Table, given: Reading) -> Frequenc
         reject(option, f"it for a file with the column {columns[0].name!r}", wanted, "Leave it out.")
     # An empty column in front: every one of the file is a value, also where the first is real.
     joint = joined(file, [Channel("", np.zeros(lines.size)), *columns], given.pairs, True)[1:]
-    values = [c.values for c in joint]
     if np.iscomplexobj(table.values):
-        values = [np.asarray(each, dtype=np.complex128) for each in values]
-    channels = [
-        Channel(c.name if named and c.name else i, each, c.unit)
-        for i, (c, each) in enumerate(zip(joint, values, strict=True))
-    ]
-    return _response(file, lines, channels, given)
+        joint = [replace(c, values=np.asarray(c.values, dtype=np.complex128)) for c in joint]
+    return _response(file, lines, _called(joint, named), given)
+
+
+def _called(columns: list[Channel], named: bool) -> list[Channel]:
+    """The columns by their names, or their numbers; one that is called force is the force of a record."""
+    names = [c.name if named and c.name else i for i, c in enumerate(columns)]
+    roles = ["force" if c.name.lower() == "force" else "" for c in columns]
+    rows = zip(columns, names, roles, strict=True)
+    return [replace(c, name=name, role=role) for c, name, role in rows]
 
 
 def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:

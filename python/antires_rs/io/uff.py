@@ -306,15 +306,8 @@ def _hex(data: bytes) -> str:
 # -- The functions of a universal file
 
 #: Function types of record 6 that are read.
-FUNCTIONS = {
-    1: "time",
-    2: "auto spectrum",
-    3: "cross spectrum",
-    4: "frf",
-    5: "transmissibility",
-    6: "coherence",
-    9: "auto spectrum",
-}
+FUNCTIONS = {1: "time", 2: "auto spectrum", 3: "cross spectrum", 4: "frf", 5: "transmissibility"}
+FUNCTIONS |= {6: "coherence", 9: "auto spectrum"}
 #: Specific data types of a force, and of an abscissa of time.
 FORCES, _OVER_TIME = (9, 13), 17
 #: What a function without labels is in, by its specific data type, after dataset 164 was heeded.
@@ -495,13 +488,11 @@ def response_of(
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
     if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
+        found = f"with {len(wanted)} auto spectra (power spectral densities), the first of {wanted[0].at}"
+        instead = "time records, FRFs, or cross spectra with the auto spectrum of their reference"
+        remedy = "Power spectra have lost the phase between channels, from which antiresonances are found"
         unsuitable(
-            file,
-            f"with {len(wanted)} auto spectra (power spectral densities), the first of "
-            f"{wanted[0].at}, and no cross spectrum",
-            "time records, FRFs, or cross spectra with the auto spectrum of their reference",
-            "Power spectra have lost the phase between channels, from which antiresonances are found: export "
-            "one of these instead.",
+            file, f"{found}, and no cross spectrum", instead, f"{remedy}: export one of these instead."
         )
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
@@ -535,15 +526,12 @@ def response_of(
     is_frf = kind == "frf"
     # The reference of transmissibilities may itself point the other way.
     turn = 1.0 if is_frf or point not in kept else labels[point][1]
-    return FrequencyResponse(
-        lines,
-        np.stack([rows[p] * (labels[p][1] * turn) for p in kept]),
-        [labels[p][0] for p in kept],
-        "frf" if is_frf else "transmissibility",
-        None if is_frf else named(point)[0],
-        None if coherence is None else np.stack([coherence[p] for p in kept]),
-        next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None),
-    )
+    values = np.stack([rows[p] * (labels[p][1] * turn) for p in kept])
+    seen = None if coherence is None else np.stack([coherence[p] for p in kept])
+    averages = next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None)
+    dofs, reference = [labels[p][0] for p in kept], None if is_frf else named(point)[0]
+    made_of: Any = "frf" if is_frf else "transmissibility"
+    return FrequencyResponse(lines, values, dofs, made_of, reference, seen, averages)
 
 
 def frequencies(f: Function) -> FloatArray:
@@ -581,12 +569,11 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     if not responses:
         remedy = "Export the functions with their references."
     elif len(responses) == 1:
-        stayed = Passed("roving", label_of(responses.pop()))
-        remedy = Wording(
-            "If the hammer roved and this sensor stayed, pass {}; else choose one by {}.",
-            stayed,
-            Passed("reference"),
+        stayed, text = (
+            Passed("roving", label_of(responses.pop())),
+            "If the hammer roved and this sensor stayed, pass {}",
         )
+        remedy = Wording(f"{text}; else choose one by {{}}.", stayed, Passed("reference"))
     unsuitable(file, found, "one", remedy)
 
 
@@ -598,11 +585,8 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
-            warn(
-                "unknown_unit",
-                f"path: {str(file)!r} has {f.at} in {odd!r}, which is no unit known here; "
-                "its values are as in the file. Name unit= to convert them.",
-            )
+            said = f"has {f.at} in {odd!r}, which is no unit known here; its values are as in the file"
+            warn("unknown_unit", f"path: {str(file)!r} {said}. Name unit= to convert them.")
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
         factor = f.scale * above.factor / (1.0 if above.per else below.factor)
@@ -616,18 +600,12 @@ def _beside(file: Path, functions: list[Function], point: Point, responses: set[
     own = {f.reference for f in functions if f.what in ("frf", "transmissibility", "cross spectrum")}
     near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
     turned = {(node, -way) for node, way in responses} - responses
-    odd = [
-        f.place
-        for f in coherences
-        if (f.response in responses | turned and f.reference in near)
-        or (f.response in turned and f.reference == point)
-    ]
+    pairs = {(p, k) for p in responses | turned for k in near} | {(p, point) for p in turned}
+    odd = [f.place for f in coherences if (f.response, f.reference) in pairs]
     if odd:
-        warn(
-            "coherence_left_out",
-            f"path: {str(file)!r} has coherences of other points than its functions, {', '.join(odd)}; they "
-            f"are left out. Wanted are the directions of the functions and the reference {label_of(point)}.",
-        )
+        said = f"has coherences of other points than its functions, {', '.join(odd)}; they are left out"
+        wanted = f"Wanted are the directions of the functions and the reference {label_of(point)}"
+        warn("coherence_left_out", f"path: {str(file)!r} {said}. {wanted}.")
     return [f for f in coherences if f.reference == point]
 
 
@@ -635,11 +613,8 @@ def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> di
     found = {f.response: f.values.real for f in beside if f.response in rows}
     lost = [p for p in rows if p not in found]
     if found and lost:
-        warn(
-            "coherence_left_out",
-            f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
-            f"{', '.join(map(label_of, lost))}; they are left out.",
-        )
+        some = f"{len(found)} of {len(rows)} responses, not of {', '.join(map(label_of, lost))}"
+        warn("coherence_left_out", f"path: {str(file)!r} has coherences of {some}; they are left out.")
     return found if found and not lost else None
 
 
@@ -732,10 +707,8 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
     there = set(map(_key, chosen))
     lost = dict.fromkeys(f.at for f in functions if _key(f) not in there)
     if lost:
-        warn(
-            "points_without_run",
-            f"path: {str(file)!r} has no run {run} of {', '.join(lost)}, which is left out.",
-        )
+        said = f"has no run {run} of {', '.join(lost)}, which is left out."
+        warn("points_without_run", f"path: {str(file)!r} {said}")
     return chosen
 
 

@@ -25,12 +25,8 @@ from .uff import VERSION, Point, as_point, checksum_line, label_of, points_of
 
 #: Function types of record 6, and the titles in ID line 1.
 _TIME, _FRF, _TRANSMISSIBILITY, _COHERENCE = 1, 4, 5, 6
-_TITLES = {
-    _TIME: "Time Response",
-    _FRF: "Frequency Response Function",
-    _TRANSMISSIBILITY: "Transmissibility",
-    _COHERENCE: "Coherence",
-}
+_TITLES = {_TIME: "Time Response", _FRF: "Frequency Response Function"}
+_TITLES |= {_TRANSMISSIBILITY: "Transmissibility", _COHERENCE: "Coherence"}
 #: Specific data types of records 8 to 10.
 _DATA = {"": 0, "displacement": 8, "velocity": 11, "acceleration": 12, "force": 13}
 _OF_TIME, _OF_FREQUENCY = 17, 18
@@ -104,12 +100,10 @@ def write_uff(
     """
     check_dofs(signal)
     points = points_of(signal.dofs, dofs)
-    if excitation is None:
-        force = None
-    elif isinstance(excitation, int | str) and excitation in points:
-        force = points[excitation]
-    else:
-        force = as_point("excitation", excitation)
+    force = None
+    if excitation is not None:
+        known = isinstance(excitation, int | str) and excitation in points
+        force = points[excitation] if known else as_point("excitation", excitation)
     make = _recorded if isinstance(signal, Recording) else _responses
     sets = make(signal, points, force, unit)  # type: ignore[arg-type]
     blocks = [_block(each, f"{i} of {len(sets)}", binary) for i, each in enumerate(sets, start=1)]
@@ -144,11 +138,9 @@ def _responses(
     gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
     even = (start, step) if gap <= 1e-12 * resp.freq_hz[-1] else None
     if resp.std is not None and not _follows(resp):
-        warn(
-            "errors_not_written",
-            "signal: its standard deviations are not those of coherence and averages, and a universal file "
-            "has no place for them; they are left out.",
-        )
+        said = "its standard deviations are not those of coherence and averages"
+        why = "and a universal file has no place for them; they are left out"
+        warn("errors_not_written", f"signal: {said}, {why}.")
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
     line4 |= {} if even is None else {"start": start, "step": step}
     axis = (_OF_FREQUENCY, even, line4, reference, resp.freq_hz)
