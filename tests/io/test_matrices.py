@@ -47,11 +47,8 @@ def test_matrix_market(tmp_path, symmetry, sparse):
 def test_sparse_archives(tmp_path):
     for name, matrix in (("K", STIFFNESS), ("S", SPRING)):
         scipy.sparse.save_npz(tmp_path / f"{name}.npz", scipy.sparse.csc_array(matrix))
-    same_chain(
-        ar.read_matrices(
-            tmp_path / "K.npz", scipy.sparse.csr_array(MASSES), stiffness_terms=[tmp_path / "S.npz"]
-        )
-    )
+    masses, terms = scipy.sparse.csr_array(MASSES), [tmp_path / "S.npz"]
+    same_chain(ar.read_matrices(tmp_path / "K.npz", masses, stiffness_terms=terms))
     np.savez(tmp_path / "other.npz", a=STIFFNESS)
     with pytest.raises(ar.UnsuitableDataError, match="wanted a file of scipy.sparse.save_npz"):
         ar.read_matrices(tmp_path / "other.npz", MASSES)
@@ -133,15 +130,9 @@ def test_what_is_damaged_is_refused(tmp_path, text):
 
 
 POINTS = [(1, 1), (1, 2), (2, 1), (2, 2), (7, 3)]
-K = np.array(
-    [
-        [5.0, -1.0, 0.0, 0.0, 0.0],
-        [-1.0, 4.0, -0.25, 0.0, 0.0],
-        [0.0, -0.25, 3.0, 0.0, -1e-3],
-        [0.0, 0.0, 0.0, 2.0, 0.0],
-        [0.0, 0.0, -1e-3, 0.0, 1.5e6],
-    ]
-)
+K = np.diag([5.0, 4.0, 3.0, 2.0, 1.5e6])
+for _i, _j, _value in ((0, 1, -1.0), (1, 2, -0.25), (2, 4, -1e-3)):
+    K[_i, _j] = K[_j, _i] = _value
 M = np.diag([1.0, 2.0, 3.0, 4.0, 5.0])
 
 
@@ -205,11 +196,8 @@ def op4_binary(matrix, name, layout, order, kind):
             head, data = 0, b""
             for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
                 length = words * run.size + 1
-                data += (
-                    struct.pack(f"{order}2i", length, run[0] + 1)
-                    if layout == "big"
-                    else struct.pack(f"{order}i", run[0] + 1 + 65536 * length)
-                )
+                words_of = [length, run[0] + 1] if layout == "big" else [run[0] + 1 + 65536 * length]
+                data += struct.pack(f"{order}{len(words_of)}i", *words_of)
                 data += matrix[run, j].astype(f"{order}{kind}").tobytes()
         out += record(struct.pack(f"{order}3i", j + 1, head, len(data) // 4) + data)
     return out + record(struct.pack(f"{order}3i{words}i", 6, 1, words, *[0] * words))
@@ -277,11 +265,8 @@ def test_dmig_in_free_fields_and_two_entries_a_column(tmp_path):
 def test_mass_without_all_rows_goes_to_those_of_the_stiffness(tmp_path):
     translations = [0, 2]
     part = dmig(M, "MAAX", True).splitlines()
-    keep = [
-        i
-        for i, line in enumerate(part)
-        if line.startswith("DMIG*") and line.split()[2:4] in (["1", "1"], ["2", "1"])
-    ]
+    cards = [line.split() for line in part]
+    keep = [i for i, card in enumerate(cards) if card[0] == "DMIG*" and card[2:4] in (["1", "1"], ["2", "1"])]
     lines = part[:3] + [line for i in keep for line in part[i : i + 2]]
     (tmp_path / "k.pch").write_text(dmig(K, "KAAX", True))
     (tmp_path / "m.pch").write_text("\n".join(lines) + "\n")
@@ -296,18 +281,15 @@ def test_mass_without_all_rows_goes_to_those_of_the_stiffness(tmp_path):
 def test_abaqus(tmp_path):
     text = "** written by Abaqus\n*MATRIX, NAME=K, TYPE=SYMMETRIC\n"
     for name, matrix in (("K", K), ("M", M)):
-        rows = [
-            f"{POINTS[i][0]},{POINTS[i][1]}, {POINTS[j][0]},{POINTS[j][1]}, {v:.16e}"
-            for i, j, v in entries(matrix)
-        ]
+        at = {i: f"{node},{code}" for i, (node, code) in enumerate(POINTS)}
+        rows = [f"{at[i]}, {at[j]}, {v:.16e}" for i, j, v in entries(matrix)]
         (tmp_path / f"{name}.mtx").write_text(text + "\n".join(rows) + "\n")
     same(ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx"))
     assert ar.io.read_dof_map(tmp_path / "K.mtx")[7, "+Z"] == 4
     with (tmp_path / "K.mtx").open("a") as opened:
         opened.write("9,1, 9,1, 1.0e36\n9,1, 7,3, -5.0\n")
-    with pytest.warns(
-        ar.AntiresWarning, match=r"1 dof\(s\) with a boundary condition.*\(9:1\); they are left out"
-    ):
+    said = r"1 dof\(s\) with a boundary condition.*\(9:1\); they are left out"
+    with pytest.warns(ar.AntiresWarning, match=said):
         same(ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx"))
 
 
@@ -318,19 +300,11 @@ def test_harwell_boeing(tmp_path):
     lower = scipy.sparse.csc_matrix(np.tril(K))
     head = ["a title".ljust(72) + "key", f"{6:14d}{1:14d}{1:14d}{4:14d}{0:14d}"]
     numbers = [f"{v:20.12E}".replace("E", "D") for v in lower.data]
-    (tmp_path / "k.rsa").write_text(
-        "\n".join(
-            [
-                *head,
-                f"RSA           {5:14d}{5:14d}{lower.nnz:14d}{0:14d}",
-                "(6I8)".ljust(16) + "(10I8)".ljust(16) + "(1P,3D20.12)".ljust(20),
-                "".join(f"{p + 1:8d}" for p in lower.indptr),
-                "".join(f"{i + 1:8d}" for i in lower.indices),
-                *("".join(numbers[i : i + 3]) for i in range(0, len(numbers), 3)),
-            ]
-        )
-        + "\n"
-    )
+    head += [f"RSA           {5:14d}{5:14d}{lower.nnz:14d}{0:14d}"]
+    head += ["(6I8)".ljust(16) + "(10I8)".ljust(16) + "(1P,3D20.12)".ljust(20)]
+    places = ["".join(f"{i + 1:8d}" for i in each) for each in (lower.indptr, lower.indices)]
+    rows = ["".join(numbers[i : i + 3]) for i in range(0, len(numbers), 3)]
+    (tmp_path / "k.rsa").write_text("\n".join([*head, *places, *rows, ""]))
     same(ar.read_matrices(tmp_path / "k.rsa", M))
     (tmp_path / "k.rsa").write_text((tmp_path / "k.rsa").read_text()[:-25])
     with pytest.raises(ar.UnsuitableDataError, match="7 of 8 numbers"):

@@ -113,11 +113,8 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
 def _judged(result: DamageResult) -> dict[str, Any]:
     """Columns beside the losses: 90 % intervals, probabilities, losses of what may be damaged instead."""
     low, high = 100.0 * np.array(list(result.interval.values())).T
-    columns = {
-        "low_percent": low,
-        "high_percent": high,
-        "probability": np.array([*result.probability.values()]),
-    }
+    columns = {"low_percent": low, "high_percent": high}
+    columns |= {"probability": np.array([*result.probability.values()])}
     return columns | {"instead_percent": alternatives(result.assessment, result.elements)}
 
 

@@ -83,10 +83,8 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     left = diagram.left_out
     if len(left):
         more = {"why": left.scores.get("why", np.full(len(left), "")).tolist()}
-        edge, says = (
-            np.full(len(left), last + SEEN_ABOVE),
-            {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"},
-        )
+        edge = np.full(len(left), last + SEEN_ABOVE)
+        says = {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"}
         look = {"face": "white", "only": "page", "label": "seen, not accepted"}
         marks.append(Points(left.freq_hz, edge, "v", says=says, more=more, **look))
     size = np.asarray(diagram.background, dtype=np.float64)
@@ -138,11 +136,11 @@ def mark_values(
     """Vertical lines, their frequencies above pushed apart; of what was dropped in parentheses."""
     low, high = diagram.band_hz
     gone = np.asarray(dropped, dtype=np.float64)
-    marks = [
-        (float(f), DROPPED if f in gone else UNSTABLE if how in ("persistent", "likeliest order") else STABLE)
-        for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
-    ]
-    marks = sorted(marks + [(float(f), ADDED) for f in added])
+    marks = [(float(f), ADDED) for f in added]
+    for f, how in zip(diagram.identified, diagram.accepted.how, strict=True):
+        kind = UNSTABLE if how in ("persistent", "likeliest order") else STABLE
+        marks.append((float(f), DROPPED if f in gone else kind))
+    marks.sort()
     transform = ax.get_xaxis_transform()
     look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small", "annotation_clip": False}
     labels_at = spread([f for f, _ in marks], (high - low) / 50.0, low, high)
@@ -202,10 +200,8 @@ def plot_damping_clusters(
     _, freq, damping, stable = pole_table(diagram)
     percent = 100.0 * damping
     low = percent < LEAST_PERCENT
-    marks: list[Mark] = [
-        Points(freq[which & ~low], percent[which & ~low], size=4.0, **look)
-        for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
-    ]
+    looks = ((~stable & ~low, _POLE), (stable & ~low, _STABLE_POLE))
+    marks: list[Mark] = [Points(freq[these], percent[these], size=4.0, **look) for these, look in looks]
     if low.any():
         label = f"pole with less than {LEAST_PERCENT:g} %, or none"
         foot = np.maximum(percent[low], LEAST_PERCENT)

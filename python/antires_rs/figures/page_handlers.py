@@ -102,15 +102,9 @@ class Presence:
 
 def application(view: Future[View], guard: Guard, presence: Presence) -> Application:
     """What shows a view, which may have to be waited for."""
-    handlers = [
-        (r"/", _Home),
-        (r"/(bokeh\.js|page\.js|tables\.js|page\.css)", _Asset),
-        (r"/state", _State),
-        (r"/figure", _Figure),
-        (r"/do/(\w+)", _Do),
-        (r"/download", _Download),
-        (r"/alive", _Alive),
-    ]
+    handlers = [(r"/", _Home), (r"/state", _State), (r"/figure", _Figure), (r"/do/(\w+)", _Do)]
+    handlers += [(r"/(bokeh\.js|page\.js|tables\.js|page\.css)", _Asset)]
+    handlers += [(r"/download", _Download), (r"/alive", _Alive)]
     own = {"view": view, "guard": guard, "presence": presence, "turn": Lock()}  # the turn of what takes long
     quiet = {"log_function": lambda handler: None, "websocket_ping_interval": 5}
     return Application(handlers, default_handler_class=_Missing, **quiet, **own)

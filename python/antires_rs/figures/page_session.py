@@ -376,11 +376,10 @@ class Session:
     def restore(self, dof: Any, freq_hz: float) -> str:
         """Bring back a value that was dropped, as it was."""
         with self._lock:
-            off = {
-                i: abs(each.edit.freq_hz / freq_hz - 1.0)
-                for i, each in enumerate(self.now.asked)
-                if (each.edit.dof, each.edit.action, self.now.waits[i]) == (dof, "drop", None)
-            }
+            off = {}
+            for i, (each, waits) in enumerate(zip(self.now.asked, self.now.waits, strict=True)):
+                if (each.edit.dof, each.edit.action, waits) == (dof, "drop", None):
+                    off[i] = abs(each.edit.freq_hz / freq_hz - 1.0)
             nearest = min(off, key=off.__getitem__, default=None)
             if nearest is not None and off[nearest] < NAMED_WITHIN:
                 return self.take_back(nearest)
@@ -601,25 +600,19 @@ class SetView(View):
             edits.append({"text": text, "reason": each.edit.reason, "waits": why})
         checked = () if zeros.data_check is None else zeros.data_check.warnings
         around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
-        return {
-            "kind": "set",
-            "turn": turn,
-            "excitation": str(zeros.excitation),
-            "dofs": [str(each) for each in zeros],
-            "dof": list(zeros).index(dof),
-            "rows": rows_of(zeros),
-            "edits": edits,
-            "marks": mark_columns(zeros, dof, around or (0.0, 1.0)),
-            "band_hz": None if band is None else list(band),
-            "max_order": now.max_order,
-            "identified": session.identified,
-            "can_identify": session.source is not None,
+        state: dict[str, Any] = {"kind": "set", "turn": turn, "excitation": str(zeros.excitation)}
+        state |= {"dofs": [str(each) for each in zeros], "dof": list(zeros).index(dof), "edits": edits}
+        state |= {"rows": rows_of(zeros), "marks": mark_columns(zeros, dof, around or (0.0, 1.0))}
+        state |= {"band_hz": None if band is None else list(band), "max_order": now.max_order}
+        state |= {"identified": session.identified, "can_identify": session.source is not None}
+        state |= {
             "can_undo": bool(session.past),
             "can_redo": bool(session.future),
             "unsaved": session.unsaved,
-            "file": None if session.file.path is None else str(session.file.path),
-            "warnings": list(now.warned) or [f"data check: {line}" for line in checked],
         }
+        state["file"] = None if session.file.path is None else str(session.file.path)
+        state["warnings"] = list(now.warned) or [f"data check: {line}" for line in checked]
+        return state
 
     def figure(self, shown: int) -> dict[str, Any]:
         """Everything that speaks for the values of a response."""

@@ -87,28 +87,22 @@ def write_report(
         warnings = [line for check in checks if check is not None for line in check.warnings]
     made = ", ".join(f"{name} {version}" for name, version in versions().items())
     when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    said: dict[str, Any] = {
+        "answer": parts.answer_of(result),
+        "lead": _lead(result),
+        "warnings": list(warnings),
+    }
+    said["title"] = title or f"{'Damage assessment' if damage else 'Model updating'} with {values}"
+    facts = {"measured": measured, "intact": [_lines(each) for each in baseline or ()]}
+    run = parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]}
+    figures: dict[str, Any] = {"figures": drawn.figures, "diagrams": shown, "left_out": left_out}
+    figures |= {"library": parts.library(), "script": parts.script(), "policy": parts.policy()}
     blocks: dict[str, Any] = {"trim_blocks": True, "lstrip_blocks": True}
-    environment = Environment(autoescape=True, undefined=StrictUndefined, **blocks)
-    html = environment.from_string(_asset("report.html")).render(
-        title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
-        answer=parts.answer_of(result),
-        lead=_lead(result),
-        result=result,
-        damage=damage,
-        modal=modal,
-        tables=parts.tables_of(result, truth),
-        intact=[_lines(each) for each in baseline or ()],
-        figures=drawn.figures,
-        measured=measured,
-        diagrams=shown,
-        left_out=left_out,
-        library=parts.library(),
-        script=parts.script(),
-        policy=parts.policy(),
-        warnings=list(warnings),
-        model=parts.of_model(problem.model),
-        run=parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]},
+    template = Environment(autoescape=True, undefined=StrictUndefined, **blocks).from_string(
+        _asset("report.html")
     )
+    found = {"result": result, "tables": parts.tables_of(result, truth), "damage": damage, "modal": modal}
+    html = template.render(**said, **found, **facts, **figures, model=parts.of_model(problem.model), run=run)
     return write_atomically(path, html.encode("utf-8"))
 
 

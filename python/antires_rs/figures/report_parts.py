@@ -53,12 +53,11 @@ def named_diagrams(
     tables: Sequence[Mapping[Any, Any]], forces: Sequence[Any], model: StructuralModel
 ) -> dict[str, Any]:
     """Diagrams by the name of their response, with that of the force where there are several."""
-    several = len(tables) > 1
-    return {
-        dof_name(model, dof) + (f", force at {dof_name(model, force)}" if several else ""): diagram
-        for force, table in zip(forces, tables, strict=True)
-        for dof, diagram in table.items()
-    }
+    named: dict[str, Any] = {}
+    for force, table in zip(forces, tables, strict=True):
+        at = f", force at {dof_name(model, force)}" if len(tables) > 1 else ""
+        named |= {f"{dof_name(model, dof)}{at}": diagram for dof, diagram in table.items()}
+    return named
 
 
 def of_signal(signal: Recording | FrequencyResponse) -> Facts:
@@ -101,11 +100,10 @@ def of_identification(signal: Recording | FrequencyResponse, found: Antiresonanc
     elif found.diagrams:
         max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
     others = OF_SWEEP if fitted in ("windows", "directions") else OF_WINDOWS
-    thresholds = [
-        f"{name} {used[name]}"
-        for name, one in FitOptions.declared().items()
-        if one.kind in ("number", "whole", "switch") and name not in (*others, "min_order")
-    ]
+    kinds = {
+        name: one.kind for name, one in FitOptions.declared().items() if name not in (*others, "min_order")
+    }
+    thresholds = [f"{name} {used[name]}" for name, of in kinds.items() if of in ("number", "whole", "switch")]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = used["band_hz"]
     method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
@@ -125,10 +123,8 @@ def _spectra(signal: Recording, found: AntiresonanceSet, used: Mapping[str, Any]
     overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
     known = checked is not None and checked.n_averages is not None
     averages = f", {checked.n_averages:.1f} independent averages" if checked and known else ""
-    return (
-        f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}, window "
-        f"{used['window']}{averages}"
-    )
+    cut = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
+    return f"{cut}, window {used['window']}{averages}"
 
 
 def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
@@ -207,11 +203,8 @@ def of_search(result: UpdateResult) -> Facts:
         return ended | _of_assessment(result.assessment) | {"Seed": [f"{result.seed}"]}
     penalty = problem.penalty
     price = "" if penalty is None else (f", {penalty.text}, snap {penalty.snap:g}")
-    options = [
-        f"{name} {', '.join(value) if isinstance(value, list) else value}"
-        for name, value in result.search.options.items()
-        if value is not None
-    ]
+    given = {name: value for name, value in result.search.options.items() if value is not None}
+    options = [f"{name} {', '.join(v) if isinstance(v, list) else v}" for name, v in given.items()]
     weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
     count = history.cost.shape[1]
     objective = f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"
@@ -668,26 +661,26 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     chance, limits = (result.probability, result.interval) if judged else ({}, {})
     instead = _instead(result) if judged else {}
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
-    rows = [
-        {
+    rows = []
+    for e, name, std, (low, high) in columns:
+        lost, other = result.severity[e], instead.get(e)
+        row: dict[str, Any] = {
             "name": label(e),
-            "value": f"or {percent(instead[e][0])}" if e in instead else percent(result.severity[e]),
-            "std": _deviation(100.0 * std) if result.severity[e] > 0.0 else "",
-            "interval": _interval(*instead[e][1:] if e in instead else limits.get(e, (0.0, 0.0))),
-            "probability": _probability(chance.get(e, 0.0)),
-            "visible": percent(result.detectable[e]),
-            "truth": percent((truth or {}).get(e)),
-            "bounds": f"{100 * low:g} to {100 * high:g}",
-            "damaged": result.severity[e] > 0.0 or e in instead,
-            "on_bound": name in on_bound,
+            "value": percent(lost) if other is None else f"or {percent(other[0])}",
         }
-        for e, name, std, (low, high) in columns
-    ]
+        row |= {
+            "std": _deviation(100.0 * std) if lost > 0.0 else "",
+            "bounds": f"{100 * low:g} to {100 * high:g}",
+        }
+        row |= {"interval": _interval(*(limits.get(e, (0.0, 0.0)) if other is None else other[1:]))}
+        row |= {"probability": _probability(chance.get(e, 0.0)), "visible": percent(result.detectable[e])}
+        row |= {"truth": percent((truth or {}).get(e)), "damaged": lost > 0.0 or other is not None}
+        rows.append(row | {"on_bound": name in on_bound})
     # Elements that were no candidates, and would explain the change.
     for one in result.hypotheses if judged else ():
         if one.candidate or not one.elements or one.unknown or one.probability < WORTH_A_ROW:
             continue
-        row: dict[str, Any] = dict.fromkeys(("std", "visible", "bounds"), "") | {"on_bound": False}
+        row = dict.fromkeys(("std", "visible", "bounds"), "") | {"on_bound": False}
         row |= {"name": f"{label(one.elements[0])}, no candidate", "value": percent(one.severities[0])}
         row |= {"interval": _interval(one.low[0], one.high[0]), "probability": _probability(one.probability)}
         row |= {"truth": percent((truth or {}).get(one.elements[0])), "damaged": one is result.hypotheses[0]}

@@ -22,11 +22,8 @@ if TYPE_CHECKING:
 MOST_RESPONSES = 6
 KINDS = ("accelerance", "mobility", "receptance")
 #: Of the measured curve, and of the model before and after.
-LOOKS: tuple[dict[str, Any], ...] = (
-    {"colour": "#BDBDBD", "width": 3.2},
-    {"colour": "vermillion", "dash": "--"},
-    {"colour": "blue"},
-)
+LOOKS: tuple[dict[str, Any], ...] = ({"colour": "#BDBDBD", "width": 3.2},)
+LOOKS += ({"colour": "vermillion", "dash": "--"}, {"colour": "blue"})
 
 
 def plot_responses(

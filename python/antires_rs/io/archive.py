@@ -121,11 +121,8 @@ def _sha256(data: bytes) -> str:
 
 # -- Values of our classes as plain data and arrays, and made again from them, bit-identical
 
-_MODELS: dict[type[Recipe], type[StructuralModel]] = {
-    ChainRecipe: MassSpringChain,
-    MatrixRecipe: MatrixModel,
-    FrameRecipe: FrameModel,
-}
+_MODELS: dict[type[Recipe], type[StructuralModel]] = {ChainRecipe: MassSpringChain, FrameRecipe: FrameModel}
+_MODELS |= {MatrixRecipe: MatrixModel}
 #: What the constructors of classes take that are no dataclasses, or have fields that are not kept.
 _FIELDS: dict[type, tuple[str, ...]] = {
     ModalSet: ("freq_hz", "shapes", "dofs", "damping_ratio", "std_hz", "std_shapes"),
@@ -133,13 +130,15 @@ _FIELDS: dict[type, tuple[str, ...]] = {
     Hypotheses: ("rows", "names"),
     Entries: Entries._fields,
 }
-_HOMES = (
-    *(assessor_plan, inference, hypotheses, likelihood, options),
-    *(frame_parts, recipes, structural_model, island_ga),
-)
+_HOMES = (assessor_plan, inference, hypotheses, likelihood, options, frame_parts, recipes)
 #: Classes by the names that stand in files: our dataclasses, as these modules know them, and those above.
 _CLASSES: dict[str, Any] = {
-    **{name: each for home in _HOMES for name, each in vars(home).items() if is_dataclass(each)},
+    **{
+        name: each
+        for home in (*_HOMES, structural_model, island_ga)
+        for name, each in vars(home).items()
+        if is_dataclass(each)
+    },
     **{each.__name__: each for each in (*_FIELDS, *_MODELS.values())},
     **{each.__name__: each for each in (AntiresonanceSet, Parameter, DamagePenalty)},
 }

@@ -496,10 +496,8 @@ def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: f
     titles, stated = segment.titles, [int(n) for n in segment.tags.get("Samples", []) if n.isdecimal()]
     made: list[tuple[str, Any, Any]] = []
     for c in range(_count(segment, form)):
-        place, most = (
-            2 * c + 1 if form.columns == "multi" else c + 1,
-            dict(enumerate(stated)).get(c, math.inf),
-        )
+        place = 2 * c + 1 if form.columns == "multi" else c + 1
+        most = stated[c] if c < len(stated) else math.inf
         name = titles[place] if place < len(titles) and titles[place] else f"channel {c + 1}"
         x, values = _column(file, form, segment, c, most)
         made.append((name, x, values))

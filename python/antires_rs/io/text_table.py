@@ -164,10 +164,9 @@ def without_count(body: list[str], between: str | None) -> list[str]:
         return body
     width = body[start].count(between or " ")
     headed = [line.count(between or " ") == width for line in body[:start]]
-    return [
-        _bare(rest, between) if i >= start or headed[i] else line
-        for i, (line, (_, rest)) in enumerate(zip(body, split, strict=True))
-    ]
+    counted = [*headed, *[True] * (len(body) - start)]
+    rows = zip(body, split, counted, strict=True)
+    return [_bare(rest, between) if one else line for line, (_, rest), one in rows]
 
 
 def _second_is_instant(line: str, between: str | None) -> bool:

@@ -115,10 +115,8 @@ def _recorded(rec: Recording, points: dict[Any, Point], force: Point | None, uni
     types = (_DATA[si_unit("unit", unit).quantity], 0)
     even = (0.0, 1.0 / rec.fs_hz)
     line4 = {"start": 0.0, "step": 1.0 / rec.fs_hz, "rate_hz": rec.fs_hz}
-    sets = [
-        _Set(_TIME, dof, points[dof], row, types, ("s", unit, ""), _OF_TIME, even, line4)
-        for dof, row in zip(rec.dofs, rec.responses, strict=True)
-    ]
+    rows, of_time = zip(rec.dofs, rec.responses, strict=True), (_OF_TIME, even, line4)
+    sets = [_Set(_TIME, dof, points[dof], row, types, ("s", unit, ""), *of_time) for dof, row in rows]
     if rec.force is not None:
         at = force or (max(node for node, _ in points.values()) + 1, 0)
         types = (_DATA["force"], 0)
