@@ -272,9 +272,8 @@ def plot_damages(
         marks.append(Words(at[some], percents[some], texts, away=4.0, size=6.94, turned=narrow))
     if truth is not None:
         marks.append(_diamonds(x, truths))
-    bars = {"element": first.elements, "name": names} | {
-        f"{name}_percent": one for name, one in found.items()
-    }
+    bars = {"element": first.elements, "name": names}
+    bars |= {f"{name}_percent": one for name, one in found.items()}
     bars |= {} if truth is None else {"truth_percent": truths}
     y_axis = percent_axis(np.concatenate([truths, *found.values()]), upright)
     x_axis, first_ones = element_axis(names, upright), tuple(results)
@@ -290,9 +289,8 @@ _LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
 
 def worth_a_row(hypotheses: Hypotheses, most: int = MOST_ROWS) -> list[Hypothesis]:
     """Those that have a bar, or a row of a table, of their own."""
-    return [
-        one for i, one in enumerate(hypotheses[:most]) if i < _LEAST_ROWS or one.probability >= WORTH_A_ROW
-    ]
+    few, rest = hypotheses[: min(most, _LEAST_ROWS)], hypotheses[_LEAST_ROWS:most]
+    return [*few, *(one for one in rest if one.probability >= WORTH_A_ROW)]
 
 
 def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> Any:

@@ -263,9 +263,8 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
             Line(freq, row, label=f"dof {dof}", **turn(i)) for i, (dof, row) in enumerate(curves.items())
         ]
     else:
-        marks = [
-            Line(freq, row, CURVE, width=0.7, label=None if i else "each dof") for i, row in enumerate(rows)
-        ]
+        names = ["each dof", *[None] * (len(rows) - 1)]
+        marks = [Line(freq, row, CURVE, width=0.7, label=name) for row, name in zip(rows, names, strict=True)]
         marks.append(Line(freq, rows.min(axis=0), "vermillion", "--", 1.0, label="lowest"))
         marks.append(Line(freq, np.median(rows, axis=0), "blue", width=1.6, label="median"))
     if resp.n_averages is not None and resp.n_averages > 1.0:
@@ -356,9 +355,8 @@ def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]
     unsteady = np.isin(how, ["persistent", "likeliest order"])
     kinds = np.where(now.by_hand, ADDED, np.where(unsteady, UNSTABLE, STABLE))
     rows = list(zip(now.freq_hz.tolist(), kinds.tolist(), now.std_hz.tolist(), strict=True))
-    rows += [
-        (freq, DROPPED, std) for freq, std in zip(gone.freq_hz.tolist(), gone.std_hz.tolist(), strict=True)
-    ]
+    left = zip(gone.freq_hz.tolist(), gone.std_hz.tolist(), strict=True)
+    rows += [(freq, DROPPED, std) for freq, std in left]
     marks: Marks = {kind: {"x": [], "label": [], "error": []} for kind in LOOKS}
     last = -np.inf
     for freq, kind, std in sorted(rows):

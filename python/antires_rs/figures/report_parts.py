@@ -76,9 +76,8 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     low, high = signal.freq_hz[[0, -1]]
     over = "" if signal.reference is None else f" over dof {signal.reference}"
     kinds = {"frf": "frequency responses", "transmissibility": "transmissibilities"}
-    facts["Curves"] = [
-        f"{kinds[signal.kind]}{over}, {signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"
-    ]
+    lines = f"{signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"
+    facts["Curves"] = [f"{kinds[signal.kind]}{over}, {lines}"]
     if signal.n_averages is not None:
         facts["Averages"] = [f"{signal.n_averages:.1f}"]
     return facts
@@ -728,9 +727,8 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
         return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
     cells = {name: [cell(name, one) for one in getattr(table, of)] for name, of in columns.items()}
-    rows: list[dict[str, Any]] = [
-        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
-    ]
+    each = zip(*cells.values(), strict=True)
+    rows: list[dict[str, Any]] = [dict(zip(cells, row, strict=True)) for row in each]
     if modal:
         for row, mode in zip(rows, table.mode, strict=True):
             row.update(mode=mode, group=mode == table.mode[0])

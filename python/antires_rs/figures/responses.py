@@ -226,9 +226,10 @@ def transmissibilities(
         if model is not None:
             h = model.frf(list(dofs), excitation, freq, damping_ratio=damping_ratio)
             curves.append(h / h[dofs.index(reference)])
-    levels = [
-        _decibel(FrequencyResponse(freq, one, dofs, "transmissibility", reference), dof) for one in curves
-    ]
+    levels = []
+    for one in curves:
+        ratios = FrequencyResponse(freq, one, dofs, "transmissibility", reference)
+        levels.append(_level(transmissibility_sum(ratios) if dof is None else one[dofs.index(dof)]))
     called = curve_names(names, after is not None)
     columns = {f"level_{i}": level for i, level in enumerate(levels)}
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
@@ -244,8 +245,3 @@ def transmissibilities(
 def dof_name(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it."""
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
-
-
-def _decibel(response: FrequencyResponse, dof: int | None) -> FloatArray:
-    values = transmissibility_sum(response) if dof is None else response.values[response.dofs.index(dof)]
-    return _level(values)

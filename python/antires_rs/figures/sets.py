@@ -271,9 +271,8 @@ def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
     # The baseline, as the stretches in which its tests follow each other; failed tests end none.
     own = watched.baseline
     breaks = np.flatnonzero(np.diff(own) > 2 + len(watched.failed))
-    marks: list[Mark] = [
-        Bands(x[own[np.r_[0, breaks + 1]]], x[own[np.r_[breaks, own.size - 1]]], "#EDEDED", label="baseline")
-    ]
+    first, last = x[own[np.r_[0, breaks + 1]]], x[own[np.r_[breaks, own.size - 1]]]
+    marks: list[Mark] = [Bands(first, last, "#EDEDED", label="baseline")]
     axis = Axis("Time" if dated else "Test", dated=dated)
     tables: dict[str, dict[str, Any]]
 

@@ -298,9 +298,8 @@ def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, la
     marks: list[Mark] = []
     for i in range(len(model.sections)):
         own = of == i
-        hovered = _hovered(
-            names[own].tolist(), None, nodes=joined[own].tolist(), section=section[own].tolist()
-        )
+        of_these = {"nodes": joined[own].tolist(), "section": section[own].tolist()}
+        hovered = _hovered(names[own].tolist(), None, **of_these)
         called = model.section_label(i) if len(model.sections) > 1 else None
         look = {"colour": SHADES[i % len(SHADES)], "dash": DASHES[i % len(DASHES)]}
         marks.append(Paths(list(ends[own]), label=called, **look, **hovered))

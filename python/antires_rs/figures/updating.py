@@ -78,9 +78,7 @@ def differences(
     if not labelled:
         across = across.replace(" (Hz)", "s, ascending")
     if wide_pt is None:
-        across = (
-            f"{'Resonances' if modal else 'Antiresonances'}, by {'test' if modal else 'response'}, ascending"
-        )
+        across = f"{'Resonances, by test' if modal else 'Antiresonances, by response'}, ascending"
     both = np.concatenate([table.before_percent, table.after_percent])
     both = both[np.isfinite(both)]
     low, high = np.clip([both.min(initial=0.0), both.max(initial=0.0)], -reach(both), reach(both)).tolist()

@@ -44,9 +44,8 @@ from ..optimize.island_ga import History, OptimizeResult
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
-from .common import existing_file, parts_of, unsuitable
+from .common import PathLike, existing_file, parts_of, unsuitable
 from .own_format import TEXT, read_archive, write_archive
-from .reading import PathLike
 
 
 class Store:

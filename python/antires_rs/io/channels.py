@@ -17,8 +17,7 @@ from ..signals.recording import Recording
 from ..support.checks import shape_of
 from ..support.messages import LeftOut, Passed, Wording, warn
 from ._child import matches
-from .common import rate_of, refuse_real, simplest_rate, unsuitable
-from .reading import Dofs, Reading
+from .common import Dofs, Reading, rate_of, refuse_real, simplest_rate, unsuitable
 
 #: Names of a channel that holds the instants of the others.
 _TIME = ("time", "t", "time_s", "x_value", "zeit")

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
 from ._child import Answer, matches
-from .common import unsuitable
+from .common import Reading, unsuitable
 from .own_format import read_archive
 from .raw_arrays import ROLES, array_of
-from .reading import Reading
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3

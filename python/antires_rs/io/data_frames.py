@@ -21,8 +21,7 @@ from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array
 from ..updating.posterior import ParameterIntervals
 from .channels import Channel, named_unit, recording_of
-from .common import missing_package, rate_of
-from .reading import Dofs, Reading
+from .common import Dofs, Reading, missing_package, rate_of
 
 
 def _package(method: str, name: str) -> Any:
@@ -218,9 +217,8 @@ def from_sep005(
     made, rates = [], []
     for i, row in enumerate(rows):
         _check_keys(i, row)
-        data = real_array(
-            part("channels", i).item("data"), row["data"], ndim=1, wanted="a real array (n_samples,)"
-        )
+        at = part("channels", i).item("data")
+        data = real_array(at, row["data"], ndim=1, wanted="a real array (n_samples,)")
         made.append(Channel(row["name"], data, row["unit_str"] or ""))
         rates.append(_rate(i, row, data.size))
     names = [c.name for c in made]

@@ -26,9 +26,8 @@ from ..support.messages import warn
 from ._child import Answer, room
 from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .child_process import Limits, in_a_child
-from .common import brief, existing_file, require, unsuitable
+from .common import PathLike, brief, existing_file, require, unsuitable
 from .own_format import read_archive
-from .reading import PathLike
 
 #: Node and direction code, 1 to 6; 0 is a scalar.
 Point = tuple[int, int]

@@ -26,9 +26,8 @@ from ..signals.recording import Recording
 from ..support.checks import finite_scalar
 from ..support.files import write_atomically
 from .channels import kept, named_unit, renamed
-from .common import Signal, brief, parts_of, unsuitable
+from .common import OfArrays, PathLike, Reading, Signal, brief, opened, parts_of, reader, unsuitable, writer
 from .raw_arrays import signal_of_arrays
-from .reading import OfArrays, PathLike, Reading, opened, reader, writer
 
 FORMAT, VERSION = "antires_rs.signal", 1
 #: The name of the JSON text in a file.

@@ -28,8 +28,7 @@ from .channels import (
     response_of,
     warn_other_rate,
 )
-from .common import Signal, rate_of, unsuitable
-from .reading import Reading
+from .common import Reading, Signal, rate_of, unsuitable
 
 # -- The frequencies of responses whose file does not hold them
 

@@ -19,9 +19,19 @@ from ..support.messages import Passed, Wording, warn
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
-from .common import choose_run, missing_part, rate_of, require, unsuitable
+from .common import (
+    PathLike,
+    Rated,
+    Selected,
+    choose_run,
+    missing_part,
+    opened,
+    rate_of,
+    reader,
+    require,
+    unsuitable,
+)
 from .raw_arrays import stated_number
-from .reading import PathLike, Rated, Selected, opened, reader
 from .text_table import decoded
 
 # -- TDMS of National Instruments (LabVIEW, FlexLogger, DIAdem)
@@ -514,10 +524,8 @@ def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: f
         unsuitable(file, "with values that are not finite", "finite numbers", remedy)
     kinds = {kind.lower() for kind in segment.tags.get("X_Dimension", [])} - {"", "time"}
     if kinds:
-        said = (
-            f"lies over {', '.join(sorted(kinds))}, as its X_Dimension says; it is read as a record over time"
-        )
-        warn("not_over_time", f"path: {str(file)!r} {said}.")
+        over = f"lies over {', '.join(sorted(kinds))}, as its X_Dimension says"
+        warn("not_over_time", f"path: {str(file)!r} {over}; it is read as a record over time.")
     tags = [{key: "".join(of[c : c + 1]) for key, of in segment.tags.items()} for c in range(len(made))]
     return [_channel(file, *each, own, fs_hz) for each, own in zip(made, tags, strict=True)]
 

@@ -17,10 +17,9 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, shape_of
 from ..support.messages import Passed, Wording
 from .channels import kept, renamed
-from .common import Signal, existing_file, unsuitable
+from .common import Dofs, PathLike, Signal, existing_file, unsuitable
 from .hdf5_mat import read_hdf5, read_mat
 from .own_format import read_npz
-from .reading import Dofs, PathLike
 from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
 from .table_files import read_csv, read_excel, read_parquet
 from .uff import read_uff
@@ -209,9 +208,8 @@ def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
 def _one(path: Path, format: str, options: dict[str, Any]) -> FrequencyResponse:
     signal = READERS[format](path, **options)
     if not isinstance(signal, FrequencyResponse) or len(signal.dofs) != 1:
-        found = (
-            f"{len(signal.dofs)} responses" if isinstance(signal, FrequencyResponse) else "a record over time"
-        )
+        several = isinstance(signal, FrequencyResponse)
+        found = f"{len(signal.dofs)} responses" if several else "a record over time"
         remedy = "Read it alone by its own reader, or name the response that is meant."
         unsuitable(path, f"with {found}", "one response over frequency in each file", remedy)
     return signal

@@ -19,9 +19,20 @@ from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, in_si, named_unit, recording_of, si_unit
 from .child_process import Limits, channels_of_child
-from .common import Signal, missing_part, parts_of, require, unsuitable
+from .common import (
+    OfColumns,
+    PathLike,
+    Reading,
+    Signal,
+    missing_part,
+    opened,
+    parts_of,
+    reader,
+    require,
+    unsuitable,
+    writer,
+)
 from .own_format import as_asked, check_dofs
-from .reading import OfColumns, PathLike, Reading, opened, reader, writer
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
 
 

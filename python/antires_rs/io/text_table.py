@@ -27,9 +27,8 @@ from .channels import (
     response_of,
     warn_other_rate,
 )
-from .common import Signal, rate_of, unsuitable
+from .common import Reading, Signal, rate_of, unsuitable
 from .raw_arrays import given_lines
-from .reading import Reading
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
 

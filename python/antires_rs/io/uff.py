@@ -25,16 +25,18 @@ from ..support.directions import CODES, DIRECTIONS
 from ..support.messages import LeftOut, Passed, Wording, warn
 from .channels import Channel, Unit, abscissa_factor, named_unit, one_quantity, parse_unit, recording_of
 from .common import (
+    PathLike,
+    Reading,
     Signal,
     choose_run,
     existing_file,
     missing_part,
     rate_of,
+    reader,
     refuse_real,
     simplest_rate,
     unsuitable,
 )
-from .reading import PathLike, Reading, reader
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #

@@ -18,9 +18,8 @@ from ..signals.spectra import std_of_coherence
 from ..support.files import write_atomically
 from ..support.messages import warn
 from .channels import si_unit
-from .common import Signal
+from .common import PathLike, Signal, writer
 from .own_format import check_dofs
-from .reading import PathLike, writer
 from .uff import VERSION, Point, as_point, checksum_line, label_of, points_of
 
 #: Function types of record 6, and the titles in ID line 1.
@@ -135,7 +134,9 @@ def _responses(
     start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
     gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
     even = (start, step) if gap <= 1e-12 * resp.freq_hz[-1] else None
-    if resp.std is not None and not _follows(resp):
+    known = resp.coherence is not None and (resp.n_averages or 0.0) > 1.0
+    derived = std_of_coherence(resp.values, resp.coherence, resp.n_averages) if known else None
+    if resp.std is not None and not (known and np.array_equal(resp.std, derived)):
         said = "its standard deviations are not those of coherence and averages"
         why = "and a universal file has no place for them; they are left out"
         warn("errors_not_written", f"signal: {said}, {why}.")
@@ -151,13 +152,6 @@ def _responses(
         rows = zip(resp.dofs, resp.coherence, strict=True)
         sets += [_Set(_COHERENCE, dof, points[dof], row, (0, 0), ("Hz", "", ""), *axis) for dof, row in rows]
     return sets
-
-
-def _follows(resp: FrequencyResponse) -> bool:
-    """Whether the deviations are those that a reader derives."""
-    if resp.coherence is None or resp.n_averages is None or resp.n_averages <= 1.0 or resp.std is None:
-        return False
-    return bool(np.array_equal(resp.std, std_of_coherence(resp.values, resp.coherence, resp.n_averages)))
 
 
 def _block(given: _Set, place: str, binary: bool) -> bytes:
