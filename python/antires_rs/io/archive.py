@@ -293,14 +293,11 @@ def _result_3(data: dict[str, Any], name: str) -> list[Any]:
     search = OptimizeResult(history=History(**raw.pop("history")), **raw)
     found, asked = data.get("assessment"), data.get("question")
     posed = data["problem"]
-    problem = UpdatingProblem(
-        _model_3(posed["model"], name),
-        _parameters_3(posed["parameters"]),
-        [_set_3(each, name) for each in posed["measured"]],
-        misfit=posed["misfit"],
-        penalty=None if posed["penalty"] is None else DamagePenalty(**posed["penalty"]),
-        weights=posed["weights"],
-    )
+    more = {each: posed[each] for each in ("misfit", "weights")}
+    more["penalty"] = None if posed["penalty"] is None else DamagePenalty(**posed["penalty"])
+    sets = [_set_3(each, name) for each in posed["measured"]]
+    parameters = _parameters_3(posed["parameters"])
+    problem = UpdatingProblem(_model_3(posed["model"], name), parameters, sets, **more)
     assessment = None if found is None else _assessment_3(found)
     question = None if asked is None else _question_3(asked, name)
     return [problem, search, assessment, question, data.get("options")]
@@ -377,18 +374,13 @@ def recipe_1(data: dict[str, Any]) -> MatrixRecipe:
 
 
 def _frame_3(data: dict[str, Any]) -> FrameRecipe:
-    sections = [dict(each) for each in data["sections"]]
-    return FrameRecipe(
-        nodes_m=data["nodes_m"],
-        beams=tuple((a, b, section) for a, b, section in data["elements"]),
-        section_names=tuple(data["section_names"]),
-        sections=tuple(_CLASSES[each.pop("type")](**each) for each in sections),
-        orientation=data["orientation"],
-        parts={
-            name: tuple(kind._of_saved(row) for row in data.get(name, ())) for name, kind in PARTS.items()
-        },
-        fixed=tuple((node, direction) for node, direction in data["fixed"]),
-    )
+    sections = (dict(each) for each in data["sections"])
+    held: dict[str, Any] = {name: data[name] for name in ("nodes_m", "orientation")}
+    held |= {"beams": tuple(map(tuple, data["elements"])), "fixed": tuple(map(tuple, data["fixed"]))}
+    held["section_names"] = tuple(data["section_names"])
+    held["sections"] = tuple(_CLASSES[each.pop("type")](**each) for each in sections)
+    parts = {name: tuple(map(kind._of_saved, data.get(name, ()))) for name, kind in PARTS.items()}
+    return FrameRecipe(**held, parts=parts)
 
 
 _RECIPES_3: dict[str, Callable[[dict[str, Any]], Recipe]] = {

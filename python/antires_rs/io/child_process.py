@@ -105,17 +105,11 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     environment |= dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"), "1")
     environment["ARROW_DEFAULT_MEMORY_POOL"] = "system"  # others reserve more than the limit
+    command = [sys.executable, "-P", str(READER), *arguments]  # -P: its folder must not hide standard modules
+    how: dict[str, Any] = {"capture_output": True, "text": True, "errors": "replace", "check": False}
+    how |= {"env": environment, "timeout": limits.time_limit_s, "stdin": subprocess.DEVNULL}
     try:
-        done = subprocess.run(
-            [sys.executable, "-P", str(READER), *arguments],  # -P: its folder must not hide standard modules
-            env=environment,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=limits.time_limit_s,
-            stdin=subprocess.DEVNULL,
-            check=False,
-        )
+        done = subprocess.run(command, **how)
     except subprocess.TimeoutExpired:
         found = f"which was not read within {limits.time_limit_s:g} s"
         unsuitable(file, found, wanted, "Raise time_limit_s if it is large; otherwise it is damaged.")

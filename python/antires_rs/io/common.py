@@ -1,4 +1,4 @@
-"""What all readers share: files and packages named in errors, rates of instants, and the options of a call."""
+"""What all readers share: files and packages named in errors, rates of instants, options of a call."""
 
 from __future__ import annotations
 

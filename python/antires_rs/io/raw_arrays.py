@@ -59,25 +59,16 @@ def given_lines(path: Path, given: Reading, count: int) -> FloatArray:
 # Names are those of arrays, ``run1/acc`` or ``test.acc``; an attribute is ``run1/acc@unit``, of a group
 # ``run1@fs``, of the file ``@fs``. What is said of a group or struct holds for all within.
 
-RATES = frozenset(
-    {
-        *("fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "samplingfrequency"),
-        *("sampling_frequency", "samplefrequency", "sample_rate_hz", "sampling_rate_hz", "rate_hz"),
-    }
-)
-STEPS = frozenset({"dt", "dt_s", "delta_t", "deltat", "wf_increment", "sample_interval", "sampling_interval"})
-UNITS = frozenset({"unit", "units", "unit_string", "y_unit", "yunit", "y_unit_label", "einheit"})
+RATES = {"fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "samplingfrequency"}
+RATES |= {"sampling_frequency", "samplefrequency", "sample_rate_hz", "sampling_rate_hz", "rate_hz"}
+STEPS = {"dt", "dt_s", "delta_t", "deltat", "wf_increment", "sample_interval", "sampling_interval"}
+UNITS = {"unit", "units", "unit_string", "y_unit", "yunit", "y_unit_label", "einheit"}
 _QUANTITY = re.compile(r"([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(.*)\Z")
 _THOUSANDS = re.compile(r"[1-9]\d{0,2}(?:,\d{3})+\Z")
 
 
 class Notes:
-    """Numbers and texts by name.
-
-    >>> notes = Notes({"run1@fs": 512.0, "run1/acc@unit": "g"})
-    >>> notes.rate(Path("a.h5"), ["run1/acc"]), notes.unit("run1/acc")
-    (512.0, 'g')
-    """
+    """Numbers and texts by name, ``{"run1@fs": 512.0, "run1/acc@unit": "g"}``."""
 
     def __init__(self, values: Mapping[str, Any] | None = None) -> None:
         self._values = dict(values or {})
@@ -123,7 +114,7 @@ class Notes:
         shown = [f"{key} = {value!r}" for key, value in self._values.items() if str(value).strip()][:8]
         return "" if not shown else "; it says " + ", ".join(shown)[:300]
 
-    def _of(self, name: str, wanted: frozenset[str]) -> Iterable[tuple[str, Any]]:
+    def _of(self, name: str, wanted: set[str]) -> Iterable[tuple[str, Any]]:
         """What is said of an array, the nearest first: of itself, of its struct or group, of the file."""
         here = name.partition("[")[0] if name.endswith("]") and "/" not in name else name
         while True:
@@ -163,7 +154,7 @@ _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
 #: Names that tell a role, whatever is asked for.
-ROLES = frozenset(_TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE)
+ROLES = _TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE
 _ROW = re.compile(r"(.+)\[(\d{1,9})\]")
 
 

@@ -46,10 +46,8 @@ _NAME = re.compile(
     rf"^(?:(?P<w1>{_ANY})(?: part)?(?:[ _.(]+(?P<b1>.+?)\)?)?|(?P<b2>.+?)[ _.]+(?P<w2>{_ANY})(?: part)?)$",
     re.IGNORECASE,
 )
-_ANGLES = {
-    **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
-    **dict.fromkeys(("rad", "radian", "radians"), "rad"),
-}
+_ANGLES = dict.fromkeys(("deg", "degree", "degrees", "°"), "deg")
+_ANGLES |= dict.fromkeys(("rad", "radian", "radians"), "rad")
 _LINEAR = ("lin", "linear", "abs")
 _PER_TURN = {"deg": np.pi / 180.0, "rad": 1.0}
 

@@ -134,9 +134,10 @@ def _responses(
     start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
     gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
     even = (start, step) if gap <= 1e-12 * resp.freq_hz[-1] else None
-    known = resp.coherence is not None and (resp.n_averages or 0.0) > 1.0
-    derived = std_of_coherence(resp.values, resp.coherence, resp.n_averages) if known else None
-    if resp.std is not None and not (known and np.array_equal(resp.std, derived)):
+    derived = None  # what a reader makes of coherence and averages
+    if resp.coherence is not None and resp.n_averages is not None and resp.n_averages > 1.0:
+        derived = std_of_coherence(resp.values, resp.coherence, resp.n_averages)
+    if resp.std is not None and (derived is None or not np.array_equal(resp.std, derived)):
         said = "its standard deviations are not those of coherence and averages"
         why = "and a universal file has no place for them; they are left out"
         warn("errors_not_written", f"signal: {said}, {why}.")
