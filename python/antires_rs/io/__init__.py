@@ -4,7 +4,7 @@ docs/files.md has a table of what each format keeps. Nothing is computed here; o
 where they are used.
 """
 
-from .data_frames import from_sep005 as from_sep005, to_sep005 as to_sep005
+from .channels import from_sep005 as from_sep005, to_sep005 as to_sep005
 from .hdf5_mat import (
     mat_arrays as mat_arrays,
     read_hdf5 as read_hdf5,
