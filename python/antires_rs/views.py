@@ -42,7 +42,7 @@ VIEWS = {
     ("UpdateResult", "plot differences"): "figures.updating:plot_differences",
     ("UpdateResult", "report"): "figures.report:write_report",
     ("UpdateResult", "save"): "io.archive:save_result",
-    ("Watched", "plot"): "figures.watch:plot_monitor",
+    ("Watched", "plot"): "figures.sets:plot_monitor",
     ("Watched", "report"): "figures.report:write_monitor_report",
 }
 

@@ -112,7 +112,7 @@ def test_a_result_is_looked_at(started, tmp_path):
     assert (state["kind"], state["title"]) == ("result", "job_results")
     assert state["answer"]
     titles = [table["title"].partition(";")[0] for table in state["tables"]]
-    assert titles == ["Stiffness losses", "Hypotheses", "Antiresonances"]
+    assert titles == ["Hypotheses", "Stiffness loss by element", "Antiresonances"]
     for table in state["tables"]:
         assert {len(row) for row in table["rows"]} == {len(table["head"])}
     assert len(state["figures"]) >= 3

@@ -16,8 +16,6 @@ from reference.virtual_records import accelerance, chain8_matrices, hit_record
 from tests.support.four_masses import BAND, chain, exact, record
 from tests.support.job_files import DAMAGE, run, write_measured
 
-pytest.importorskip("pyuff")
-
 
 def measured(folder, data):
     """What a job with this [data] measured, not at dofs of its model."""

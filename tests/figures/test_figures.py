@@ -9,7 +9,7 @@ from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="figures to be explored need bokeh")
 
-from antires_rs.figures.live_identification import curve_of, evidence_figure
+from antires_rs.figures.identification import curve_of, evidence_figure
 
 
 @pytest.fixture(scope="module")

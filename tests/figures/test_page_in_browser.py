@@ -12,8 +12,9 @@ from tests.support.four_masses import BAND
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
 from antires_rs.figures.identification import pole_table
-from antires_rs.figures.page import Page, ResultView, Table
+from antires_rs.figures.page import Page, ResultView
 from antires_rs.figures.page_session import Session, SetView
+from antires_rs.figures.report_parts import Table
 
 #: How much of a box has to be scrolled to sideways.
 INNER = "(s => s.scrollWidth - s.clientWidth)"
@@ -194,11 +195,10 @@ def test_with_long_names_nothing_is_wider_than_the_window(chromium, record, widt
 
 def test_tables_of_a_result_with_long_names_fit(chromium):
     name = "Fahrzeug vorne links Querlenker Achse 7 Beschleunigung +Z [m/s^2]"
-    head = ("Response", "Force", "Measured, Hz", "Before, Hz", "Difference, %", "After, Hz", "Difference, %")
-    row = [name, name, "1354.211", "1495.920", "+10.46", "1354.213", "0.00"]
-    with page_of(
-        chromium, ResultView("long", ["Found."], [], [Table("Antiresonances", head, [row] * 3)])
-    ) as page:
+    heads = ("response", "force", "measured (Hz)", "before (Hz)", "difference (%)", "after (Hz)")
+    row = dict(zip(heads, (name, name, "1354.211", "1495.920", "+10.46", "1354.213"), strict=True))
+    table = Table("Antiresonances", dict(zip(heads, heads, strict=True)), [row] * 3, "group")
+    with page_of(chromium, ResultView("long", ["Found."], [], [table])) as page:
         page.wait_for_selector("#tables td")
         assert page.evaluate(f"{INNER}(document.querySelector('#tables .scroll'))") == 0
 

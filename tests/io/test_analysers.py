@@ -27,19 +27,11 @@ def exported(values, step, label, factor, over="s", names=("1:P1", "2:P2"), star
     """A struct as Siemens Testlab exports it."""
     titles = np.empty(len(names), dtype=object)
     titles[:] = names
-    return {
-        "x_values": {
-            "start_value": start,
-            "increment": step,
-            "number_of_values": float(values.shape[1]),
-            "quantity": {"label": over},
-        },
-        "y_values": {
-            "values": values.T,
-            "quantity": {"label": label, "unit_transformation": {"factor": factor, "offset": 0.0}},
-        },
-        "function_record": {"name": titles if len(names) > 1 else names[0], "type": "Time"},
-    }
+    x = {"start_value": start, "increment": step, "number_of_values": float(values.shape[1])}
+    quantity = {"label": label, "unit_transformation": {"factor": factor, "offset": 0.0}}
+    record = {"name": titles if len(names) > 1 else names[0], "type": "Time"}
+    y = {"values": values.T, "quantity": quantity}
+    return {"x_values": x | {"quantity": {"label": over}}, "y_values": y, "function_record": record}
 
 
 @pytest.mark.parametrize(("label", "factor"), [("g", 1 / 9.80665), ("m/s^2", 1.0), ("mm/s2", 1e3)])

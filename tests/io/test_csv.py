@@ -39,12 +39,8 @@ def saved(path, content):
 def test_names_and_units_in_every_dress(tmp_path, between, comma, head):
     if between == "  ":
         head = head.replace(" [", "[").replace(" (", "(") if "bench" not in head else head.replace(" (", "(")
-    rec = ar.read_csv(
-        saved(
-            tmp_path / "a.csv",
-            text(TIME, TIP, ROOT, PUSH, between=between, comma=comma, head=head.format(between)),
-        )
-    )
+    content = text(TIME, TIP, ROOT, PUSH, between=between, comma=comma, head=head.format(between))
+    rec = ar.read_csv(saved(tmp_path / "a.csv", content))
     assert (rec.fs_hz, rec.dofs) == (200.0, ("tip", "root"))
     np.testing.assert_allclose(rec.responses, 9.80665 * np.array([TIP, ROOT]), rtol=1e-15)
     np.testing.assert_array_equal(rec.force, PUSH)
@@ -93,11 +89,8 @@ def test_the_rate_behind_instants(tmp_path, content, fs_hz):
 @pytest.mark.parametrize(
     ("head", "unit_hz"),
     [
-        ("freq [kHz],tip", 1000.0),
-        ("omega [rad/s],tip", 0.5 / np.pi),
-        ("f (rad/sec),tip", 0.5 / np.pi),
-        ("f,tip\nkHz,furlong", 1000.0),
-        ("f,tip\nHz,furlong", 1.0),
+        *(("freq [kHz],tip", 1000.0), ("omega [rad/s],tip", 0.5 / np.pi), ("f (rad/sec),tip", 0.5 / np.pi)),
+        *(("f,tip\nkHz,furlong", 1000.0), ("f,tip\nHz,furlong", 1.0)),
     ],
 )
 def test_frequencies_in_other_units_than_hertz(tmp_path, head, unit_hz):

@@ -115,11 +115,8 @@ def test_columns_whose_header_tells(tmp_path, header, parts, dof, delimiter):
 @pytest.mark.parametrize(
     ("pairs", "parts"),
     [
-        ("real_imag", REAL_IMAG),
-        ("magnitude_deg", (SIZE, DEG)),
-        ("magnitude_rad", (SIZE, RAD)),
-        ("db_deg", (LEVEL, DEG)),
-        ("db_rad", (LEVEL, RAD)),
+        *(("real_imag", REAL_IMAG), ("magnitude_deg", (SIZE, DEG)), ("magnitude_rad", (SIZE, RAD))),
+        *(("db_deg", (LEVEL, DEG)), ("db_rad", (LEVEL, RAD))),
     ],
 )
 def test_what_an_option_says_of_columns(tmp_path, header, pairs, parts):

@@ -1,17 +1,14 @@
 """Matrices of other programs become models: Matrix Market as SciPy reads it, DMIG, OP4, Abaqus, ANSYS."""
 
 import gzip
-import io
 import struct
 
 import numpy as np
 import pytest
 import scipy.sparse
-from scipy.io import hb_write, mmread, mmwrite
-from scipy.sparse import coo_array
+from scipy.io import hb_write, mmwrite
 
 import antires_rs as ar
-from antires_rs.io.matrix_files import read_matrix_market
 from tests.support.paths import DOCS
 
 CHAIN = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
@@ -50,11 +47,8 @@ def test_matrix_market(tmp_path, symmetry, sparse):
 def test_sparse_archives(tmp_path):
     for name, matrix in (("K", STIFFNESS), ("S", SPRING)):
         scipy.sparse.save_npz(tmp_path / f"{name}.npz", scipy.sparse.csc_array(matrix))
-    same_chain(
-        ar.read_matrices(
-            tmp_path / "K.npz", scipy.sparse.csr_array(MASSES), stiffness_terms=[tmp_path / "S.npz"]
-        )
-    )
+    masses, terms = scipy.sparse.csr_array(MASSES), [tmp_path / "S.npz"]
+    same_chain(ar.read_matrices(tmp_path / "K.npz", masses, stiffness_terms=terms))
     np.savez(tmp_path / "other.npz", a=STIFFNESS)
     with pytest.raises(ar.UnsuitableDataError, match="wanted a file of scipy.sparse.save_npz"):
         ar.read_matrices(tmp_path / "other.npz", MASSES)
@@ -87,7 +81,6 @@ def test_dof_map(tmp_path, text):
 
 
 def test_a_dof_map_names_the_channels_of_a_test(tmp_path):
-    pytest.importorskip("pyuff")
     (tmp_path / "dofs.txt").write_text("1 UZ\n2 UZ\n3 UZ\n")
     made = ar.Recording(np.random.default_rng(0).standard_normal((2, 64)), 128.0, ["3+Z", "1-Z"])
     rec = ar.read_uff(ar.write_uff(tmp_path / "a.uff", made), dofs=ar.io.read_dof_map(tmp_path / "dofs.txt"))
@@ -105,36 +98,6 @@ def test_the_recipe_for_scikit_fem():
     found = names["model"].modes(2).freq_hz
     exact = np.array([1.8751040687, 4.6940911330]) ** 2 / (2 * np.pi) * np.sqrt(names["EI"] / names["RHO_A"])
     np.testing.assert_allclose(found, exact, rtol=1e-4)
-
-
-RNG = np.random.default_rng(4)
-DENSE = RNG.standard_normal((5, 5))
-SYMMETRIC = DENSE + DENSE.T
-
-
-@pytest.mark.parametrize(
-    ("matrix", "symmetry"),
-    [
-        (DENSE, "general"),
-        (SYMMETRIC, "symmetric"),
-        (DENSE - DENSE.T, "skew-symmetric"),
-        (SYMMETRIC + 1j * (DENSE - DENSE.T), "hermitian"),
-        (DENSE + 1j * DENSE.T, "general"),
-        ((10 * SYMMETRIC).astype(int), "symmetric"),
-    ],
-)
-@pytest.mark.parametrize("sparse", [False, True])
-def test_as_scipy_reads_it(tmp_path, matrix, symmetry, sparse):
-    text = io.BytesIO()
-    mmwrite(text, coo_array(matrix) if sparse else matrix, symmetry=symmetry, precision=17)
-    file = tmp_path / "k.mtx"
-    file.write_bytes(text.getvalue())
-    found = read_matrix_market(file)["k"].matrix
-    wanted = mmread(io.BytesIO(text.getvalue()))
-    assert isinstance(found, np.ndarray) is not sparse
-    assert np.array_equal(
-        np.asarray(found.toarray() if sparse else found), wanted.toarray() if sparse else wanted
-    )
 
 
 SQUARE = "array real symmetric\n40 40\n" + "0\n" * 177 + "{}\n" + "0\n" * 642
@@ -167,15 +130,9 @@ def test_what_is_damaged_is_refused(tmp_path, text):
 
 
 POINTS = [(1, 1), (1, 2), (2, 1), (2, 2), (7, 3)]
-K = np.array(
-    [
-        [5.0, -1.0, 0.0, 0.0, 0.0],
-        [-1.0, 4.0, -0.25, 0.0, 0.0],
-        [0.0, -0.25, 3.0, 0.0, -1e-3],
-        [0.0, 0.0, 0.0, 2.0, 0.0],
-        [0.0, 0.0, -1e-3, 0.0, 1.5e6],
-    ]
-)
+K = np.diag([5.0, 4.0, 3.0, 2.0, 1.5e6])
+for _i, _j, _value in ((0, 1, -1.0), (1, 2, -0.25), (2, 4, -1e-3)):
+    K[_i, _j] = K[_j, _i] = _value
 M = np.diag([1.0, 2.0, 3.0, 4.0, 5.0])
 
 
@@ -239,11 +196,8 @@ def op4_binary(matrix, name, layout, order, kind):
             head, data = 0, b""
             for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
                 length = words * run.size + 1
-                data += (
-                    struct.pack(f"{order}2i", length, run[0] + 1)
-                    if layout == "big"
-                    else struct.pack(f"{order}i", run[0] + 1 + 65536 * length)
-                )
+                words_of = [length, run[0] + 1] if layout == "big" else [run[0] + 1 + 65536 * length]
+                data += struct.pack(f"{order}{len(words_of)}i", *words_of)
                 data += matrix[run, j].astype(f"{order}{kind}").tobytes()
         out += record(struct.pack(f"{order}3i", j + 1, head, len(data) // 4) + data)
     return out + record(struct.pack(f"{order}3i{words}i", 6, 1, words, *[0] * words))
@@ -311,11 +265,8 @@ def test_dmig_in_free_fields_and_two_entries_a_column(tmp_path):
 def test_mass_without_all_rows_goes_to_those_of_the_stiffness(tmp_path):
     translations = [0, 2]
     part = dmig(M, "MAAX", True).splitlines()
-    keep = [
-        i
-        for i, line in enumerate(part)
-        if line.startswith("DMIG*") and line.split()[2:4] in (["1", "1"], ["2", "1"])
-    ]
+    cards = [line.split() for line in part]
+    keep = [i for i, card in enumerate(cards) if card[0] == "DMIG*" and card[2:4] in (["1", "1"], ["2", "1"])]
     lines = part[:3] + [line for i in keep for line in part[i : i + 2]]
     (tmp_path / "k.pch").write_text(dmig(K, "KAAX", True))
     (tmp_path / "m.pch").write_text("\n".join(lines) + "\n")
@@ -330,18 +281,15 @@ def test_mass_without_all_rows_goes_to_those_of_the_stiffness(tmp_path):
 def test_abaqus(tmp_path):
     text = "** written by Abaqus\n*MATRIX, NAME=K, TYPE=SYMMETRIC\n"
     for name, matrix in (("K", K), ("M", M)):
-        rows = [
-            f"{POINTS[i][0]},{POINTS[i][1]}, {POINTS[j][0]},{POINTS[j][1]}, {v:.16e}"
-            for i, j, v in entries(matrix)
-        ]
+        at = {i: f"{node},{code}" for i, (node, code) in enumerate(POINTS)}
+        rows = [f"{at[i]}, {at[j]}, {v:.16e}" for i, j, v in entries(matrix)]
         (tmp_path / f"{name}.mtx").write_text(text + "\n".join(rows) + "\n")
     same(ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx"))
     assert ar.io.read_dof_map(tmp_path / "K.mtx")[7, "+Z"] == 4
     with (tmp_path / "K.mtx").open("a") as opened:
         opened.write("9,1, 9,1, 1.0e36\n9,1, 7,3, -5.0\n")
-    with pytest.warns(
-        ar.AntiresWarning, match=r"1 dof\(s\) with a boundary condition.*\(9:1\); they are left out"
-    ):
+    said = r"1 dof\(s\) with a boundary condition.*\(9:1\); they are left out"
+    with pytest.warns(ar.AntiresWarning, match=said):
         same(ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx"))
 
 
@@ -352,19 +300,11 @@ def test_harwell_boeing(tmp_path):
     lower = scipy.sparse.csc_matrix(np.tril(K))
     head = ["a title".ljust(72) + "key", f"{6:14d}{1:14d}{1:14d}{4:14d}{0:14d}"]
     numbers = [f"{v:20.12E}".replace("E", "D") for v in lower.data]
-    (tmp_path / "k.rsa").write_text(
-        "\n".join(
-            [
-                *head,
-                f"RSA           {5:14d}{5:14d}{lower.nnz:14d}{0:14d}",
-                "(6I8)".ljust(16) + "(10I8)".ljust(16) + "(1P,3D20.12)".ljust(20),
-                "".join(f"{p + 1:8d}" for p in lower.indptr),
-                "".join(f"{i + 1:8d}" for i in lower.indices),
-                *("".join(numbers[i : i + 3]) for i in range(0, len(numbers), 3)),
-            ]
-        )
-        + "\n"
-    )
+    head += [f"RSA           {5:14d}{5:14d}{lower.nnz:14d}{0:14d}"]
+    head += ["(6I8)".ljust(16) + "(10I8)".ljust(16) + "(1P,3D20.12)".ljust(20)]
+    places = ["".join(f"{i + 1:8d}" for i in each) for each in (lower.indptr, lower.indices)]
+    rows = ["".join(numbers[i : i + 3]) for i in range(0, len(numbers), 3)]
+    (tmp_path / "k.rsa").write_text("\n".join([*head, *places, *rows, ""]))
     same(ar.read_matrices(tmp_path / "k.rsa", M))
     (tmp_path / "k.rsa").write_text((tmp_path / "k.rsa").read_text()[:-25])
     with pytest.raises(ar.UnsuitableDataError, match="7 of 8 numbers"):

@@ -23,24 +23,14 @@ def zeros(model, responses, excitation, scale=1.02, **options):
 
 
 PIPE, BAR = ar.Tube(0.03, 0.002, 2.1e11, 7850.0), ar.Rectangle(0.03, 0.01, 7e10, 2700.0)
-PLANE = ar.FrameModel(
-    [(0.25 * i, 0.0) for i in range(5)],
-    [(i, i + 1, "pipe" if i < 2 else "bar") for i in range(4)],
-    {"pipe": PIPE, "bar": BAR},
-    point_masses=[(4, 0.3, 0.001)],
-    ground_springs=[(2, "v", 1e4)],
-    fixed=[0],
-)
+ALONG, BEAMS = [0.25 * i for i in range(5)], [(i, i + 1) for i in range(4)]
+CARRIED = {"point_masses": [(4, 0.3, 0.001)], "ground_springs": [(2, "v", 1e4)]}
+NAMED = [(i, j, "pipe" if i < 2 else "bar") for i, j in BEAMS]
+PLANE = ar.FrameModel([(x, 0.0) for x in ALONG], NAMED, {"pipe": PIPE, "bar": BAR}, fixed=[0], **CARRIED)
 SOLID = ar.Section(1e-4, 8e-10, 2.1e11, 7850.0, inertia_y_m4=6e-10, torsion_m4=1e-9)
-SPACE = ar.FrameModel(
-    [(0.0, 0.0, 0.25 * i) for i in range(5)],
-    [(i, i + 1) for i in range(4)],
-    [SOLID, SOLID, PIPE, PIPE],
-    fixed=[0, (4, "w")],
-    orientation=[1.0, 0.2, 0.0],
-    node_springs=[ar.NodeSpring(1, 3, 2e4)],
-    point_masses=[ar.PointMass(4, 0.2, (1e-3, 2e-3, 3e-3))],
-)
+CARRIED = {"node_springs": [ar.NodeSpring(1, 3, 2e4)], "orientation": [1.0, 0.2, 0.0]}
+CARRIED |= {"point_masses": [ar.PointMass(4, 0.2, (1e-3, 2e-3, 3e-3))], "fixed": [0, (4, "w")]}
+SPACE = ar.FrameModel([(0.0, 0.0, z) for z in ALONG], BEAMS, [SOLID, SOLID, PIPE, PIPE], **CARRIED)
 MATRICES = ar.MatrixModel(CHAIN.stiffness(), CHAIN.mass(), stiffness_terms=[SPRING], mass_terms=[np.eye(3)])
 SHAPES = CHAIN.modes()
 MODES = ar.ModalSet(1.02 * SHAPES.freq_hz, SHAPES.shapes[:, :2], [0, 1], damping_ratio=[0.01, 0.02, 0.03])
@@ -190,14 +180,8 @@ def test_nothing_is_pickled_and_nothing_left_behind(saved):
 def assessed():
     """Springs off the model by a few per cent, the second softened; the third is no candidate."""
     intact, damaged = chain([510.0, 441.0, 525.0]), chain([510.0, 331.0, 525.0])
-    return ar.assess_damage(
-        chain(),
-        exact(damaged),
-        baseline=exact(intact),
-        elements=[0, 1],
-        search=ar.SearchOptions(false_alarm_rate=0.05),
-        rng=0,
-    )
+    given = {"elements": [0, 1], "search": ar.SearchOptions(false_alarm_rate=0.05), "rng": 0}
+    return ar.assess_damage(chain(), exact(damaged), baseline=exact(intact), **given)
 
 
 def test_every_field_comes_back(tmp_path, assessed):
@@ -220,14 +204,8 @@ def test_every_field_comes_back(tmp_path, assessed):
 def test_what_a_field_may_be(tmp_path, assessed):
     """Infinity, no threshold, no group, notes, something else."""
     rows = [*assessed.hypotheses, Hypothesis(UNKNOWN, 1e-8, (), (), (), candidate=False)]
-    rare = replace(
-        assessed.assessment,
-        hypotheses=Hypotheses(rows, assessed.hypotheses.names),
-        detectable=(float("inf"), 0.1),
-        threshold=None,
-        group=(),
-        notes=("left out",),
-    )
+    odd = {"detectable": (float("inf"), 0.1), "threshold": None, "group": (), "notes": ("left out",)}
+    rare = replace(assessed.assessment, hypotheses=Hypotheses(rows, assessed.hypotheses.names), **odd)
     result = ar.DamageResult(assessed.problem, assessed.search, assessed.seed, rare)
     result.save(tmp_path / "rare.npz")
     assert ar.DamageResult.load(tmp_path / "rare.npz").assessment == rare

@@ -11,7 +11,6 @@ import antires_rs as ar
 from reference.io_signals import KINDS, differences, recording, response
 
 pytest.importorskip("h5py")
-pytest.importorskip("pyuff")
 
 #: Writer and reader of the formats that keep every bit of everything.
 EXACT = {
@@ -42,15 +41,9 @@ def test_universal_files(tmp_path, kind, binary):
     # Text has 12 digits; its abscissa, where it is uneven, 6. Even lines are made again from first and step.
     digits = 0.0 if binary else 5e-12
     uneven = 0.0 if binary else 5e-6
-    limits = {
-        "responses": digits,
-        "force": digits,
-        "values": digits,
-        "coherence": digits,
-        "freq_hz": uneven if kind == "FRF on uneven lines" else 1e-12,
-        # Derived from coherence, where 1 - coherence loses digits.
-        "std": 0.0 if binary else 1e-9,
-    }
+    limits = dict.fromkeys(("responses", "force", "values", "coherence"), digits)
+    limits["freq_hz"] = uneven if kind == "FRF on uneven lines" else 1e-12
+    limits["std"] = 0.0 if binary else 1e-9  # derived from coherence, where 1 - coherence loses digits
     assert all(found[name] <= limits[name] for name in found), found
 
 

@@ -82,12 +82,9 @@ def test_names_are_written_by_a_mapping(tmp_path):
 
 
 def test_forces_are_told_apart(tmp_path):
-    path = written(
-        tmp_path / "a.uff",
-        dataset(NOISE[0]),
-        dataset(NOISE[1], node=8, unit="kN", data_type=0),
-        dataset(NOISE[2], node=9, unit="NONE", data_type=FORCE),
-    )
+    first = dataset(NOISE[1], node=8, unit="kN", data_type=0)
+    second = dataset(NOISE[2], node=9, unit="NONE", data_type=FORCE)
+    path = written(tmp_path / "a.uff", dataset(NOISE[0]), first, second)
     assert ar.read_uff(path, force=None).force is None
     np.testing.assert_allclose(ar.read_uff(path, force="8+Z").force, 1e3 * NOISE[1], rtol=1e-15)
     np.testing.assert_array_equal(ar.read_uff(path, force=(9, "Z")).force, NOISE[2])
@@ -159,12 +156,11 @@ def test_points_are_counted_against_the_header(tmp_path, binary):
 
 
 def test_data_that_look_like_a_marker(tmp_path):
-    """Eight bytes that read as a line '    -1' inside binary values do not end a set unnoticed."""
+    """Eight bytes that read as a line '    -1' inside binary values do not end a set."""
     rows = np.array(NOISE[:1])
     rows[0, 100] = np.frombuffer(b"\n    -1\n", dtype=np.float64)[0]
     path = ar.write_uff(tmp_path / "a.uff", ar.Recording(rows, 100.0))
-    with pytest.raises(ar.UnsuitableDataError, match="whose dataset 1 has 100 points of the 400"):
-        ar.read_uff(path)
+    np.testing.assert_array_equal(ar.read_uff(path).responses, rows)
 
 
 @pytest.mark.parametrize(
@@ -195,10 +191,7 @@ def test_exponents_of_fortran(tmp_path, letter, made):
 @pytest.mark.parametrize(
     ("unit", "per", "factor"),
     [
-        ("g", "N", 9.80665),
-        ("m/s^2/N", "NONE", 1.0),
-        ("mm/s^2", "kN", 1e-6),
-        ("g/N", "N", 9.80665),
+        *(("g", "N", 9.80665), ("m/s^2/N", "NONE", 1.0), ("mm/s^2", "kN", 1e-6), ("g/N", "N", 9.80665)),
         ("NONE", "NONE", 1.0),
     ],
 )
@@ -212,13 +205,9 @@ def test_units_of_the_whole_file(tmp_path):
     """Dataset 164 holds for functions without a label: SI times its factors is the file's unit."""
     units = {"type": 164, "units_code": 5, "units_description": "mm (milli-newton)", "temp_mode": 1}
     units |= {"length": 1000.0, "force": 1000.0, "temp": 1.0, "temp_offset": 273.15}
-    path = written(
-        tmp_path / "a.uff",
-        units,
-        dataset(NOISE[0], unit="NONE"),
-        dataset(NOISE[1], node=2, unit="g"),
-        dataset(NOISE[2], unit="NONE", data_type=FORCE),
-    )
+    sets = [dataset(NOISE[0], unit="NONE"), dataset(NOISE[1], node=2, unit="g")]
+    push = dataset(NOISE[2], unit="NONE", data_type=FORCE)
+    path = written(tmp_path / "a.uff", units, *sets, push)
     rec = ar.read_uff(path)
     np.testing.assert_allclose(rec.responses, [1e-3 * NOISE[0], 9.80665 * NOISE[1]], rtol=1e-15)
     np.testing.assert_allclose(rec.force, 1e-3 * NOISE[2], rtol=1e-15)

@@ -24,22 +24,21 @@ H = RNG.standard_normal((2, 32)) + 1j * RNG.standard_normal((2, 32))
 T, F = np.arange(64) / 128.0, np.arange(1.0, 33.0)
 
 
-def npz(more=None, **arrays):
-    """A call that writes these arrays and reads them."""
-
-    def call(folder):
-        np.savez(folder / "a.npz", **arrays)
-        return ar.read_npz(folder / "a.npz", **(more or {}))
-
-    return call
+def call(function):
+    """A function of a folder and data as one of the data, which gives one of the folder."""
+    return lambda *data, **options: lambda folder: function(folder, *data, **options)
 
 
-def raw(name, data, read, **options):
-    def call(folder):
-        (folder / name).write_bytes(data)
-        return read(folder / name, **options)
+@call
+def npz(folder, more=None, **arrays):
+    np.savez(folder / "a.npz", **arrays)
+    return ar.read_npz(folder / "a.npz", **(more or {}))
 
-    return call
+
+@call
+def raw(folder, name, data, read, **options):
+    (folder / name).write_bytes(data)
+    return read(folder / name, **options)
 
 
 def text(*lines, **options):
@@ -50,40 +49,34 @@ def rows(head, *columns, **options):
     return text(head, *(",".join(map(str, row)) for row in zip(*columns, strict=True)), **options)
 
 
-def hdf5(rates, **options):
+@call
+def hdf5(folder, rates, **options):
     """Arrays by name, the rate of each in an attribute."""
+    import h5py
 
-    def call(folder):
-        import h5py
-
-        with h5py.File(folder / "a.h5", "w") as file:
-            for name, (key, rate) in rates.items():
-                file.create_dataset(name, data=A).attrs[key] = rate
-        return ar.read_hdf5(folder / "a.h5", **options)
-
-    return call
+    with h5py.File(folder / "a.h5", "w") as file:
+        for name, (key, rate) in rates.items():
+            file.create_dataset(name, data=A).attrs[key] = rate
+    return ar.read_hdf5(folder / "a.h5", **options)
 
 
-def mat(held, **options):
-    def call(folder):
-        savemat(folder / "a.mat", held)
-        return ar.read_mat(folder / "a.mat", **options)
-
-    return call
+@call
+def mat(folder, held, **options):
+    savemat(folder / "a.mat", held)
+    return ar.read_mat(folder / "a.mat", **options)
 
 
-def uff(signal, change=bytes, write=None, **options):
-    def call(folder):
-        file = ar.write_uff(folder / "a.uff", signal, **{"binary": False, **(write or {})})
-        file.write_bytes(change(file.read_bytes()))
-        return ar.read_uff(file, **options)
-
-    return call
+@call
+def uff(folder, signal, change=bytes, write=None, **options):
+    file = ar.write_uff(folder / "a.uff", signal, **{"binary": False, **(write or {})})
+    file.write_bytes(change(file.read_bytes()))
+    return ar.read_uff(file, **options)
 
 
-def other(*sets, **options):
+@call
+def other(folder, *sets, **options):
     """A universal file of another program."""
-    return lambda folder: ar.read_uff(written(folder / "a.uff", *sets), **options)
+    return ar.read_uff(written(folder / "a.uff", *sets), **options)
 
 
 def function(values=H[0], **more):
@@ -103,54 +96,44 @@ def dof_map(content):
     return raw("dofs.txt", content.encode(), ar.io.read_dof_map)
 
 
-def tdms(properties, *values, **options):
-    def call(folder):
-        from nptdms import ChannelObject, TdmsWriter
+@call
+def tdms(folder, properties, *values, **options):
+    from nptdms import ChannelObject, TdmsWriter
 
-        with TdmsWriter(folder / "a.tdms") as file:
-            for i, (own, each) in enumerate(zip(properties, values, strict=True)):
-                file.write_segment([ChannelObject("run", f"c{i}", each, properties=own)])
-        return ar.read_tdms(folder / "a.tdms", **options)
-
-    return call
+    with TdmsWriter(folder / "a.tdms") as file:
+        for i, (own, each) in enumerate(zip(properties, values, strict=True)):
+            file.write_segment([ChannelObject("run", f"c{i}", each, properties=own)])
+    return ar.read_tdms(folder / "a.tdms", **options)
 
 
-def sheet(*lines, **options):
-    def call(folder):
-        from openpyxl import Workbook
+@call
+def sheet(folder, *lines, **options):
+    from openpyxl import Workbook
 
-        book = Workbook()
-        for line in lines:
-            book.active.append(line)
-        book.save(folder / "a.xlsx")
-        return ar.read_excel(folder / "a.xlsx", **options)
-
-    return call
+    book = Workbook()
+    for line in lines:
+        book.active.append(line)
+    book.save(folder / "a.xlsx")
+    return ar.read_excel(folder / "a.xlsx", **options)
 
 
-def parquet(held, **options):
-    def call(folder):
-        import pandas as pd
+@call
+def parquet(folder, held, **options):
+    import pandas as pd
 
-        pd.DataFrame(held).to_parquet(folder / "a.parquet")
-        return ar.read_parquet(folder / "a.parquet", **options)
-
-    return call
+    pd.DataFrame(held).to_parquet(folder / "a.parquet")
+    return ar.read_parquet(folder / "a.parquet", **options)
 
 
-def foreign(name):
+@call
+def foreign(folder, name):
     """A file of a format that is not read, on the command line."""
-
-    def call(folder):
-        (folder / name).write_bytes(b"something")
-        with pytest.MonkeyPatch.context() as patch:
-            said = []
-            patch.setattr("sys.stderr.write", said.append)
-            code = cli.main(["identify", str(folder / name), "--band", "1", "9", "--excitation", "0"])
-        assert code == 2
-        return "".join(said).strip()
-
-    return call
+    (folder / name).write_bytes(b"something")
+    with pytest.MonkeyPatch.context() as patch:
+        said = []
+        patch.setattr("sys.stderr.write", said.append)
+        assert cli.main(["identify", str(folder / name), "--band", "1", "9", "--excitation", "0"]) == 2
+    return "".join(said).strip()
 
 
 def lvm(*lines, **options):

@@ -19,7 +19,6 @@ PACKAGES = {
     "plot": ("matplotlib",),
     "report": ("jinja2",),
     "look": ("bokeh",),
-    "uff": ("pyuff",),
     "hdf5": ("h5py",),
     "tdms": ("npTDMS",),
     "excel": ("openpyxl",),
@@ -141,8 +140,6 @@ ASKING = [
     ("excel", lambda study, folder: ar.read_excel(folder / "a.xlsx")),
     ("series", lambda study, folder: ar.read_parquet(folder / "a.parquet")),
     ("miniseed", lambda study, folder: ar.read_miniseed(folder / "a.mseed")),
-    ("uff", lambda study, folder: ar.read_uff(folder / "a.uff")),
-    ("uff", lambda study, folder: ar.io.list_uff(folder / "a.uff")),
     ("hdf5", lambda study, folder: ar.read_hdf5(folder / "a.h5")),
     ("hdf5", lambda study, folder: ar.read_mat(folder / "a.mat")),
     ("hdf5", lambda study, folder: ar.io.mat_arrays(folder / "a.mat")),
@@ -160,7 +157,7 @@ ASKING = [
 
 @pytest.mark.parametrize(("extra", "ask"), ASKING)
 def test_what_needs_an_extra_says_what_to_install(bare, study, tmp_path, extra, ask):
-    ar.write_uff(tmp_path / "a.uff", recording())  # writing needs no package
+    ar.read_uff(ar.write_uff(tmp_path / "a.uff", recording()))  # which needs no package
     for name, head in HEADS.items():
         (tmp_path / name).write_bytes(head)
     with pytest.raises(ar.MissingDependencyError, match=rf'pip install "antires-rs\[{extra}\]"') as caught:
@@ -193,14 +190,9 @@ def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
 
 
 def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):
-    ar.write_uff(tmp_path / "a.uff", recording())
     study["damage"].save(tmp_path / "result.npz")
     study["zeros"].save(tmp_path / "zeros.json")
-    for extra, *call in (
-        ("uff", "identify", tmp_path / "a.uff", "--band", 3, 9, "--excitation", 0),
-        ("report", "report", tmp_path),
-        ("look", "look", tmp_path / "zeros.json"),
-    ):
+    for extra, *call in (("report", "report", tmp_path), ("look", "look", tmp_path / "zeros.json")):
         assert cli.main([str(word) for word in call]) == 1
         assert f'pip install "antires-rs[{extra}]"' in capsys.readouterr().err
 
@@ -210,7 +202,7 @@ def test_the_extras_bring_what_the_messages_promise():
     extras = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
     for extra, packages in PACKAGES.items():
         assert set(packages) <= {re.split(r"[<>=[]", wanted)[0] for wanted in extras[extra]}
-    assert set(extras) == {*PACKAGES, "all"}
+    assert set(extras) == {*PACKAGES, "uff", "all"}
     assert set(re.findall(r"\w+", extras["all"][0].partition("[")[2])) == set(PACKAGES) - LARGE
     sources = [file.read_text(encoding="utf-8") for file in (PROJECT.parent / "python").rglob("*.py")]
     promises = (

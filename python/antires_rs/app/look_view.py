@@ -7,18 +7,10 @@ from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile, ZipFile
 
-from ..damage.assess import DamageResult
 from ..exceptions import reject
-from ..figures.page import ResultView, Table
+from ..figures.page import ResultView
 from ..figures.page_session import RovingHammer, Session, SetView, View
-from ..figures.report_parts import (
-    damage_rows,
-    frequency_rows,
-    hypothesis_rows,
-    largest,
-    parameter_rows,
-    states,
-)
+from ..figures.report_parts import answer_of, tables_of
 from ..io.own_format import TEXT
 from ..measured.replay import Asked, asked_in
 from ..updating.result import UpdateResult
@@ -125,45 +117,5 @@ def result_view(file: Path) -> ResultView:
         result = UpdateResult.load(file)
     drawn = drawings(result, evidence_in(RunFolder(file.parent), result))
     figures = [*drawn.figures.values(), *drawn.diagrams.values()]
-    if isinstance(result, DamageResult):
-        answer, tables = list(result._headline()), _damage_tables(result)
-    else:
-        before, after = result.table.largest_before_percent, result.table.largest_after_percent
-        answer = [f"Largest difference: {largest(before)} before, {largest(after)} after."]
-        heads = {"name": "Parameter", "value": "Value", "std": "Error", "change": "Change, %"}
-        tables = [_table("Parameters", heads, parameter_rows(result))]
-    tables.append(_frequency_table(result))
-    return ResultView(file.parent.resolve().name, answer, figures, tables)
-
-
-def _damage_tables(result: DamageResult) -> list[Table]:
-    """The losses, and the hypotheses where there are some."""
-    judged = {"interval": "90 % interval, %", "probability": "Probability, %"}
-    columns = judged if result.has_baseline else {"std": "Error, %"}
-    heads = {"name": "Element", "value": "Loss, %", **columns, "visible": "Smallest seen, %"}
-    tables = [_table("Stiffness losses", heads, damage_rows(result, None))]
-    if result.assessment is not None:
-        rows, others = hypothesis_rows(result.assessment)
-        heads = {"name": "Hypothesis", "probability": "Probability, %", "losses": "Losses"}
-        tables.append(_table(f"Hypotheses{f'; {others}' if others else ''}", heads, rows))
-    return tables
-
-
-def _frequency_table(result: UpdateResult) -> Table:
-    """Measured values beside those of the model in both states."""
-    first, second = states(result)
-    rows = frequency_rows(result)
-    modal = "mode" in (rows or [{}])[0]
-    heads = {"mode": "Mode"} if modal else {"dof": "Response", "force": "Force"}
-    heads |= {
-        "measured": "Measured, Hz",
-        "before": f"{first.capitalize()}, Hz",
-        "before_percent": "Difference, %",
-        "after": f"{second.capitalize()}, Hz",
-        "after_percent": "Difference, %",
-    }
-    return _table("Resonances" if modal else "Antiresonances", heads, rows)
-
-
-def _table(title: str, columns: dict[str, str], rows: list[dict[str, Any]]) -> Table:
-    return Table(title, tuple(columns.values()), [[str(row.get(key, "")) for key in columns] for row in rows])
+    tables = list(tables_of(result, assumed=True).values())
+    return ResultView(file.parent.resolve().name, answer_of(result), figures, tables)

@@ -11,7 +11,7 @@ from ..damage.options import ONE_STATE, TWO_STATES, options_with
 from ..exceptions import InvalidInputError, reject
 from ..identification.identify import identify_antiresonances
 from ..identification.options import sorted_out
-from ..io.channels import kept, renamed
+from ..io.channels import renamed
 from ..io.common import Signal
 from ..io.own_format import relabelled
 from ..io.registry import READERS
@@ -77,9 +77,7 @@ def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
         for name in names:
             if name not in dofs:
                 reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", f"{LEAVE_OUT}.")
-    labels = renamed("dofs", names, dofs)
-    rows = kept(labels)
-    return relabelled(signal, rows, [labels[i] for i in rows])
+    return relabelled(signal, renamed("dofs", names, dofs))
 
 
 def _is_point(name: str) -> bool:
@@ -181,7 +179,7 @@ class Measurement:
         if dofs == list(signal.dofs):
             return signal
         with self.job.blame(self.place):
-            return relabelled(signal, list(range(len(dofs))), dofs)
+            return relabelled(signal, dofs)
 
     def _renamed(self, found: AntiresonanceSet) -> AntiresonanceSet:
         """A set of a file at dofs of the model; the same object where nothing changes."""

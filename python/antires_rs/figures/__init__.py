@@ -11,10 +11,9 @@ from .damage import plot_damage, plot_damages, plot_hypotheses
 from .identification import plot_coherence, plot_damping_clusters, plot_singular_values, plot_stabilization
 from .planning import plot_detectability, plot_plan
 from .responses import plot_responses, plot_transmissibility
-from .sets import plot_comparison, plot_tracks
+from .sets import plot_comparison, plot_monitor, plot_tracks
 from .structure import plot_chain, plot_frame
 from .updating import plot_convergence, plot_differences, plot_identifiability
-from .watch import plot_monitor
 
 __all__ = [
     "data_of",

@@ -22,9 +22,8 @@ def _require_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401 - only asked whether it is there
     except ImportError as exc:
-        raise MissingDependencyError(
-            'pictures need matplotlib; install it with: pip install "antires-rs[plot]"'
-        ) from exc
+        how = 'install it with: pip install "antires-rs[plot]"'
+        raise MissingDependencyError(f"pictures need matplotlib; {how}") from exc
 
 
 def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
@@ -37,9 +36,7 @@ def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
     return pyplot.subplots(figsize=size_in, layout="constrained")[1]
 
 
-def picture(
-    draw: Callable[..., Any], size_in: tuple[float, float], *, rows: int = 1, dpi: int = 160
-) -> bytes:
+def picture(draw: Callable[..., Any], size_in: tuple[float, float], rows: int = 1, dpi: int = 160) -> bytes:
     """PNG of what ``draw`` puts into axes of their own, an array for ``rows``; pyplot learns of nothing."""
     _require_matplotlib()
     from matplotlib.figure import Figure
@@ -95,9 +92,8 @@ def _set_axis(ax: Any, which: str, axis: marks.Axis) -> None:
     if axis.log:
         ax.set(**{f"{which}scale": "log"})
     if axis.at is not None or axis.names is not None:
-        getattr(ax, f"set_{which}ticks")(
-            axis.places, axis.names, **({"rotation": 90} if axis.upright else {})
-        )
+        look = {"rotation": 90} if axis.upright else {}
+        getattr(ax, f"set_{which}ticks")(axis.places, axis.names, **look)
         ax.tick_params(axis="x", pad=7)  # clear of what stands at 0
     if axis.limits is not None:
         ax.set(**{f"{which}lim": axis.limits})
@@ -139,27 +135,15 @@ def _points(mark: marks.Points, ax: Any, zorder: float) -> None:
 @_draw.register
 def _line(mark: marks.Line, ax: Any, zorder: float) -> None:
     look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": mark.label}
-    (ax.step if mark.steps else ax.plot)(
-        mark.x, mark.y, zorder=zorder, **look, **({"where": "post"} if mark.steps else {})
-    )
+    look |= {"drawstyle": "steps-post"} if mark.steps else {}
+    ax.plot(mark.x, mark.y, zorder=zorder, **look)
 
 
 @_draw.register
 def _bars(mark: marks.Bars, ax: Any, zorder: float) -> None:
     look = {"facecolor": mark.face, "edgecolor": mark.edge, "hatch": mark.hatch, "ls": dash_of(mark.dash)}
-    (ax.barh if mark.sideways else ax.bar)(
-        mark.at, mark.length, mark.width, linewidth=0.8, zorder=zorder, label=mark.label, **look
-    )
-
-
-@_draw.register
-def _ticks(mark: marks.Ticks, ax: Any, zorder: float) -> None:
-    x, y = np.asarray(mark.x), np.asarray(mark.y)
-    ends = (y, x - mark.half, x + mark.half)
-    ax.hlines(*ends, color="white", lw=3.0, zorder=zorder - 0.01)
-    ax.hlines(
-        *ends, color=mark.colour, lw=1.5, ls=(0, (3, 1)), zorder=zorder, clip_on=False, label=mark.label
-    )
+    draw_bars = ax.barh if mark.sideways else ax.bar
+    draw_bars(mark.at, mark.length, mark.width, linewidth=0.8, zorder=zorder, label=mark.label, **look)
 
 
 @_draw.register
@@ -184,18 +168,9 @@ def _bands(mark: marks.Bands, ax: Any, zorder: float) -> None:
         ax.axvspan(low, high, label=mark.label if nth == 0 else f"_{mark.label}", **look)
 
 
-#: Place in points per ``away``, and alignments, of a text beside its place.
-_BESIDE = {
-    "above": ((0, 1), "center", "bottom"),
-    "below": ((0, -1), "center", "top"),
-    "right": ((1, 0), "left", "center"),
-    "centre": ((0, 0), "center", "center"),
-}
-
-
 @_draw.register
 def _words(mark: marks.Words, ax: Any, zorder: float) -> None:
-    way, across, along = _BESIDE[mark.where]
+    way, across, along = marks.BESIDE[mark.where]
     look = {"fontsize": mark.size, "color": mark.colour, "fontstyle": "italic" if mark.slanted else "normal"}
     look |= {"ha": across, "va": along, "rotation": 90 if mark.turned else 0, "zorder": zorder}
     look |= {"bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.6}} if mark.boxed else {}
@@ -206,12 +181,10 @@ def _words(mark: marks.Words, ax: Any, zorder: float) -> None:
 
 @_draw.register
 def _heads(mark: marks.Heads, ax: Any, zorder: float) -> None:
-    look = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center", "va": "bottom"}
+    look: dict[str, Any] = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center", "va": "bottom"}
     for nth, (x, text) in enumerate(zip(mark.x, mark.texts, strict=True)):
-        weight = "bold" if nth < len(mark.bold) and mark.bold[nth] else "normal"
-        ax.annotate(
-            text, (x, 1.0), xycoords=ax.get_xaxis_transform(), fontsize="small", fontweight=weight, **look
-        )
+        look["fontweight"] = "bold" if nth < len(mark.bold) and mark.bold[nth] else "normal"
+        ax.annotate(text, (x, 1.0), xycoords=ax.get_xaxis_transform(), fontsize="small", **look)
 
 
 @_draw.register
@@ -274,12 +247,11 @@ _offered: WeakKeyDictionary[Any, dict[str, Table]] = WeakKeyDictionary()
 
 def offer(ax: Any, **tables: Mapping[str, Any]) -> None:
     """Keep the numbers of a picture for :func:`data_of`; a picture drawn over another adds its own."""
-    made = {
-        name: {column: np.array(values) for column, values in table.items()} for name, table in tables.items()
-    }
-    for column in (column for table in made.values() for column in table.values()):
-        column.setflags(write=False)
-    _offered.setdefault(ax, {}).update(made)
+    for name, table in tables.items():
+        made = {column: np.array(values) for column, values in table.items()}
+        for values in made.values():
+            values.setflags(write=False)
+        _offered.setdefault(ax, {})[name] = made
 
 
 def data_of(ax: Any) -> dict[str, Table]:
@@ -338,12 +310,9 @@ def text_width_pt(text: str, size_pt: float = 8.33) -> float:
     """Width of the longest line of a text, small by default."""
     from matplotlib.textpath import TextPath
 
-    return max(
-        float(TextPath((0.0, 0.0), line.replace("$", r"\$"), size=size_pt).get_extents().width)
-        if line.strip()
-        else 0.0
-        for line in text.split("\n")
-    )
+    lines = [line.replace("$", r"\$") for line in text.split("\n") if line.strip()]
+    widths = [TextPath((0.0, 0.0), line, size=size_pt).get_extents().width for line in lines]
+    return float(max(widths, default=0.0))
 
 
 def fit_across(ax: Any, names: Sequence[str], size_pt: float = 10.0) -> bool:
@@ -371,17 +340,9 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
     under = ax.transAxes + ScaledTranslation(0.0, -drop_pt / 72.0, ax.figure.dpi_scale_trans)
     handles, labels = [entry[0] for entry in entries], [entry[1] for entry in entries]
     widths = np.array([text_width_pt(label) + 45.0 for label in labels])  # with the handle and its gaps
-    ax.legend(
-        handles,
-        labels,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        bbox_transform=under,
-        ncols=_columns(widths, 1.05 * width_pt(ax)),
-        frameon=False,
-        borderaxespad=0.0,
-        fontsize="small",
-    )
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": under}
+    look = {"frameon": False, "borderaxespad": 0.0, "fontsize": "small"}
+    ax.legend(handles, labels, ncols=_columns(widths, 1.05 * width_pt(ax)), **place, **look)
 
 
 def plain_log(axis: Any, *, narrow: bool) -> None:

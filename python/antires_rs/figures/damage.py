@@ -11,7 +11,7 @@ from ..damage.hypotheses import loss, percent, span
 from ..exceptions import reject
 from ..support.checks import FloatArray, integer
 from .canvas import draw, fit_across, new_axes
-from .marks import Axis, Bands, Bars, Heads, Mark, Panel, Points, Ticks, Whiskers, Words
+from .marks import Axis, Bands, Bars, Heads, Mark, Panel, Paths, Points, Whiskers, Words
 
 if TYPE_CHECKING:
     from ..damage.assess import DamageResult
@@ -105,27 +105,17 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
     marks += _numbers(found, (found, truths, visible, high), truths, top, upright)
     bars = {"element": result.elements, "name": names, "loss_percent": found}
     bars |= ({} if truth is None else {"truth_percent": truths}) | judged | {"smallest_seen_percent": visible}
-    return Panel(
-        "damage",
-        element_axis(names, upright),
-        axis,
-        marks,
-        title="" if found.any() or judged else "no damage found",
-        grid="y",
-        first=("found", "90 % interval", "truth"),
-        tables={"bars": bars},
-    )
+    title, first = "" if found.any() or judged else "no damage found", ("found", "90 % interval", "truth")
+    x_axis, tables = element_axis(names, upright), {"bars": bars}
+    return Panel("damage", x_axis, axis, marks, title=title, grid="y", first=first, tables=tables)
 
 
 def _judged(result: DamageResult) -> dict[str, Any]:
     """Columns beside the losses: 90 % intervals, probabilities, losses of what may be damaged instead."""
     low, high = 100.0 * np.array(list(result.interval.values())).T
-    return {
-        "low_percent": low,
-        "high_percent": high,
-        "probability": np.array(list(result.probability.values())),
-        "instead_percent": alternatives(result.assessment, result.elements),
-    }
+    columns = {"low_percent": low, "high_percent": high}
+    columns |= {"probability": np.array([*result.probability.values()])}
+    return columns | {"instead_percent": alternatives(result.assessment, result.elements)}
 
 
 def alternatives(found: Assessment, elements: list[int]) -> FloatArray:
@@ -180,7 +170,9 @@ def _smallest_seen(x: FloatArray, visible: FloatArray, top: float) -> list[Mark]
     if nowhere.size:
         marks.append(Bands(nowhere - 0.5, nowhere + 0.5, hatch="...", label="no damage could be seen"))
     if on.any():
-        marks.append(Ticks(x[on], visible[on], label="smallest damage that would be seen"))
+        ticks = [np.array([(at - 0.42, y), (at + 0.42, y)]) for at, y in zip(x[on], visible[on], strict=True)]
+        label = "smallest damage that would be seen"
+        marks.append(Paths(ticks, "vermillion", dash=(3, 1), width=1.5, label=label))
     if above.any():
         edge = np.full(int(above.sum()), 0.975 * top)
         label = "seen only from this loss on, in %"
@@ -280,9 +272,8 @@ def plot_damages(
         marks.append(Words(at[some], percents[some], texts, away=4.0, size=6.94, turned=narrow))
     if truth is not None:
         marks.append(_diamonds(x, truths))
-    bars = {"element": first.elements, "name": names} | {
-        f"{name}_percent": one for name, one in found.items()
-    }
+    bars = {"element": first.elements, "name": names}
+    bars |= {f"{name}_percent": one for name, one in found.items()}
     bars |= {} if truth is None else {"truth_percent": truths}
     y_axis = percent_axis(np.concatenate([truths, *found.values()]), upright)
     x_axis, first_ones = element_axis(names, upright), tuple(results)
@@ -298,9 +289,8 @@ _LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
 
 def worth_a_row(hypotheses: Hypotheses, most: int = MOST_ROWS) -> list[Hypothesis]:
     """Those that have a bar, or a row of a table, of their own."""
-    return [
-        one for i, one in enumerate(hypotheses[:most]) if i < _LEAST_ROWS or one.probability >= WORTH_A_ROW
-    ]
+    few, rest = hypotheses[: min(most, _LEAST_ROWS)], hypotheses[_LEAST_ROWS:most]
+    return [*few, *(one for one in rest if one.probability >= WORTH_A_ROW)]
 
 
 def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> Any:
@@ -345,13 +335,14 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
 def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     """One bar a hypothesis, the most probable on top, and one for the others."""
     rows = worth_a_row(hypotheses, most)
-    names = [hypotheses.called(one) for one in rows]
-    labels = [_label(name, one) for name, one in zip(names, rows, strict=True)]
-    values, looks = [one.probability for one in rows], [_look(one) for one in rows]
-    said = [
-        ", ".join(loss(*each, " %") for each in zip(one.severities, one.low, one.high, strict=True)) or "-"
-        for one in rows
-    ]
+    names, values = [hypotheses.called(one) for one in rows], [one.probability for one in rows]
+    looks, losses = (
+        [_look(one) for one in rows],
+        [[*zip(one.severities, one.low, one.high, strict=True)] for one in rows],
+    )
+    said = [", ".join(loss(*each, " %") for each in of) or "-" for of in losses]
+    under = [", ".join(f"{100 * s:.1f} % ({span(low, high)})" for s, low, high in of) for of in losses]
+    labels = [f"{name}\n{text}" if text else name for name, text in zip(names, under, strict=True)]
     others = len(hypotheses) - len(rows)
     if others:
         names.append(f"{others} other{'s' if others > 1 else ''} together")
@@ -360,27 +351,16 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
         looks.append({"face": "pale"})
         said.append("-")
     says = {"Explanation": "@name", "Probability": "@percent", "Stiffness loss (90 %)": "@losses"}
-    marks: list[Mark] = [
-        Bars(
-            [i],
-            [p],
-            sideways=True,
-            says=says,
-            more={"name": [name], "percent": [percent(p)], "losses": [text]},
-            **look,
-        )
-        for i, (p, look, name, text) in enumerate(zip(values, looks, names, said, strict=True))
-    ]
+    marks: list[Mark] = []
+    for i, (p, look, name, text) in enumerate(zip(values, looks, names, said, strict=True)):
+        more = {"name": [name], "percent": [percent(p)], "losses": [text]}
+        marks.append(Bars([i], [p], sideways=True, says=says, more=more, **look))
     shown = ["< 0.001" if p < 0.0005 else "> 0.999" if p > 0.9995 else f"{p:.3f}" for p in values]
     marks.append(Words(values, range(len(values)), shown, "right", 5.0))
-    return Panel(
-        "hypotheses",
-        Axis("Probability", (0.0, 1.12), at=np.linspace(0.0, 1.0, 6)),
-        Axis("", (len(names) - 0.4, -0.6), names=labels),
-        marks,
-        grid="x",
-        tables={"hypotheses": {"name": names, "probability": values}},
-    )
+    x = Axis("Probability", (0.0, 1.12), at=np.linspace(0.0, 1.0, 6))
+    y = Axis("", (len(names) - 0.4, -0.6), names=labels)
+    table = {"name": names, "probability": values}
+    return Panel("hypotheses", x, y, marks, grid="x", tables={"hypotheses": table})
 
 
 def _look(one: Hypothesis) -> dict[str, Any]:
@@ -388,11 +368,3 @@ def _look(one: Hypothesis) -> dict[str, Any]:
     if not one.candidate:
         return {"face": "white", "hatch": "////"}
     return {"face": "blue" if one.elements else "white"}
-
-
-def _label(name: str, one: Hypothesis) -> str:
-    losses = ", ".join(
-        f"{100 * s:.1f} % ({span(low, high)})"
-        for s, low, high in zip(one.severities, one.low, one.high, strict=True)
-    )
-    return f"{name}\n{losses}" if losses else name

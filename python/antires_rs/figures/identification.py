@@ -1,15 +1,21 @@
-"""Poles and values of an identification, and what stands behind them: coherence, singular values."""
+"""Poles and values of an identification, what stands behind them, and all that speaks for a response."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..exceptions import reject
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..signals.averaging import Averages
 from ..signals.frequency_response import FrequencyResponse
+from ..signals.recording import Recording
+from ..signals.spectra import two_channel
 from ..support.checks import FloatArray
+from . import live_canvas as live
 from .canvas import band_shown, below, draw, draw_marks, new_axes, offer, plain_log
 from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread, turn
 
@@ -70,37 +76,25 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     order, freq, damping, stable = pole_table(diagram)
     first, last = float(diagram.orders[0]), float(diagram.orders[-1])
     says = {"Frequency": "@x{0.000} Hz", "Model order": "@y", "Damping": "@damping{0.00} %"}
-    marks: list[Mark] = [
-        Points(
-            freq[which], order[which], size=3.3, says=says, more={"damping": 100.0 * damping[which]}, **look
-        )
-        for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
-    ]
+    marks: list[Mark] = []
+    for which, look in ((~stable, _POLE), (stable, _STABLE_POLE)):
+        more = {"damping": 100.0 * damping[which]}
+        marks.append(Points(freq[which], order[which], size=3.3, says=says, more=more, **look))
     left = diagram.left_out
     if len(left):
-        why = left.scores.get("why", np.full(len(left), "")).tolist()
-        hovered: dict[str, Any] = {
-            "says": {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"},
-            "more": {"why": why},
-        }
+        more = {"why": left.scores.get("why", np.full(len(left), "")).tolist()}
         edge = np.full(len(left), last + SEEN_ABOVE)
-        seen = Points(
-            left.freq_hz, edge, "v", face="white", only="page", label="seen, not accepted", **hovered
-        )
-        marks.append(seen)
+        says = {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"}
+        look = {"face": "white", "only": "page", "label": "seen, not accepted"}
+        marks.append(Points(left.freq_hz, edge, "v", says=says, more=more, **look))
     size = np.asarray(diagram.background, dtype=np.float64)
     size = np.where(size > 0.0, size, np.nan)
-    curve = Line(
-        diagram.background_freq_hz, size, CURVE, width=1.0, label="summed curves, peaks at poles (right axis)"
-    )
-    return Panel(
-        "stabilization",
-        Axis("Frequency (Hz)", diagram.band_hz),
-        Axis("Model order (-)", (first - 1.5, last + 1.0)),
-        marks,
-        behind=(Axis("Summed curves (unit of the data)"), curve),
-        tables={"curve": {"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background}},
-    )
+    label = "summed curves, peaks at poles (right axis)"
+    curve = Line(diagram.background_freq_hz, size, CURVE, width=1.0, label=label)
+    x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Model order (-)", (first - 1.5, last + 1.0))
+    behind = (Axis("Summed curves (unit of the data)"), curve)
+    table = {"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background}
+    return Panel("stabilization", x, y, marks, behind=behind, tables={"curve": table})
 
 
 #: Looks of poles.
@@ -118,15 +112,11 @@ def diagram_tables(
     found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
     unknown = np.full(by_hand.size, np.nan)
     gone = np.isin(found.freq_hz, np.asarray(dropped, dtype=np.float64))
-    return {
-        "poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable},
-        "values": {
-            "freq_hz": np.r_[found.freq_hz, by_hand],
-            "damping_ratio": np.r_[found.damping_ratio, unknown],
-            "std_hz": np.r_[found.std_hz, unknown],
-            "how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size],
-        },
-    }
+    values = {"freq_hz": np.r_[found.freq_hz, by_hand], "damping_ratio": np.r_[found.damping_ratio, unknown]}
+    values |= {"std_hz": np.r_[found.std_hz, unknown]}
+    values |= {"how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size]}
+    poles = {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable}
+    return {"poles": poles, "values": values}
 
 
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
@@ -146,11 +136,11 @@ def mark_values(
     """Vertical lines, their frequencies above pushed apart; of what was dropped in parentheses."""
     low, high = diagram.band_hz
     gone = np.asarray(dropped, dtype=np.float64)
-    marks = [
-        (float(f), DROPPED if f in gone else UNSTABLE if how in ("persistent", "likeliest order") else STABLE)
-        for f, how in zip(diagram.identified, diagram.accepted.how, strict=True)
-    ]
-    marks = sorted(marks + [(float(f), ADDED) for f in added])
+    marks = [(float(f), ADDED) for f in added]
+    for f, how in zip(diagram.identified, diagram.accepted.how, strict=True):
+        kind = UNSTABLE if how in ("persistent", "likeliest order") else STABLE
+        marks.append((float(f), DROPPED if f in gone else kind))
+    marks.sort()
     transform = ax.get_xaxis_transform()
     look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small", "annotation_clip": False}
     labels_at = spread([f for f, _ in marks], (high - low) / 50.0, low, high)
@@ -159,11 +149,8 @@ def mark_values(
         line = {"arrowstyle": "-", "lw": 0.6, "color": LOOKS[kind][0], "shrinkA": 0.0, "shrinkB": 0.0}
         places = {"xytext": (label_at, 1.03), "xycoords": transform, "textcoords": transform}
         ax.annotate(text, (freq, 1.0), arrowprops=line, **places, **look)
-    rules = [
-        Rules([f for f, one in marks if one == kind], True, colour, dash, 1.1, label=kind)
-        for kind, (colour, dash) in LOOKS.items()
-    ]
-    draw_marks(ax, rules, 1.5)
+    of = {kind: [f for f, one in marks if one == kind] for kind in LOOKS}
+    draw_marks(ax, [Rules(of[kind], True, *look, 1.1, label=kind) for kind, look in LOOKS.items()], 1.5)
     if not marks:
         ax.set_title("no antiresonance accepted in this band", fontsize="medium")
 
@@ -213,10 +200,8 @@ def plot_damping_clusters(
     _, freq, damping, stable = pole_table(diagram)
     percent = 100.0 * damping
     low = percent < LEAST_PERCENT
-    marks: list[Mark] = [
-        Points(freq[which & ~low], percent[which & ~low], size=4.0, **look)
-        for which, look in ((~stable, _POLE), (stable, _STABLE_POLE))
-    ]
+    looks = ((~stable & ~low, _POLE), (stable & ~low, _STABLE_POLE))
+    marks: list[Mark] = [Points(freq[these], percent[these], size=4.0, **look) for these, look in looks]
     if low.any():
         label = f"pole with less than {LEAST_PERCENT:g} %, or none"
         foot = np.maximum(percent[low], LEAST_PERCENT)
@@ -226,14 +211,9 @@ def plot_damping_clusters(
         label = "damping of the value"
         marks.append(Points(diagram.identified, found, "s", 9.0, "black", "none", 1.4, True, label=label))
     top = HEADROOM * max(float(percent.max(initial=0.0)), 1.0)
-    panel = Panel(
-        "damping_clusters",
-        Axis("Frequency (Hz)", diagram.band_hz),
-        Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True),
-        marks,
-        grid="y",
-        tables=diagram_tables(diagram, dropped, added),
-    )
+    x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True)
+    tables = diagram_tables(diagram, dropped, added)
+    panel = Panel("damping_clusters", x, y, marks, grid="y", tables=tables)
     ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
     mark_values(ax, diagram, dropped, added)
     plain_log(ax.yaxis, narrow=False)
@@ -283,9 +263,8 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
             Line(freq, row, label=f"dof {dof}", **turn(i)) for i, (dof, row) in enumerate(curves.items())
         ]
     else:
-        marks = [
-            Line(freq, row, CURVE, width=0.7, label=None if i else "each dof") for i, row in enumerate(rows)
-        ]
+        names = ["each dof", *[None] * (len(rows) - 1)]
+        marks = [Line(freq, row, CURVE, width=0.7, label=name) for row, name in zip(rows, names, strict=True)]
         marks.append(Line(freq, rows.min(axis=0), "vermillion", "--", 1.0, label="lowest"))
         marks.append(Line(freq, np.median(rows, axis=0), "blue", width=1.6, label="median"))
     if resp.n_averages is not None and resp.n_averages > 1.0:
@@ -352,13 +331,189 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
         marks.append(Line(check.freq_hz, level[:, 1], "vermillion", "--", 1.1, label="second", says=says))
     marks.append(Line(check.freq_hz, level[:, 0], "blue", width=1.5, label="first", says=says))
     found = check.named("one_force")
-    return Panel(
-        "singular_values",
-        Axis("Frequency (Hz)", check.band_hz),
-        Axis("Singular value (dB re noise power)"),
-        marks,
-        title=f"more than one force ({found[0].severity})" if found else "",
-        grid="both",
-        first=("first", "second", "second expected under one force", "the others"),
-        tables={"singular_values": table},
-    )
+    x, y = Axis("Frequency (Hz)", check.band_hz), Axis("Singular value (dB re noise power)")
+    title = f"more than one force ({found[0].severity})" if found else ""
+    first = ("first", "second", "second expected under one force", "the others")
+    rest: dict[str, Any] = {"title": title, "first": first, "tables": {"singular_values": table}}
+    return Panel("singular_values", x, y, marks, grid="both", **rest)
+
+
+# -- The values of a response as marks in its figures: found, added and dropped
+
+#: Before the name of a kind: its entry in a legend, which a page shows while there are such values.
+ENTRY = "entry of "
+#: Labels nearer to each other than this share of the band are left out; hover and table have them.
+LABEL_GAP = 0.03
+Marks = dict[str, dict[str, list[Any]]]
+
+
+def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]) -> Marks:
+    """The marks of a response by kind: a row a value, ascending, dropped ones included."""
+    now, before = zeros.tables[dof], zeros.original().tables[dof]
+    gone = before.take(~np.isin(before.freq_hz, now.freq_hz))
+    how = now.scores.get("how", np.full(len(now), "chain"))
+    unsteady = np.isin(how, ["persistent", "likeliest order"])
+    kinds = np.where(now.by_hand, ADDED, np.where(unsteady, UNSTABLE, STABLE))
+    rows = list(zip(now.freq_hz.tolist(), kinds.tolist(), now.std_hz.tolist(), strict=True))
+    left = zip(gone.freq_hz.tolist(), gone.std_hz.tolist(), strict=True)
+    rows += [(freq, DROPPED, std) for freq, std in left]
+    marks: Marks = {kind: {"x": [], "label": [], "error": []} for kind in LOOKS}
+    last = -np.inf
+    for freq, kind, std in sorted(rows):
+        shown = freq - last >= LABEL_GAP * (band_hz[1] - band_hz[0])
+        last = freq if shown else last
+        label = f"({freq:.2f})" if kind == DROPPED else f"{freq:.2f}"
+        marks[kind]["x"].append(freq)
+        marks[kind]["label"].append(label if shown else "")
+        marks[kind]["error"].append("not known" if np.isnan(std) else f"{std:.2g} Hz")
+    return marks
+
+
+def mark_lines(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool = False) -> None:
+    """Lines at the values, in tables that a page may rewrite, for which ``every_kind`` has its place."""
+    for kind, (colour, dash) in LOOKS.items():
+        if not every_kind and not marks[kind]["x"]:
+            continue
+        table = live.columns(**marks[kind])
+        table.name = kind
+        look = {"line_color": colour, "line_dash": live.dash_of(dash), "line_width": 1.6}
+        drawn = fig.vspan(x="x", source=table, legend_label=kind, **look)
+        live.hover(fig, [drawn], {kind.capitalize(): "@x{0.000} Hz", "Standard deviation": "@error"})
+        entry = fig.legend[0].items[-1]  # that of no value at all would stand there without its line
+        entry.name, entry.visible = f"{ENTRY}{kind}", bool(marks[kind]["x"])
+        if labels:
+            look = {"background_fill_color": "white", "background_fill_alpha": 0.8}
+            live.edge_labels(fig, table, text_font_size="11px", text_color=live.INK, **look)
+
+
+def stabilization_figure(
+    diagram: Any,
+    zeros: AntiresonanceSet | None = None,
+    dof: Any = 0,
+    *,
+    x_range: Any = None,
+    every_kind: bool = False,
+) -> Any:
+    """Poles of every order, the values, and the summed curve behind them."""
+    if zeros is None:
+        zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
+    fig = live.explored(stabilization(diagram), height=400, x_range=x_range)
+    mark_lines(fig, mark_columns(zeros, dof, diagram.band_hz), labels=True, every_kind=every_kind)
+    return fig
+
+
+# -- A measured curve, on its dips, with its coherence below it
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What was measured at one response: its size, ``what`` that is with its unit, and its coherence."""
+
+    freq_hz: FloatArray
+    size: FloatArray
+    what: str
+    coherence: FloatArray | None = None
+    coherence_with: str = ""
+
+
+def curve_of(source: Recording | FrequencyResponse, averages: Averages | None, dof: Any) -> Curve | None:
+    """The curve of a response, on which its antiresonances are dips; None for a dof that was not measured."""
+    if dof not in source.dofs:
+        return None
+    row = source.dofs.index(dof)
+    if isinstance(source, FrequencyResponse):
+        over = "the force" if source.reference is None else f"dof {source.reference}"
+        size, what = np.abs(source.values[row]), f"Dof {dof} over {over} (unit of the data)"
+        coherence = None if source.coherence is None else source.coherence[row]
+        return Curve(source.freq_hz, size, what, coherence, over)
+    assert averages is not None
+    spectra = averages.spectra
+    auto = np.sqrt(spectra.matrix[:, row, row].real)
+    unit = "unit of the data x s" if averages.nperseg is None else "unit of the data/√Hz"
+    coherence, name = None, ""
+    if spectra.n_averages > 1:
+        _, all_of_them = two_channel(spectra.matrix, row, "h1")
+        others = [p for p in range(all_of_them.shape[0]) if p != row]
+        if averages.has_force:
+            best, name = len(all_of_them) - 1, "the force"
+        elif others:
+            best = max(others, key=lambda p: float(np.median(all_of_them[p])))
+            name = f"dof {source.dofs[best]}"
+        coherence = all_of_them[best] if name else None
+    return Curve(spectra.freq_hz, auto, f"Spectrum of dof {dof} ({unit})", coherence, name)
+
+
+#: Singular values up to so many are drawn; further ones lie in the noise with them.
+MOST_VALUES = 6
+
+
+def evidence_figure(
+    zeros: AntiresonanceSet,
+    dof: Any,
+    curve: Curve | None = None,
+    response: FrequencyResponse | None = None,
+    band_hz: tuple[float, float] | None = None,
+    *,
+    every_kind: bool = False,
+) -> Any:
+    """Diagram, curve, coherence and singular values of a response, as far as they are there."""
+    live.require_bokeh()
+    from bokeh.models import Range1d
+
+    diagram, check = zeros.diagrams.get(dof), zeros.data_check
+    band = band_hz or (diagram.band_hz if diagram is not None else _around(zeros, dof))
+    x = Range1d(*band, bounds=None)
+    marks = mark_columns(zeros, dof, band)
+    figures = []
+    if diagram is not None:
+        figures.append(stabilization_figure(diagram, zeros, dof, x_range=x, every_kind=every_kind))
+    if curve is not None:
+        size = np.where(curve.size > 0.0, curve.size, np.nan)
+        y, look = Axis(curve.what, log=True), {"colour": "blue", "label": "measured"}
+        panel = _one_line("curve", curve.freq_hz, size, band, y, {"Size": "@y{0.000e+0}"}, **look)
+        figures.append(live.explored(panel, height=300, x_range=x))
+        mark_lines(figures[-1], marks, every_kind=every_kind)
+        figures[-1].legend.visible = diagram is None
+        if curve.coherence is not None:
+            y = Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04))
+            says = {"Coherence": "@y{0.000}"}
+            panel = _one_line("coherence", curve.freq_hz, curve.coherence, band, y, says, width=0.9)
+            figures.append(live.explored(panel, height=180, x_range=x))
+    if diagram is None and curve is None:  # the set was made by hand or loaded
+        alone = Panel("values_alone", Axis("Frequency (Hz)"), Axis("", (0.0, 1.0), at=[]), [])
+        figures.append(live.explored(alone, height=240, x_range=x))
+        mark_lines(figures[0], marks, labels=True, every_kind=every_kind)
+        live.below(figures[0])
+    elif check is not None and check.eigenvalues is not None:
+        figures.append(live.explored(singular_values(check, MOST_VALUES), height=270, x_range=x))
+    elif response is not None:  # of responses to one force there is no other value
+        level = 20.0 * np.log10(np.maximum(np.linalg.norm(response.values, axis=0), 1e-150))
+        y, says = Axis("Singular value (dB re 1)"), {"Level": "@y{0.0} dB"}
+        look = {"colour": "blue", "label": "first, the only one for one force"}
+        panel = _one_line("singular_values", response.freq_hz, level, band, y, says, **look)
+        figures.append(live.explored(panel, height=270, x_range=x))
+    return live.stacked(figures)
+
+
+def _one_line(
+    name: str,
+    freq_hz: FloatArray,
+    y: FloatArray,
+    band_hz: tuple[float, float],
+    axis: Axis,
+    says: dict[str, str],
+    **look: Any,
+) -> Panel:
+    """A curve in the band."""
+    shown = (freq_hz >= band_hz[0]) & (freq_hz <= band_hz[1])
+    line = Line(freq_hz[shown], y[shown], says={"Frequency": "@x{0.000} Hz"} | says, **look)
+    return Panel(name, Axis("Frequency (Hz)"), axis, [line])
+
+
+def _around(zeros: AntiresonanceSet, dof: Any) -> tuple[float, float]:
+    """A band that shows all values of the set, so that it is the same for every response."""
+    values = [freq for one in (zeros, zeros.original()) for each in one.values() for freq in each]
+    if not values:
+        return 0.0, 100.0
+    low, high = min(values), max(values)
+    return max(0.0, low - 0.1 * (high - low + low)), high + 0.1 * (high - low + low)

@@ -21,13 +21,8 @@ from . import marks
 #: Ink of text and axes, grid lines.
 INK, GRID = "#222222", "#E3E3E3"
 FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
-LEGEND: dict[str, Any] = {
-    "location": "left",
-    "border_line_color": None,
-    "padding": 0,
-    "margin": 0,
-    "spacing": 5,
-}
+LEGEND: dict[str, Any] = {"location": "left", "border_line_color": None, "padding": 0, "margin": 0}
+LEGEND |= {"spacing": 5}
 LEGEND |= {"label_text_font": FONT, "label_text_font_size": "12px"}
 #: Along an upright axis.
 PX_A_LETTER = 6
@@ -43,9 +38,8 @@ def require_bokeh() -> None:
     # Without importing it, which takes half a second.
     there = find_spec("bokeh") is not None if known is ... else known is not None
     if not there:
-        raise MissingDependencyError(
-            'figures to be explored need bokeh; install it with: pip install "antires-rs[look]"'
-        )
+        how = 'install it with: pip install "antires-rs[look]"'
+        raise MissingDependencyError(f"figures to be explored need bokeh; {how}")
 
 
 def columns(**values: Any) -> Any:
@@ -93,22 +87,12 @@ def explored(panel: marks.Panel, *, height: int = 320, x_range: Any = None, side
     from bokeh.plotting import figure
 
     x, y = panel.x, panel.y
-    given = {"x_range": x.limits if x_range is None else x_range, "y_range": y.limits}
-    fig = figure(
-        height=height,
-        sizing_mode="stretch_width",
-        x_axis_type="datetime" if x.dated else "log" if x.log else "auto",
-        y_axis_type="log" if y.log else "auto",
-        x_axis_label=x.label,
-        y_axis_label=y.label,
-        tools=[],
-        toolbar_location="above",
-        match_aspect=panel.equal,
-        min_border_left=LEFT_PX,
-        min_border_right=18,
-        name=panel.name,
-        **{key: value for key, value in given.items() if value is not None},
-    )
+    given: dict[str, Any] = {"x_range": x.limits if x_range is None else x_range, "y_range": y.limits}
+    given = {key: value for key, value in given.items() if value is not None}
+    given |= {"x_axis_type": "datetime" if x.dated else "log" if x.log else "auto", "x_axis_label": x.label}
+    given |= {"y_axis_type": "log" if y.log else "auto", "y_axis_label": y.label, "match_aspect": panel.equal}
+    given |= {"sizing_mode": "stretch_width", "min_border_left": LEFT_PX, "min_border_right": 18}
+    fig = figure(height=height, tools=[], toolbar_location="above", name=panel.name, **given)
     box, wheel = BoxZoomTool(), WheelZoomTool(dimensions="both" if panel.equal else "width")
     fig.add_tools(box, PanTool(), wheel, ResetTool(), SaveTool())
     fig.toolbar.active_drag, fig.toolbar.logo = box, None
@@ -196,23 +180,13 @@ def _line(mark: marks.Line, fig: Any, label: dict[str, Any]) -> list[Any]:
 @_draw.register
 def _bars(mark: marks.Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(x=mark.at, y=mark.length, **mark.more)
-    look = {
-        "line_color": mark.edge,
-        "line_dash": dash_of(mark.dash),
-        "hatch_pattern": _HATCHES[mark.hatch[:1]],
-    }
+    look = {"line_color": mark.edge, "line_dash": dash_of(mark.dash)}
+    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]]}
     look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
     look |= {"hatch_color": mark.edge, "hatch_scale": 8}
     if mark.sideways:
         return [fig.hbar(y="x", right="y", height=mark.width, source=table, **look, **label)]
     return [fig.vbar(x="x", top="y", width=mark.width, source=table, **look, **label)]
-
-
-@_draw.register
-def _ticks(mark: marks.Ticks, fig: Any, label: dict[str, Any]) -> list[Any]:
-    x = np.asarray(mark.x)
-    table = columns(y=mark.y, low=x - mark.half, high=x + mark.half, **mark.more)
-    return [fig.segment("low", "y", "high", "y", source=table, color=mark.colour, line_width=2, **label)]
 
 
 @_draw.register
@@ -239,20 +213,12 @@ def _bands(mark: marks.Bands, fig: Any, label: dict[str, Any]) -> list[Any]:
     return [fig.vstrip(x0="low", x1="high", source=table, line_alpha=0.0, **look, **label)]
 
 
-#: Offset per pixel away and alignments of a text beside its place.
-_BESIDE = {
-    "above": ((0, -1), "center", "bottom"),
-    "below": ((0, 1), "center", "top"),
-    "right": ((1, 0), "left", "middle"),
-    "centre": ((0, 0), "center", "middle"),
-}
-
-
 @_draw.register
 def _words(mark: marks.Words, fig: Any, label: dict[str, Any]) -> list[Any]:
-    (x, y), across, along = _BESIDE[mark.where]
-    look = {"x_offset": 1.3 * x * mark.away, "y_offset": 1.3 * y * mark.away, "text_color": mark.colour}
-    look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across, "text_baseline": along}
+    (x, y), across, along = marks.BESIDE[mark.where]
+    look = {"x_offset": 1.3 * x * mark.away, "y_offset": -1.3 * y * mark.away, "text_color": mark.colour}
+    look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across}
+    look |= {"text_baseline": along.replace("center", "middle")}
     if mark.turned:  # along the text is across the figure now
         up = {"above": "left", "below": "right"}.get(mark.where, "center")
         look |= {"angle": np.pi / 2, "text_align": up, "text_baseline": "middle"}
@@ -297,12 +263,8 @@ def _paths(mark: marks.Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
     mapper = LinearColorMapper(palette=interp_palette(marks.SCALE, 64), low=0.0, high=top or 1.0)
     colour = {"field": "value", "transform": mapper}
     if top > 0.0:
-        look = {
-            "width": 10,
-            "title": mark.scale.rpartition("(")[2].rstrip(")"),
-            "padding": 2,
-            "major_label_text_font_size": "11px",
-        }
+        look = {"width": 10, "title": mark.scale.rpartition("(")[2].rstrip(")"), "padding": 2}
+        look |= {"major_label_text_font_size": "11px"}
         fig.add_layout(ColorBar(color_mapper=mapper, **look), "right")
     else:
         fig.title.text, fig.title.text_font_style = f"{mark.scale}: 0 in every element", "normal"

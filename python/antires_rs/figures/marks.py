@@ -17,15 +17,8 @@ from ..support.checks import FloatArray
 
 #: Okabe and Ito's palette (2008), told apart by all common kinds of colour vision; yellow, too pale for lines
 #: on white, is left out.
-COLOURS = {
-    "blue": "#0072B2",
-    "vermillion": "#D55E00",
-    "green": "#009E73",
-    "purple": "#CC79A7",
-    "orange": "#E69F00",
-    "sky": "#56B4E9",
-    "black": "#000000",
-}
+COLOURS = {"blue": "#0072B2", "vermillion": "#D55E00", "green": "#009E73", "purple": "#CC79A7"}
+COLOURS |= {"orange": "#E69F00", "sky": "#56B4E9", "black": "#000000"}
 #: Names by which marks may say a colour.
 INKS = COLOURS | {"grey": "#8C8C8C", "pale": "#BFBFBF"}
 #: Dash patterns to go with the colours: by name, or points drawn and left out.
@@ -107,16 +100,6 @@ class Bars(Mark):
 
 
 @dataclass(frozen=True)
-class Ticks(Mark):
-    """Short lines across, with a white edge that keeps them apart from a bar behind."""
-
-    x: Any
-    y: Any
-    colour: str = "vermillion"
-    half: float = 0.42
-
-
-@dataclass(frozen=True)
 class Whiskers(Mark):
     """Intervals."""
 
@@ -144,6 +127,15 @@ class Bands(Mark):
     high: Any
     face: str = "none"
     hatch: str = ""
+
+
+#: Way from its place, and alignments, of a text beside it.
+BESIDE = {
+    "above": ((0, 1), "center", "bottom"),
+    "below": ((0, -1), "center", "top"),
+    "right": ((1, 0), "left", "center"),
+    "centre": ((0, 0), "center", "center"),
+}
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import threading
 import time
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from contextlib import suppress
-from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from .live_canvas import item, require_bokeh
 from .page_session import Session, SetView, View
 
 if TYPE_CHECKING:
-    from .report_parts import Figure
+    from .report_parts import Figure, Table
 
 #: A page that is loaded again is gone for less.
 GRACE_S = 3.0
@@ -33,44 +33,34 @@ class Page:
 
     def __init__(self, view: View | None = None, *, ends_with_page: bool) -> None:
         require_bokeh()
-        self._view = view
+        self._view: Future[View] = Future()
+        if view is not None:
+            self.show(view)
         self._ends_with_page = ends_with_page
         self._ready, self._over = threading.Event(), threading.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._stopping: asyncio.Event | None = None
-        self._there: asyncio.Event | None = None
         self._failed: BaseException | None = None
-        self._thread = threading.Thread(target=self._run, name="antires-look", daemon=True)
         self.url = ""
+
+    def show(self, view: View) -> None:
+        """What is served, where it was not there when the page was opened: browsers are slow to begin too."""
+        if not self._view.done():
+            self._view.set_result(view)
+
+    def _warm(self) -> None:
+        """Make the first figure, with what has to be imported for it, while the browser begins."""
+        with suppress(AntiresError):  # told when the page asks for it
+            self._view.result().figure(0)
+
+    @property
+    def _session(self) -> Any:
+        return getattr(self._view.result(), "session", None) if self._view.done() else None
 
     @property
     def zeros(self) -> Any:
         """The set as it is now, with all edits; None for a page that shows a result."""
-        session = getattr(self._view, "session", None)
-        return None if session is None else session.zeros
-
-    def show(self, view: View) -> None:
-        """What is served, where it was not there when the page was opened: browsers are slow to begin too."""
-        self._view = view
-        self._warm()
-        self._tell(self._there)
-
-    def _warm(self) -> None:
-        """Make the first figure, with what has to be imported for it, while the browser begins."""
-
-        def make() -> None:
-            with suppress(AntiresError):  # told when the page asks for it
-                if self._view is not None:
-                    self._view.figure(0)
-
-        threading.Thread(target=make, daemon=True).start()
-
-    async def _viewed(self) -> View:
-        """The view, when it is there."""
-        assert self._there is not None
-        await self._there.wait()
-        assert self._view is not None
-        return self._view
+        return None if self._session is None else self._session.zeros
 
     @property
     def running(self) -> bool:
@@ -79,9 +69,8 @@ class Page:
 
     def start(self) -> None:
         """Serve in a thread; returns when the page can be opened."""
-        self._thread.start()
-        if self._view is not None:
-            self._warm()
+        for work in (self._run, self._warm):
+            threading.Thread(target=work, name="antires-look", daemon=True).start()
         self._ready.wait()
         if self._failed is not None:
             raise self._failed
@@ -96,19 +85,14 @@ class Page:
 
     def stop(self) -> None:
         """End the server; pages that are open say so."""
-        self._tell(self._stopping)
+        if self._loop is not None and self._stopping is not None:
+            with suppress(RuntimeError):  # it has ended
+                self._loop.call_soon_threadsafe(self._stopping.set)
         self._over.wait(2.0)
-
-    def _tell(self, event: asyncio.Event | None) -> None:
-        """Set an event in the thread of the server, unless that has ended."""
-        if self._loop is not None and event is not None:
-            with suppress(RuntimeError):  # it has
-                self._loop.call_soon_threadsafe(event.set)
 
     def keep_unsaved(self) -> Path | None:
         """Write edits that were not saved beside where they belong, so that closing loses nothing."""
-        session = getattr(self._view, "session", None)
-        return None if session is None else session.keep_unsaved()
+        return None if self._session is None else self._session.keep_unsaved()
 
     def _run(self) -> None:
         try:
@@ -126,14 +110,10 @@ class Page:
         from .page_handlers import ADDRESS, Guard, Presence, application
 
         self._loop, self._stopping = asyncio.get_running_loop(), asyncio.Event()
-        self._there = asyncio.Event()
-        if self._view is not None:
-            self._there.set()
-        alone = self._stopping.set if self._ends_with_page else (lambda: None)
-        presence = Presence(alone, GRACE_S)
+        presence = Presence(self._stopping.set if self._ends_with_page else (lambda: None), GRACE_S)
         sockets = bind_sockets(0, ADDRESS)
         guard = Guard(sockets[0].getsockname()[1])
-        server = HTTPServer(application(self._viewed, guard, presence), max_body_size=MOST_BYTES)
+        server = HTTPServer(application(self._view, guard, presence), max_body_size=MOST_BYTES)
         server.add_sockets(sockets)
         self.url = guard.address
         self._ready.set()
@@ -205,29 +185,14 @@ def of_set(
 ) -> Page:
     """What :meth:`~antires_rs.AntiresonanceSet.look` does."""
     require_bokeh()
-    given = dict(options)
-    session = Session(
-        zeros,
-        None if source is None else one_source(source),
-        band_hz=given.pop("band_hz", None),
-        max_order=given.pop("max_order", None),
-        options=given,
-        save_to=save_to,
-    )
+    given, signal = dict(options), None if source is None else one_source(source)
+    own = {name: given.pop(name, None) for name in ("band_hz", "max_order")}
+    session = Session(zeros, signal, **own, options=given, save_to=save_to)
     title = f"antiresonances, force at {zeros.excitation}"
     return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)
 
 
 # -- The page of a result: its figures, its answer and its tables; nothing can be changed there
-
-
-@dataclass(frozen=True)
-class Table:
-    """Heads and rows as text; heads with a unit are those of numbers."""
-
-    title: str
-    head: tuple[str, ...]
-    rows: list[list[str]]
 
 
 class ResultView(View):
@@ -242,12 +207,9 @@ class ResultView(View):
 
     def state(self, shown: int) -> dict[str, Any]:
         """Everything but the figures."""
-        return {
-            "kind": "result",
-            "answer": list(self.answer),
-            "figures": [{"caption": one.caption} for one in self.figures],
-            "tables": [asdict(one) for one in self.tables],
-        }
+        figures = [{"caption": one.caption} for one in self.figures]
+        tables = [one.plain() for one in self.tables]
+        return {"kind": "result", "answer": list(self.answer), "figures": figures, "tables": tables}
 
     def figure(self, shown: int) -> dict[str, Any]:
         """One of the figures."""

@@ -6,7 +6,8 @@ import asyncio
 import hmac
 import json
 import secrets
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import nullcontext, suppress
 from functools import cache
 from importlib.util import find_spec
@@ -99,27 +100,14 @@ class Presence:
             page.close()
 
 
-def application(viewed: Callable[[], Awaitable[View]], guard: Guard, presence: Presence) -> Application:
+def application(view: Future[View], guard: Guard, presence: Presence) -> Application:
     """What shows a view, which may have to be waited for."""
-    handlers = [
-        (r"/", _Home),
-        (r"/(bokeh\.js|page\.js|tables\.js|page\.css)", _Asset),
-        (r"/state", _State),
-        (r"/figure", _Figure),
-        (r"/do/(\w+)", _Do),
-        (r"/download", _Download),
-        (r"/alive", _Alive),
-    ]
-    return Application(
-        handlers,
-        default_handler_class=_Missing,
-        log_function=lambda handler: None,
-        websocket_ping_interval=5,
-        viewed=viewed,
-        guard=guard,
-        presence=presence,
-        turn=Lock(),  # of what takes long
-    )
+    handlers = [(r"/", _Home), (r"/state", _State), (r"/figure", _Figure), (r"/do/(\w+)", _Do)]
+    handlers += [(r"/(bokeh\.js|page\.js|tables\.js|page\.css)", _Asset)]
+    handlers += [(r"/download", _Download), (r"/alive", _Alive)]
+    own = {"view": view, "guard": guard, "presence": presence, "turn": Lock()}  # the turn of what takes long
+    quiet = {"log_function": lambda handler: None, "websocket_ping_interval": 5}
+    return Application(handlers, default_handler_class=_Missing, **quiet, **own)
 
 
 class _Guarded(RequestHandler):  # type: ignore[misc]
@@ -150,11 +138,12 @@ class _Guarded(RequestHandler):  # type: ignore[misc]
         self.set_header("Content-Type", "application/json; charset=utf-8")
         self.finish(json.dumps(data, allow_nan=False))
 
-    def shown(self) -> int:
+    async def shown(self) -> tuple[int, View]:
+        """What the page shows, when it is there: its number among all, and the view."""
         text = self.get_query_argument("shown", "0")
         if not text.isascii() or not text.isdecimal() or len(text) > 9:
             raise HTTPError(400, log_message="shown is a number")
-        return int(text)
+        return int(text), await asyncio.shield(asyncio.wrap_future(self.settings["view"]))
 
     async def aside(self, work: Work, turn: Lock | None = None) -> None:
         """Answer from a thread that the end of the server does not wait for; one at a time in a turn."""
@@ -194,20 +183,20 @@ class _Missing(_Guarded):
 
 class _State(_Guarded):
     async def get(self) -> None:
-        shown, view = self.shown(), await self.settings["viewed"]()
+        shown, view = await self.shown()
         self.plain({"title": view.title, **kindly(lambda: view.state(shown))})
 
 
 class _Figure(_Guarded):
     async def get(self) -> None:
-        shown, view = self.shown(), await self.settings["viewed"]()
+        shown, view = await self.shown()
         # In a thread: the first figure waits for imports, and the socket must go on being answered.
         await self.aside(lambda: view.figure(shown))
 
 
 class _Download(_Guarded):
     async def get(self) -> None:
-        found = (await self.settings["viewed"]()).file()
+        found = (await self.shown())[1].file()
         if found is None:
             raise HTTPError(404, log_message="nothing to download")
         name = "".join(c if c.isascii() and (c.isalnum() or c in "._- ") else "_" for c in found[0])
@@ -218,7 +207,7 @@ class _Download(_Guarded):
 
 class _Do(_Guarded):
     async def post(self, command: str) -> None:
-        shown, view = self.shown(), await self.settings["viewed"]()
+        shown, view = await self.shown()
         try:
             sent = json.loads(self.request.body or b"{}")
         except (ValueError, RecursionError):

@@ -26,9 +26,8 @@ from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
 from ..support.checks import FloatArray, frequency_band, integer
 from ..support.files import write_atomically
-from .identification import SEEN_ABOVE, pole_table
+from .identification import SEEN_ABOVE, Curve, curve_of, evidence_figure, mark_columns, pole_table
 from .live_canvas import item
-from .live_identification import Curve, curve_of, evidence_figure, mark_columns
 
 
 @dataclass(frozen=True)
@@ -256,13 +255,12 @@ def _seen(zeros: AntiresonanceSet, dof: Any, click: Click) -> Pick | None:
     at = _nearest(table.freq_hz, click)
     if at is None or click.y < float(diagram.orders[-1]) + SEEN_ABOVE - REACH_PX * click.y_per_px:
         return None
-    damping, std = float(table.damping_ratio[at]), float(table.std_hz[at])
-    return Pick(
-        "add",
-        float(table.freq_hz[at]),
-        None if np.isnan(damping) else damping,
-        None if np.isnan(std) else std,
-    )
+    return Pick("add", float(table.freq_hz[at]), _known(table.damping_ratio[at]), _known(table.std_hz[at]))
+
+
+def _known(value: Any) -> float | None:
+    """A number; None for NaN."""
+    return None if np.isnan(value) else float(value)
 
 
 def _dip(curve: Curve, click: Click) -> Pick | None:
@@ -378,11 +376,10 @@ class Session:
     def restore(self, dof: Any, freq_hz: float) -> str:
         """Bring back a value that was dropped, as it was."""
         with self._lock:
-            off = {
-                i: abs(each.edit.freq_hz / freq_hz - 1.0)
-                for i, each in enumerate(self.now.asked)
-                if (each.edit.dof, each.edit.action, self.now.waits[i]) == (dof, "drop", None)
-            }
+            off = {}
+            for i, (each, waits) in enumerate(zip(self.now.asked, self.now.waits, strict=True)):
+                if (each.edit.dof, each.edit.action, waits) == (dof, "drop", None):
+                    off[i] = abs(each.edit.freq_hz / freq_hz - 1.0)
             nearest = min(off, key=off.__getitem__, default=None)
             if nearest is not None and off[nearest] < NAMED_WITHIN:
                 return self.take_back(nearest)
@@ -522,17 +519,10 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
         words = doubts_of(dof, table, zeros.cross_check)
         grades = table.scores.get("grade", np.full(len(table), ""))
         for i, freq in enumerate(table.freq_hz.tolist()):
-            std, damping = float(table.std_hz[i]), float(table.damping_ratio[i])
-            rows.append(
-                {
-                    "dof": at,
-                    "freq_hz": freq,
-                    "std_hz": None if np.isnan(std) else std,
-                    "damping_percent": None if np.isnan(damping) else 100.0 * damping,
-                    "grade": "by hand" if table.by_hand[i] else str(grades[i]),
-                    "doubts": "" if table.by_hand[i] else ", ".join(words[i]),
-                }
-            )
+            row = {"dof": at, "freq_hz": freq, "std_hz": _known(table.std_hz[i])}
+            row |= {"damping_percent": _known(100.0 * table.damping_ratio[i])}
+            row |= {"grade": "by hand" if table.by_hand[i] else str(grades[i])}
+            rows.append(row | {"doubts": "" if table.by_hand[i] else ", ".join(words[i])})
     return rows
 
 
@@ -603,35 +593,26 @@ class SetView(View):
         turn = session.turn  # before what it is of: never newer than that
         now = session.now
         zeros, band = now.zeros, now.band_hz
-        verbs = {"drop": "dropped", "add": "added"}
+        edits = []
+        for each, why in zip(now.asked, now.waits, strict=True):
+            verb = {"drop": "dropped", "add": "added"}[each.edit.action]
+            text = f"{verb} {each.edit.freq_hz:.2f} Hz at dof {each.edit.dof}"
+            edits.append({"text": text, "reason": each.edit.reason, "waits": why})
         checked = () if zeros.data_check is None else zeros.data_check.warnings
         around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
-        return {
-            "kind": "set",
-            "turn": turn,
-            "excitation": str(zeros.excitation),
-            "dofs": [str(each) for each in zeros],
-            "dof": list(zeros).index(dof),
-            "rows": rows_of(zeros),
-            "edits": [
-                {
-                    "text": f"{verbs[each.edit.action]} {each.edit.freq_hz:.2f} Hz at dof {each.edit.dof}",
-                    "reason": each.edit.reason,
-                    "waits": why,
-                }
-                for each, why in zip(now.asked, now.waits, strict=True)
-            ],
-            "marks": mark_columns(zeros, dof, around or (0.0, 1.0)),
-            "band_hz": None if band is None else list(band),
-            "max_order": now.max_order,
-            "identified": session.identified,
-            "can_identify": session.source is not None,
+        state: dict[str, Any] = {"kind": "set", "turn": turn, "excitation": str(zeros.excitation)}
+        state |= {"dofs": [str(each) for each in zeros], "dof": list(zeros).index(dof), "edits": edits}
+        state |= {"rows": rows_of(zeros), "marks": mark_columns(zeros, dof, around or (0.0, 1.0))}
+        state |= {"band_hz": None if band is None else list(band), "max_order": now.max_order}
+        state |= {"identified": session.identified, "can_identify": session.source is not None}
+        state |= {
             "can_undo": bool(session.past),
             "can_redo": bool(session.future),
             "unsaved": session.unsaved,
-            "file": None if session.file.path is None else str(session.file.path),
-            "warnings": list(now.warned) or [f"data check: {line}" for line in checked],
         }
+        state["file"] = None if session.file.path is None else str(session.file.path)
+        state["warnings"] = list(now.warned) or [f"data check: {line}" for line in checked]
+        return state
 
     def figure(self, shown: int) -> dict[str, Any]:
         """Everything that speaks for the values of a response."""

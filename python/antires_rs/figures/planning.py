@@ -63,20 +63,12 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     limits = (shown.min() / 1.6, shown.max() * 1.6) if shown.size else None
     column = "seen_percent" if severities else "std_percent"
     upright = not fit_across(ax, names)
-    panel = Panel(
-        "plan",
-        Axis("", (-0.6, len(names) - 0.4), names=names, upright=upright),
-        Axis(
-            "Smallest stiffness loss seen (%)" if severities else "Std after / before (%)",
-            limits,
-            log=bool(limits),
-        ),
-        marks,
-        title=f"force at {plan.labels[plan.excitation]}, {plan.n_values} antiresonances",
-        grid="y",
-        first=(f"{len(plan.sensors)} planned sensors",),
-        tables={"elements": {"name": names, column: planned, f"{column}_by_all": everywhere}},
-    )
+    label = "Smallest stiffness loss seen (%)" if severities else "Std after / before (%)"
+    x_axis = Axis("", (-0.6, len(names) - 0.4), names=names, upright=upright)
+    y_axis, first = Axis(label, limits, log=bool(limits)), (f"{len(plan.sensors)} planned sensors",)
+    title = f"force at {plan.labels[plan.excitation]}, {plan.n_values} antiresonances"
+    tables = {"elements": {"name": names, column: planned, f"{column}_by_all": everywhere}}
+    panel = Panel("plan", x_axis, y_axis, marks, title=title, grid="y", first=first, tables=tables)
     draw(panel, ax, drop_pt=None if upright else 30.0)
     if shown.size:
         plain_log(ax.yaxis, narrow=bool(shown.max() < _NARROW * shown.min()))
@@ -117,10 +109,9 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     named = elements if len(elements) <= _MOST else [order[0], order[len(order) // 2], order[-1]]
     percent = {e: (100.0 * curves.severity[e], 100.0 * curves.pod[e]) for e in elements}
     others = [e for e in elements if e not in named]
-    marks: list[Mark] = [
-        Line(*percent[e], "pale", width=0.9, label=None if i else "the other elements")
-        for i, e in enumerate(others)
-    ]
+    names = [None if i else "the other elements" for i in range(len(others))]
+    rest = zip(others, names, strict=True)
+    marks: list[Mark] = [Line(*percent[e], "pale", width=0.9, label=name) for e, name in rest]
     marks.append(Rules(_LEVEL, colour="grey", dash=(4, 2), width=1.0))
     for nth, e in enumerate(named):
         found, look = curves.a90[e], turn(nth)
@@ -128,27 +119,19 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
         marks.append(Line(*percent[e], width=1.9, label=f"{curves.names[e]}: {reached}", **look))
         severity, hit = curves.tests.get(e, (np.empty(0), np.empty(0)))
         for at, level in ((hit > 0.5, 103.0), (hit < 0.5, -3.0)):
-            marks.append(
-                Points(100.0 * severity[at], np.full(int(at.sum()), level), "|", colour=look["colour"])
-            )
-    shown = np.concatenate([severity for severity, _ in percent.values()])
+            y = np.full(int(at.sum()), level)
+            marks.append(Points(100.0 * severity[at], y, "|", colour=look["colour"]))
+    severities, pods = zip(*percent.values(), strict=True)
+    shown = all_of_them = np.concatenate(severities)
     # Where every curve has reached the top there is nothing to see.
     climbing = [severity[pod < 100.0 * _REACHED].max(initial=0.0) for severity, pod in percent.values()]
     last = min(max([*climbing, 2.0 * shown.min()]) * 1.6, shown.max())
     shown = shown[shown <= last]
-    table = {
-        "element": np.repeat(elements, [severity.size for severity, _ in percent.values()]),
-        "loss_percent": np.concatenate([severity for severity, _ in percent.values()]),
-        "pod_percent": np.concatenate([pod for _, pod in percent.values()]),
-    }
-    panel = Panel(
-        "detectability",
-        Axis("Stiffness loss (%)", (shown.min(), last), log=True),
-        Axis("Probability of detection (%)", (-6.0, 106.0), at=range(0, 101, 20)),
-        marks,
-        grid="both",
-        tables={"curves": table},
-    )
+    table = {"element": np.repeat(elements, [len(each) for each in pods]), "loss_percent": all_of_them}
+    tables = {"curves": table | {"pod_percent": np.concatenate(pods)}}
+    x_axis = Axis("Stiffness loss (%)", (shown.min(), last), log=True)
+    y_axis = Axis("Probability of detection (%)", (-6.0, 106.0), at=range(0, 101, 20))
+    panel = Panel("detectability", x_axis, y_axis, marks, grid="both", tables=tables)
     ax = draw(panel, new_axes(ax, (7.5, 4.6)))
     plain_log(ax.xaxis, narrow=bool(shown.max() < _NARROW * shown.min()))
     look = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": "small"}

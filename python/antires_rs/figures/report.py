@@ -15,7 +15,6 @@ import numpy as np
 
 from .._core import __version__
 from ..damage.assess import DamageResult
-from ..damage.words import without_idle
 from ..exceptions import MissingDependencyError, reject
 from ..io.archive import versions
 from ..signals.frequency_response import FrequencyResponse
@@ -27,7 +26,7 @@ from . import report_parts as parts
 from .canvas import picture
 from .report_parts import Drawings, Facts
 from .responses import dof_name
-from .watch import draw_monitor, panels, size_in, watched_figure
+from .sets import draw_monitor, panels, size_in, watched_figure
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
@@ -73,61 +72,42 @@ def write_report(
     if not Path(path).parent.is_dir():  # known before any picture is drawn
         remedy = f"Make the folder {str(Path(path).parent)!r} first."
         reject("path", str(path), "a file in a folder that exists", remedy)
-    damage = result if isinstance(result, DamageResult) else None
-    judged = damage if damage is not None and damage.has_baseline else None
+    damage = isinstance(result, DamageResult)
     problem = result.problem
     modal = problem.objective == "modal"
     if modal and response is not None:
         remedy = "A ModalSet does not tell where the force was, which the model's transmissibilities need."
         reject("response", "transmissibilities with measured modes", "None", remedy)
     measured = _measured(result, measurement)
-    what, values = (
-        ("resonance", "resonances and mode shapes") if modal else ("antiresonance", "antiresonances")
-    )
-    changes = "{} before, {} after".format(*_largest(result))
+    values = "resonances and mode shapes" if modal else "antiresonances"
     drawn = parts.drawings_of(result, response, truth, diagrams) if drawn is None else drawn
     shown, left_out = parts.fitting(drawn)
     if warnings is None:
         checks = [getattr(each, "data_check", None) for each in problem.measured]
         warnings = [line for check in checks if check is not None for line in check.warnings]
+    made = ", ".join(f"{name} {version}" for name, version in versions().items())
+    when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    said: dict[str, Any] = {
+        "answer": parts.answer_of(result),
+        "lead": _lead(result),
+        "warnings": list(warnings),
+    }
+    said["title"] = title or f"{'Damage assessment' if damage else 'Model updating'} with {values}"
+    facts = {"measured": measured, "intact": [_lines(each) for each in baseline or ()]}
+    run = parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]}
+    figures: dict[str, Any] = {"figures": drawn.figures, "diagrams": shown, "left_out": left_out}
+    figures |= {"library": parts.library(), "script": parts.script(), "policy": parts.policy()}
     blocks: dict[str, Any] = {"trim_blocks": True, "lstrip_blocks": True}
-    environment = Environment(autoescape=True, undefined=StrictUndefined, **blocks)
-    html = environment.from_string(_asset("report.html")).render(
-        title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
-        answer=damage._headline() if damage else [f"Largest {what} difference: {changes}."],
-        lead=_lead(result),
-        result=result,
-        damage=damage is not None,
-        modal=modal,
-        states=parts.states(result),
-        parameters=parts.damage_rows(damage, truth) if damage else parts.parameter_rows(result),
-        judged=judged is not None,
-        hypotheses=None if judged is None else parts.hypothesis_rows(without_idle(judged.assessment)),
-        intact=[_lines(each) for each in baseline or ()],
-        known=truth is not None,
-        rows=parts.frequency_rows(result),
-        figures=drawn.figures,
-        measured=measured,
-        diagrams=shown,
-        left_out=left_out,
-        library=parts.library(),
-        script=parts.script(),
-        policy=parts.policy(),
-        warnings=list(warnings),
-        model=parts.of_model(problem.model),
-        run=parts.of_search(result) | _lines(origin or {}) | _versions(),
+    template = Environment(autoescape=True, undefined=StrictUndefined, **blocks).from_string(
+        _asset("report.html")
     )
+    found = {"result": result, "tables": parts.tables_of(result, truth), "damage": damage, "modal": modal}
+    html = template.render(**said, **found, **facts, **figures, model=parts.of_model(problem.model), run=run)
     return write_atomically(path, html.encode("utf-8"))
 
 
 def _asset(name: str) -> str:
     return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
-
-
-def _largest(result: UpdateResult) -> list[str]:
-    """The largest differences before and after in words."""
-    table = result.table
-    return [parts.largest(one) for one in (table.largest_before_percent, table.largest_after_percent)]
 
 
 def _lead(result: UpdateResult) -> str:
@@ -146,19 +126,13 @@ def _lead(result: UpdateResult) -> str:
         return f"{given}; {len(result.x)} parameters."
     if result.has_baseline:
         seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
-        would = (
-            f" Smallest loss that nine of ten such tests would show: {min(seen):.2g} to {max(seen):.2g} %, "
-            "depending on the element."
-            if seen
-            else ""
-        )
+        would = " Smallest loss that nine of ten such tests would show: " if seen else ""
+        would += f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element." if seen else ""
         among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
         return f"{given}, compared with those of the intact structure; {among}.{would}"
-    before, after = _largest(result)
-    return (
-        f"{given}; {len(result.x)} candidate elements. Largest {what} difference {before} without "
-        f"damage, {after} with the damage found."
-    )
+    before, after = parts.largest(result)
+    change = f"Largest {what} difference {before} without damage, {after} with the damage found."
+    return f"{given}; {len(result.x)} candidate elements. {change}"
 
 
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
@@ -183,11 +157,6 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
 
 def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
     return {name: [value] if isinstance(value, str) else list(value) for name, value in facts.items()}
-
-
-def _versions() -> Facts:
-    made = ", ".join(f"{name} {version}" for name, version in versions().items())
-    return {"Report made with": [made, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")]}
 
 
 # -- The page of a watch: what it found, its charts, its alarms; small enough to be written after every test

@@ -13,7 +13,7 @@ from hashlib import sha256
 from importlib.resources import files
 from importlib.util import find_spec
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,8 @@ from ..updating.targets import ModalTable, signed
 from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
+from .identification import stabilization_figure
 from .live_canvas import LEGEND, explored, item, script_files
-from .live_identification import stabilization_figure
 from .marks import Axis, Line, Panel
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
@@ -53,12 +53,11 @@ def named_diagrams(
     tables: Sequence[Mapping[Any, Any]], forces: Sequence[Any], model: StructuralModel
 ) -> dict[str, Any]:
     """Diagrams by the name of their response, with that of the force where there are several."""
-    several = len(tables) > 1
-    return {
-        dof_name(model, dof) + (f", force at {dof_name(model, force)}" if several else ""): diagram
-        for force, table in zip(forces, tables, strict=True)
-        for dof, diagram in table.items()
-    }
+    named: dict[str, Any] = {}
+    for force, table in zip(forces, tables, strict=True):
+        at = f", force at {dof_name(model, force)}" if len(tables) > 1 else ""
+        named |= {f"{dof_name(model, dof)}{at}": diagram for dof, diagram in table.items()}
+    return named
 
 
 def of_signal(signal: Recording | FrequencyResponse) -> Facts:
@@ -77,9 +76,8 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     low, high = signal.freq_hz[[0, -1]]
     over = "" if signal.reference is None else f" over dof {signal.reference}"
     kinds = {"frf": "frequency responses", "transmissibility": "transmissibilities"}
-    facts["Curves"] = [
-        f"{kinds[signal.kind]}{over}, {signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"
-    ]
+    lines = f"{signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"
+    facts["Curves"] = [f"{kinds[signal.kind]}{over}, {lines}"]
     if signal.n_averages is not None:
         facts["Averages"] = [f"{signal.n_averages:.1f}"]
     return facts
@@ -101,17 +99,14 @@ def of_identification(signal: Recording | FrequencyResponse, found: Antiresonanc
     elif found.diagrams:
         max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
     others = OF_SWEEP if fitted in ("windows", "directions") else OF_WINDOWS
-    thresholds = [
-        f"{name} {used[name]}"
-        for name, one in FitOptions.declared().items()
-        if one.kind in ("number", "whole", "switch") and name not in (*others, "min_order")
-    ]
+    kinds = {
+        name: one.kind for name, one in FitOptions.declared().items() if name not in (*others, "min_order")
+    }
+    thresholds = [f"{name} {used[name]}" for name, of in kinds.items() if of in ("number", "whole", "switch")]
     preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
     low, high = used["band_hz"]
-    facts = {
-        "Band": [f"{low:g} to {high:g} Hz"],
-        "Method": [f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"],
-    }
+    method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
+    facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
     if isinstance(signal, Recording):
         facts["Spectra"] = [_spectra(signal, found, used)]
     facts["Orders"] = [f"{used['min_order']} to {max_order}"]
@@ -127,10 +122,8 @@ def _spectra(signal: Recording, found: AntiresonanceSet, used: Mapping[str, Any]
     overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
     known = checked is not None and checked.n_averages is not None
     averages = f", {checked.n_averages:.1f} independent averages" if checked and known else ""
-    return (
-        f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}, window "
-        f"{used['window']}{averages}"
-    )
+    cut = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
+    return f"{cut}, window {used['window']}{averages}"
 
 
 def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
@@ -138,15 +131,12 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     if not isinstance(found, AntiresonanceSet):
         return {"Modes": [f"{len(found)} with shapes at {len(found.dofs)} dofs: {_names(found.dofs)}"]}
     force = found.excitation
-    facts = {
-        "Force": [dof_name(model, force)],
-        "Antiresonances": [", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)],
-    }
+    counts = ", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)
+    facts = {"Force": [dof_name(model, force)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    how = np.concatenate(
-        [np.empty(0, dtype=str), *(np.asarray(s["how"]) for s in found.scores.values() if "how" in s)]
-    )
+    ways = (np.asarray(scores["how"]) for scores in found.scores.values() if "how" in scores)
+    how = np.concatenate([np.empty(0, dtype=str), *ways])
     if how.size:
         facts["Accepted"] = [
             f"{np.sum(how == 'windows')} seen by most fits over windows"
@@ -193,14 +183,12 @@ def of_model(model: StructuralModel) -> Facts:
     elif isinstance(model, FrameModel):
         sections = enumerate(model.sections.values())
         facts["Sections"] = [f"{model.section_label(i)}: {_section(section)}" for i, section in sections]
-        facts["Carried"] = [
-            f"{len(carried) or 'no'} {one if len(carried) == 1 else many}"
-            for carried, one, many in (
-                (model.point_masses, "point mass", "point masses"),
-                (model.ground_springs, "spring to ground", "springs to ground"),
-                (model.node_springs, "spring between nodes", "springs between nodes"),
-            )
-        ]
+        carried = (
+            (len(model.point_masses), "point mass", "point masses"),
+            (len(model.ground_springs), "spring to ground", "springs to ground"),
+            (len(model.node_springs), "spring between nodes", "springs between nodes"),
+        )
+        facts["Carried"] = [f"{n or 'no'} {one if n == 1 else many}" for n, one, many in carried]
         facts["Fixed nodes"] = [_names(sorted({node for node, _ in model.fixed})) or "none"]
     facts["Numbers"] = ["all from 0, as in Python and in job files"]
     return facts
@@ -209,45 +197,31 @@ def of_model(model: StructuralModel) -> Facts:
 def of_search(result: UpdateResult) -> Facts:
     """The objective, the options of the search and where it ended."""
     problem, history = result.problem, result.history
+    ended = {"Ended": [f"{result.status}: {result.message}"]}
     if isinstance(result, DamageResult) and result.has_baseline:
-        return _of_assessment(result)
+        return ended | _of_assessment(result.assessment) | {"Seed": [f"{result.seed}"]}
     penalty = problem.penalty
     price = "" if penalty is None else (f", {penalty.text}, snap {penalty.snap:g}")
-    options = [
-        f"{name} {', '.join(value) if isinstance(value, list) else value}"
-        for name, value in result.search.options.items()
-        if value is not None
-    ]
+    given = {name: value for name, value in result.search.options.items() if value is not None}
+    options = [f"{name} {', '.join(v) if isinstance(v, list) else v}" for name, v in given.items()]
     weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
     count = history.cost.shape[1]
-    return {
-        "Ended": [f"{result.status}: {result.message}"],
-        "Objective": [f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"],
-        "Search": [f"{result.search.effort}, {count} islands", "; ".join(options)],
-        "Seed": [f"{result.seed}"],
-    }
+    objective = f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"
+    search = [f"{result.search.effort}, {count} islands", "; ".join(options)]
+    return ended | {"Objective": [objective], "Search": search, "Seed": [f"{result.seed}"]}
 
 
-def _of_assessment(result: DamageResult) -> Facts:
+def _of_assessment(found: Assessment) -> Facts:
     """How hypotheses were judged against a baseline."""
-    found = result.assessment
-    threshold = (
-        "damage is declared where it is more probable than none"
-        if found.threshold is None
-        else f"damage is declared from log odds of {found.threshold:.2f} on, for the rate of false alarms"
+    rule = "where it is more probable than none"
+    if found.threshold is not None:
+        rule = f"from log odds of {found.threshold:.2f} on, for the rate of false alarms"
+    learned = (
+        f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
+        f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
     )
-    return {
-        "Ended": [f"{result.status}: {result.message}"],
-        "Model errors": [
-            f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
-            f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
-        ],
-        "Values": [
-            f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
-        ],
-        "Rule": [threshold],
-        "Seed": [f"{result.seed}"],
-    }
+    values = f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
+    return {"Model errors": [learned], "Values": [values], "Rule": [f"damage is declared {rule}"]}
 
 
 def _names(dofs: Any) -> str:
@@ -398,8 +372,7 @@ def drawings_of(
         (9.5, 4.6),
         f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
         f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
-        f"{largest(table.largest_before_percent)} {names[0]} and {largest(table.largest_after_percent)} "
-        f"{names[1]}",
+        + " and ".join(map(" ".join, zip(largest(result), names, strict=True))),
         lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
     )
     if response is not None:
@@ -478,30 +451,21 @@ def _model(result: UpdateResult) -> dict[str, Figure]:
     at: dict[str, Any] = {"sensors": sensors, "excitation": force, "label": label}
     if isinstance(model, MassSpringChain):
         every = -(-model.n_dof // MOST_NUMBERS)
-        return {
-            "model": Figure(
-                partial(plot_chain, model, loss, **at),
-                (9.0, 2.9),
-                caption,
-                f"Drawing of a chain of {model.n_dof} masses",
-                lambda: explored(chain(model, loss, sensors, force, label, WIDE_PT, every), height=260),
-            )
-        }
+        alt, draw = f"Drawing of a chain of {model.n_dof} masses", partial(plot_chain, model, loss, **at)
+        panel = partial(chain, model, loss, sensors, force, label, WIDE_PT, every)
+        return {"model": Figure(draw, (9.0, 2.9), caption, alt, lambda: explored(panel(), height=260))}
     if not isinstance(model, FrameModel):
         return {}
     beams = None if loss is None else {e: beta for e, beta in loss.items() if e < len(model.elements)}
     extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
     height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
     room = np.array([WIDE_PT, 0.7 * height])
-    return {
-        "model": Figure(
-            partial(plot_frame, model, beams, **at),
-            (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6),
-            f"{caption} Numbers upright are of elements, slanted ones of nodes.",
-            f"Drawing of a frame of {len(model.elements)} elements",
-            lambda: explored(frame(model, beams, sensors, force, label, room), height=height),
-        )
-    }
+    size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
+    caption += " Numbers upright are of elements, slanted ones of nodes."
+    alt = f"Drawing of a frame of {len(model.elements)} elements"
+    panel = partial(frame, model, beams, sensors, force, label, room)
+    draw = partial(plot_frame, model, beams, **at)
+    return {"model": Figure(draw, size, caption, alt, lambda: explored(panel(), height=height))}
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
@@ -603,12 +567,71 @@ def states(result: UpdateResult) -> tuple[str, str]:
     return ("without damage", "with the damage found") if damage else ("before updating", "after updating")
 
 
-def largest(percent: float) -> str:
-    """The largest difference in words."""
-    return f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all"
+def largest(result: UpdateResult) -> list[str]:
+    """The largest differences before and after in words."""
+    both = (result.table.largest_before_percent, result.table.largest_after_percent)
+    return [f"{percent:.2f} %" if np.isfinite(percent) else "no partner at all" for percent in both]
 
 
-# -- The tables of a report, cell by cell
+def answer_of(result: UpdateResult) -> list[str]:
+    """What came out, the first sentence alone."""
+    if isinstance(result, DamageResult):
+        return list(result._headline())
+    what = "resonance" if result.problem.objective == "modal" else "antiresonance"
+    return ["Largest {} difference: {} before, {} after.".format(what, *largest(result))]
+
+
+# -- The tables of a report and of a page, cell by cell
+
+
+class Table(NamedTuple):
+    """Heads by column, those of numbers with their unit in brackets; rows with a ``mark`` stand out."""
+
+    title: str
+    heads: dict[str, str]
+    rows: list[dict[str, Any]]
+    mark: str
+    note: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """Heads and rows as texts."""
+        rows = [[str(row.get(key, "")) for key in self.heads] for row in self.rows]
+        title = f"{self.title}; {self.note}" if self.note else self.title
+        return {"title": title, "head": list(self.heads.values()), "rows": rows}
+
+
+def tables_of(
+    result: UpdateResult, truth: Mapping[int, float] | None = None, *, assumed: bool = False
+) -> dict[str, Table]:
+    """Hypotheses (without a baseline by an ``assumed`` error of the model), values found, frequencies."""
+    tables: dict[str, Table] = {}
+    judged = isinstance(result, DamageResult) and result.has_baseline
+    if isinstance(result, DamageResult):
+        if judged or assumed:
+            rows, others = hypothesis_rows(without_idle(result.assessment))
+            heads = {"probability": "probability (%)", "name": "explanation"}
+            heads |= {"losses": "stiffness loss (%), 90 % interval"}
+            tables["hypotheses"] = Table("Hypotheses", heads, rows, "hit", others)
+        certain = {"value": "found (%)", "std": "standard deviation (%)"}
+        likely = {"probability": "probability of damage (%)", "value": "found (%)"}
+        heads = {"name": "element"} | (likely | {"interval": "90 % interval (%)"} if judged else certain)
+        heads |= ({} if truth is None else {"truth": "truth (%)"}) | {
+            "visible": "smallest that would be seen (%)"
+        }
+        heads |= {} if judged else {"bounds": "bounds (%)"}
+        tables["found"] = Table("Stiffness loss by element", heads, damage_rows(result, truth), "damaged")
+    else:
+        heads = {"name": "parameter", "nominal": "before", "value": "found", "std": "standard deviation"}
+        heads |= {"change": "change (%)", "bounds": "bounds"}
+        tables["found"] = Table("Parameters", heads, parameter_rows(result), "on_bound")
+    modal = result.problem.objective == "modal"
+    heads = {"mode": "mode"} if modal else {"dof": "response dof", "force": "force dof"}
+    heads["measured"] = f"measured{', corrected by the baseline' if judged else ''} (Hz)"
+    for state, name in zip(("before", "after"), states(result), strict=True):
+        heads |= {state: f"{name} (Hz)", f"{state}_percent": "difference (%)"}
+        heads |= {f"{state}_mac": "MAC"} if modal else {}
+    title = "Resonances" if modal else "Antiresonances"
+    return tables | {"frequencies": Table(title, heads, frequency_rows(result), "group")}
 
 
 def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
@@ -616,18 +639,12 @@ def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
     on_bound = set(result.at_bound)
     problem = result.problem
     columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
-    return [
-        {
-            "name": name,
-            "value": f"{value:#.5g}",
-            "std": _deviation(std),
-            "change": f"{100 * (value / nominal - 1):+.2f}" if nominal else "",
-            "nominal": f"{nominal:.5g}",
-            "bounds": f"{low:g} to {high:g}",
-            "on_bound": name in on_bound,
-        }
-        for name, value, std, nominal, (low, high) in columns
-    ]
+    rows = []
+    for name, value, std, nominal, (low, high) in columns:
+        row = {"name": name, "value": f"{value:#.5g}", "std": _deviation(std), "nominal": f"{nominal:.5g}"}
+        row |= {"change": f"{100 * (value / nominal - 1):+.2f}" if nominal else ""}
+        rows.append(row | {"bounds": f"{low:g} to {high:g}", "on_bound": name in on_bound})
+    return rows
 
 
 def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list[dict[str, Any]]:
@@ -643,37 +660,31 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
     chance, limits = (result.probability, result.interval) if judged else ({}, {})
     instead = _instead(result) if judged else {}
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
-    rows = [
-        {
+    rows = []
+    for e, name, std, (low, high) in columns:
+        lost, other = result.severity[e], instead.get(e)
+        row: dict[str, Any] = {
             "name": label(e),
-            "value": f"or {percent(instead[e][0])}" if e in instead else percent(result.severity[e]),
-            "std": _deviation(100.0 * std) if result.severity[e] > 0.0 else "",
-            "interval": _interval(*instead[e][1:] if e in instead else limits.get(e, (0.0, 0.0))),
-            "probability": _probability(chance.get(e, 0.0)),
-            "visible": percent(result.detectable[e]),
-            "truth": percent((truth or {}).get(e)),
+            "value": percent(lost) if other is None else f"or {percent(other[0])}",
+        }
+        row |= {
+            "std": _deviation(100.0 * std) if lost > 0.0 else "",
             "bounds": f"{100 * low:g} to {100 * high:g}",
-            "damaged": result.severity[e] > 0.0 or e in instead,
-            "on_bound": name in on_bound,
         }
-        for e, name, std, (low, high) in columns
-    ]
+        row |= {"interval": _interval(*(limits.get(e, (0.0, 0.0)) if other is None else other[1:]))}
+        row |= {"probability": _probability(chance.get(e, 0.0)), "visible": percent(result.detectable[e])}
+        row |= {"truth": percent((truth or {}).get(e)), "damaged": lost > 0.0 or other is not None}
+        rows.append(row | {"on_bound": name in on_bound})
     # Elements that were no candidates, and would explain the change.
-    others = [one for one in result.hypotheses if one.elements and not one.candidate] if judged else []
-    return rows + [
-        dict.fromkeys(("std", "visible", "bounds"), "")
-        | {
-            "name": f"{label(one.elements[0])}, no candidate",
-            "value": percent(one.severities[0]),
-            "interval": _interval(one.low[0], one.high[0]),
-            "probability": _probability(one.probability),
-            "truth": percent((truth or {}).get(one.elements[0])),
-            "damaged": one is result.hypotheses[0],
-            "on_bound": False,
-        }
-        for one in others
-        if not one.unknown and one.probability >= WORTH_A_ROW
-    ]
+    for one in result.hypotheses if judged else ():
+        if one.candidate or not one.elements or one.unknown or one.probability < WORTH_A_ROW:
+            continue
+        row = dict.fromkeys(("std", "visible", "bounds"), "") | {"on_bound": False}
+        row |= {"name": f"{label(one.elements[0])}, no candidate", "value": percent(one.severities[0])}
+        row |= {"interval": _interval(one.low[0], one.high[0]), "probability": _probability(one.probability)}
+        row |= {"truth": percent((truth or {}).get(one.elements[0])), "damaged": one is result.hypotheses[0]}
+        rows.append(row)
+    return rows
 
 
 def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
@@ -691,17 +702,11 @@ def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
     """Rows of the hypotheses worth one, the answer and its like as hits, and a sentence on the others."""
     hypotheses, alike = found.hypotheses, found.group
     answer = alike if hypotheses[0] in alike else hypotheses[:1]
-    rows = [
-        {
-            "name": hypotheses.called(one),
-            "probability": _probability(one.probability),
-            "hit": one in answer,
-            "losses": ", ".join(
-                loss(s, low, high) for s, low, high in zip(one.severities, one.low, one.high, strict=True)
-            ),
-        }
-        for one in worth_a_row(hypotheses)
-    ]
+    rows = []
+    for one in worth_a_row(hypotheses):
+        losses = ", ".join(loss(*each) for each in zip(one.severities, one.low, one.high, strict=True))
+        row = {"name": hypotheses.called(one), "probability": _probability(one.probability), "losses": losses}
+        rows.append(row | {"hit": one in answer})
     others = len(hypotheses) - len(rows)
     rest = float(np.sum(hypotheses.probability[len(rows) :]))
     return rows, f"{others} others, together {_probability(rest)} %." if others else ""
@@ -722,9 +727,8 @@ def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
         return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
     cells = {name: [cell(name, one) for one in getattr(table, of)] for name, of in columns.items()}
-    rows: list[dict[str, Any]] = [
-        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
-    ]
+    each = zip(*cells.values(), strict=True)
+    rows: list[dict[str, Any]] = [dict(zip(cells, row, strict=True)) for row in each]
     if modal:
         for row, mode in zip(rows, table.mode, strict=True):
             row.update(mode=mode, group=mode == table.mode[0])

@@ -22,11 +22,8 @@ if TYPE_CHECKING:
 MOST_RESPONSES = 6
 KINDS = ("accelerance", "mobility", "receptance")
 #: Of the measured curve, and of the model before and after.
-LOOKS: tuple[dict[str, Any], ...] = (
-    {"colour": "#BDBDBD", "width": 3.2},
-    {"colour": "vermillion", "dash": "--"},
-    {"colour": "blue"},
-)
+LOOKS: tuple[dict[str, Any], ...] = ({"colour": "#BDBDBD", "width": 3.2},)
+LOOKS += ({"colour": "vermillion", "dash": "--"}, {"colour": "blue"})
 
 
 def plot_responses(
@@ -104,14 +101,12 @@ def plot_responses(
             table[f"{name.replace(' ', '_')}_{dof}_db"] = level
         top = low + shift - 12.0
     rules = Rules(np.arange(0.0, top, -20.0), colour="#EBEBEB", width=0.6)
-    panel = Panel(
-        "response",
+    names_of = [before.dof_label(dof) for dof in chosen]
+    x, y = (
         Axis("Frequency (Hz)", (freq[0], freq[-1])),
-        Axis("FRF, each shifted (dB)", names=[before.dof_label(dof) for dof in chosen], at=places),
-        [rules, *marks],
-        grid="x",
-        tables={"responses": table},
+        Axis("FRF, each shifted (dB)", names=names_of, at=places),
     )
+    panel = Panel("response", x, y, [rules, *marks], grid="x", tables={"responses": table})
     ax = draw(panel, new_axes(ax, (9.0, 2.0 + 1.2 * len(chosen))))
     ax.set_ylim(top - 4.0, None)
     return ax
@@ -135,10 +130,8 @@ def curves_db(
     low, high = band_shown(measured.freq_hz, band_hz)
     keep = (measured.freq_hz >= low) & (measured.freq_hz <= high) & (measured.freq_hz > 0.0)
     freq, own = measured.freq_hz[keep], _level(measured.values[:, keep])
-    shapes = [
-        _level(np.atleast_2d(one.frf(list(measured.dofs), excitation, freq, damping_ratio=damping_ratio)))
-        for one in models
-    ]
+    dofs, damping = list(measured.dofs), {"damping_ratio": damping_ratio}
+    shapes = [_level(np.atleast_2d(one.frf(dofs, excitation, freq, **damping))) for one in models]
     # Receptance and mobility from accelerance, in dB: by 1 / w once or twice.
     fall = 20.0 * np.log10(2.0 * np.pi * freq)
     options = [own - (shapes[-1] - times * fall) for times in range(len(KINDS))]
@@ -151,10 +144,8 @@ def curves_db(
 def _of_kind(measured: Any, kind: str) -> None:
     """Refuse anything but responses of a kind."""
     if not isinstance(measured, FrequencyResponse) or measured.kind != kind:
-        got, wanted = (
-            getattr(measured, "kind", type(measured).__name__),
-            f"a FrequencyResponse of kind {kind!r}",
-        )
+        got = getattr(measured, "kind", type(measured).__name__)
+        wanted = f"a FrequencyResponse of kind {kind!r}"
         reject("measured", got, wanted, f"Estimate it by antires_rs.{kind}.")
 
 
@@ -235,36 +226,22 @@ def transmissibilities(
         if model is not None:
             h = model.frf(list(dofs), excitation, freq, damping_ratio=damping_ratio)
             curves.append(h / h[dofs.index(reference)])
-    levels = [
-        _decibel(FrequencyResponse(freq, one, dofs, "transmissibility", reference), dof) for one in curves
-    ]
+    levels = []
+    for one in curves:
+        ratios = FrequencyResponse(freq, one, dofs, "transmissibility", reference)
+        levels.append(_level(transmissibility_sum(ratios) if dof is None else one[dofs.index(dof)]))
     called = curve_names(names, after is not None)
     columns = {f"level_{i}": level for i, level in enumerate(levels)}
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
-    marks = [
-        Line(freq, level, label=name, **look)
-        for level, name, look in zip(levels, called, LOOKS, strict=False)
-    ]
+    rows = zip(levels, called, LOOKS, strict=False)
+    marks = [Line(freq, level, label=name, **look) for level, name, look in rows]
     marks[0] = replace(marks[0], says=says, more=columns)
     what = "Sum of T" if dof is None else f"|T| of {dof_name(before, dof)}"
-    return Panel(
-        "response",
-        Axis("Frequency (Hz)", (low, high)),
-        Axis(f"{what} over {dof_name(before, reference)} (dB re 1)"),
-        marks,
-        grid="both",
-        tables={
-            "transmissibility": {"freq_hz": freq}
-            | dict(zip(("measured_db", "before_db", "after_db"), levels, strict=False))
-        },
-    )
+    table = {"freq_hz": freq} | dict(zip(("measured_db", "before_db", "after_db"), levels, strict=False))
+    x, y = Axis("Frequency (Hz)", (low, high)), Axis(f"{what} over {dof_name(before, reference)} (dB re 1)")
+    return Panel("response", x, y, marks, grid="both", tables={"transmissibility": table})
 
 
 def dof_name(model: StructuralModel, dof: Any) -> str:
     """A dof as the tables name it."""
     return str(model.dof_name(dof)) if hasattr(model, "dof_name") else f"dof {dof}"
-
-
-def _decibel(response: FrequencyResponse, dof: int | None) -> FloatArray:
-    values = transmissibility_sum(response) if dof is None else response.values[response.dofs.index(dof)]
-    return _level(values)

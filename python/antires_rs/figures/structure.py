@@ -118,15 +118,11 @@ def chain(
         given = by_spring[list(springs)]
         width = 2.6 if n <= MOST_COILS else 5.0
     marks: list[Mark] = [Paths(paths, "blue", given, label, width=width, **_hovered(names, given))]
-    marks += [
-        Line(2 * [springs[element][-1, 0]], [-0.4, 0.4], width=2.5) for element in springs.keys() & {n - 1, n}
-    ]
+    walls = [springs[element][-1, 0] for element in springs.keys() & {n - 1, n}]
+    marks += [Line([at, at], [-0.4, 0.4], width=2.5) for at in walls]
     size = float(np.clip(0.4 * wide_pt / (n + 1), 4.0, 22.0))
-    more: dict[str, Any] = {
-        "name": [model.dof_label(i) for i in range(n)],
-        "mass": np.asarray(model.mass()).diagonal(),
-    }
-    says = {"": "@name", "Mass": "@mass{0.000000} kg"}
+    more: dict[str, Any] = {"name": [model.dof_label(i) for i in range(n)]}
+    more["mass"], says = np.asarray(model.mass()).diagonal(), {"": "@name", "Mass": "@mass{0.000000} kg"}
     marks.append(Points(np.arange(n), np.zeros(n), "s", size, face="white", says=says, more=more))
     long = max(0.18, 6.0 * (n + 1) / wide_pt)
     for where, y, half, width, colour, name in (
@@ -139,24 +135,14 @@ def chain(
             marks.append(Arrows(tails, heads, colour, width, label=name, says=says, more=more))
     shown = list(springs)[::every]
     numbers = [str(element) if element < n - 1 else "ground" for element in shown]
-    marks.append(
-        Words([springs[e][:, 0].mean() for e in shown], np.full(len(shown), HEIGHT), numbers, away=4.0)
-    )
+    middles = [springs[element][:, 0].mean() for element in shown]
+    marks.append(Words(middles, np.full(len(shown), HEIGHT), numbers, away=4.0))
     ends = np.concatenate([[0.0, n - 1.0], *(path[:, 0] for path in paths)])
     table = {"element": list(springs), "name": names} | ({} if given is None else {"value": given})
     few = range(0, n, every)
-    return Panel(
-        "model",
-        Axis(
-            "Mass (number of each spring above it)",
-            (ends.min() - 0.6, ends.max() + 0.6),
-            names=list(map(str, few)),
-            at=few,
-        ),
-        Axis("", (-0.8, 0.8), at=[]),
-        marks,
-        tables={"springs": table},
-    )
+    across = (ends.min() - 0.6, ends.max() + 0.6)
+    x_axis = Axis("Mass (number of each spring above it)", across, names=list(map(str, few)), at=few)
+    return Panel("model", x_axis, Axis("", (-0.8, 0.8), at=[]), marks, tables={"springs": table})
 
 
 def coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
@@ -266,10 +252,8 @@ def frame(
     ends = points[model.elements]
     marks = [*_elements(model, ends, given, label), *_carried(model, points)]
     where = [", ".join(f"{x:g}" for x in node) + " m" for node in model.nodes_m]
-    says, more = (
-        {"Node": "@node", "At": "@where"},
-        {"node": list(map(str, range(len(points)))), "where": where},
-    )
+    says = {"Node": "@node", "At": "@where"}
+    more = {"node": list(map(str, range(len(points)))), "where": where}
     marks.append(Points(*xy(points), size=3.0, face="white", only="page", says=says, more=more))
     dofs, names = [model._dof("sensors", dof) for dof in sensors], model._frame.dof_names()
     force = [] if excitation is None else [model._dof("excitation", excitation)]
@@ -290,15 +274,12 @@ def frame(
             marks.append(Arrows(tails, heads, colour, 1.6 * length, label=name, says=says, more=more))
             lines = np.concatenate([lines, np.stack([heads, tails], axis=1)])
     if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
-        marks += _numbers(
-            scale * points, scale * ends, scale * lines, scale, numbers or len(points) <= MOST_NODES
-        )
-    table: dict[str, Any] = {
-        "element": np.arange(len(ends)),
-        "start_node": model.elements[:, 0],
-        "end_node": model.elements[:, 1],
-        "section": [str(name) for name in model.element_sections],
-    } | ({} if given is None else {"value": given})
+        nodes = numbers or len(points) <= MOST_NODES
+        marks += _numbers(scale * points, scale * ends, scale * lines, scale, nodes)
+    table: dict[str, Any] = {"element": np.arange(len(ends))}
+    table |= dict(zip(("start_node", "end_node"), model.elements.T, strict=True))
+    table["section"] = [str(name) for name in model.element_sections]
+    table |= {} if given is None else {"value": given}
     x, y = ("isometric view (m)", "") if space else ("x (m)", "y (m)")
     sections = map(model.section_label, range(len(model.sections)))
     first = (*sections, "fixed", "partly fixed", "point mass", "spring to ground", "node spring")
@@ -317,9 +298,8 @@ def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, la
     marks: list[Mark] = []
     for i in range(len(model.sections)):
         own = of == i
-        hovered = _hovered(
-            names[own].tolist(), None, nodes=joined[own].tolist(), section=section[own].tolist()
-        )
+        of_these = {"nodes": joined[own].tolist(), "section": section[own].tolist()}
+        hovered = _hovered(names[own].tolist(), None, **of_these)
         called = model.section_label(i) if len(model.sections) > 1 else None
         look = {"colour": SHADES[i % len(SHADES)], "dash": DASHES[i % len(DASHES)]}
         marks.append(Paths(list(ends[own]), label=called, **look, **hovered))

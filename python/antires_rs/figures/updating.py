@@ -26,18 +26,8 @@ LEAST_WIDTH = 8.0
 #: Vermillion, pale.
 PALE_VERMILLION = "#F2B48A"
 #: What is offered, as far as the table has it.
-COLUMNS = (
-    "excitation",
-    "dof",
-    "mode",
-    "measured_hz",
-    "before_hz",
-    "before_percent",
-    "before_mac",
-    "after_hz",
-    "after_percent",
-    "after_mac",
-)
+COLUMNS: tuple[str, ...] = ("excitation", "dof", "mode", "measured_hz")
+COLUMNS += tuple(f"{state}_{name}" for state in ("before", "after") for name in ("hz", "percent", "mac"))
 
 
 def plot_differences(
@@ -88,9 +78,7 @@ def differences(
     if not labelled:
         across = across.replace(" (Hz)", "s, ascending")
     if wide_pt is None:
-        across = (
-            f"{'Resonances' if modal else 'Antiresonances'}, by {'test' if modal else 'response'}, ascending"
-        )
+        across = f"{'Resonances, by test' if modal else 'Antiresonances, by response'}, ascending"
     both = np.concatenate([table.before_percent, table.after_percent])
     both = both[np.isfinite(both)]
     low, high = np.clip([both.min(initial=0.0), both.max(initial=0.0)], -reach(both), reach(both)).tolist()
@@ -119,21 +107,13 @@ def differences(
     elif not modal:
         marks.append(Heads(x[firsts] - 0.3, [of[first] for first in firsts]))
     middle = 0.5 * (x[0] + x[-1]) if count else 0.5
-    return Panel(
-        "differences",
-        Axis(
-            across,
-            (middle - most / 2, middle + most / 2),
-            names=[f"{f:.1f}" for f in table.measured_hz] if labelled else None,
-            at=x if labelled else [],
-            upright=labelled,
-        ),
-        Axis("Difference to the measurement (%)", limits),
-        marks,
-        grid="y",
-        first=[str(mark.label) for mark in marks if isinstance(mark, Bars)],
-        tables={"bars": {name: getattr(table, name) for name in COLUMNS if hasattr(table, name)}},
-    )
+    ticks = [f"{f:.1f}" for f in table.measured_hz] if labelled else None
+    wide = (middle - most / 2, middle + most / 2)
+    x_axis = Axis(across, wide, names=ticks, at=x if labelled else [], upright=labelled)
+    y_axis = Axis("Difference to the measurement (%)", limits)
+    first = [str(mark.label) for mark in marks if isinstance(mark, Bars)]
+    tables = {"bars": {name: getattr(table, name) for name in COLUMNS if hasattr(table, name)}}
+    return Panel("differences", x_axis, y_axis, marks, grid="y", first=first, tables=tables)
 
 
 def _bars(
@@ -188,14 +168,10 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], 
     def whole(which: int) -> str:
         return str(names.get(which, f"dof {which}"))
 
-    named = [
-        (
-            first,
-            end,
-            ", ".join(map(short, pairs[first])) if several else f"{title * (first == 0)}{short(dof[first])}",
-        )
-        for first, end in zip(firsts.tolist(), [*firsts[1:].tolist(), dof.size], strict=True)
-    ]
+    named = []
+    for first, end in zip(firsts.tolist(), [*firsts[1:].tolist(), dof.size], strict=True):
+        alone = f"{title * (first == 0)}{short(dof[first])}"
+        named.append((first, end, ", ".join(map(short, pairs[first])) if several else alone))
     of = [f"{whole(p)}, force at {whole(k)}" if several else whole(p) for p, k in pairs]
     groups = "response and force dof" if several else "response dof"
     return starts, named, of, f"Measured antiresonance (Hz), by {groups} (above)"
@@ -259,18 +235,10 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
     log = bool(np.isfinite(cost).all() and cost.min() > 0.0 and cost.max() > 3.0 * cost.min())
     says = {"Evaluations": "@x{0,0}", "J": "@y{0.000000e+0}"}
     # Different widths keep islands apart that run on top of each other.
-    marks: list[Mark] = [
-        Line(
-            nfev[kept],
-            column[kept],
-            width=max(2.6 - 0.5 * i, 1.0),
-            steps=True,
-            label=f"island {i}",
-            says={"": f"island {i}"} | says,
-            **turn(i),
-        )
-        for i, column in enumerate(cost.T)
-    ]
+    marks: list[Mark] = []
+    for i, column in enumerate(cost.T):
+        look = turn(i) | {"width": max(2.6 - 0.5 * i, 1.0), "steps": True, "label": f"island {i}"}
+        marks.append(Line(nfev[kept], column[kept], says={"": f"island {i}"} | says, **look))
     at = nfev[np.minimum(np.asarray(history.migrations, dtype=np.int64), len(nfev) - 1)]
     if at.size:
         foot, label = np.full(at.size, cost[np.isfinite(cost)].min()), f"migration ({at.size} in all)"
@@ -279,14 +247,9 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
     ends = np.repeat(nfev[-1:], cost.shape[1])
     marks.append(Points(ends, cost[-1], size=5.0, face="white", spill=True, label="end"))
     islands = {"evaluations": history.nfev} | {f"island_{i}": column for i, column in enumerate(cost.T)}
-    return Panel(
-        "convergence",
-        Axis("Evaluations of all islands (-)", (0.0, 1.03 * max(float(nfev[-1]), 1.0))),
-        Axis("Best objective J (-)", log=log),
-        marks,
-        grid="both",
-        tables={"islands": islands, "migrations": {"evaluations": at}},
-    )
+    x = Axis("Evaluations of all islands (-)", (0.0, 1.03 * max(float(nfev[-1]), 1.0)))
+    y, tables = Axis("Best objective J (-)", log=log), {"islands": islands, "migrations": {"evaluations": at}}
+    return Panel("convergence", x, y, marks, grid="both", tables=tables)
 
 
 # -- What a test leaves open of each parameter, within its bounds
@@ -318,25 +281,17 @@ def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
     """
     left, told = 100.0 * found.left, found.left < found.TOLD
     y = np.arange(left.size)
-    looks: tuple[tuple[Any, str, dict[str, Any]], ...] = (
-        (told, "told", {"edge": "blue"}),
-        (~told, "not told", {"face": "white", "edge": "vermillion", "hatch": "////"}),
-    )
-    marks: list[Mark] = [
-        Bars(y[these], left[these], 0.7, sideways=True, label=label, **look)
-        for these, label, look in looks
-        if these.any()
-    ]
+    marks: list[Mark] = []
+    hatched: dict[str, Any] = {"face": "white", "edge": "vermillion", "hatch": "////"}
+    for these, label, look in ((told, "told", {"edge": "blue"}), (~told, "not told", hatched)):
+        if these.any():
+            marks.append(Bars(y[these], left[these], 0.7, sideways=True, label=label, **look))
     cut = [name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}\u2026" for name in found.names]
     label = "standard deviation left after the test, % of that within the bounds"
-    panel = Panel(
-        "identifiability",
-        Axis(label, (0.0, 105.0)),
-        Axis("", (left.size - 0.4, -0.6), names=cut),
-        [*marks, Rules(100.0 * found.TOLD, upright=True, dash="--")],
-        grid="x",
-        tables={"parameters": {"name": np.array(found.names), "left_percent": left}},
-    )
+    marks.append(Rules(100.0 * found.TOLD, upright=True, dash="--"))
+    x_axis, y_axis = Axis(label, (0.0, 105.0)), Axis("", (left.size - 0.4, -0.6), names=cut)
+    table = {"name": np.array(found.names), "left_percent": left}
+    panel = Panel("identifiability", x_axis, y_axis, marks, grid="x", tables={"parameters": table})
     ax = draw(panel, new_axes(ax, (8.0, max(2.5, 0.9 + 0.24 * left.size))))
     ax.tick_params(axis="y", labelsize="small")
     return ax

@@ -4,7 +4,7 @@ docs/files.md has a table of what each format keeps. Nothing is computed here; o
 where they are used.
 """
 
-from .frf_files import read_frf_files as read_frf_files
+from .channels import from_sep005 as from_sep005, to_sep005 as to_sep005
 from .hdf5_mat import (
     mat_arrays as mat_arrays,
     read_hdf5 as read_hdf5,
@@ -17,14 +17,14 @@ from .matrix_files import (
     read_matrices as read_matrices,
     write_matrices as write_matrices,
 )
-from .npz import read_npz as read_npz, write_npz as write_npz
+from .own_format import read_npz as read_npz, write_npz as write_npz
 from .recorders import (
     read_lvm as read_lvm,
     read_miniseed as read_miniseed,
     read_tdms as read_tdms,
     read_wav as read_wav,
 )
-from .sep005 import from_sep005 as from_sep005, to_sep005 as to_sep005
+from .registry import read_frf_files as read_frf_files
 from .table_files import (
     read_csv as read_csv,
     read_excel as read_excel,

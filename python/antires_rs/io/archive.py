@@ -11,6 +11,7 @@ import json
 import math
 import os
 import platform
+from collections.abc import Callable
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -43,10 +44,8 @@ from ..optimize.island_ga import History, OptimizeResult
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
-from .common import existing_file, parts_of, unsuitable
-from .npz import read_archive, write_archive
-from .own_format import TEXT
-from .reading import PathLike
+from .common import PathLike, existing_file, parts_of, unsuitable
+from .own_format import TEXT, read_archive, write_archive
 
 
 class Store:
@@ -121,11 +120,8 @@ def _sha256(data: bytes) -> str:
 
 # -- Values of our classes as plain data and arrays, and made again from them, bit-identical
 
-_MODELS: dict[type[Recipe], type[StructuralModel]] = {
-    ChainRecipe: MassSpringChain,
-    MatrixRecipe: MatrixModel,
-    FrameRecipe: FrameModel,
-}
+_MODELS: dict[type[Recipe], type[StructuralModel]] = {ChainRecipe: MassSpringChain, FrameRecipe: FrameModel}
+_MODELS |= {MatrixRecipe: MatrixModel}
 #: What the constructors of classes take that are no dataclasses, or have fields that are not kept.
 _FIELDS: dict[type, tuple[str, ...]] = {
     ModalSet: ("freq_hz", "shapes", "dofs", "damping_ratio", "std_hz", "std_shapes"),
@@ -133,13 +129,15 @@ _FIELDS: dict[type, tuple[str, ...]] = {
     Hypotheses: ("rows", "names"),
     Entries: Entries._fields,
 }
-_HOMES = (
-    *(assessor_plan, inference, hypotheses, likelihood, options),
-    *(frame_parts, recipes, structural_model, island_ga),
-)
+_HOMES = (assessor_plan, inference, hypotheses, likelihood, options, frame_parts, recipes)
 #: Classes by the names that stand in files: our dataclasses, as these modules know them, and those above.
 _CLASSES: dict[str, Any] = {
-    **{name: each for home in _HOMES for name, each in vars(home).items() if is_dataclass(each)},
+    **{
+        name: each
+        for home in (*_HOMES, structural_model, island_ga)
+        for name, each in vars(home).items()
+        if is_dataclass(each)
+    },
     **{each.__name__: each for each in (*_FIELDS, *_MODELS.values())},
     **{each.__name__: each for each in (AntiresonanceSet, Parameter, DamagePenalty)},
 }
@@ -234,7 +232,9 @@ def load_assessor(path: PathLike) -> Assessor:
         if not np.array_equal(data["levels"], LEVELS):
             unsuitable(file, "with tables of another version", wanted, remedy)
         if data["version"] == 1:
-            plan = _plan_1(data, str(file))
+            learned = Learned(**{key: _plain_3(value) for key, value in data["learned"].items()})
+            asked = _question_3(data["question"], str(file), reduced=data["reduced"])
+            plan = Plan(asked, Tables(**data["tables"]), learned)
         else:
             plan = Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
     return Assessor._of(plan)
@@ -253,15 +253,9 @@ def save_result(result: UpdateResult, path: PathLike) -> Path:
     store = Store()
     assessed = [getattr(result, name, None) for name in ("_assessment", "_question")]
     parts = dict(zip(_PARTS, (result.problem, result.search, *assessed, dict(result.options)), strict=True))
-    data = {
-        "format": FORMAT_RESULTS,
-        "version": VERSION_RESULTS,
-        "class": type(result).__name__,
-        "seed": result.seed,
-        **{name: encoded(each, store) for name, each in parts.items()},
-        "made_with": versions(),
-    }
-    return write_store(path, data, store)
+    data = {"format": FORMAT_RESULTS, "version": VERSION_RESULTS, "class": type(result).__name__}
+    data |= {"seed": result.seed, **{name: encoded(each, store) for name, each in parts.items()}}
+    return write_store(path, data | {"made_with": versions()}, store)
 
 
 def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
@@ -281,12 +275,9 @@ def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
         problem, search, *assessed, held = parts
     cost = problem.cost(search.x)
     if not np.isclose(cost, search.fun, rtol=1e-9, atol=1e-12):
-        maker = data["made_with"]["antires_rs"]
-        warn(
-            "other_version",
-            f"path: {str(file)!r} was made by antires_rs {maker}; its objective was {search.fun:.9g} where "
-            f"this version computes {cost:.9g}.",
-        )
+        made_by = f"was made by antires_rs {data['made_with']['antires_rs']}"
+        said = f"its objective was {search.fun:.9g} where this version computes {cost:.9g}."
+        warn("other_version", f"path: {str(file)!r} {made_by}; {said}")
     asked = assessed if assessed[0] is not None else ()
     return made(problem, search, data["seed"], *asked, options=held)
 
@@ -301,31 +292,19 @@ def _result_3(data: dict[str, Any], name: str) -> list[Any]:
     raw = {"njev": None, **data["search"]}  # version 1 did not count linearizations
     search = OptimizeResult(history=History(**raw.pop("history")), **raw)
     found, asked = data.get("assessment"), data.get("question")
-    return [
-        _problem_3(data["problem"], name),
-        search,
-        None if found is None else _assessment_3(found),
-        None if asked is None else _question_3(asked, name),
-        data.get("options"),
-    ]
-
-
-def _problem_3(data: dict[str, Any], name: str) -> UpdatingProblem:
-    return UpdatingProblem(
-        _model_3(data["model"], name),
-        _parameters_3(data["parameters"]),
-        [_set_3(each, name) for each in data["measured"]],
-        misfit=data["misfit"],
-        penalty=None if data["penalty"] is None else DamagePenalty(**data["penalty"]),
-        weights=data["weights"],
-    )
+    posed = data["problem"]
+    more = {each: posed[each] for each in ("misfit", "weights")}
+    more["penalty"] = None if posed["penalty"] is None else DamagePenalty(**posed["penalty"])
+    sets = [_set_3(each, name) for each in posed["measured"]]
+    parameters = _parameters_3(posed["parameters"])
+    problem = UpdatingProblem(_model_3(posed["model"], name), parameters, sets, **more)
+    assessment = None if found is None else _assessment_3(found)
+    question = None if asked is None else _question_3(asked, name)
+    return [problem, search, assessment, question, data.get("options")]
 
 
 def _parameters_3(rows: list[dict[str, Any]]) -> tuple[Parameter, ...]:
-    made: list[dict[str, Any]] = [
-        {key: tuple(v) if isinstance(v, list) else v for key, v in row.items()} for row in rows
-    ]
-    return tuple(Parameter(**row) for row in made)
+    return tuple(Parameter(**{key: _plain_3(value) for key, value in row.items()}) for row in rows)
 
 
 def _set_3(data: dict[str, Any], name: str) -> Any:
@@ -352,30 +331,17 @@ def _plain_3(value: Any) -> Any:
 def _assessment_3(data: dict[str, Any]) -> Assessment:
     table = data["hypotheses"]
     ends = np.cumsum([0 if elements == [-1] else len(elements) for elements in table["elements"]])[:-1]
-    ragged = [
-        [tuple(part.tolist()) for part in np.split(table[key], ends)] for key in ("severities", "low", "high")
-    ]
-    rows = [
-        Hypothesis(tuple(elements), *rest)
-        for elements, *rest in zip(
-            table["elements"], table["probability"].tolist(), *ragged, table["candidate"], strict=True
-        )
-    ]
-    values: dict[str, Any] = {
-        "hypotheses": Hypotheses(rows, {element: name for element, name in table["names"]}),
-        "group": tuple(rows[nth] for nth in data["group"]),
-    }
+    names = ("severities", "low", "high")
+    ragged = ([tuple(part.tolist()) for part in np.split(table[key], ends)] for key in names)
+    columns = (map(tuple, table["elements"]), table["probability"].tolist(), *ragged, table["candidate"])
+    rows = [Hypothesis(*row) for row in zip(*columns, strict=True)]
+    values: dict[str, Any] = {"hypotheses": Hypotheses(rows, dict(table["names"]))}
+    values["group"] = tuple(rows[nth] for nth in data["group"])
     for each in fields(Assessment):
         if each.name not in values and (each.name in data or each.default is MISSING):
             value = data[each.name]
             values[each.name] = _plain_3(value.tolist() if isinstance(value, np.ndarray) else value)
     return Assessment(**values)
-
-
-def _plan_1(data: dict[str, Any], name: str) -> Plan:
-    learned = {key: _plain_3(value) for key, value in data["learned"].items()}
-    asked = _question_3(data["question"], name, reduced=data["reduced"])
-    return Plan(asked, Tables(**data["tables"]), Learned(**learned))
 
 
 def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
@@ -386,20 +352,9 @@ def _model_3(data: dict[str, Any], name: str) -> StructuralModel:
             reductions = np.array([p.quantity == "stiffness_reduction" for p in parameters])
             values = np.where(reductions & (np.abs(values) < problem["penalty"]["snap"]), 0.0, values)
         return _model_3(problem["model"], name).with_parameters(parameters, values)
-    recipe: Recipe
-    if data["kind"] == "chain":
-        recipe = ChainRecipe(**{each.name: data[each.name] for each in fields(ChainRecipe)})
-    elif data["kind"] == "matrices":
-        recipe = recipe_1(data)
-    elif data["kind"] == "frame":
-        recipe = _frame_3(data)
-    else:
-        got = f"{name!r} with a model of kind {data['kind']!r}"
-        reject("path", got, "a kind that this version knows", "Update antires_rs.")
-    applied = tuple(
-        AppliedParameters(_parameters_3(one["parameters"]), one["values"])
-        for one in data.get("applied", ())  # version 1 has none
-    )
+    recipe: Recipe = _RECIPES_3[data["kind"]](data)
+    rows = data.get("applied", ())  # version 1 has none
+    applied = tuple(AppliedParameters(_parameters_3(one["parameters"]), one["values"]) for one in rows)
     return _MODELS[type(recipe)].from_description(ModelDescription(recipe, applied))
 
 
@@ -410,30 +365,26 @@ def recipe_1(data: dict[str, Any]) -> MatrixRecipe:
         rows, columns, values = parts
         return Entries(np.asarray(rows, dtype=np.uint32), np.asarray(columns, dtype=np.uint32), values)
 
-    stiffness_terms, mass_terms = (tuple(map(entries, terms)) for terms in data["terms"])
-    constraints = data.get("constraints")  # not in older files
-    return MatrixRecipe(
-        data["n_dof"],
-        entries(data["stiffness"]),
-        entries(data["mass"]),
-        stiffness_terms,
-        mass_terms,
-        tuple(data.get("names", ())),
-        None if constraints is None else entries(constraints),
-        tuple(data.get("keep", ())),
-    )
+    both = (entries(data["stiffness"]), entries(data["mass"]))
+    stiffness_terms, mass_terms = (tuple(map(entries, each)) for each in data["terms"])
+    held = data.get("constraints")  # not in older files
+    names, keep = (tuple(data.get(name, ())) for name in ("names", "keep"))
+    constraints = None if held is None else entries(held)
+    return MatrixRecipe(data["n_dof"], *both, stiffness_terms, mass_terms, names, constraints, keep)
 
 
 def _frame_3(data: dict[str, Any]) -> FrameRecipe:
-    sections = [dict(each) for each in data["sections"]]
-    return FrameRecipe(
-        nodes_m=data["nodes_m"],
-        beams=tuple((a, b, section) for a, b, section in data["elements"]),
-        section_names=tuple(data["section_names"]),
-        sections=tuple(_CLASSES[each.pop("type")](**each) for each in sections),
-        orientation=data["orientation"],
-        parts={
-            name: tuple(kind._of_saved(row) for row in data.get(name, ())) for name, kind in PARTS.items()
-        },
-        fixed=tuple((node, direction) for node, direction in data["fixed"]),
-    )
+    sections = (dict(each) for each in data["sections"])
+    held: dict[str, Any] = {name: data[name] for name in ("nodes_m", "orientation")}
+    held |= {"beams": tuple(map(tuple, data["elements"])), "fixed": tuple(map(tuple, data["fixed"]))}
+    held["section_names"] = tuple(data["section_names"])
+    held["sections"] = tuple(_CLASSES[each.pop("type")](**each) for each in sections)
+    parts = {name: tuple(map(kind._of_saved, data.get(name, ()))) for name, kind in PARTS.items()}
+    return FrameRecipe(**held, parts=parts)
+
+
+_RECIPES_3: dict[str, Callable[[dict[str, Any]], Recipe]] = {
+    "chain": lambda data: ChainRecipe(**{each.name: data[each.name] for each in fields(ChainRecipe)}),
+    "matrices": recipe_1,
+    "frame": _frame_3,
+}

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
 from ._child import Answer, matches
-from .common import unsuitable
-from .npz import read_archive
+from .common import Reading, unsuitable
+from .own_format import read_archive
 from .raw_arrays import ROLES, array_of
-from .reading import Reading
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3
@@ -68,13 +67,8 @@ def in_a_child(
         roles = (given.time, given.freq, None if given.force == "auto" else given.force)
         names = [*asked, *(name for each in roles for name in _texts(each))]
         only = list(dict.fromkeys(each for name in names for each in (name, array_of(name))))
-    request = {
-        "memory_gb": memory_gb,
-        "most_bytes": int(_SHARE * memory_gb * 2**30),
-        "only": only,
-        "roles": sorted(ROLES),
-        **more,
-    }
+    request = {"memory_gb": memory_gb, "most_bytes": int(_SHARE * memory_gb * 2**30), **more}
+    request |= {"only": only, "roles": sorted(ROLES)}
     with tempfile.TemporaryDirectory(prefix="antires_") as folder:
         out = Path(folder) / "arrays.npz"
         source = function.__code__.co_filename
@@ -108,24 +102,14 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
     """Run the child, which writes ``out``, and say what it met."""
     import subprocess
 
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMP_NUM_THREADS": "1",
-        "ARROW_DEFAULT_MEMORY_POOL": "system",  # others reserve more than the limit
-    }
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    environment |= dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"), "1")
+    environment["ARROW_DEFAULT_MEMORY_POOL"] = "system"  # others reserve more than the limit
+    command = [sys.executable, "-P", str(READER), *arguments]  # -P: its folder must not hide standard modules
+    how: dict[str, Any] = {"capture_output": True, "text": True, "errors": "replace", "check": False}
+    how |= {"env": environment, "timeout": limits.time_limit_s, "stdin": subprocess.DEVNULL}
     try:
-        done = subprocess.run(
-            [sys.executable, "-P", str(READER), *arguments],  # -P: its folder must not hide standard modules
-            env=environment,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=limits.time_limit_s,
-            stdin=subprocess.DEVNULL,
-            check=False,
-        )
+        done = subprocess.run(command, **how)
     except subprocess.TimeoutExpired:
         found = f"which was not read within {limits.time_limit_s:g} s"
         unsuitable(file, found, wanted, "Raise time_limit_s if it is large; otherwise it is damaged.")

@@ -56,13 +56,9 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
     rows = []
     for dof, table in found.tables.items():
         for i, freq in enumerate(table.freq_hz.tolist()):
-            row = {
-                "dof": dof,
-                "freq_hz": freq,
-                "damping_ratio": float(table.damping_ratio[i]),
-                "std_hz": float(table.std_hz[i]),
-                "source": BY_HAND if table.by_hand[i] else "identified",
-            }
+            row = {"dof": dof, "freq_hz": freq, "damping_ratio": float(table.damping_ratio[i])}
+            row |= {"std_hz": float(table.std_hz[i])}
+            row |= {"source": BY_HAND if table.by_hand[i] else "identified"}
             row |= {name: table.scores[name][i].item() if name in table.scores else None for name in scores}
             if checked is not None:
                 row["confirmed"] = checked.is_confirmed(dof, freq)
@@ -104,10 +100,8 @@ def _instants(rec: Recording) -> Any:
 
 
 #: Columns of a comparison, in the order in which they are read, and what it says of all pairs.
-_PAIRS = (
-    *("dof", "a_hz", "b_hz", "difference_hz", "difference_percent", "std_hz", "std_percent"),
-    *("z", "p", "changed"),
-)
+_PAIRS: tuple[str, ...] = ("dof", "a_hz", "b_hz", "difference_hz", "difference_percent")
+_PAIRS += ("std_hz", "std_percent", "z", "p", "changed")
 _ALL_PAIRS = ("excitation", "chi_square", "freedom", "p_all", "alpha")
 
 
@@ -132,37 +126,25 @@ def intervals_frame(found: ParameterIntervals) -> Any:
 def tracks_frame(tracks: Tracks) -> Any:
     """A pandas.DataFrame, one row a test and track."""
     events = {(event.test, event.track): event.kind for event in tracks.events}
-    change = tracks.change_percent
-    return _pandas().DataFrame(
-        [
-            {
-                "test": test,
-                "condition": condition,
-                "dof": tracks.dof[i],
-                "track": i,
-                "freq_hz": tracks.freq_hz[test, i],
-                "std_hz": tracks.std_hz[test, i],
-                "change_percent": change[test, i],
-                "event": events.get((test, i), ""),
-            }
-            for test, condition in enumerate(tracks.conditions)
-            for i in range(len(tracks))
-        ]
-    )
+    change, rows = tracks.change_percent, []
+    for test, condition in enumerate(tracks.conditions):
+        for i in range(len(tracks)):
+            row = {"test": test, "condition": condition, "dof": tracks.dof[i], "track": i}
+            row |= {"freq_hz": tracks.freq_hz[test, i], "std_hz": tracks.std_hz[test, i]}
+            rows.append(row | {"change_percent": change[test, i], "event": events.get((test, i), "")})
+    return _pandas().DataFrame(rows)
 
 
 def tracks_dataset(tracks: Tracks) -> Any:
     """An xarray.Dataset over test and track."""
     names = ("freq_hz", "std_hz", "change_percent")
-    return _xarray().Dataset(
-        {name: (("test", "track"), np.array(getattr(tracks, name))) for name in names},
-        {
-            "test": np.arange(len(tracks.conditions)),
-            "condition": (("test",), np.array(tracks.conditions)),
-            "dof": (("track",), np.array(tracks.dof)),
-        },
-        {"excitation": tracks.excitation},
-    )
+    data = {name: (("test", "track"), np.array(getattr(tracks, name))) for name in names}
+    over: dict[str, Any] = {
+        "test": np.arange(len(tracks.conditions)),
+        "dof": (("track",), np.array(tracks.dof)),
+    }
+    over["condition"] = (("test",), np.array(tracks.conditions))
+    return _xarray().Dataset(data, over, {"excitation": tracks.excitation})
 
 
 def hypotheses_frame(hypotheses: Hypotheses) -> Any:

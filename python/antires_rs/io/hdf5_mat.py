@@ -13,13 +13,23 @@ from numpy.typing import NDArray
 
 from ..support.files import write_atomically
 from ._child import Answer, asked
-from .channels import Channel, response_of, stated_recording
+from .channels import Channel, abscissa_factor, is_abscissa, is_frequency, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
-from .common import Signal, existing_file, rate_of, require, unsuitable
+from .common import (
+    OfArrays,
+    PathLike,
+    Reading,
+    Signal,
+    existing_file,
+    opened,
+    rate_of,
+    reader,
+    require,
+    unsuitable,
+    writer,
+)
 from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import signal_of_arrays, stated_number
-from .reading import OfArrays, PathLike, Reading, opened, reader, writer
-from .units import abscissa_factor, is_abscissa, is_frequency
 
 
 @reader
@@ -438,13 +448,13 @@ def _no_objects(file: Path, arrays: Arrays, texts: Mapping[str, str]) -> None:
     objects = {name[len(OPAQUE) :]: made for name, made in texts.items() if name.startswith(OPAQUE)}
     if objects and not any(array.size > 1 for array in arrays.values()):
         name, made = next(iter(objects.items()))
-        unsuitable(
-            file,
+        found, wanted = (
             f"whose {name or 'variable'} is a {made or 'object'} of MATLAB",
             "arrays or structs of numbers",
-            "Only MATLAB reads its objects. Of a timetable T save there: x = T.Variables; t = seconds("
-            "T.Properties.RowTimes); save('file.mat', 'x', 't').",
         )
+        saved = "x = T.Variables; t = seconds(T.Properties.RowTimes); save('file.mat', 'x', 't')"
+        remedy = f"Only MATLAB reads its objects. Of a timetable T save there: {saved}."
+        unsuitable(file, found, wanted, remedy)
 
 
 def _variables(file: Path, limits: Limits, given: Reading | None = None, **more: Any) -> Found:

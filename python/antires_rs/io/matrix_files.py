@@ -6,6 +6,7 @@ returns fits ``dofs=`` of :func:`~antires_rs.io.uff.read_uff`. First a reader fo
 
 from __future__ import annotations
 
+import io
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -25,9 +26,8 @@ from ..support.messages import warn
 from ._child import Answer, room
 from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .child_process import Limits, in_a_child
-from .common import brief, existing_file, require, unsuitable
-from .npz import read_archive
-from .reading import PathLike
+from .common import PathLike, brief, existing_file, require, unsuitable
+from .own_format import read_archive
 
 #: Node and direction code, 1 to 6; 0 is a scalar.
 Point = tuple[int, int]
@@ -86,11 +86,9 @@ _FIXED = 1e35
 def is_abaqus(file: Path) -> bool:
     """Whether the first line with data has node, dof, node, dof, value."""
     with file.open(encoding="ascii", errors="replace") as opened:
-        for line in opened:
-            if line.strip() and not line.startswith("*"):
-                parts = line.split(",")
-                return len(parts) == 5 and all(p.strip().lstrip("-").isdigit() for p in parts[:4])
-    return False
+        first = next((line for line in opened if line.strip() and not line.startswith("*")), "")
+    *places, _ = first.split(",")
+    return len(places) == 4 and all(place.strip().lstrip("-").isdigit() for place in places)
 
 
 def read_abaqus(file: Path) -> dict[str, Labelled]:
@@ -107,13 +105,9 @@ def read_abaqus(file: Path) -> dict[str, Labelled]:
             unsuitable(file, found, wanted, "Export it again with FORMAT=MATRIX INPUT or LABELS.")
     fixed = {row for row, column, value in entries if row == column and value >= _FIXED}
     if fixed:
-        first = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5])
-        more = ", ..." if len(fixed) > 5 else ""
-        warn(
-            "dofs_on_supports",
-            f"path: {str(file)!r} has {len(fixed)} dof(s) with a boundary condition, 1e36 on the diagonal "
-            f"({first}{more}); they are left out.",
-        )
+        few = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5]) + ", ..." * (len(fixed) > 5)
+        said = f"has {len(fixed)} dof(s) with a boundary condition, 1e36 on the diagonal ({few})"
+        warn("dofs_on_supports", f"path: {str(file)!r} {said}; they are left out.")
     return {file.stem: by_points(file, [e for e in entries if e[0] not in fixed and e[1] not in fixed])}
 
 
@@ -220,10 +214,11 @@ def read_full(file: Path) -> dict[str, Labelled]:
     # The directions of ANSYS count from 0: UX, UY, UZ, ROTX, ROTY, ROTZ.
     named: tuple[Point, ...] = tuple((int(node), int(code) + 1) for node, code in points[kept])
     place = np.cumsum(np.isin(np.arange(len(points)), kept)) - 1
-    return {
-        name: Labelled(completed(place[row], place[column], arrays[f"{name}.data"], len(named)), named)
-        for name, row, column in zip("KM", rows, columns, strict=True)
-    }
+    made = {}
+    for name, row, column in zip("KM", rows, columns, strict=True):
+        whole = completed(place[row], place[column], arrays[f"{name}.data"], len(named))
+        made[name] = Labelled(whole, named)
+    return made
 
 
 def matrices_of_full(path: str, request: dict[str, Any]) -> Answer:
@@ -290,19 +285,16 @@ def _numbers(lines: list[str], form: str, count: int) -> np.ndarray:
     return np.array(list(map(_fortran, parts)))
 
 
-# -- Matrix Market files, read here and not by SciPy, whose reader ends the process at some damaged ones
-
-
-def is_matrix_market(file: Path) -> bool:
-    """Whether a plain file says so of itself."""
-    with file.open("rb") as opened:
-        return opened.read(14).lower() == b"%%matrixmarket"
+# -- Matrix Market files, every line checked before SciPy sees them: at some damaged ones it ends the process
 
 
 def read_matrix_market(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem; its entries are counted against its header."""
     import gzip
     import zlib
+
+    from scipy.io import mmread
+    from scipy.sparse import coo_array
 
     wanted = "a whole Matrix Market file"
     try:
@@ -316,7 +308,7 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
         found = "which is cut in its head or of another kind"
         unsuitable(file, found, wanted, "Export it again as MatrixMarket, .mtx.")
     try:
-        form, kind, symmetry, n, stated = _head(lines[0].lower().split(), numbers[0].split())
+        form, kind, stated = _head(lines[0].lower().split(), numbers[0].split())
     except ValueError:
         got = f"with the sizes {numbers[0]!r}"
         unsuitable(file, got, wanted, "Export it again: the matrix must be square.")
@@ -325,22 +317,22 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
         unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
     places, width = 2 * (form == b"coordinate"), {b"pattern": 0, b"complex": 2}.get(kind, 1)
     number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
-    blank, fields = rb"[ \t\r]*", rb"[ \t]+".join([number] * (places + width))
+    blank, fields = rb"[ \t\r]*", rb"[ \t]+".join([rb"\d+"] * places + [number] * width)
     entry = re.compile(blank + fields + blank, re.IGNORECASE)
     wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
     if wrong is not None:
         unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
     try:
-        table = np.array(b" ".join(numbers[1:]).split(), dtype=np.float64).reshape(-1, places + width)
-        whole = _matrix(table[:, :places], table[:, places:], symmetry, n)
+        head = b"%%MatrixMarket" + lines[0][14:].lower().replace(b"double", b"real")
+        whole = mmread(io.BytesIO(b"\n".join([head, *numbers, b""])))
     except (ValueError, OverflowError, MemoryError) as exc:
         got = f"which cannot be read ({brief(exc)})"
         unsuitable(file, got, wanted, "Export it again, as real numbers in MatrixMarket format.")
-    return {file.stem: Labelled(whole)}
+    return {file.stem: Labelled(coo_array(whole) if places else whole)}
 
 
-def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes, bytes, int, int]:
-    """Form, kind of numbers, symmetry, rows, and entries that are stated; ValueError for any other head."""
+def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes, int]:
+    """Form, kind of numbers, and entries that are stated; ValueError for any other head."""
     if len(words) != 5 or words[1] != b"matrix":
         raise ValueError("unknown head")
     _, _, form, kind, symmetry = words
@@ -355,32 +347,7 @@ def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes,
         raise ValueError("unknown symmetry or kind of numbers")
     if form == b"array" and kind == b"pattern":
         raise ValueError("a pattern without places")
-    return form, kind, symmetry, n, entries[0] if entries else stored[symmetry]
-
-
-def _matrix(at: NDArray[Any], parts: NDArray[Any], symmetry: bytes, n: int) -> Any:
-    """The matrix of entries at places, or of all of them in order; the other triangle is filled in."""
-    from scipy.sparse import coo_array
-
-    values: Any = np.ones(len(at)) if not parts.size else parts[:, 0]
-    if parts.shape[1] == 2:
-        values = parts[:, 0] + 1j * parts[:, 1]
-    sparse = at.shape[1] == 2
-    if sparse:
-        rows, columns = (at.astype(np.int64) - 1).T
-        if at.size and (at.min() < 1 or at.max() > n or (at != np.round(at)).any()):
-            raise ValueError("a row or column outside of the matrix")
-    elif symmetry == b"general":
-        columns, rows = np.divmod(np.arange(n * n), n)
-    else:  # lower triangle, column by column
-        columns, rows = np.triu_indices(n, int(symmetry == b"skew-symmetric"))
-    if symmetry != b"general":
-        below = rows != columns
-        other = {b"skew-symmetric": -values, b"hermitian": np.conj(values)}.get(symmetry, values)[below]
-        rows, columns = np.append(rows, columns[below]), np.append(columns, rows[below])
-        values = np.append(values, other)
-    whole = coo_array((values, (rows, columns)), shape=(n, n))
-    return whole if sparse else whole.toarray()
+    return form, kind, entries[0] if entries else stored[symmetry]
 
 
 # -- Matrices that Nastran's OUTPUT4 writes: text or binary, dense or sparse, of single or double precision
@@ -402,13 +369,21 @@ Run = tuple[int, int, NDArray[np.float64]]
 
 def read_op4(file: Path) -> dict[str, Labelled]:
     """All matrices of a file, by name."""
+    from scipy.sparse import coo_array
+
     content = file.read_bytes()
     binary = content[:4] in (b"\x18\0\0\0", b"\0\0\0\x18")
     found: dict[str, Labelled] = {}
     try:
         matrices = _binary(content) if binary else _text(content.decode("ascii").splitlines())
         for name, n_rows, n_columns, runs in matrices:
-            found[name] = Labelled(_matrix_op4(runs, n_rows, n_columns))
+            whole = coo_array((n_rows, n_columns))
+            if runs:
+                rows = np.concatenate([np.arange(first, first + own.size) for _, first, own in runs])
+                columns = np.concatenate([np.full(own.size, column) for column, _, own in runs])
+                values = np.concatenate([own for _, _, own in runs])
+                whole = coo_array((values, (rows, columns)), shape=(n_rows, n_columns))
+            found[name] = Labelled(whole)
     except (ValueError, IndexError, StopIteration, UnicodeDecodeError, RuntimeError) as exc:
         unsuitable(file, f"which is cut, damaged or of another kind ({exc})", _WANTED_OP4, _CUT)
     if not found:
@@ -416,20 +391,12 @@ def read_op4(file: Path) -> dict[str, Labelled]:
     return found
 
 
-def _matrix_op4(runs: list[Run], n_rows: int, n_columns: int) -> object:
-    from scipy.sparse import coo_array
-
-    rows = [np.arange(first, first + values.size) for _, first, values in runs]
-    columns = [np.full(values.size, column) for column, _, values in runs]
-    if not runs:
-        return coo_array((n_rows, n_columns))
-    values = np.concatenate([values for _, _, values in runs])
-    return coo_array((values, (np.concatenate(rows), np.concatenate(columns))), shape=(n_rows, n_columns))
-
-
-def _checked(kind: int) -> None:
+def _sizes(words: Iterable[Any]) -> tuple[int, int, int]:
+    """Columns, rows and type of a matrix, which has to be real."""
+    n_columns, n_rows, _, kind = map(int, words)
     if kind not in (1, 2):
         raise ValueError(f"matrix of type {kind}; 1 and 2 are real")
+    return n_columns, n_rows, kind
 
 
 def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
@@ -439,29 +406,24 @@ def _text(lines: list[str]) -> Iterator[tuple[str, int, int, list[Run]]]:
         head = _HEADER.match(lines[at])
         if head is None:
             raise ValueError(f"line {at + 1} is no header")
-        n_columns, n_rows, _, kind = (int(head[i]) for i in range(1, 5))
-        _checked(kind)
+        n_columns, n_rows, _ = _sizes(head.groups()[:4])
         stated = _WIDTH.search(head[6])
         width = int(stated[1]) if stated else 16
         runs: list[Run] = []
-        column, first, at = 0, 0, at + 1
+        column, at = 0, at + 1
         while True:
             words = lines[at].split()
-            if len(words) == 3 and _whole(words):
-                column, first = int(words[0]), int(words[1])
-                if column > n_columns:
-                    at += 2  # the record that ends the matrix has one value
-                    break
-                at += 1
-                if first == 0:
-                    continue
-                start = first
-            elif _whole(words) and len(words) == 2:
-                start, at = int(words[1]), at + 1
-            elif _whole(words) and len(words) == 1:
-                start, at = int(words[0]) % _PACKED, at + 1
-            else:
+            if not _whole(words) or len(words) > 3:
                 raise ValueError(f"line {at + 1} is neither a header nor expected")
+            at += 1
+            start = int(words[-1]) % _PACKED if len(words) == 1 else int(words[1])
+            if len(words) == 3:
+                column = int(words[0])
+                if column > n_columns:
+                    at += 1  # the record that ends the matrix has one value
+                    break
+                if start == 0:
+                    continue
             values: list[float] = []
             while at < len(lines) and not _whole(lines[at].split()):
                 line = lines[at].rstrip()
@@ -483,8 +445,7 @@ def _binary(content: bytes) -> Iterator[tuple[str, int, int, list[Run]]]:
     for record in records:
         if len(record) != 24:
             raise ValueError("no header of 24 bytes")
-        n_columns, n_rows, _, kind = (int(i) for i in np.frombuffer(record[:16], f"{order}i4"))
-        _checked(kind)
+        n_columns, n_rows, kind = _sizes(np.frombuffer(record[:16], f"{order}i4"))
         name = record[16:].decode("ascii").strip()
         runs: list[Run] = []
         while True:
@@ -492,10 +453,8 @@ def _binary(content: bytes) -> Iterator[tuple[str, int, int, list[Run]]]:
             column, first, _ = (int(i) for i in np.frombuffer(record[:12], f"{order}i4"))
             if column > n_columns:
                 break
-            runs += [
-                (column - 1, start - 1, values.astype(np.float64))
-                for start, values in _strings(record[12:], first, n_rows < 0, f"{order}f{4 * kind}")
-            ]
+            for start, values in _strings(record[12:], first, n_rows < 0, f"{order}f{4 * kind}"):
+                runs.append((column - 1, start - 1, values.astype(np.float64)))
         yield name, abs(n_rows), n_columns, runs
 
 
@@ -547,9 +506,7 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     if ending is None:
         remedy = "Export the matrix in one of these formats, or pass it as a scipy.sparse array."
         reject(name, repr(str(file)), "a file that ends in " + ", ".join(_READERS) + ", or a matrix", remedy)
-    if ending == ".mtx" and not is_matrix_market(file) and is_abaqus(file):
-        return read_abaqus(file)
-    return _READERS[ending](file)
+    return (read_abaqus if ending == ".mtx" and is_abaqus(file) else _READERS[ending])(file)
 
 
 def choose(name: str, path: PathLike, letter: str) -> Labelled:
@@ -632,23 +589,15 @@ def read_matrices(
     def placed(name: str, given: Any, letter: str) -> Any:
         return _in_rows_of(name, _labelled(name, given, letter), rows)
 
-    terms = [
-        [placed(part(name, i), term, letter) for i, term in enumerate(each)]
-        for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M"))
-    ]
+    terms = {}
+    for name, each, letter in (("stiffness_terms", stiffness_terms, "K"), ("mass_terms", mass_terms, "M")):
+        terms[name] = [placed(part(name, i), term, letter) for i, term in enumerate(each)]
     if isinstance(dofs, str | os.PathLike):
         dofs = read_dof_map(dofs)
     elif dofs is None and rows.points is not None:
         dofs = rows.points
-    return MatrixModel(
-        rows.matrix,
-        placed("mass", mass, "M"),
-        stiffness_terms=terms[0],
-        mass_terms=terms[1],
-        constraints=constraints,
-        keep=tuple(keep),
-        dofs=dofs,
-    )
+    more: dict[str, Any] = {"constraints": constraints, "keep": tuple(keep), "dofs": dofs}
+    return MatrixModel(rows.matrix, placed("mass", mass, "M"), **terms, **more)
 
 
 def write_matrices(path: PathLike, model: MatrixModel) -> Path:
@@ -724,7 +673,13 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     """
     file = existing_file(path)
     if file.name.lower().endswith((".mtx", *_OF_BOTH)):
-        return _own_map(file)
+        several = matrices_in("path", file)
+        points = (next(iter(several.values())) if len(several) == 1 else choose("path", file, "K")).points
+        if points is None:
+            wanted = "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row"
+            remedy = "Write the table of equations beside the matrices."
+            unsuitable(file, "which does not name its rows", wanted, remedy)
+        return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
     wanted = "a line 'node direction' or 'row node direction' for each row"
     found: dict[tuple[int, str], int] = {}
     for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
@@ -749,22 +704,10 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     return found
 
 
-def _own_map(file: Path) -> dict[tuple[int, str], int]:
-    """Of a file of matrices."""
-    found = matrices_in("path", file)
-    points = (next(iter(found.values())) if len(found) == 1 else choose("path", file, "K")).points
-    if points is None:
-        got = "which does not name its rows"
-        wanted = "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row"
-        unsuitable(file, got, wanted, "Write the table of equations beside the matrices.")
-    return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
-
-
 def _own(path: PathLike) -> MatrixModel:
     file, data = read_store(path, FORMAT, VERSION, "a file of write_matrices")
     if data["version"] == 1:
-        stiffness, mass = data["matrices"]
-        recipe = recipe_1({**data, "stiffness": stiffness, "mass": mass})
+        recipe = recipe_1(data | dict(zip(("stiffness", "mass"), data["matrices"], strict=True)))
     else:
         recipe = decoded(data["recipe"], str(file))
     return MatrixModel.from_description(ModelDescription(recipe, ()))

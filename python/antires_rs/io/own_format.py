@@ -1,4 +1,4 @@
-"""A signal as named arrays and one JSON text: what npz, HDF5 and MAT files of our own hold.
+"""A signal as named arrays and one JSON text: what npz, HDF5 and MAT files of our own hold; NumPy archives.
 
 Version 1. The text has ``format``, ``version``, ``kind`` ("recording", "frf" or "transmissibility"),
 ``dofs`` and ``arrays``, the shape and type of each array, so that one that is missing or cut is noticed; a
@@ -9,23 +9,25 @@ checksums of the arrays, ``text_crc32`` that of the text without it; files of ve
 
 from __future__ import annotations
 
+import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import reject
+from ..exceptions import AntiresError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
-from .channels import kept, renamed
-from .common import Signal, parts_of, unsuitable
-from .reading import Reading
-from .units import named_unit
+from ..support.files import write_atomically
+from .channels import kept, named_unit, renamed
+from .common import OfArrays, PathLike, Reading, Signal, brief, opened, parts_of, reader, unsuitable, writer
+from .raw_arrays import signal_of_arrays
 
 FORMAT, VERSION = "antires_rs.signal", 1
 #: The name of the JSON text in a file.
@@ -40,8 +42,7 @@ def pack(signal: Any) -> tuple[str, dict[str, NDArray[Any]]]:
     """The text and the arrays of a signal."""
     text: dict[str, Any] = {"format": FORMAT, "version": VERSION, "dofs": check_dofs(signal)}
     needed, optional, values = _RECORDING if isinstance(signal, Recording) else _RESPONSE
-    if isinstance(signal, Recording):
-        text["kind"] = "recording"
+    text |= {"kind": "recording"} if isinstance(signal, Recording) else {}
     text |= {name: getattr(signal, name) for name in values}
     arrays = {name: getattr(signal, name) for name in (*needed, *optional)}
     arrays = {name: array for name, array in arrays.items() if array is not None}
@@ -55,8 +56,8 @@ def _checksum(array: NDArray[Any]) -> int:
     return crc32(np.ascontiguousarray(array).view(np.uint8).reshape(-1))  # type: ignore[arg-type]
 
 
-def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
-    """The signal of text and arrays; what is missing or cut is refused."""
+def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading) -> Signal:
+    """The signal of text and arrays, as the options say; what is missing or cut is refused."""
     with parts_of(path, _WANTED, "Copy it again, or write it anew."):
         data = json.loads(text)
         if data["format"] != FORMAT:
@@ -75,13 +76,12 @@ def unpack(path: Path, text: str, arrays: Mapping[str, Any]) -> Signal:
                 wanted = f"{tuple(shape)} of {dtype}, as the file itself states"
                 unsuitable(path, got, wanted, "It was damaged.")
         _check_sums(path, data, made)
-        is_recording = data["kind"] == "recording"
-        needed, optional, values = _RECORDING if is_recording else _RESPONSE
-        held: dict[str, Any] = {name: made[name] for name in needed} | {
-            name: made.get(name) for name in optional
-        }
-        held |= {name: data[name] for name in ("dofs", *values)}
-        return Recording(**held) if is_recording else FrequencyResponse(**held)
+        kind: type[Signal] = Recording if data["kind"] == "recording" else FrequencyResponse
+        needed, optional, values = _RECORDING if kind is Recording else _RESPONSE
+        held: dict[str, Any] = {name: made[name] for name in needed}
+        held |= {name: made.get(name) for name in optional}
+        signal = kind(**held, **{name: data[name] for name in ("dofs", *values)})
+    return as_asked(path, signal, given)
 
 
 def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]]) -> None:
@@ -111,17 +111,9 @@ def check_dofs(signal: Any) -> list[Any]:
 # -- Options of a reader for a file of our own, which states itself what they would say
 
 
-def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading) -> Signal:
-    """The signal of text and arrays, as the options say."""
-    return as_asked(path, unpack(path, text, arrays), given)
-
-
 def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     """A signal of ours as the options say; those that the file contradicts are refused, not passed over."""
-    made = signal
-    if given.dofs is not None:
-        labels = renamed("dofs", signal.dofs, given.dofs)
-        made = relabelled(signal, kept(labels), [labels[i] for i in kept(labels)])
+    made = signal if given.dofs is None else relabelled(signal, renamed("dofs", signal.dofs, given.dofs))
     has_force = isinstance(signal, Recording) and signal.force is not None
     allowed = ("auto", *["force"] * has_force)
     if given.force is not None and not (isinstance(given.force, str) and given.force in allowed):
@@ -131,9 +123,7 @@ def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
         reject("force", got, wanted, "The file states itself which channel is its force; leave it out.")
     if isinstance(made, Recording) and given.force is None:
         made = Recording(made.responses, made.fs_hz, made.dofs)
-    stated: dict[str, Any] = {
-        name: value for name, value in vars(given).items() if name not in ("dofs", "force")
-    }
+    stated: dict[str, Any] = {name: one for name, one in vars(given).items() if name not in ("dofs", "force")}
     if given.freq_hz is not None:
         stated["freq_hz"] = "an axis"
     if given.fs_hz is not None:
@@ -148,28 +138,24 @@ def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
             del stated["fs_hz"]
         content = f"a recording at {signal.fs_hz:g} Hz"
     else:
-        content = f"kind {signal.kind!r}"
-        content += "" if signal.reference is None else f", reference {signal.reference!r}"
-        same = {
-            "responses": ("values", ["values"]),
-            "first": ("freq",),
-            "freq": ("freq_hz",),
-            "kind": (signal.kind,),
-            "reference": (signal.reference, getattr(made, "reference", None)),
-        }
+        reference = signal.reference
+        content = f"kind {signal.kind!r}" + ("" if reference is None else f", reference {reference!r}")
+        same = {"responses": ("values", ["values"]), "first": ("freq",), "freq": ("freq_hz",)}
+        same |= {"kind": (signal.kind,), "reference": (reference, getattr(made, "reference", None))}
     for name, value in stated.items():
         if value is None or any(type(value) is type(own) and value == own for own in same.get(name, ())):
             continue
         got = f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else content})"
-        remedy = "This file states it itself; leave it out." + (
-            " To leave channels out, name them by dofs." if name == "responses" else ""
-        )
+        remedy = "This file states it itself; leave it out."
+        remedy += " To leave channels out, name them by dofs." if name == "responses" else ""
         reject(name, got, "it with files of other programs alone", remedy)
     return made
 
 
-def relabelled(signal: Signal, rows: list[int], dofs: list[Any]) -> Signal:
-    """Some channels of a signal under other names."""
+def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
+    """The channels of a signal under other names; those without one are left out."""
+    rows = kept(labels)
+    dofs = [labels[i] for i in rows]
     if isinstance(signal, Recording):
         return Recording(signal.responses[rows], signal.fs_hz, dofs, signal.force)
     old = [signal.dofs[i] for i in rows]
@@ -180,3 +166,107 @@ def relabelled(signal: Signal, rows: list[int], dofs: list[Any]) -> Signal:
     return FrequencyResponse(
         signal.freq_hz, signal.values[rows], dofs, signal.kind, reference, coherence, signal.n_averages, std
     )
+
+
+# -- NumPy archives, without pickle in either direction
+
+#: The first bytes of a .npy file; the dtype stands within those of its head.
+_NPY, _HEAD_BYTES = b"\x93NUMPY", 512
+
+
+@reader
+def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
+    """Read a NumPy archive (.npz) or array (.npy): ours as it was, any other by the names of its arrays.
+
+    A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
+    drops its force, and any other option that does not agree with it is refused.
+
+    Raises
+    ------
+    UnsuitableDataError
+        A damaged or cut file (the archive's directory is its end, and every member has a checksum), objects
+        that would need pickle, or arrays whose role is not clear.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     np.savez(folder + "/a.npz", time=np.arange(100) / 50.0, tip=np.sin(np.arange(100.0)))
+    ...     ar.read_npz(folder + "/a.npz", unit="g")
+    Recording(1 channels, 2 s at 50 Hz, dofs=('tip',), no force)
+    """
+    file, given = opened(read_npz, path, options)
+    with file.open("rb") as stream:
+        alone = stream.read(len(_NPY)) == _NPY
+    arrays = _array(file) if alone else read_archive(file)
+    if TEXT in arrays:
+        return own_signal(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays, given)
+    return signal_of_arrays(file, arrays, given)
+
+
+@writer
+def write_npz(path: PathLike, signal: Signal) -> Path:
+    """Write a signal as a NumPy archive, whole or not at all; every float comes back bit for bit.
+
+    Examples
+    --------
+    >>> import tempfile, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = ar.write_npz(folder + "/a.npz", ar.Recording([[1.0, 2.0, 4.0]], 8.0, dofs=["tip"]))
+    ...     ar.read_npz(file).responses
+    array([[1., 2., 4.]])
+    """
+    return write_archive(path, *pack(signal))
+
+
+def write_archive(path: PathLike, text: str, arrays: dict[str, NDArray[Any]]) -> Path:
+    """Arrays and a text in one archive."""
+    buffer = io.BytesIO()
+    members: dict[str, Any] = {TEXT: np.frombuffer(text.encode(), dtype=np.uint8), **arrays}
+    np.savez_compressed(buffer, **members)  # plain arrays only: nothing is pickled
+    return write_atomically(path, buffer.getvalue())
+
+
+def read_archive(
+    file: Path,
+    wanted: str = "a whole NumPy archive (.npz) of plain arrays",
+    remedy: str = "It was cut, or is another file.",
+) -> dict[str, NDArray[Any]]:
+    """Every array of an archive, the checksums of zip compared; ``remedy`` is that of what is no archive."""
+    import zipfile
+
+    try:
+        if not zipfile.is_zipfile(file):
+            unsuitable(file, "which is no archive", wanted, remedy)
+        # Opened here: of a damaged archive numpy would leave the file open.
+        with open(file, "rb") as opened, np.load(opened, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+    except AntiresError:
+        raise
+    except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
+        if _holds_objects(file):
+            found = "which holds objects, which only pickle reads"
+            unsuitable(file, found, wanted, "A pickle can run any code. Save arrays of numbers alone.")
+        got = f"which cannot be read ({brief(exc)})"
+        unsuitable(file, got, wanted, "It was cut or damaged: copy it again.")
+
+
+def _array(file: Path) -> dict[str, NDArray[Any]]:
+    """The array of a .npy file, under the name of the file."""
+    try:
+        return {file.stem: np.load(file, allow_pickle=False)}
+    except Exception as exc:  # numpy parses the header as Python, with the errors of Python's own parser
+        remedy = "It was cut, or holds objects, which only pickle reads: save numbers alone."
+        unsuitable(file, f"which cannot be read ({brief(exc)})", "a whole array of numbers (.npy)", remedy)
+
+
+def _holds_objects(file: Path) -> bool:
+    """Whether an array of the archive is one of Python objects, by the headers of its members."""
+    import zipfile
+
+    with suppress(Exception), zipfile.ZipFile(file) as archive:
+        for name in archive.namelist():
+            with archive.open(name) as member:
+                if b"'|O'" in member.read(_HEAD_BYTES):
+                    return True
+    return False

@@ -17,53 +17,40 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import Passed, Wording, warn
 from ._child import matches
-from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
-from .common import Signal, rate_of, unsuitable
-from .reading import Reading
-from .units import Unit, abscissa_factor, is_abscissa, parse_unit
+from .channels import (
+    Channel,
+    Unit,
+    abscissa_factor,
+    is_abscissa,
+    parse_unit,
+    rate_of_step,
+    recording_of,
+    response_of,
+    warn_other_rate,
+)
+from .common import Reading, Signal, rate_of, unsuitable
 
 # -- The frequencies of responses whose file does not hold them
 
 
-class FrequencyAxis:
-    """Frequencies that the caller gives: ``size`` of them, or (None) their spacing from 0 Hz on."""
-
-    def __init__(self, freq_hz: Any = None, df_hz: Any = None) -> None:
-        self._df_hz, self._freq_hz = 0.0, None
-        if df_hz is not None:
-            self._df_hz = finite_scalar("df_hz", df_hz, low=0.0, low_open=True, unit="Hz")
-        if freq_hz is not None:
-            self._freq_hz = _finite_lines(freq_hz)
-        self.size = None if self._freq_hz is None else self._freq_hz.size
-
-    @classmethod
-    def of(cls, given: Reading) -> FrequencyAxis | None:
-        """The axis by ``freq_hz`` or ``df_hz``; None where neither is given."""
-        if given.freq_hz is None and given.df_hz is None:
-            return None
-        if given.freq_hz is not None and given.df_hz is not None:
-            remedy = Wording("Leave out {}, which the frequencies tell.", Passed("df_hz"))
-            reject("df_hz", "it beside freq_hz", "one of them", remedy)
-        return cls(given.freq_hz, given.df_hz)
-
-    def lines(self, path: Path, count: int) -> FloatArray:
-        """The frequencies of ``count`` values."""
-        if self._freq_hz is None:
-            return self._df_hz * np.arange(count, dtype=np.float64)
-        if self._freq_hz.size != count:
-            found, remedy = f"with {count} values of each response", "Give the frequencies of this file."
-            unsuitable(path, found, f"{self._freq_hz.size}, one for each of freq_hz", remedy)
-        return self._freq_hz
-
-
-def _finite_lines(freq_hz: Any) -> FloatArray:
+def given_lines(path: Path, given: Reading, count: int) -> FloatArray:
+    """The frequencies of ``count`` values by ``freq_hz``, or by ``df_hz`` from 0 Hz on."""
+    if given.freq_hz is None:
+        spacing = finite_scalar("df_hz", given.df_hz, low=0.0, low_open=True, unit="Hz")
+        return spacing * np.arange(count, dtype=np.float64)
+    if given.df_hz is not None:
+        remedy = Wording("Leave out {}, which the frequencies tell.", Passed("df_hz"))
+        reject("df_hz", "it beside freq_hz", "one of them", remedy)
     try:
-        lines = np.asarray(freq_hz, dtype=np.float64)
+        lines = np.asarray(given.freq_hz, dtype=np.float64)
         got = f"an array of shape {lines.shape}"
     except (TypeError, ValueError):
-        lines, got = np.empty((0, 0)), type(freq_hz).__name__
+        lines, got = np.empty((0, 0)), type(given.freq_hz).__name__
     if lines.ndim != 1 or not np.isfinite(lines).all():
         reject("freq_hz", got, "finite frequencies in Hz, one for each line", "Pass a sequence of numbers.")
+    if lines.size != count:
+        found, wanted = f"with {count} values of each response", f"{lines.size}, one for each of freq_hz"
+        unsuitable(path, found, wanted, "Give the frequencies of this file.")
     return lines
 
 
@@ -72,25 +59,16 @@ def _finite_lines(freq_hz: Any) -> FloatArray:
 # Names are those of arrays, ``run1/acc`` or ``test.acc``; an attribute is ``run1/acc@unit``, of a group
 # ``run1@fs``, of the file ``@fs``. What is said of a group or struct holds for all within.
 
-RATES = frozenset(
-    {
-        *("fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "samplingfrequency"),
-        *("sampling_frequency", "samplefrequency", "sample_rate_hz", "sampling_rate_hz", "rate_hz"),
-    }
-)
-STEPS = frozenset({"dt", "dt_s", "delta_t", "deltat", "wf_increment", "sample_interval", "sampling_interval"})
-UNITS = frozenset({"unit", "units", "unit_string", "y_unit", "yunit", "y_unit_label", "einheit"})
+RATES = {"fs", "fs_hz", "rate", "samplerate", "sampling_rate", "sample_rate", "samplingfrequency"}
+RATES |= {"sampling_frequency", "samplefrequency", "sample_rate_hz", "sampling_rate_hz", "rate_hz"}
+STEPS = {"dt", "dt_s", "delta_t", "deltat", "wf_increment", "sample_interval", "sampling_interval"}
+UNITS = {"unit", "units", "unit_string", "y_unit", "yunit", "y_unit_label", "einheit"}
 _QUANTITY = re.compile(r"([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(.*)\Z")
 _THOUSANDS = re.compile(r"[1-9]\d{0,2}(?:,\d{3})+\Z")
 
 
 class Notes:
-    """Numbers and texts by name.
-
-    >>> notes = Notes({"run1@fs": 512.0, "run1/acc@unit": "g"})
-    >>> notes.rate(Path("a.h5"), ["run1/acc"]), notes.unit("run1/acc")
-    (512.0, 'g')
-    """
+    """Numbers and texts by name, ``{"run1@fs": 512.0, "run1/acc@unit": "g"}``."""
 
     def __init__(self, values: Mapping[str, Any] | None = None) -> None:
         self._values = dict(values or {})
@@ -136,7 +114,7 @@ class Notes:
         shown = [f"{key} = {value!r}" for key, value in self._values.items() if str(value).strip()][:8]
         return "" if not shown else "; it says " + ", ".join(shown)[:300]
 
-    def _of(self, name: str, wanted: frozenset[str]) -> Iterable[tuple[str, Any]]:
+    def _of(self, name: str, wanted: set[str]) -> Iterable[tuple[str, Any]]:
         """What is said of an array, the nearest first: of itself, of its struct or group, of the file."""
         here = name.partition("[")[0] if name.endswith("]") and "/" not in name else name
         while True:
@@ -176,7 +154,7 @@ _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
 #: Names that tell a role, whatever is asked for.
-ROLES = frozenset(_TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE)
+ROLES = _TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE
 _ROW = re.compile(r"(.+)\[(\d{1,9})\]")
 
 
@@ -205,25 +183,23 @@ class _Bag:
         self.numeric = {n: _channels_first(v) for n, v in numbers.items() if v.ndim <= 2 and v.size}
         cubes = [name for name, value in numbers.items() if value.ndim > 2]
         if cubes and given.responses is None:
-            warn(
-                "many_axes",
-                f"path: {str(path)!r} has arrays of three and more axes, {', '.join(cubes)}, which are not "
-                "read. Slice them to (n_channels, n_samples) if they are responses.",
-            )
+            said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
+            remedy = "Slice them to (n_channels, n_samples) if they are responses."
+            warn("many_axes", f"path: {str(path)!r} {said}. {remedy}")
         if not self.numeric:
             remedy = "Export the signals as arrays of numbers, one row or column a channel."
             unsuitable(path, f"with no numeric array ({self.listed})", "arrays of numbers", remedy)
 
     def signal(self) -> Signal:
         """What the arrays are."""
-        axis, given = FrequencyAxis.of(self.given), self.given
-        if axis is not None:
+        given = self.given
+        if given.freq_hz is not None or given.df_hz is not None:
             if given.freq is not None:
                 reject("freq", repr(given.freq), "no name beside freq_hz or df_hz", "Leave one of them out.")
             for name, rows in self.numeric.items():
-                if rows.shape[1] != axis.size == rows.shape[0]:
+                if given.freq_hz is not None and rows.shape[1] != np.size(given.freq_hz) == rows.shape[0]:
                     self.numeric[name] = rows.T
-            return self._response(axis, None)
+            return self._response(None)
         freq = self._role("freq", given.freq, _FREQ)
         time = self._role("time", given.time, _TIME)
         if freq is not None and time is not None:
@@ -232,8 +208,7 @@ class _Bag:
             unsuitable(self.path, f"with both {time!r} and {freq!r} ({self.listed})", "one of them", remedy)
         if freq is None:
             return self._recording(time)
-        factor = self.notes.factor(self.path, freq, "freq_hz")
-        return self._response(FrequencyAxis(factor * self.numeric[freq][0].real), freq)
+        return self._response(freq)
 
     def _role(self, argument: str, given: str | None, names: set[str]) -> str | None:
         """The array the user names for a role, or the only one whose name says it."""
@@ -276,7 +251,7 @@ class _Bag:
         given = replace(self.given, force=None if force is None else "auto")
         return recording_of(self.path, channels, rate, given)
 
-    def _response(self, axis: FrequencyAxis, freq: str | None) -> FrequencyResponse:
+    def _response(self, freq: str | None) -> FrequencyResponse:
         """FRFs or transmissibilities over the array ``freq``, or over a given axis."""
         path, numeric = self.path, self.numeric
         seen = [n for n in numeric if _last(n) in _COHERENCE]
@@ -288,8 +263,10 @@ class _Bag:
         if real is not None:
             remedy = "Magnitudes alone have lost the phase; combine magnitude and phase first."
             unsuitable(path, f"whose {real} is real", "complex FRFs or transmissibilities", remedy)
-        count = channels[0].values.size
-        lines = axis.lines(path, count if freq is None else axis.size or count)
+        if freq is None:
+            lines = given_lines(path, self.given, channels[0].values.size)
+        else:
+            lines = self.notes.factor(path, freq, "freq_hz") * numeric[freq][0].real
         for c in channels:
             if c.values.size != lines.size:
                 found = f"with {c.values.size} values of {c.name!r} over {lines.size} frequencies"
@@ -305,11 +282,8 @@ class _Bag:
         """The sampling rate of arrays of these names."""
         path, notes, refuse = self.path, self.notes, self.given.fs_hz is None
         stated = notes.rate(path, names, refuse=refuse)
-        single = {
-            n: float(values[0, 0].real) * notes.factor(path, n, refuse=refuse)
-            for n, values in self.numeric.items()
-            if values.size == 1 and _last(n) in RATES | STEPS
-        }
+        alone = {n: v for n, v in self.numeric.items() if v.size == 1 and _last(n) in RATES | STEPS}
+        single = {n: float(v[0, 0].real) * notes.factor(path, n, refuse=refuse) for n, v in alone.items()}
         rates = [n for n in single if _last(n) in RATES]
         if self.given.rate_hz is not None:
             if stated is None and len(rates) == 1:
@@ -362,11 +336,9 @@ class _Bag:
         # Tables of settings are short; what is nearly as long is a channel that was cut.
         short = [f"{name} ({size})" for name, size in sizes.items() if longest > size > longest // 2]
         if short:
-            warn(
-                "short_arrays",
-                f"path: {str(self.path)!r} has arrays shorter than the {longest} samples of the longest, "
-                f"{', '.join(short)}, which are left out. Name the responses= to choose.",
-            )
+            said = f"has arrays shorter than the {longest} samples of the longest, {', '.join(short)}"
+            remedy = "Name the responses= to choose."
+            warn("short_arrays", f"path: {str(self.path)!r} {said}, which are left out. {remedy}")
         return [name for name, size in sizes.items() if size == longest > 1]
 
     def _asked(self, pattern: Any, among: Mapping[str, NDArray[Any]], taken: set[str]) -> list[_Row]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from datetime import datetime
-from itertools import count
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..signals.recording import Recording
@@ -20,9 +19,19 @@ from ..support.messages import Passed, Wording, warn
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
-from .common import choose_run, missing_part, rate_of, require, unsuitable
+from .common import (
+    PathLike,
+    Rated,
+    Selected,
+    choose_run,
+    missing_part,
+    opened,
+    rate_of,
+    reader,
+    require,
+    unsuitable,
+)
 from .raw_arrays import stated_number
-from .reading import PathLike, Rated, Selected, opened, reader
 from .text_table import decoded
 
 # -- TDMS of National Instruments (LabVIEW, FlexLogger, DIAdem)
@@ -111,16 +120,12 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
                 raise Unfit(f"the channel {name!r} lies over frequency, not time")
             step = own.get("wf_increment")
             unit = own.get("unit_string") or own.get("NI_UnitDescription") or own.get("Unit") or ""
-            made.append(
-                {
-                    "name": name,
-                    "values": values,
-                    "unit": str(unit),
-                    "step_s": None if step is None else float(step),
-                    "start": str(own.get("wf_start_time", "")),
-                    "offset_s": float(own.get("wf_start_offset", 0.0) or 0.0),
-                }
-            )
+            one = {"name": name, "values": values, "unit": str(unit)}
+            one |= {
+                "step_s": None if step is None else float(step),
+                "start": str(own.get("wf_start_time", "")),
+            }
+            made.append(one | {"offset_s": float(own.get("wf_start_offset", 0.0) or 0.0)})
     return answer(made)
 
 
@@ -209,12 +214,10 @@ def channels_of_wav(path: str, request: dict[str, Any]) -> Answer:
         values = (values.astype(np.float64) - 128.0) / 128.0
     elif values.dtype.kind == "i":
         values = values / 2.0 ** (8 * values.dtype.itemsize - 1)
-    return answer(
-        [
-            {"name": f"channel {i + 1}", "values": np.float64(column), "step_s": 1.0 / rate}
-            for i, column in enumerate(values.T)
-        ]
-    )
+    columns = map(np.float64, values.T)
+    names = (f"channel {i + 1}" for i in range(values.shape[1]))
+    pairs = zip(names, columns, strict=True)
+    return answer([{"name": name, "values": column, "step_s": 1.0 / rate} for name, column in pairs])
 
 
 def _scales(full_scale: Any, count: int) -> list[float]:
@@ -286,13 +289,10 @@ def read_miniseed(
     name, count = Counter(entry["name"] for entry in entries).most_common(1)[0] if entries else ("", 0)
     if count > 1:
         before, after = [entry for entry in entries if entry["name"] == name][:2]
-        unsuitable(
-            file,
-            f"whose {name} has {count - 1} gaps or overlaps, the first between {before['until']} and "
-            f"{after['start']}",
-            "traces without gaps",
-            "Cut a part without gaps out of it, with ObsPy's slice or the recorder's program.",
-        )
+        first = f"the first between {before['until']} and {after['start']}"
+        found = f"whose {name} has {count - 1} gaps or overlaps, {first}"
+        remedy = "Cut a part without gaps out of it, with ObsPy's slice or the recorder's program."
+        unsuitable(file, found, "traces without gaps", remedy)
     for entry in entries:
         del entry["until"]
     return stated_recording(file, _on_one_clock([Channel(**entry) for entry in entries]), given)
@@ -305,19 +305,13 @@ def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
     room(int(sum(trace.stats.npts for trace in read(path, format="MSEED", headonly=True))), request)
     stream = read(path, format="MSEED")
     stream.merge(method=-1)
-    made = [
-        {
-            "name": trace.id,
-            "values": np.float64(trace.data),
-            "unit": "counts",
-            "step_s": float(trace.stats.delta),
-            "start": str(trace.stats.starttime),
-            "until": str(trace.stats.endtime),
-        }
-        for trace in stream
-        if asked((trace.id, trace.stats.channel), trace.stats.channel, request)
-        and trace.data.dtype.kind in "biuf"
-    ]
+    made = []
+    for trace in stream:
+        own = trace.stats
+        if asked((trace.id, own.channel), own.channel, request) and trace.data.dtype.kind in "biuf":
+            one = {"name": trace.id, "values": np.float64(trace.data), "unit": "counts"}
+            one |= {"step_s": float(own.delta), "start": str(own.starttime), "until": str(own.endtime)}
+            made.append(one)
     if not made and request["only"] is not None:
         raise Unfit("the traces are " + called(trace.id for trace in stream))
     return answer(made)
@@ -342,15 +336,12 @@ _WANTED_LVM = "a whole LabVIEW Measurement File (.lvm)"
 _END, _START_SPECIAL, _END_SPECIAL = "***End_of_Header***", "***Start_Special***", "***End_Special***"
 
 
-@dataclass
-class Segment:
-    """What one call of LabVIEW wrote: tags of its header; all else by channel."""
+class Segment(NamedTuple):
+    """What one call of LabVIEW wrote: tags of its header, titles of columns, rows with their line."""
 
-    tags: dict[str, list[str]] = field(default_factory=dict)
-    names: list[str] = field(default_factory=list)
-    x: list[NDArray[Any] | None] = field(default_factory=list)
-    values: list[NDArray[Any]] = field(default_factory=list)
-    stated: list[int] = field(default_factory=list)
+    tags: dict[str, list[str]]
+    titles: list[str]
+    rows: list[tuple[int, list[str]]]
 
 
 class _Form:
@@ -382,100 +373,84 @@ class _Form:
         return True
 
 
-def segments_of(file: Path) -> list[Segment]:
-    """The segments of a file, in order."""
+def _segments(file: Path) -> tuple[_Form, list[Segment]]:
+    """How the numbers of a file stand, and its segments in order."""
     text = decoded(file)
     lines = text.split("\n")
     if not lines[0].startswith("LabVIEW Measurement") or "\x00" in text:
         remedy = "A file without header is a table of text: read it by read_csv, format csv."
         unsuitable(file, "which does not begin with the line 'LabVIEW Measurement'", _WANTED_LVM, remedy)
-    end = _find(lines, _END, 0)
-    if end is None:
+    ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
+    if not ends:
         unsuitable(file, "whose header has no end", _WANTED_LVM, "It was cut: copy it again.")
-    found = _blocks(file, lines, end + 1, _Form(lines[1:end]))
+    form = _Form(lines[1 : ends[0]])
+    found = _blocks(file, lines, ends, form)
     if not found:
         unsuitable(file, "with a header and no numbers", _WANTED_LVM, "It was cut: copy it again.")
-    return found
+    return form, found
 
 
-def _find(lines: list[str], mark: str, start: int) -> int | None:
-    return next((i for i in range(start, len(lines)) if lines[i].startswith(mark)), None)
-
-
-def _blocks(file: Path, lines: list[str], start: int, form: _Form) -> list[Segment]:
+def _blocks(file: Path, lines: list[str], ends: list[int], form: _Form) -> list[Segment]:
     """Segments: header lines up to their end mark, a line of titles, rows of numbers."""
     found: list[Segment] = []
-    tags: dict[str, list[str]] = {}
-    titles: list[str] = []
-    rows: list[tuple[int, str]] = []
+    now = Segment({}, [], [])
     special = headed = False
-    i = start
+    i = ends[0] + 1
     while i < len(lines):
         line = lines[i]
         head = line.startswith("Channels" + form.separator)
         if line.startswith(_START_SPECIAL) or special:
             special = not line.startswith(_END_SPECIAL)
         elif head or not line.strip(form.separator + " "):  # a blank line ends a packet
-            if rows:
-                found.append(_segment(file, tags, titles, rows, form))
-                rows = []
+            found += [now] if now.rows else []
+            now = now._replace(rows=[])
             if head:
-                end = _find(lines, _END, i)
+                end = next((at for at in ends if at > i), None)
                 if end is None:
                     got = f"whose segment header in line {i + 1} has no end"
                     unsuitable(file, got, _WANTED_LVM, "It was cut.")
                 tags = {name: values for name, *values in map(form.fields, lines[i:end])}
-                titles, headed, i = [], True, end
-        elif headed and not titles and not form.is_row(line):
-            titles = form.fields(line)
+                now, headed, i = Segment(tags, [], []), True, end
+        elif headed and not now.titles and not form.is_row(line):
+            now = now._replace(titles=form.fields(line))
         else:
-            rows.append((i + 1, line))
+            now.rows.append((i + 1, form.fields(line)))
         i += 1
-    return [*found, _segment(file, tags, titles, rows, form)] if rows else found
+    return [*found, now] if now.rows else found
 
 
-def _segment(
-    file: Path, tags: dict[str, list[str]], titles: list[str], rows: list[tuple[int, str]], form: _Form
-) -> Segment:
-    def bad(number: int, what: str) -> None:
-        unsuitable(file, f"whose line {number} has {what}", "rows of numbers", "Correct or remove that line.")
-
-    stated = [int(n) for n in tags.get("Samples", []) if n.isdecimal()]
-    n_channels = _count(tags, titles, rows, form)
-    per = 2 if form.columns == "multi" else 1
-    places = [per * i + 1 for i in range(n_channels)]
-    table: list[list[float]] = [[] for _ in places]
-    over: list[list[float]] = [[] for _ in places]
-    ended = [False] * n_channels
-    for number, line in rows:
-        parts = form.fields(line)
-        parts += [""] * (places[-1] + 1 - len(parts))
-        for c, place in enumerate(places):
-            if not parts[place]:  # a channel that is shorter than others
-                ended[c] = True
-                continue
-            if ended[c]:
-                bad(number, f"a value of channel {c + 1} after an empty one")
-            if c < len(stated) and len(table[c]) >= stated[c]:
-                bad(number, f"a value more than the {stated[c]} of its channel {c + 1}")
-            try:
-                table[c].append(form.number(parts[place]))
-                if form.columns != "no":
-                    over[c].append(form.number(parts[place - 1 if per == 2 else 0]))
-            except ValueError:
-                bad(number, f"{line.strip()[:50]!r}")
-    names = [titles[p] if p < len(titles) and titles[p] else f"channel {i + 1}" for i, p in enumerate(places)]
-    x = [np.array(each) if form.columns != "no" else None for each in over]
-    return Segment(tags, names, x, [np.array(values) for values in table], stated)
-
-
-def _count(tags: dict[str, list[str]], titles: list[str], rows: list[tuple[int, str]], form: _Form) -> int:
+def _count(segment: Segment, form: _Form) -> int:
     """How many channels: by the header, else by the titles, else by the first row."""
-    stated = tags.get("Channels", [""])[0]
+    stated = segment.tags.get("Channels", [""])[0]
     if stated.isdecimal() and 0 < int(stated) <= 100_000:
         return int(stated)
-    parts = titles[:-1] if titles and titles[-1] == "Comment" else titles or form.fields(rows[0][1])
+    parts = segment.titles or segment.rows[0][1]
+    parts = parts[:-1] if segment.titles and parts[-1] == "Comment" else parts
     return max(len(parts) // 2 if form.columns == "multi" else len(parts) - 1, 1)
+
+
+def _column(file: Path, form: _Form, segment: Segment, c: int, most: float) -> tuple[Any, Any]:
+    """Abscissae, if there are any, and values of a channel, which may be shorter than others."""
+    place, before = (2 * c + 1, 2 * c) if form.columns == "multi" else (c + 1, 0)
+    x: list[float] = []
+    values: list[float] = []
+    ended = False
+    for number, parts in segment.rows:
+        if place >= len(parts) or not parts[place]:
+            ended = True
+            continue
+        wrong = f"a value of channel {c + 1} after an empty one" if ended else ""
+        if len(values) >= most:
+            wrong = f"a value more than the {most} of its channel {c + 1}"
+        try:
+            values.append(form.number(parts[place]))
+            x += [] if form.columns == "no" else [form.number(parts[before])]
+        except ValueError:
+            wrong = wrong or f"{form.separator.join(parts).strip()[:50]!r}"
+        if wrong:
+            wanted, remedy = "rows of numbers", "Correct or remove that line."
+            unsuitable(file, f"whose line {number} has {wrong}", wanted, remedy)
+    return None if form.columns == "no" else np.array(x), np.array(values)
 
 
 @reader
@@ -517,56 +492,58 @@ def read_lvm(
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
     file, given = opened(read_lvm, path, options)
-    segments = segments_of(file)
+    form, segments = _segments(file)
     if run is not None and not (type(run) is int and 1 <= run <= len(segments)):
         wanted = f"1 to {len(segments)}, the segments of {str(file)!r}"
         reject("run", run, wanted, "Number the segments from 1.")
     chosen = segments if run is None else [segments[run - 1]]
-    for segment in chosen:
-        _whole(file, segment, partial)
-    made = [_channels(file, segment, given.fs_hz) for segment in chosen]
+    made = [_channels(file, form, segment, partial, given.fs_hz) for segment in chosen]
     return stated_recording(file, _joined(file, made, len(segments)), given)
 
 
-def _whole(file: Path, segment: Segment, partial: bool) -> None:
-    for i, (values, stated) in enumerate(zip(segment.values, segment.stated, strict=False)):
-        if values.size < stated:
-            found = f"{segment.names[i]!r} has {values.size} of {stated} samples"
+def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: float | None) -> list[Channel]:
+    """Channels of one segment, each with its own rate and start."""
+    titles, stated = segment.titles, [int(n) for n in segment.tags.get("Samples", []) if n.isdecimal()]
+    made: list[tuple[str, Any, Any]] = []
+    for c in range(_count(segment, form)):
+        place = 2 * c + 1 if form.columns == "multi" else c + 1
+        most = stated[c] if c < len(stated) else math.inf
+        name = titles[place] if place < len(titles) and titles[place] else f"channel {c + 1}"
+        x, values = _column(file, form, segment, c, most)
+        made.append((name, x, values))
+        if values.size < most < math.inf:
+            found = f"{name!r} has {values.size} of {most} samples"
             missing_part(file, found, _WANTED_LVM, partial, int(values.size))
     if partial:  # a row that was cut leaves its last channels shorter
-        shortest = min(values.size for values in segment.values)
-        segment.values = [values[:shortest] for values in segment.values]
-        segment.x = [None if x is None else x[:shortest] for x in segment.x]
-    if min(values.size for values in segment.values) == 0:
+        shortest = min(values.size for _, _, values in made)
+        made = [(name, None if x is None else x[:shortest], values[:shortest]) for name, x, values in made]
+    if min(values.size for _, _, values in made) == 0:
         unsuitable(file, "with a channel without samples", _WANTED_LVM, "Export it again.")
-    if not all(np.isfinite(values).all() for values in segment.values):
+    if not all(np.isfinite(values).all() for _, _, values in made):
         remedy = "Cut out the part without them."
         unsuitable(file, "with values that are not finite", "finite numbers", remedy)
-
-
-def _channels(file: Path, segment: Segment, fs_hz: float | None) -> list[Channel]:
-    """Channels of one segment, each with its own rate and start."""
-    made = []
-    for i, name, values, x in zip(count(), segment.names, segment.values, segment.x, strict=False):
-        tags = {key: "".join(values[i : i + 1]) for key, values in segment.tags.items()}
-        step, offset = stated_number(tags.get("Delta_X", "")), stated_number(tags.get("X0", "")) or 0.0
-        if x is not None and x.size > 1 and np.isfinite(x).all() and fs_hz is None:
-            rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
-            if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
-                found = f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz"
-                unsuitable(file, found, "one rate", Wording("Give the true one by {}.", Passed("fs_hz")))
-            step = step if step is not None and step > 0.0 else 1.0 / rate
-            offset = float(x[0])
-        start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)
-        made.append(Channel(name, values, tags.get("Y_Unit_Label", ""), step, start, offset))
     kinds = {kind.lower() for kind in segment.tags.get("X_Dimension", [])} - {"", "time"}
     if kinds:
-        warn(
-            "not_over_time",
-            f"path: {str(file)!r} lies over {', '.join(sorted(kinds))}, as its X_Dimension says; it is read "
-            "as a record over time.",
-        )
-    return made
+        over = f"lies over {', '.join(sorted(kinds))}, as its X_Dimension says"
+        warn("not_over_time", f"path: {str(file)!r} {over}; it is read as a record over time.")
+    tags = [{key: "".join(of[c : c + 1]) for key, of in segment.tags.items()} for c in range(len(made))]
+    return [_channel(file, *each, own, fs_hz) for each, own in zip(made, tags, strict=True)]
+
+
+def _channel(
+    file: Path, name: str, x: Any, values: Any, tags: dict[str, str], fs_hz: float | None
+) -> Channel:
+    """A channel with what its tags or its abscissae say of rate and start."""
+    step, offset = stated_number(tags.get("Delta_X", "")), stated_number(tags.get("X0", "")) or 0.0
+    if x is not None and x.size > 1 and np.isfinite(x).all() and fs_hz is None:
+        rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
+        if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
+            found = f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz"
+            unsuitable(file, found, "one rate", Wording("Give the true one by {}.", Passed("fs_hz")))
+        step = step if step is not None and step > 0.0 else 1.0 / rate
+        offset = float(x[0])
+    start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)
+    return Channel(name, values, tags.get("Y_Unit_Label", ""), step, start, offset)
 
 
 def _joined(file: Path, made: list[list[Channel]], n_segments: int) -> list[Channel]:

@@ -1,13 +1,25 @@
-"""Readers of signals by format, and the endings of their files."""
+"""Readers of signals by format, the endings of their files, and one measurement in several files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import PurePath
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable
+from fnmatch import fnmatchcase
+from pathlib import Path, PurePath
+from typing import Any
 
-from .common import Signal
+import numpy as np
+
+from ..exceptions import reject
+from ..signals.frequency_response import FrequencyResponse
+from ..support.checks import choice, shape_of
+from ..support.messages import Passed, Wording
+from .channels import kept, renamed
+from .common import Dofs, PathLike, Signal, existing_file, unsuitable
 from .hdf5_mat import read_hdf5, read_mat
-from .npz import read_npz
+from .own_format import read_npz
 from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
 from .table_files import read_csv, read_excel, read_parquet
 from .uff import read_uff
@@ -45,6 +57,7 @@ def format_by_ending(name: str) -> str | None:
 
 _EXPORT = "Export it there as a universal file (58), MAT, HDF5 or CSV"
 _SEVERAL = f"Several programs write that ending. {_EXPORT}, or name the format if it is one that is read"
+_SOUND = "Convert it to WAV; MP3, OGG and M4A have lost a part"
 _KNOWN: dict[tuple[str, ...], str] = {
     (".dxd", ".dxz", ".d7d", ".d7z"): f"It is one of Dewesoft. {_EXPORT}",
     (".ldsf", ".lms", ".tlab"): f"It is one of Siemens Simcenter Testlab. {_EXPORT}",
@@ -62,14 +75,7 @@ _KNOWN: dict[tuple[str, ...], str] = {
     (".nsrf", ".imc", ".raw", ".dat", ".bin", ".sdt", ".dta", ".asc", ".log"): _SEVERAL,
     (".xls", ".ods", ".xlsb"): "Save it as .xlsx or CSV",
     (".feather", ".arrow", ".pkl", ".pickle"): "Save it as Parquet: DataFrame.to_parquet",
-    (
-        ".flac",
-        ".mp3",
-        ".ogg",
-        ".m4a",
-        ".aiff",
-        ".aif",
-    ): "Convert it to WAV; MP3, OGG and M4A have lost a part",
+    (".flac", ".mp3", ".ogg", ".m4a", ".aiff", ".aif"): _SOUND,
     (".tdms_index",): "It is the index of the .tdms beside it: name that",
     (".slx", ".m"): "It is no data: save the arrays as MAT",
 }
@@ -79,3 +85,177 @@ def conversion(name: str) -> str:
     """A sentence on the file of that name, with a blank before it; '' where its ending says nothing."""
     suffix = PurePath(name).suffix.lower()
     return next((f" {text}." for endings, text in _KNOWN.items() if suffix in endings), "")
+
+
+# -- One measurement in several files, each with the FRF of one point
+
+_TOKEN = re.compile(r"\d+|[^\W\d_]+|[\W_]+")
+# Frequencies that differ by less than this part of the highest are one line, written with other digits.
+SAME_LINE = 1e-6
+
+
+def read_frf_files(
+    files: PathLike | Iterable[PathLike],
+    *,
+    dofs: Dofs = None,
+    pattern: str = "*",
+    format: str | None = None,
+    kind: str | None = None,
+    reference: Any = None,
+    **options: Any,
+) -> FrequencyResponse:
+    """Read files that hold one FRF or transmissibility each, over common frequencies.
+
+    Parameters
+    ----------
+    files : path-like, or sequence of path-like
+        A folder, of which all files with a known ending are read, or the files.
+    dofs : sequence, mapping or callable, optional
+        Dof of each file: in their order (that of numbers in a folder: 2 before 10), by the file's name
+        without its ending, or a function of that name; None leaves a file out. Default: what differs between
+        the names, ``FRF_2.csv`` and ``FRF_10.csv`` being 2 and 10; of universal files, their points.
+    pattern : str
+        Which files of a folder: ``"*.csv"``, ``"run2_*"``.
+    format : {"uff", "mat", "hdf5", "csv", "npz"}, optional
+        By default the endings tell.
+    kind : {"frf", "transmissibility"}, optional
+        As in :class:`FrequencyResponse`; "frf" by default.
+    reference : int or str, optional
+        Dof of the reference of transmissibilities, whose own file holds ones.
+    options : any, optional
+        Of the reader of that format: ``pairs=``, ``df_hz=``, ``unit=``, ``responses=`` and the like.
+
+    Returns
+    -------
+    FrequencyResponse
+        Coherences and averages with it, where every file has them.
+
+    Raises
+    ------
+    UnsuitableDataError
+        A file with several responses, or none over frequency; one whose frequencies differ from those of the
+        others, which is named; several formats in one folder.
+    InvalidInputError
+        Options that do not fit, or two files of one dof.
+    FileNotFoundError
+        There is none.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, antires_rs as ar
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for point in (2, 10):
+    ...         text = "Frequency [Hz],Magnitude [dB],Phase [deg]\\n1,0,0\\n2,20,90\\n"
+    ...         _ = pathlib.Path(folder, f"FRF_{point}.csv").write_text(text)
+    ...     response = ar.read_frf_files(folder)
+    >>> response.dofs, response.values[0].round(3).tolist()
+    ((2, 10), [(1+0j), 10j])
+    """
+    paths = _paths(files, pattern, format)
+    if format is None:
+        formats = Counter(format_by_ending(path.name) for path in paths)
+        if len(formats) > 1 or None in formats:
+            counts = ", ".join(f"{n} {kind or 'of unknown ending'}" for kind, n in formats.items())
+            got = f"files of several formats ({counts})"
+            remedy = Wording("Choose them by {}, or name the {}.", Passed("pattern"), Passed("format"))
+            reject("files", got, "files of one format that is known", remedy)
+        format = next(iter(formats)) or ""
+    choice("format", format, tuple(READERS))
+    if kind is not None:
+        choice("kind", kind, ("frf", "transmissibility"))
+        if format == "uff":  # which may hold several
+            options["kind"] = kind
+    read = [_one(path, format, options) for path in paths]
+    stems = [path.stem for path in paths]
+    points = [each.dofs[0] for each in read]
+    default = points if format == "uff" and len(set(points)) == len(points) else _differences(stems)
+    labels = default if dofs is None else renamed("dofs", stems, dofs)
+    rows = kept(labels)
+    _check_axes([paths[i] for i in rows], [read[i] for i in rows])
+    chosen = [read[i] for i in rows]
+    kinds = {each.kind for each in chosen}
+    if len(kinds) > 1:
+        found = f"files of {' and '.join(sorted(kinds))}"
+        reject("kind", found, "files of one kind", "Read them one by one.")
+    averages = {each.n_averages for each in chosen}
+    parts = {name: [getattr(each, name) for each in chosen] for name in ("coherence", "std")}
+    stacked = {name: np.vstack(each) for name, each in parts.items() if all(row is not None for row in each)}
+    values, of_kind = np.vstack([each.values for each in chosen]), chosen[0].kind if kind is None else kind
+    more: dict[str, Any] = {"n_averages": averages.pop() if len(averages) == 1 else None, **stacked}
+    dofs = [labels[i] for i in rows]
+    return FrequencyResponse(chosen[0].freq_hz, values, dofs, of_kind, reference, **more)  # type: ignore[arg-type]
+
+
+def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
+    if isinstance(files, str | os.PathLike):
+        folder = Path(files)
+        if not folder.is_dir():
+            return [existing_file(folder)]
+        there = sorted((path for path in folder.iterdir() if path.is_file()), key=lambda p: _natural(p.name))
+        fitting = [path for path in there if fnmatchcase(path.name, pattern)]
+        found = [path for path in fitting if format is not None or format_by_ending(path.name)]
+        if not found:
+            why = f"none of which fits {pattern!r} and has a known ending"
+            got = f"{str(folder)!r}, a folder with {len(there)} files, {why}"
+            remedy = Wording("Name the file, or choose by {} and {}.", Passed("pattern"), Passed("format"))
+            reject("files", got, "files of one FRF each", remedy)
+        return found
+    if shape_of(files) in ((), (0,)):
+        reject("files", files, "a folder or a sequence of files", "Name the folder, or each file.")
+    return [existing_file(path) for path in files]
+
+
+def _one(path: Path, format: str, options: dict[str, Any]) -> FrequencyResponse:
+    signal = READERS[format](path, **options)
+    if not isinstance(signal, FrequencyResponse) or len(signal.dofs) != 1:
+        several = isinstance(signal, FrequencyResponse)
+        found = f"{len(signal.dofs)} responses" if several else "a record over time"
+        remedy = "Read it alone by its own reader, or name the response that is meant."
+        unsuitable(path, f"with {found}", "one response over frequency in each file", remedy)
+    return signal
+
+
+def _check_axes(paths: list[Path], read: list[FrequencyResponse]) -> None:
+    """All files over one axis; the odd one is named, even if it is the first."""
+
+    def alike(a: FrequencyResponse, b: FrequencyResponse) -> bool:
+        if a.freq_hz.size != b.freq_hz.size:
+            return False
+        return bool(np.abs(a.freq_hz - b.freq_hz).max() <= SAME_LINE * a.freq_hz[-1])
+
+    groups: list[list[int]] = []
+    for i, each in enumerate(read):
+        group = next((g for g in groups if alike(read[g[0]], each)), None)
+        if group is None:
+            groups.append([i])
+        else:
+            group.append(i)
+    most = max(groups, key=len)
+    odd = next((i for i in range(len(read)) if i not in most), None)
+    if odd is not None:
+        wanted = f"{_axis(read[most[0]])}, as {len(most)} of {len(read)} files have ({paths[most[0]].name})"
+        remedy = "Export all files over the same frequencies, or leave that one out."
+        unsuitable(paths[odd], f"with {_axis(read[odd])}", wanted, remedy)
+
+
+def _axis(response: FrequencyResponse) -> str:
+    freq = response.freq_hz
+    return f"{freq.size} lines {freq[0]:.9g}-{freq[-1]:.9g} Hz"
+
+
+def _natural(name: str) -> list[tuple[int, int, str]]:
+    return [(0, int(t), "") if t.isdecimal() else (1, 0, t.lower()) for t in _TOKEN.findall(name)]
+
+
+def _differences(stems: list[str]) -> list[Any]:
+    """What tells names from each other, as numbers where all are."""
+    tokens = [_TOKEN.findall(stem) for stem in stems]
+    if len(stems) == 1 or len(set(stems)) < len(stems):
+        return list(stems)
+    for end in (0, -1):
+        while all(tokens) and len({each[end] for each in tokens}) == 1:
+            tokens = [each[1:] if end == 0 else each[:-1] for each in tokens]
+    found = ["".join(each).strip(" _-.") for each in tokens]
+    if not all(found) or len(set(found)) < len(found):
+        return list(stems)
+    return [int(each) for each in found] if all(each.isdecimal() for each in found) else found

@@ -17,13 +17,23 @@ from ..signals.recording import Recording
 from ..support.checks import choice
 from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
-from .channels import Channel, in_si, recording_of
+from .channels import Channel, in_si, named_unit, recording_of, si_unit
 from .child_process import Limits, channels_of_child
-from .common import Signal, missing_part, parts_of, require, unsuitable
+from .common import (
+    OfColumns,
+    PathLike,
+    Reading,
+    Signal,
+    missing_part,
+    opened,
+    parts_of,
+    reader,
+    require,
+    unsuitable,
+    writer,
+)
 from .own_format import as_asked, check_dofs
-from .reading import OfColumns, PathLike, Reading, opened, reader, writer
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
-from .units import named_unit, si_unit
 
 
 @reader
@@ -107,15 +117,9 @@ def _own(file: Path, table: Table) -> Signal:
             return recording_of(file, channels, float(head["fs_hz"]), Reading())
         values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
         rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
-        return FrequencyResponse(
-            columns[0],
-            in_si(values, named_unit("unit", head["unit"])),
-            dofs,
-            head["kind"],
-            head["reference"],
-            n_averages=head["n_averages"],
-            **dict(zip(head["more"], rest, strict=True)),
-        )
+        values = in_si(values, named_unit("unit", head["unit"]))
+        more = {"n_averages": head["n_averages"], **dict(zip(head["more"], rest, strict=True))}
+        return FrequencyResponse(columns[0], values, dofs, head["kind"], head["reference"], **more)
 
 
 @writer

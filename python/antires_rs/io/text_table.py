@@ -6,7 +6,7 @@ import csv
 import json
 import re
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,11 +17,18 @@ from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import Passed, Wording, warn
-from .channels import Channel, recording_of, response_of, warn_other_rate
-from .common import Signal, rate_of, unsuitable
-from .raw_arrays import FrequencyAxis
-from .reading import Reading
-from .units import abscissa_factor, is_abscissa, is_frequency, parse_unit
+from .channels import (
+    Channel,
+    abscissa_factor,
+    is_abscissa,
+    is_frequency,
+    parse_unit,
+    recording_of,
+    response_of,
+    warn_other_rate,
+)
+from .common import Reading, Signal, rate_of, unsuitable
+from .raw_arrays import given_lines
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
 
@@ -39,10 +46,8 @@ _NAME = re.compile(
     rf"^(?:(?P<w1>{_ANY})(?: part)?(?:[ _.(]+(?P<b1>.+?)\)?)?|(?P<b2>.+?)[ _.]+(?P<w2>{_ANY})(?: part)?)$",
     re.IGNORECASE,
 )
-_ANGLES = {
-    **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
-    **dict.fromkeys(("rad", "radian", "radians"), "rad"),
-}
+_ANGLES = dict.fromkeys(("deg", "degree", "degrees", "°"), "deg")
+_ANGLES |= dict.fromkeys(("rad", "radian", "radians"), "rad")
 _LINEAR = ("lin", "linear", "abs")
 _PER_TURN = {"deg": np.pi / 180.0, "rad": 1.0}
 
@@ -156,10 +161,9 @@ def without_count(body: list[str], between: str | None) -> list[str]:
         return body
     width = body[start].count(between or " ")
     headed = [line.count(between or " ") == width for line in body[:start]]
-    return [
-        _bare(rest, between) if i >= start or headed[i] else line
-        for i, (line, (_, rest)) in enumerate(zip(body, split, strict=True))
-    ]
+    counted = [*headed, *[True] * (len(body) - start)]
+    rows = zip(body, split, counted, strict=True)
+    return [_bare(rest, between) if one else line for line, (_, rest), one in rows]
 
 
 def _second_is_instant(line: str, between: str | None) -> bool:
@@ -290,11 +294,8 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
             stated = f" of {table.header['rows']}" if "rows" in table.header else ""
             table.problem = f"row {len(rows) + 1}{stated} is cut, {len(rows)} are whole"
         else:
-            warn(
-                "cut_line",
-                f"path: {str(file)!r} has no line end after its last row, whose last number may be cut. "
-                "If it is whole, add one.",
-            )
+            said = "has no line end after its last row, whose last number may be cut"
+            warn("cut_line", f"path: {str(file)!r} {said}. If it is whole, add one.")
     _fill(file, table, rows, between, point, width)
     if instants:
         table.names[:1] = ["time"] if table.names else []
@@ -467,7 +468,6 @@ def _commented_names(lines: list[str], between: str | None, width: int) -> list[
 
 _FREQ = ("freq", "f", "hz", "frequency", "freq_hz")
 _TIME = ("time", "t", "time_s", "s", "seconds", "timestamp", "datetime", "date", "date/time", "x_value")
-_ROLES = {"force": "force"}
 #: What programs call the number of a row.
 _INDEX = ("", "index", "unnamed: 0", "sample", "samples", "no", "no.", "nr", "nr.", "#", "row", "point")
 #: First instants from which on they are in ns, us or ms since 1970.
@@ -478,9 +478,8 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     """The signal that the columns of a table are."""
     if given.first is not None:
         choice("first", given.first, ("time", "freq", "channel"))
-    axis = FrequencyAxis.of(given)
-    if axis is not None:
-        return _response_without_axis(file, table, axis, given)
+    if given.freq_hz is not None or given.df_hz is not None:
+        return _response_without_axis(file, table, given)
     columns, named = table.columns(), bool(table.names)
     digits, first = table.digits[0], given.first
     name = columns[0].name
@@ -502,10 +501,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     if not rest:
         wanted = "at least one beside the first"
         unsuitable(file, "with no column of values", wanted, "Export the channels beside the first column.")
-    channels = [
-        Channel(c.name if named and c.name else i, c.values, c.unit, role=_ROLES.get(c.name.lower(), ""))
-        for i, c in enumerate(rest)
-    ]
+    channels = _called(rest, named)
     if first == "freq":
         return _response(file, lead.values.real * _into_si(file, lead), channels, given)
     if any(np.iscomplexobj(c.values) for c in columns):
@@ -545,37 +541,35 @@ def _says_frequency(column: Channel, named: bool) -> bool:
 def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) -> FrequencyResponse:
     if not all(np.iscomplexobj(c.values) for c in columns):
         wanted = "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'"
-        remedy = Wording(
-            "Pass {} or another of its kinds if two columns are one response; magnitudes alone have lost the "
-            "phase.",
-            Passed("pairs", PAIRS[0]),
-        )
+        how = "Pass {} or another of its kinds if two columns are one response"
+        remedy = Wording(f"{how}; magnitudes alone have lost the phase.", Passed("pairs", PAIRS[0]))
         unsuitable(file, "with real columns over frequency", wanted, remedy)
     return response_of(file, lines, columns, given)
 
 
-def _response_without_axis(
-    file: Path, table: Table, axis: FrequencyAxis, given: Reading
-) -> FrequencyResponse:
+def _response_without_axis(file: Path, table: Table, given: Reading) -> FrequencyResponse:
     """All columns as responses over a given axis."""
     columns, named = table.columns(), bool(table.names)
     wanted = "it where no column is an axis"
-    option = "freq_hz" if axis.size is not None else "df_hz"
+    option = "df_hz" if given.freq_hz is None else "freq_hz"
+    lines = given_lines(file, given, columns[0].values.size)
     if given.first not in (None, "channel"):
         reject(option, f"it beside first={given.first!r}", wanted, "Leave one of them out.")
     if _says_frequency(columns[0], named):
         reject(option, f"it for a file with the column {columns[0].name!r}", wanted, "Leave it out.")
-    count = columns[0].values.size
     # An empty column in front: every one of the file is a value, also where the first is real.
-    joint = joined(file, [Channel("", np.zeros(count)), *columns], given.pairs, True)[1:]
-    values = [c.values for c in joint]
+    joint = joined(file, [Channel("", np.zeros(lines.size)), *columns], given.pairs, True)[1:]
     if np.iscomplexobj(table.values):
-        values = [np.asarray(each, dtype=np.complex128) for each in values]
-    channels = [
-        Channel(c.name if named and c.name else i, each, c.unit)
-        for i, (c, each) in enumerate(zip(joint, values, strict=True))
-    ]
-    return _response(file, axis.lines(file, count), channels, given)
+        joint = [replace(c, values=np.asarray(c.values, dtype=np.complex128)) for c in joint]
+    return _response(file, lines, _called(joint, named), given)
+
+
+def _called(columns: list[Channel], named: bool) -> list[Channel]:
+    """The columns by their names, or their numbers; one that is called force is the force of a record."""
+    names = [c.name if named and c.name else i for i, c in enumerate(columns)]
+    roles = ["force" if c.name.lower() == "force" else "" for c in columns]
+    rows = zip(columns, names, roles, strict=True)
+    return [replace(c, name=name, role=role) for c, name, role in rows]
 
 
 def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:

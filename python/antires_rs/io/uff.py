@@ -17,32 +17,31 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import reject
+from ..exceptions import AntiresError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.messages import LeftOut, Passed, Wording, warn
-from .channels import Channel, one_quantity, recording_of
+from .channels import Channel, Unit, abscissa_factor, named_unit, one_quantity, parse_unit, recording_of
 from .common import (
+    PathLike,
+    Reading,
     Signal,
     choose_run,
     existing_file,
     missing_part,
     rate_of,
+    reader,
     refuse_real,
-    require,
     simplest_rate,
     unsuitable,
 )
-from .reading import PathLike, Reading, reader
-from .units import Unit, abscissa_factor, named_unit, parse_unit
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #
-# A dataset lies between two lines ``    -1``. The file does not say how many there are, nor does a reader
-# notice that one is short; so each dataset 58 is measured here against the number of points in its
-# own header.
+# A dataset lies between two lines ``    -1``. The file does not say how many there are, nor that one is
+# short; so each dataset 58 is measured against the number of points in its own header.
 
 #: A line of its own: ``-1`` in the first six columns and nothing else.
 _MARKER = re.compile(rb"(?:\A|(?<=[\r\n])) {4}-1[ ]*(?=[\r\n]|\Z)")
@@ -50,20 +49,26 @@ _LINE_END = re.compile(rb"\r?\n|\r")
 _HEADER_LINES = 11
 #: By ordinate type: numbers per point, width in text, bytes in binary form.
 _FORMS = {2: (1, 13, 4), 4: (1, 20, 8), 5: (2, 13, 4), 6: (2, 20, 8)}
-
 #: The exponent of a Fortran double, 1.5D+03.
 _FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
 
 
 @dataclass(frozen=True)
 class Dataset:
-    """One dataset: type (0 if unreadable), bytes with both markers, stated points of a 58, what is wrong."""
+    """One dataset: type (0 if unreadable), bytes with both markers, what is wrong.
+
+    A 58 has the points that its header states, that with the line of its type, where its numbers begin, and
+    the bytes of each in binary form.
+    """
 
     number: int
     start: int
     stop: int
-    points: int = 0
     problem: str = ""
+    points: int = 0
+    lines: tuple[str, ...] = ()
+    at: int = 0
+    item: int = 0
 
 
 def scan(data: bytes) -> list[Dataset]:
@@ -75,7 +80,7 @@ def scan(data: bytes) -> list[Dataset]:
         stray = data[position : begin.start() if begin else len(data)]
         if stray.strip(b" \r\n\t\x1a\x00"):
             problem = f"{len(stray)} bytes at byte {position} belong to no dataset"
-            found.append(Dataset(0, position, position + len(stray), problem=problem))
+            found.append(Dataset(0, position, position + len(stray), problem))
         if begin is None:
             break
         dataset = _dataset(data, begin.start(), begin.end())
@@ -85,30 +90,8 @@ def scan(data: bytes) -> list[Dataset]:
         # Blanks without a line end are the beginning of a marker.
         tail = data[position:].rpartition(b"\n")[2]
         if tail.strip(b"\r\x1a\x00"):
-            found.append(Dataset(0, position, len(data), problem="it is cut in its first line"))
+            found.append(Dataset(0, position, len(data), "it is cut in its first line"))
     return found
-
-
-def plain_exponents(data: bytes, dataset: Dataset) -> bytes:
-    """The bytes of a dataset; in a 58 of text, Fortran's 1.5D+03 as 1.5E+03, and fields of full width."""
-    part = data[dataset.start : dataset.stop]
-    lines = part.splitlines(keepends=True)
-    if dataset.number != 58 or len(lines) < 3 or lines[1][6:7].lower() == b"b":
-        return part
-    # After marker and type: five lines of text, points, the abscissa, four axes with labels, numbers.
-    numbers = 2 + _HEADER_LINES
-    lines = [_FORTRAN.sub(b"E", line) if i == 8 or i >= numbers else line for i, line in enumerate(lines)]
-    try:
-        width, even = _FORMS[int(lines[8][:10])][1], int(lines[8][20:30])
-    except (ValueError, KeyError, IndexError):
-        return b"".join(lines)
-    body = lines[numbers:-1]
-    if _to_the_left(body, width if even or width == 13 else 0):  # pyuff would lose the last of each line
-        for i, line in enumerate(body, start=numbers):
-            whole = line.rstrip()
-            end = line[len(whole) :].lstrip(b" ")
-            lines[i] = whole.ljust(-(-len(whole) // width) * width) + end
-    return b"".join(lines)
 
 
 def _dataset(data: bytes, start: int, after: int) -> Dataset:
@@ -120,38 +103,31 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
         number, binary = int(identity[:6]), identity[6:7].lower() == b"b"
     except ValueError:
         number, binary = 0, False
-    if number != 58:
-        problem = "its type cannot be read" if not number else ""
-        return _up_to_marker(data, number, start, at, problem, "it has no end")
-    lines: list[bytes] = []
-    for _ in range(_HEADER_LINES):
-        at, line = _line(data, at)
-        lines.append(line)
-    try:
-        kind, points, even = (int(lines[6][i : i + 10]) for i in (0, 10, 20))
-        form = _FORMS[kind]
-    except (ValueError, KeyError):
-        problem = "its header is cut or damaged"
-        return _up_to_marker(data, 58, start, min(at, len(data)), problem, problem)
-    numbers = form[0] + (0 if even else 1)
+    problem = "" if number else "its type cannot be read"
+    lines: list[str] = [identity.decode("utf-8", "replace")]
+    if number == 58:
+        for _ in range(_HEADER_LINES):
+            at, line = _line(data, at)
+            lines.append(line.decode("utf-8", "replace"))
+        try:
+            kind, points, even = (int(lines[7][i : i + 10]) for i in (0, 10, 20))
+            per_point, width, size = _FORMS[kind]
+        except (ValueError, KeyError):
+            problem = "its header is cut or damaged"
+    end = _MARKER.search(data, at)
+    if number != 58 or problem:
+        stop, problem = (end.end(), problem) if end else (len(data), problem or "it has no end")
+        return Dataset(number, start, stop, problem)
+    made = Dataset(58, start, len(data), "", points, tuple(lines), at)
+    numbers = per_point + (0 if even else 1)
     if binary:
-        return _binary(data, start, at, points, numbers, form[2])
-    end = _MARKER.search(data, at)
-    # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
-    width = form[1] * form[0] + (0 if even else 13)
+        return _binary(data, made, numbers, size)
     rows = data[at : end.start() if end else len(data)].splitlines()
-    there = sum(len(line.rstrip()) for line in rows) // width
-    if there != points and _to_the_left(rows, form[1] if even or form[1] == 13 else 0):
+    # Fields are 13 or 20 wide; an abscissa, where there is one, has 13.
+    there = sum(len(line.rstrip()) for line in rows) // (width * per_point + (0 if even else 13))
+    if there != points and _to_the_left(rows, width if even or width == 13 else 0):
         there = sum(len(line.split()) for line in rows) // numbers
-    return _judged(start, end, len(data), points, there)
-
-
-def _up_to_marker(data: bytes, number: int, start: int, at: int, problem: str, endless: str) -> Dataset:
-    """A dataset that is not measured, as far as the next marker."""
-    end = _MARKER.search(data, at)
-    if end is None:
-        return Dataset(number, start, len(data), problem=problem or endless)
-    return Dataset(number, start, end.end(), problem=problem)
+    return _judged(made, end, there)
 
 
 def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
@@ -165,34 +141,50 @@ def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
     return some
 
 
-def _binary(data: bytes, start: int, at: int, points: int, numbers: int, size: int) -> Dataset:
+def _binary(data: bytes, made: Dataset, numbers: int, size: int) -> Dataset:
     """The end is where the number of points says; the number of bytes beside it is often wrong."""
     # Some programs write single precision as double.
-    for length in dict.fromkeys((points * numbers * size, points * numbers * 8)):
-        if at + length <= len(data):
-            end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at + length)
-            if end:
-                return Dataset(58, start, end.end(), points)
-    marker = re.compile(rb" {4}-1[ ]*(?=[\r\n]|\Z)").search(data, at)
-    there = ((marker.start() if marker else len(data)) - at) // (numbers * size)
-    return _judged(start, marker, len(data), points, min(there, points), short=True)
+    for each in dict.fromkeys((size, 8)):
+        at = made.at + made.points * numbers * each
+        end = re.compile(rb"[\r\n]{0,2} {4}-1[ ]*(?=[\r\n]|\Z)").match(data, at) if at >= made.at else None
+        if end:
+            return replace(made, stop=end.end(), item=each)
+    marker = re.compile(rb" {4}-1[ ]*(?=[\r\n]|\Z)").search(data, made.at)
+    there = ((marker.start() if marker else len(data)) - made.at) // (numbers * size)
+    return _judged(made, marker, min(there, made.points), short=True)
 
 
-def _judged(
-    start: int, end: re.Match[bytes] | None, size: int, points: int, there: int, short: bool = False
-) -> Dataset:
-    problem = ""
+def _judged(made: Dataset, end: re.Match[bytes] | None, there: int, short: bool = False) -> Dataset:
     if end is None:
-        problem = f"it has no end and {min(there, points)} of {points} points"
-    elif short or there != points:
-        problem = f"it has {there} points, not the {points} that its header states"
-    return Dataset(58, start, end.end() if end else size, points, problem)
+        return replace(made, problem=f"it has no end and {min(there, made.points)} of {made.points} points")
+    problem = f"it has {there} points, not the {made.points} that its header states"
+    return replace(made, stop=end.end(), problem=problem if short or there != made.points else "")
 
 
 def _line(data: bytes, at: int) -> tuple[int, bytes]:
     """Where the next line begins, and this one without its end."""
     end = _LINE_END.search(data, at)
     return (end.end(), data[at : end.start()]) if end else (len(data), data[at:])
+
+
+def numbers_of(data: bytes, dataset: Dataset) -> NDArray[np.float64]:
+    """The numbers of a 58 without a problem, abscissae among them; ValueError for other text."""
+    kind, even = (int(dataset.lines[7][i : i + 10]) for i in (0, 20))
+    per_point, width, _ = _FORMS[kind]
+    count = dataset.points * (per_point + (0 if even else 1))
+    if dataset.item:
+        order = "<" if dataset.lines[0][7:13].strip() == "1" else ">"
+        return np.frombuffer(data, f"{order}f{dataset.item}", count, dataset.at).astype(np.float64)
+    rows = _FORTRAN.sub(b"E", data[dataset.at : dataset.stop]).splitlines()[:-1]
+    words = b" ".join(rows).split()
+    if len(words) != count:  # numbers may touch
+        widths = [width] if even or width == 13 else [13] + per_point * [width]
+        ends = np.cumsum([0, *(widths * (max(map(len, rows)) // sum(widths) + 1))]).tolist()
+        fields = [row[a:b] for row in rows for a, b in zip(ends, ends[1:], strict=False)]
+        words = [field for field in fields if field.strip()]
+    if len(words) != count:
+        raise ValueError(f"{len(words)} numbers of {count}")
+    return np.array(words, dtype=np.float64)
 
 
 # -- Names of the universal file's points: node and direction, ``12+Z``, and back
@@ -313,20 +305,13 @@ def _hex(data: bytes) -> str:
     return f"{crc32(data):08x}"
 
 
-# -- The functions of a universal file, read through pyuff and counted by ourselves
+# -- The functions of a universal file
 
 #: Function types of record 6 that are read.
-FUNCTIONS = {
-    1: "time",
-    2: "auto spectrum",
-    3: "cross spectrum",
-    4: "frf",
-    5: "transmissibility",
-    6: "coherence",
-    9: "auto spectrum",
-}
-#: Specific data types of a force.
-FORCES = (9, 13)
+FUNCTIONS = {1: "time", 2: "auto spectrum", 3: "cross spectrum", 4: "frf", 5: "transmissibility"}
+FUNCTIONS |= {6: "coherence", 9: "auto spectrum"}
+#: Specific data types of a force, and of an abscissa of time.
+FORCES, _OVER_TIME = (9, 13), 17
 #: What a function without labels is in, by its specific data type, after dataset 164 was heeded.
 _SI = {8: "m", 11: "m/s", 12: "m/s2", 9: "N", 13: "N"}
 #: ID line 2 of our files, with the place of the set among all that were written together.
@@ -372,17 +357,29 @@ class Function:
         return f"{self.what:<16} {self.place}, {self.values.size} points, {unit}"
 
 
-def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Function]:
+def functions_of(file: Path, partial: bool) -> list[Function]:
     """Every dataset 58 of a file, none lost in silence."""
-    require(reader, "pyuff", "uff")
     data = file.read_bytes()
     datasets = [checked(data, dataset) for dataset in scan(data)]
     if not datasets or all(d.number == 0 for d in datasets):
         got = "without a dataset between lines '    -1'"
         unsuitable(file, got, WANTED, "It is no universal file, or was cut.")
-    whole = [d for d in datasets if not d.problem]
-    kept = sum(d.number == 58 for d in whole)
-    functions = _read(file, data, datasets, whole)
+    functions: list[Function] = []
+    factors: dict[int, float] = {}
+    for i, dataset in enumerate(datasets, start=1):
+        if dataset.problem or dataset.number not in (58, 164):
+            continue
+        try:
+            if dataset.number == 58:
+                functions.append(_function(file, i, dataset, numbers_of(data, dataset), factors))
+            else:  # what SI is to be multiplied by
+                text = _FORTRAN.sub(b"E", data[dataset.start : dataset.stop]).split(b"\n", 3)[3]
+                factors = _factors(file, *map(float, text.split()[:2]))
+        except AntiresError:
+            raise
+        except (ValueError, IndexError, TypeError) as exc:
+            unsuitable(file, f"whose dataset {i} cannot be read ({exc})", WANTED, "It was damaged.")
+    kept = len(functions)
     bad = [(i, d) for i, d in enumerate(datasets) if d.problem]
     if bad:
         i, first = bad[0]
@@ -397,98 +394,71 @@ def functions_of(file: Path, partial: bool, reader: str = "read_uff") -> list[Fu
     return functions
 
 
-def _read(file: Path, data: bytes, datasets: list[Dataset], whole: list[Dataset]) -> list[Function]:
-    import tempfile
-
-    parts = [plain_exponents(data, d) for d in whole]
-    as_it_is = all(part == data[d.start : d.stop] for part, d in zip(parts, whole, strict=True))
-    if as_it_is and len(whole) == len(datasets):
-        return _through_pyuff(file, file, whole)
-    with tempfile.TemporaryDirectory(prefix="antires_uff_") as folder:
-        # pyuff pairs markers by their order, so that a damaged set would shift all that follow.
-        only = Path(folder) / "whole.uff"
-        only.write_bytes(b"\n".join(parts) + b"\n")
-        return _through_pyuff(file, only, whole)
+def _factors(file: Path, length: float, force: float) -> dict[int, float]:
+    """Into SI by dataset 164, for specific data types of motions and of forces."""
+    if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
+        found = f"whose units (dataset 164) have the factors {length:g} and {force:g}"
+        unsuitable(file, found, WANTED, "Export it again in SI units.")
+    return dict.fromkeys((8, 11, 12), 1.0 / length) | dict.fromkeys(FORCES, 1.0 / force)
 
 
-def _through_pyuff(file: Path, source: Path, whole: list[Dataset]) -> list[Function]:
-    import pyuff
-
-    opened = pyuff.UFF(str(source))
-    types = [int(t) for t in opened.get_set_types()] if opened.get_n_sets() else []
-    if types != [d.number for d in whole]:
-        found = f"in which pyuff sees {len(types)} datasets and we {len(whole)}"
-        unsuitable(file, found, WANTED, "Its markers are damaged.")
-    functions, factors = [], (1.0, 1.0)
-    for i, dataset in enumerate(whole):
-        if dataset.number not in (58, 164):
-            continue
-        try:
-            made = opened.read_sets(i)
-        except Exception as exc:  # pyuff raises nothing more precise
-            unsuitable(file, f"whose dataset {i + 1} pyuff cannot read ({exc})", WANTED, "It was damaged.")
-        if dataset.number == 164:  # what SI is to be multiplied by
-            length, force = float(made["length"]), float(made["force"])
-            if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
-                found = f"whose units (dataset 164) have the factors {length:g} and {force:g}"
-                unsuitable(file, found, WANTED, "Export it again in SI units.")
-            factors = (1.0 / length, 1.0 / force)
-            continue
-        got = np.asarray(made["data"])
-        if got.size != dataset.points or len(made["x"]) != dataset.points:
-            found = f"{got.size} points of the {dataset.points} that its header states"
-            unsuitable(file, f"whose dataset {i + 1} has {found}", WANTED, "It was damaged.")
-        if not (np.isfinite(got).all() and np.isfinite(made["x"]).all()):
-            found = f"whose dataset {i + 1} has values that are not finite"
-            unsuitable(file, found, WANTED, "Export it again, or correct that dataset.")
-        functions.append(_function(made, got, factors))
-        if functions[-1].even and not functions[-1].step > 0.0:
-            found = f"whose dataset {i + 1} has a step of {functions[-1].step:g}"
-            unsuitable(file, found, "a positive step", "Correct the abscissa of that dataset.")
-    return functions
-
-
-def _si(data_type: int, factors: tuple[float, float]) -> float:
-    """Factor into SI of a specific data type: displacement, velocity, acceleration, or a force."""
-    return factors[0] if data_type in (8, 11, 12) else factors[1] if data_type in FORCES else 1.0
-
-
-def _function(made: dict[str, Any], values: NDArray[Any], factors: tuple[float, float]) -> Function:
-    kind = int(made["func_type"])
+def _function(
+    file: Path, i: int, dataset: Dataset, numbers: NDArray[np.float64], factors: dict[int, float]
+) -> Function:
+    """A set as its header says: points in record 6, abscissa in 7, data and units of the axes in 8 to 10."""
+    lines = dataset.lines
+    kind, *points = (_whole(lines[6][a:b]) for a, b in ((0, 5), (41, 51), (51, 55), (66, 76), (76, 80)))
+    form, even = int(lines[7][:10]), int(lines[7][20:30]) == 1
+    first, step = (float(_FORTRAN.sub(b"E", lines[7][a : a + 13].encode())) for a in (30, 43))
+    step = step if even else 0.0
+    over, above, below = (_whole(line[:10]) for line in lines[8:11])
+    axis, unit, per = (line[46:67].strip() for line in lines[8:11])
     what = FUNCTIONS.get(kind, f"function type {kind}")
-    if kind == 0 and int(made["abscissa_spec_data_type"]) == 17:
+    if kind == 0 and over == _OVER_TIME:
         what = "time"
-    even = int(made["abscissa_spacing"]) == 1
-    step = float(made["abscissa_inc"]) if even else 0.0
-    own = _own(made, step)
+    columns = numbers.reshape(dataset.points, -1).T
+    x: Any = first + np.arange(dataset.points) * step if even else columns[0]
+    values = columns[-2] + 1j * columns[-1] if form in (5, 6) else columns[-1].copy()
+    if not (np.isfinite(values).all() and np.isfinite(x).all()):
+        found = f"whose dataset {i} has values that are not finite"
+        unsuitable(file, found, WANTED, "Export it again, or correct that dataset.")
+    own = _own(lines, first, step)
     # The format has s and Hz; some programs label what they wrote in ms.
-    into_si = abscissa_factor(made["abscissa_axis_units_lab"].strip())
-    x, step = into_si * np.asarray(made["x"], dtype=np.float64), into_si * step
+    into_si = abscissa_factor(axis)
+    if even and not into_si * step > 0.0:
+        found = f"whose dataset {i} has a step of {into_si * step:g}"
+        unsuitable(file, found, "a positive step", "Correct the abscissa of that dataset.")
+    x, step = into_si * x, into_si * step
     if "start" in own:
         x = own["start"] + own["step"] * np.arange(values.size)
-    above, below = int(made["ordinate_spec_data_type"]), int(made["orddenom_spec_data_type"])
-    unit, per = _label(made["ordinate_axis_units_lab"]), _label(made["orddenom_axis_units_lab"])
-    scale = 1.0 if unit or per else _si(above, factors) / _si(below, factors)
+    unit, per = ("" if text.upper() == "NONE" else text for text in (unit, per))
+    scale = 1.0
     if not (unit or per):
+        scale = factors.get(above, 1.0) / factors.get(below, 1.0)
         unit, per = _SI.get(above, ""), _SI.get(below, "")
-    response, reference = ((int(made[f"{end}_node"]), int(made[f"{end}_dir"])) for end in ("rsp", "ref"))
+    response, reference = (points[0], points[1]), (points[2], points[3])
     role = "force" if above in FORCES else ""
     return Function(what, response, reference, x, values, unit, per, role, even, step, scale, into_si, own)
 
 
-def _own(made: dict[str, Any], step: float) -> dict[str, Any]:
+def _whole(text: str) -> int:
+    """A whole number of the header; 0 where the field is empty."""
+    return int(text) if text.strip() else 0
+
+
+def _own(lines: Sequence[str], first: float, step: float) -> dict[str, Any]:
     """What our writer adds, as far as it agrees with the header."""
-    match = MARK.match(made["id2"].strip())
+    match = MARK.match(lines[2].strip())
     if match is None or int(match[1]) > VERSION:
         return {}
     own: dict[str, Any] = {"set": int(match[2]), "of": int(match[3])}
-    for line in (made["id4"], made["id5"]):
+    for line in lines[4:6]:
         try:
-            own |= json.loads(line)
+            own |= json.loads(line[:80])
         except (ValueError, TypeError):
             return own
     numbers = [own.get(name, 0.0) for name in ("start", "step", "rate_hz", "n_averages")]
-    header = {"start": float(made["abscissa_min"]), "step": step}
+    header = {"start": first, "step": step}
     agree = all(isinstance(n, int | float) for n in numbers) and all(
         f"{own.get(name, stated):.5e}" == f"{stated:.5e}" for name, stated in header.items()
     )
@@ -510,30 +480,21 @@ def _check_marks(file: Path, functions: list[Function], partial: bool) -> None:
         missing_part(file, f"{number} of {count} sets are there", WANTED, partial, kept)
 
 
-def _label(text: str) -> str:
-    text = text.strip()
-    return "" if text.upper() in ("NONE", "") else text
-
-
 # -- FRFs, transmissibilities and spectra of a universal file as a FrequencyResponse
-
-Named = Callable[[Point], tuple[Any, float]]
 
 
 def response_of(
-    file: Path, functions: list[Function], kind: str, named: Named, reference: Any, unit: str | None
+    file: Path, functions: list[Function], kind: str, named: Any, reference: Any, unit: str | None
 ) -> FrequencyResponse:
     """The response of all points to one reference; its kind, coherence and averages."""
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
     if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
+        found = f"with {len(wanted)} auto spectra (power spectral densities), the first of {wanted[0].at}"
+        instead = "time records, FRFs, or cross spectra with the auto spectrum of their reference"
+        remedy = "Power spectra have lost the phase between channels, from which antiresonances are found"
         unsuitable(
-            file,
-            f"with {len(wanted)} auto spectra (power spectral densities), the first of "
-            f"{wanted[0].at}, and no cross spectrum",
-            "time records, FRFs, or cross spectra with the auto spectrum of their reference",
-            "Power spectra have lost the phase between channels, from which antiresonances are found: export "
-            "one of these instead.",
+            file, f"{found}, and no cross spectrum", instead, f"{remedy}: export one of these instead."
         )
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
@@ -567,15 +528,12 @@ def response_of(
     is_frf = kind == "frf"
     # The reference of transmissibilities may itself point the other way.
     turn = 1.0 if is_frf or point not in kept else labels[point][1]
-    return FrequencyResponse(
-        lines,
-        np.stack([rows[p] * (labels[p][1] * turn) for p in kept]),
-        [labels[p][0] for p in kept],
-        "frf" if is_frf else "transmissibility",
-        None if is_frf else named(point)[0],
-        None if coherence is None else np.stack([coherence[p] for p in kept]),
-        next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None),
-    )
+    values = np.stack([rows[p] * (labels[p][1] * turn) for p in kept])
+    seen = None if coherence is None else np.stack([coherence[p] for p in kept])
+    averages = next((f.own["n_averages"] for f in wanted if "n_averages" in f.own), None)
+    dofs, reference = [labels[p][0] for p in kept], None if is_frf else named(point)[0]
+    made_of: Any = "frf" if is_frf else "transmissibility"
+    return FrequencyResponse(lines, values, dofs, made_of, reference, seen, averages)
 
 
 def frequencies(f: Function) -> FloatArray:
@@ -613,12 +571,11 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     if not responses:
         remedy = "Export the functions with their references."
     elif len(responses) == 1:
-        stayed = Passed("roving", label_of(responses.pop()))
-        remedy = Wording(
-            "If the hammer roved and this sensor stayed, pass {}; else choose one by {}.",
-            stayed,
-            Passed("reference"),
+        stayed, text = (
+            Passed("roving", label_of(responses.pop())),
+            "If the hammer roved and this sensor stayed, pass {}",
         )
+        remedy = Wording(f"{text}; else choose one by {{}}.", stayed, Passed("reference"))
     unsuitable(file, found, "one", remedy)
 
 
@@ -630,11 +587,8 @@ def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
         above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
         if above is None or below is None:
             odd = f.unit if above is None else f.reference_unit
-            warn(
-                "unknown_unit",
-                f"path: {str(file)!r} has {f.at} in {odd!r}, which is no unit known here; "
-                "its values are as in the file. Name unit= to convert them.",
-            )
+            said = f"has {f.at} in {odd!r}, which is no unit known here; its values are as in the file"
+            warn("unknown_unit", f"path: {str(file)!r} {said}. Name unit= to convert them.")
         above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
         factor = f.scale * above.factor / (1.0 if above.per else below.factor)
@@ -648,18 +602,12 @@ def _beside(file: Path, functions: list[Function], point: Point, responses: set[
     own = {f.reference for f in functions if f.what in ("frf", "transmissibility", "cross spectrum")}
     near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
     turned = {(node, -way) for node, way in responses} - responses
-    odd = [
-        f.place
-        for f in coherences
-        if (f.response in responses | turned and f.reference in near)
-        or (f.response in turned and f.reference == point)
-    ]
+    pairs = {(p, k) for p in responses | turned for k in near} | {(p, point) for p in turned}
+    odd = [f.place for f in coherences if (f.response, f.reference) in pairs]
     if odd:
-        warn(
-            "coherence_left_out",
-            f"path: {str(file)!r} has coherences of other points than its functions, {', '.join(odd)}; they "
-            f"are left out. Wanted are the directions of the functions and the reference {label_of(point)}.",
-        )
+        said = f"has coherences of other points than its functions, {', '.join(odd)}; they are left out"
+        wanted = f"Wanted are the directions of the functions and the reference {label_of(point)}"
+        warn("coherence_left_out", f"path: {str(file)!r} {said}. {wanted}.")
     return [f for f in coherences if f.reference == point]
 
 
@@ -667,11 +615,8 @@ def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> di
     found = {f.response: f.values.real for f in beside if f.response in rows}
     lost = [p for p in rows if p not in found]
     if found and lost:
-        warn(
-            "coherence_left_out",
-            f"path: {str(file)!r} has coherences of {len(found)} of {len(rows)} responses, not of "
-            f"{', '.join(map(label_of, lost))}; they are left out.",
-        )
+        some = f"{len(found)} of {len(rows)} responses, not of {', '.join(map(label_of, lost))}"
+        warn("coherence_left_out", f"path: {str(file)!r} has coherences of {some}; they are left out.")
     return found if found and not lost else None
 
 
@@ -764,14 +709,11 @@ def one_run(file: Path, functions: list[Function], run: int | None) -> list[Func
     there = set(map(_key, chosen))
     lost = dict.fromkeys(f.at for f in functions if _key(f) not in there)
     if lost:
-        warn(
-            "points_without_run",
-            f"path: {str(file)!r} has no run {run} of {', '.join(lost)}, which is left out.",
-        )
+        said = f"has no run {run} of {', '.join(lost)}, which is left out."
+        warn("points_without_run", f"path: {str(file)!r} {said}")
     return chosen
 
 
-Kind = Literal["time", "frf", "transmissibility", "spectra"]
 #: Kinds by what a function is, where they differ.
 _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 
@@ -780,7 +722,7 @@ _KIND_OF = {"auto spectrum": "spectra", "cross spectrum": "spectra"}
 def read_uff(
     path: PathLike,
     *,
-    kind: Kind | None = None,
+    kind: Literal["time", "frf", "transmissibility", "spectra"] | None = None,
     dofs: Any = None,
     reference: Any = None,
     force: Any = "auto",
@@ -822,9 +764,6 @@ def read_uff(
     UnsuitableDataError
         A set that is cut or shorter than its header states, sets that do not fit together, several kinds or
         references to choose from.
-    MissingDependencyError
-        pyuff is not installed.
-
     Notes
     -----
     A universal file does not state how many sets it has. In one of another program that was cut exactly
@@ -884,8 +823,6 @@ def list_uff(path: PathLike, *, partial: bool = False) -> list[str]:
     ------
     UnsuitableDataError
         As in :func:`~antires_rs.read_uff`.
-    MissingDependencyError
-        pyuff is not installed.
 
     Examples
     --------
@@ -895,7 +832,7 @@ def list_uff(path: PathLike, *, partial: bool = False) -> list[str]:
     ...     print(*ar.io.list_uff(file))
     time             12+Z, 3 points, m/s2
     """
-    runs = _runs_of(functions_of(existing_file(path), partial, "list_uff"))
+    runs = _runs_of(functions_of(existing_file(path), partial))
     several = max((run for _, run in runs), default=1) > 1
     return [f"{f}, run {run}" if several else str(f) for f, run in runs]
 
@@ -940,7 +877,7 @@ def _rate(file: Path, f: Function) -> float:
 
 def force_of(path: PathLike) -> str | None:
     """Point of the force, ``'12+Z'``, by references or channels; None where the file does not tell one."""
-    functions = functions_of(existing_file(path), True, "force_of")
+    functions = functions_of(existing_file(path), True)
     points = {f.reference for f in functions if f.what == "frf"}
     points |= {f.response for f in functions if f.what == "time" and f.role == "force"}
     known = {point for point in points if point[0] > 0 and point[1] != 0}

@@ -17,20 +17,15 @@ from ..signals.recording import Recording
 from ..signals.spectra import std_of_coherence
 from ..support.files import write_atomically
 from ..support.messages import warn
-from .common import Signal
+from .channels import si_unit
+from .common import PathLike, Signal, writer
 from .own_format import check_dofs
-from .reading import PathLike, writer
 from .uff import VERSION, Point, as_point, checksum_line, label_of, points_of
-from .units import si_unit
 
 #: Function types of record 6, and the titles in ID line 1.
 _TIME, _FRF, _TRANSMISSIBILITY, _COHERENCE = 1, 4, 5, 6
-_TITLES = {
-    _TIME: "Time Response",
-    _FRF: "Frequency Response Function",
-    _TRANSMISSIBILITY: "Transmissibility",
-    _COHERENCE: "Coherence",
-}
+_TITLES = {_TIME: "Time Response", _FRF: "Frequency Response Function"}
+_TITLES |= {_TRANSMISSIBILITY: "Transmissibility", _COHERENCE: "Coherence"}
 #: Specific data types of records 8 to 10.
 _DATA = {"": 0, "displacement": 8, "velocity": 11, "acceleration": 12, "force": 13}
 _OF_TIME, _OF_FREQUENCY = 17, 18
@@ -104,12 +99,10 @@ def write_uff(
     """
     check_dofs(signal)
     points = points_of(signal.dofs, dofs)
-    if excitation is None:
-        force = None
-    elif isinstance(excitation, int | str) and excitation in points:
-        force = points[excitation]
-    else:
-        force = as_point("excitation", excitation)
+    force = None
+    if excitation is not None:
+        known = isinstance(excitation, int | str) and excitation in points
+        force = points[excitation] if known else as_point("excitation", excitation)
     make = _recorded if isinstance(signal, Recording) else _responses
     sets = make(signal, points, force, unit)  # type: ignore[arg-type]
     blocks = [_block(each, f"{i} of {len(sets)}", binary) for i, each in enumerate(sets, start=1)]
@@ -121,10 +114,8 @@ def _recorded(rec: Recording, points: dict[Any, Point], force: Point | None, uni
     types = (_DATA[si_unit("unit", unit).quantity], 0)
     even = (0.0, 1.0 / rec.fs_hz)
     line4 = {"start": 0.0, "step": 1.0 / rec.fs_hz, "rate_hz": rec.fs_hz}
-    sets = [
-        _Set(_TIME, dof, points[dof], row, types, ("s", unit, ""), _OF_TIME, even, line4)
-        for dof, row in zip(rec.dofs, rec.responses, strict=True)
-    ]
+    rows, of_time = zip(rec.dofs, rec.responses, strict=True), (_OF_TIME, even, line4)
+    sets = [_Set(_TIME, dof, points[dof], row, types, ("s", unit, ""), *of_time) for dof, row in rows]
     if rec.force is not None:
         at = force or (max(node for node, _ in points.values()) + 1, 0)
         types = (_DATA["force"], 0)
@@ -143,12 +134,13 @@ def _responses(
     start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
     gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
     even = (start, step) if gap <= 1e-12 * resp.freq_hz[-1] else None
-    if resp.std is not None and not _follows(resp):
-        warn(
-            "errors_not_written",
-            "signal: its standard deviations are not those of coherence and averages, and a universal file "
-            "has no place for them; they are left out.",
-        )
+    derived = None  # what a reader makes of coherence and averages
+    if resp.coherence is not None and resp.n_averages is not None and resp.n_averages > 1.0:
+        derived = std_of_coherence(resp.values, resp.coherence, resp.n_averages)
+    if resp.std is not None and (derived is None or not np.array_equal(resp.std, derived)):
+        said = "its standard deviations are not those of coherence and averages"
+        why = "and a universal file has no place for them; they are left out"
+        warn("errors_not_written", f"signal: {said}, {why}.")
     line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
     line4 |= {} if even is None else {"start": start, "step": step}
     axis = (_OF_FREQUENCY, even, line4, reference, resp.freq_hz)
@@ -161,13 +153,6 @@ def _responses(
         rows = zip(resp.dofs, resp.coherence, strict=True)
         sets += [_Set(_COHERENCE, dof, points[dof], row, (0, 0), ("Hz", "", ""), *axis) for dof, row in rows]
     return sets
-
-
-def _follows(resp: FrequencyResponse) -> bool:
-    """Whether the deviations are those that a reader derives."""
-    if resp.coherence is None or resp.n_averages is None or resp.n_averages <= 1.0 or resp.std is None:
-        return False
-    return bool(np.array_equal(resp.std, std_of_coherence(resp.values, resp.coherence, resp.n_averages)))
 
 
 def _block(given: _Set, place: str, binary: bool) -> bytes:

@@ -25,9 +25,8 @@ from ..exceptions import (
 )
 from ..identification.identify import identify_antiresonances
 from ..identification.options import sorted_out
-from ..io.frf_files import read_frf_files
 from ..io.own_format import relabelled
-from ..io.registry import ENDINGS, READERS, format_by_ending
+from ..io.registry import ENDINGS, READERS, format_by_ending, read_frf_files
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.one_force import Finding
@@ -259,11 +258,11 @@ def _living(signal: Any) -> tuple[Any, tuple[Any, ...]]:
     if not all(isinstance(one, Recording) for one in records):
         return signal, ()
     constant = np.any([np.ptp(one.responses, axis=1) == 0.0 for one in records], axis=0)
-    rows = np.flatnonzero(~constant).tolist()
-    if not constant.any() or len(rows) < LEAST:
+    if not constant.any() or np.sum(~constant) < LEAST:
         return signal, ()
     dofs = records[0].dofs
-    kept = [relabelled(one, rows, [dofs[i] for i in rows]) for one in records]
+    labels = [None if off else dof for dof, off in zip(dofs, constant, strict=True)]
+    kept = [relabelled(one, labels) for one in records]
     return (kept if isinstance(signal, list) else kept[0]), tuple(dofs[i] for i in np.flatnonzero(constant))
 
 

@@ -132,7 +132,7 @@ function once(event, command, body) {
 
 function writeResult() {
   $("tables").replaceChildren(...state.tables.flatMap((table) => {
-    const numbers = table.head.map((text) => text.includes(", "));
+    const numbers = table.head.map((text) => text.endsWith(")"));
     const cell = (name) => (text, i) => element(name, { class: numbers[i] ? "number" : null }, text);
     return [element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", {},
       element("thead", {}, element("tr", {}, ...table.head.map(cell("th")))),
