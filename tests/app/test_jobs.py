@@ -97,18 +97,6 @@ def test_damage_from_records(records, tmp_path, kind):
     assert {name: pytest.approx(beta.expected, abs=0.02) for name, beta in losses(summary).items()} == FOUND
 
 
-def test_two_positions_of_the_force(tmp_path):
-    model = ar.cases.chain8().true_model(1)
-    for i, force in enumerate((0, 7)):
-        zeros = model.antiresonances(range(8), force)
-        ar.AntiresonanceSet(force, dict(enumerate(zeros))).save(tmp_path / f"force{i}.json")
-    both = '[[data]]\nfile = "force0.json"\n[[data]]\nfile = "force1.json"'
-    summary = run(tmp_path, DAMAGE.replace('[data]\nfile = "measured.json"', both))
-    assert losses(summary) == FOUND
-    assert {row["excitation"] for row in summary["antiresonances"]} == {0, 7}
-    assert (tmp_path / "job_results" / "antiresonances_1.json").exists()
-
-
 def test_names_in_a_set_are_mapped_and_left_out_and_its_edits_move_with_them(tmp_path):
     exact = ar.cases.chain8().exact(1)
     named = ar.AntiresonanceSet("m0", {f"m{dof}": exact[dof] for dof in exact})

@@ -133,16 +133,6 @@ def test_no_set_of_updating_parameters_is_the_truth(case):
     assert 0.05 < problem.cost(true) < 0.2 * problem.cost(problem.nominal)
 
 
-def test_truth_is_kept_apart(case):
-    truth = case.truth(1)
-    truth["thickness"]["front"] = 9.0
-    truth["freq_hz"].clear()
-    assert case.truth(1)["thickness"]["front"] == crack.THICKNESS["front"]
-    np.testing.assert_array_equal(case.model.nodes_m, geometry.nodes())
-    assert case.truth(1)["severity"] == {30: case.truth(1)["equivalent_loss"]}
-    assert set(case.truth(1)["freq_hz"]) == set(case.responses)
-
-
 def test_responses_are_those_of_the_matrices(case, tested):
     stiffness, mass = csc_array(tested.model.stiffness()), csc_array(tested.model.mass())
     bare = crack.TestedStructure(0)
@@ -208,14 +198,6 @@ def test_levels_beyond_the_three_are_refused(case, level):
 
 
 USUAL = experiment.true_model(0)
-
-
-def test_without_options_the_case_is_what_it_was():
-    case = ar.cases.exhaust()
-    assert case.unfollowed == Unfollowed() == case.truth()["unfollowed"]
-    same = ar.cases.exhaust(wall_scatter=0.005)
-    for dof, freq in case.exact(1).items():
-        np.testing.assert_array_equal(same.exact(1)[dof], freq)
 
 
 @pytest.mark.parametrize(

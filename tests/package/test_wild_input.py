@@ -38,13 +38,6 @@ def test_a_job_of_thousands(tmp_path, text):
     assert time.process_time() - begun < 5.0
 
 
-def test_brackets_in_texts_and_comments_do_not_count(tmp_path):
-    file = tmp_path / "job.toml"
-    file.write_text(f'[data]\nfile = "{"[" * 100}.uff"  # {"{" * 100}\n[modell]\n')
-    with pytest.raises(InvalidInputError, match="modell"):
-        read_job(file)
-
-
 @pytest.mark.parametrize("scale", [1e160, 1e-160])
 def test_values_whose_squares_leave_floating_point(scale):
     with pytest.raises(InvalidInputError, match="responses: got values up to"):

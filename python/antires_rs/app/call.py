@@ -49,12 +49,9 @@ class Call(Job):
             reject("--hit", "it for one place of the force", wanted, "Name that place by --excitation.")
         if table["dofs"] is not None:
             table["dofs"] = dict(table["dofs"])
-        self.data = [{name: value for name, value in table.items() if value is not None}]
-        self.data_places = [_PLACE]
         options = {key.name: getattr(args, key.name) for key in IDENTIFICATION.keys if key.flag}
-        self.sections = {
-            "identification": {name: value for name, value in options.items() if value is not None}
-        }
+        self.data, self.data_places = [_given(table)], [_PLACE]
+        self.sections = {"identification": _given(options)}
 
     def read(self, files: list[Path]) -> Measurement:
         """What the files hold; a universal file may state the place of the force."""
@@ -108,7 +105,8 @@ class Call(Job):
         """Nothing: the help of the command tells."""
         return ""
 
-    def spelled(self, part: Part) -> str:
+    @staticmethod
+    def spelled(part: Part) -> str:
         """An argument of a reader as this command has it; those it lacks a job has."""
         if isinstance(part, LeftOut):
             return LEAVE_OUT
@@ -119,6 +117,10 @@ class Call(Job):
 
 
 _FILE: KeyPath = ("data", "file")
+
+
+def _given(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def check_files(args: argparse.Namespace) -> None:
@@ -178,20 +180,15 @@ def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list
     return hits, call
 
 
-# -- A force that is none of the channels
-
-
 def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
     """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
-    meant = _meant(force, dofs)
-    hint = "If it acts at one of them, write that name."
+    meant, hint = _meant(force, dofs), "If it acts at one of them, write that name."
     if meant is not None:
         hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
-    warn(
-        "force_not_measured",
-        f"--excitation: {force!r} is none of the channels {_some(dofs)}, so that "
-        f"the place of the force cannot be tested. {hint}",
+    said = (
+        f"{force!r} is none of the channels {_some(dofs)}, so that the place of the force cannot be tested."
     )
+    warn("force_not_measured", f"--excitation: {said} {hint}")
 
 
 def _meant(force: Any, dofs: tuple[Any, ...]) -> Any:

@@ -9,16 +9,9 @@ from zipfile import BadZipFile, ZipFile
 
 from ..damage.assess import DamageResult
 from ..exceptions import reject
+from ..figures import report_parts as parts
 from ..figures.page import ResultView, Table
 from ..figures.page_session import RovingHammer, Session, SetView, View
-from ..figures.report_parts import (
-    damage_rows,
-    frequency_rows,
-    hypothesis_rows,
-    largest,
-    parameter_rows,
-    states,
-)
 from ..io.own_format import TEXT
 from ..measured.replay import Asked, asked_in
 from ..updating.result import UpdateResult
@@ -91,15 +84,10 @@ def _of_job(args: argparse.Namespace) -> Session:
 def _session(
     args: argparse.Namespace, options: dict[str, Any], found: Any, source: Any, band_hz: Any, **more: Any
 ) -> Session:
-    return Session(
-        found,
-        source,
-        band_hz=band_hz,
-        max_order=options.get("max_order"),
-        options={name: value for name, value in options.items() if name != "max_order"},
-        save_to=args.out or f"{args.files[0].stem}_antiresonances.json",
-        **more,
-    )
+    order, others = options.get("max_order"), {k: v for k, v in options.items() if k != "max_order"}
+    save_to = args.out or f"{args.files[0].stem}_antiresonances.json"
+    more |= {"band_hz": band_hz, "max_order": order, "options": others, "save_to": save_to}
+    return Session(found, source, **more)
 
 
 def result_file(path: Path) -> Path | None:
@@ -129,9 +117,9 @@ def result_view(file: Path) -> ResultView:
         answer, tables = list(result._headline()), _damage_tables(result)
     else:
         before, after = result.table.largest_before_percent, result.table.largest_after_percent
-        answer = [f"Largest difference: {largest(before)} before, {largest(after)} after."]
+        answer = [f"Largest difference: {parts.largest(before)} before, {parts.largest(after)} after."]
         heads = {"name": "Parameter", "value": "Value", "std": "Error", "change": "Change, %"}
-        tables = [_table("Parameters", heads, parameter_rows(result))]
+        tables = [_table("Parameters", heads, parts.parameter_rows(result))]
     tables.append(_frequency_table(result))
     return ResultView(file.parent.resolve().name, answer, figures, tables)
 
@@ -141,9 +129,9 @@ def _damage_tables(result: DamageResult) -> list[Table]:
     judged = {"interval": "90 % interval, %", "probability": "Probability, %"}
     columns = judged if result.has_baseline else {"std": "Error, %"}
     heads = {"name": "Element", "value": "Loss, %", **columns, "visible": "Smallest seen, %"}
-    tables = [_table("Stiffness losses", heads, damage_rows(result, None))]
+    tables = [_table("Stiffness losses", heads, parts.damage_rows(result, None))]
     if result.assessment is not None:
-        rows, others = hypothesis_rows(result.assessment)
+        rows, others = parts.hypothesis_rows(result.assessment)
         heads = {"name": "Hypothesis", "probability": "Probability, %", "losses": "Losses"}
         tables.append(_table(f"Hypotheses{f'; {others}' if others else ''}", heads, rows))
     return tables
@@ -151,8 +139,8 @@ def _damage_tables(result: DamageResult) -> list[Table]:
 
 def _frequency_table(result: UpdateResult) -> Table:
     """Measured values beside those of the model in both states."""
-    first, second = states(result)
-    rows = frequency_rows(result)
+    first, second = parts.states(result)
+    rows = parts.frequency_rows(result)
     modal = "mode" in (rows or [{}])[0]
     heads = {"mode": "Mode"} if modal else {"dof": "Response", "force": "Force"}
     heads |= {

@@ -14,28 +14,7 @@ from ..support.messages import warn
 Row = tuple[list[int], str | None, list[float]]
 
 
-class _Part:
-    """What a frame asks of what it carries beside its beams; ``PARTS`` lists the kinds."""
-
-    def _checked(self, name: str, i: int) -> Self:
-        """The same with checked values; number ``i`` of the argument ``name``."""
-        raise NotImplementedError
-
-    def _row(self) -> Row:
-        raise NotImplementedError
-
-    @classmethod
-    def _of_row(cls, row: Row) -> Self:
-        raise NotImplementedError
-
-    @classmethod
-    def _of_saved(cls, saved: Sequence[Any]) -> Self:
-        """Of what files of 0.1 have."""
-        *nodes, direction, value = saved
-        return cls._of_row((nodes, direction, [value]))
-
-
-class _Spring(_Part):
+class _Spring:
     """A spring of one stiffness at the nodes that ``_nodes`` names."""
 
     _nodes: ClassVar[tuple[str, ...]] = ("node",)
@@ -60,9 +39,15 @@ class _Spring(_Part):
         own = dict(zip(cls._nodes, nodes, strict=True), direction=direction, stiffness_n_per_m=stiffness)
         return cls(**own)
 
+    @classmethod
+    def _of_saved(cls, saved: Sequence[Any]) -> Self:
+        """Of what files of 0.1 have."""
+        *nodes, direction, value = saved
+        return cls._of_row((nodes, direction, [value]))
+
 
 @dataclass(frozen=True)
-class PointMass(_Part):
+class PointMass:
     """A lumped mass at a node.
 
     Attributes
@@ -84,12 +69,9 @@ class PointMass(_Part):
     inertia_kg_m2: float | Sequence[float] = 0.0
 
     def _checked(self, name: str, i: int) -> Self:
-        inertia = self.inertia_kg_m2
+        inertia, wanted = self.inertia_kg_m2, "one inertia, or three about x, y and z"
         if shape_of(inertia) not in ((), (3,)):
-            argument, wanted = (
-                part(name, i).attribute("inertia_kg_m2"),
-                "one inertia, or three about x, y and z",
-            )
+            argument = part(name, i).attribute("inertia_kg_m2")
             reject(argument, inertia, wanted, "Give it in kg m^2, about the centre of mass.")
         three = (inertia,) * 3 if shape_of(inertia) == () else inertia
         return type(self)(
@@ -165,7 +147,7 @@ class NodeSpring(_Spring):
 
 
 #: Kinds of parts by the argument that lists them.
-PARTS: dict[str, type[_Part]] = {
+PARTS: dict[str, type[PointMass | GroundSpring | NodeSpring]] = {
     "point_masses": PointMass,
     "ground_springs": GroundSpring,
     "node_springs": NodeSpring,
@@ -228,7 +210,6 @@ def text(name: str, i: int | None, value: Any) -> str:
 
 
 # -- Cross-sections of beams, each of one material
-
 
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]

@@ -2,8 +2,7 @@
 
 Each function returns one :class:`Parameter` for a single element, or a list with one parameter for
 each element of a sequence; add the lists to mix kinds. With ``together=True`` a sequence forms one
-parameter that acts on all its elements. Several parameters on one element multiply. Those of frames are in
-:mod:`antires_rs.models.parameters`.
+parameter that acts on all its elements. Several parameters on one element multiply.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from ..support.checks import FloatArray, choice, finite_scalar, integer, real_ar
 from ..support.messages import warn
 
 # -- One updating parameter: what it may act on, within which bounds, and what the core takes of it
-
 
 Quantity = Literal[
     "stiffness_reduction", "stiffness_factor", "mass_factor", "youngs_modulus", "density", "thickness",
@@ -226,7 +224,6 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
 
 # -- What parameters are called in tables, and values far from those of the model
 
-
 #: A nominal value this factor outside the bounds is taken for a slip.
 FAR = 5.0
 
@@ -285,18 +282,21 @@ _AMOUNT = "In {}, at least 0; or positive factors."
 _RELATIVE = "    relative : bool\n        The value is a factor on the nominal one.\n"
 
 
-def _documented(terms: str, bounds: str, wrong: str = "not positive") -> Callable[[Maker], Maker]:
+def _documented(
+    terms: str, bounds: str, wrong: str = "not positive", more: str = ""
+) -> Callable[[Maker], Maker]:
     """Adds to the first sentence and the example of a function what all functions of parameters share."""
 
     def add(function: Maker) -> Maker:
         first, *rest = signature(function).parameters
+        limits = next(name for name in rest if name.startswith("bounds"))
         head, _, example = (getdoc(function) or "").partition("\n\n")
         function.__doc__ = f"""{head}
 
     Parameters
     ----------
     {first} : {terms}
-    bounds : (float, float)
+{more}    {limits} : (float, float)
         {bounds}
 {_RELATIVE if "relative" in rest else ""}    together : bool
         One parameter for the whole sequence.
@@ -435,7 +435,6 @@ def support_stiffness(springs: Any, *, bounds: Bounds, relative: bool = False, t
 # The elements are formed again from the moved nodes, so that a free structure stays free. Parameters act in
 # their order, each on the nodes where they then are; supports and sensors keep their directions.
 
-
 #: Names of directions.
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -517,33 +516,15 @@ def length(elements: Any, pivot: int, *, bounds: Bounds) -> Parameter:
     return _group("length", elements, bounds, pivot)
 
 
+@_documented(
+    _TERMS.format("nodes"),
+    "In m; 0 is the model as it was given.",
+    "a direction that is zero",
+    "    direction : {'x', 'y', 'z'} or (float, float, float)\n        Its length does not matter.\n",
+)
 def position(nodes: Any, direction: Any, *, bounds_m: Bounds, together: bool = False) -> Any:
     """Shift of nodes along a direction, in m; the elements that end there change length and direction.
 
-    Parameters
-    ----------
-    nodes : int or sequence of int
-        Zero-based nodes.
-    direction : {"x", "y", "z"} or (float, float, float)
-        Its length does not matter.
-    bounds_m : (float, float)
-        In m; 0 is the model as it was given.
-    together : bool
-        One parameter for the whole sequence.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order, a node listed twice, a direction that is none. (That a node can come onto its
-        neighbour is found when the parameter meets its model.)
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> bar = ar.Rectangle(0.03, 0.01, 7.0e10, 2700.0)
     >>> beam = ar.FrameModel([[0, 0], [0.5, 0], [1, 0]], [(0, 1), (1, 2)], bar)
     >>> moved = beam.with_parameters(ar.position(1, "x", bounds_m=(-0.1, 0.1)), [0.02])

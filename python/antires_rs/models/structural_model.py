@@ -1,17 +1,15 @@
-"""What every structural model can do: modes, frequency responses, antiresonances, virtual tests.
-
-A thin wrapper over the Rust core, which owns the matrices, the eigenproblems and the antiresonances.
-"""
+"""What every structural model can do: modes, frequency responses, antiresonances, virtual tests."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 
+from .._core import Model as CoreModel
 from ..exceptions import NumericalError, part, reject
 from ..measured.modal_set import ModalSet
 from ..signals.recording import Recording
@@ -26,23 +24,17 @@ from ..support.checks import (
     real_array,
     shape_of,
 )
-from ..support.directions import point_of
+from ..support.directions import DofNames, point_of
 from ..support.messages import warn
 from ..support.progress import interruptible, patient, step
 from ..support.values import AroundCore, ReadOnly, Value
-from .dof_names import DofNames
 from .matrices import check_room_for_all_modes
 from .parameters import CoreParameter, Parameter, core_parameters, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
-if TYPE_CHECKING:
-    from .._core import Model as CoreModel
-
-
 # -- One description of a model, by which it is built, copied, pickled and saved
 #
 # Rebuilding gives the same bits: first the recipe's matrices, then each set of parameters in its order.
-
 
 Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
 
@@ -90,7 +82,6 @@ class ModelDescription(Value):
 
 
 # -- What the core leaves in doubt about antiresonances and modes, in words
-
 
 #: So many frequencies are named.
 _NAMED = 4
@@ -166,7 +157,7 @@ Motion = Literal["accelerance", "mobility", "receptance"]
 # -- A model and its description: how it is built, copied and changed, and what its parts are called
 
 
-class StructuralModel(AroundCore["CoreModel"], ReadOnly):
+class StructuralModel(AroundCore[CoreModel], ReadOnly):
     """What every model can do. Read-only.
 
     Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
