@@ -160,27 +160,15 @@ OTHERS = (
 
 
 def test_a_frame_and_every_kind_of_parameter(tmp_path):
-    kinds = {
-        "stiffness_factor": "elements",
-        "mass_factor": "terms",
-        "youngs_modulus": "sections",
-        "density": "sections",
-        "point_mass": "masses",
-        "inertia": "masses",
-        "support_stiffness": "springs",
-    }
+    kinds = {"stiffness_factor": "elements", "mass_factor": "terms", "youngs_modulus": "sections"}
+    kinds |= {"density": "sections", "point_mass": "masses", "inertia": "masses"}
+    kinds |= {"support_stiffness": "springs"}
     text = with_model(UPDATE, FRAME)
-    first = text.index("[[parameters]]")
-    text = (
-        text[:first]
-        + "".join(
-            f'[[parameters]]\nkind = "{kind}"\n{on} = "all"\nbounds = [0.8, 1.2]\n'
-            + ("relative = true\n" if on not in ("elements", "terms") else "together = true\n")
-            for kind, on in kinds.items()
-        )
-        + "".join(f"[[parameters]]\nkind = {one}\n" for one in OTHERS)
-    )
-    job = job_of(tmp_path, text)
+    text = text[: text.index("[[parameters]]")]
+    for kind, on in kinds.items():
+        how = "together" if on in ("elements", "terms") else "relative"
+        text += f'[[parameters]]\nkind = "{kind}"\n{on} = "all"\nbounds = [0.8, 1.2]\n{how} = true\n'
+    job = job_of(tmp_path, text + "".join(f"[[parameters]]\nkind = {one}\n" for one in OTHERS))
     model = model_of(job)
     assert np.array_equal(model.stiffness().toarray(), frame_model().stiffness().toarray())
     assert np.array_equal(model.mass().toarray(), frame_model().mass().toarray())

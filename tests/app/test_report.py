@@ -65,17 +65,14 @@ def test_a_report_drawn_again_is_the_same(ran, capsys):
 def test_the_report_names_what_was_measured_and_how_and_what_repeats_it(ran):
     html = (ran / "job_results" / "report.html").read_text()
     assert "<h1>A chain</h1>" in html
-    for said in (
-        "8 responses: 0, 1, 2, 3, 4, 5, 6, 7",
-        "64 s at 512 Hz, 32,768 samples a channel",
-        "3 to 130 Hz",
-        "formulation auto, here numerators, estimator rank1",
-        "2 to 24",
-        "freq_tol 0.01, damping_tol 0.1, min_rows 10",
-        "window hann",
-        "independent averages",
-        "<p>antires damage job.toml</p>",
-    ):
+    wanted = (
+        "8 responses: 0, 1, 2, 3, 4, 5, 6, 7|64 s at 512 Hz, 32,768 samples a channel|3 to 130 Hz|2 to 24"
+    )
+    wanted += (
+        "|formulation auto, here numerators, estimator rank1|freq_tol 0.01, damping_tol 0.1, min_rows 10"
+    )
+    wanted += "|window hann|independent averages|<p>antires damage job.toml</p>"
+    for said in wanted.split("|"):
         assert said in html, said
     recorded = json.loads((ran / "job_results" / "run.json").read_text())
     for file, digest in recorded["inputs"].items():

@@ -62,14 +62,9 @@ def column(n, load):
     frame = ar.FrameModel(nodes, beams, ar.Rectangle(0.03, 0.05, 2.1e11, 7850.0), fixed=[0])
     k = frame.stiffness().toarray()
     g = np.zeros_like(k)
-    element = np.array(
-        [
-            [36, 3 * h, -36, 3 * h],
-            [3 * h, 4 * h * h, -3 * h, -h * h],
-            [-36, -3 * h, 36, -3 * h],
-            [3 * h, -h * h, -3 * h, 4 * h * h],
-        ]
-    ) / (30.0 * h)
+    side = np.array([[36, 3 * h, -36, 3 * h], [3 * h, 4 * h * h, -3 * h, -h * h]])
+    turned = side[:, [2, 3, 0, 1]] * np.outer([1, -1], [1, -1, 1, -1])
+    element = np.vstack([side, turned]) / (30.0 * h)
     for i in range(n):
         dofs = [frame.dof(node, d) if node else None for node in (i, i + 1) for d in ("v", "theta")]
         free = [i for i, dof in enumerate(dofs) if dof is not None]

@@ -244,16 +244,10 @@ def test_a_text_that_names_arguments_is_spelt_for_each_caller():
 # -- Every class of the catalogue
 
 
-BUILTINS = {
-    "InvalidInputError": ValueError,
-    "UnsuitableDataError": ValueError,
-    "NumericalError": ArithmeticError,
-    "ObjectiveError": ValueError,
-    "OutOfMemoryError": MemoryError,
-    "InternalError": RuntimeError,
-    "LostWorkerError": RuntimeError,
-    "MissingDependencyError": ImportError,
-}
+BUILTINS = dict.fromkeys(("InvalidInputError", "UnsuitableDataError", "ObjectiveError"), ValueError)
+BUILTINS |= dict.fromkeys(("InternalError", "LostWorkerError"), RuntimeError)
+BUILTINS |= {"NumericalError": ArithmeticError, "OutOfMemoryError": MemoryError}
+BUILTINS |= {"MissingDependencyError": ImportError}
 
 
 def test_every_class_is_public_and_also_the_fitting_builtin():

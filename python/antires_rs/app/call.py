@@ -94,7 +94,12 @@ class Call(Job):
         named = table.get("dofs", {})
         force = table["excitation"]
         if not (self._roved or force in named or force in signal.dofs):
-            _warn_unmeasured(force, signal.dofs)
+            # Antiresonances do not depend on that name: a slip of the pen would pass in silence.
+            meant, hint = _meant(force, signal.dofs), "If it acts at one of them, write that name."
+            if meant is not None:
+                hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
+            said = f"--excitation: {force!r} is none of the channels {_some(signal.dofs)}, so that"
+            warn("force_not_measured", f"{said} the place of the force cannot be tested. {hint}")
 
     def where(self, place: KeyPath) -> Place:
         """The option of a place."""
@@ -178,17 +183,6 @@ def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list
             reject("--roving", got, "a sensor that is in every file", "Name the one that stayed.")
         hits.append(Hit(file.name, signal, one.force))
     return hits, call
-
-
-def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
-    """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
-    meant, hint = _meant(force, dofs), "If it acts at one of them, write that name."
-    if meant is not None:
-        hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
-    said = (
-        f"{force!r} is none of the channels {_some(dofs)}, so that the place of the force cannot be tested."
-    )
-    warn("force_not_measured", f"--excitation: {said} {hint}")
 
 
 def _meant(force: Any, dofs: tuple[Any, ...]) -> Any:

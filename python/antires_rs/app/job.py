@@ -263,23 +263,19 @@ class Job:
                 (*place, name), name, keys, self._owner(name) or "Remove it.", f"the unknown key {name!r}"
             )
             key = keys[name]
-            if key.kind in ("dof", "dofs"):
-                self._check_given((*place, name), value, key)
+            if key.kind in ("dof", "dofs") and (unset := unset_in(value)):  # as ``antires init`` left it
+                of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
+                more = f" and {len(unset) - 5} more" if len(unset) > 5 else ""
+                got = f"'?'{of}{more}, where the dof is not given yet"
+                wanted = 'the dof of the model, as in 4, or "2 u" of a frame'
+                remedy = f"Put it in place of the '?'. {key.explanation}"
+                self.reject((*place, name), got, wanted, remedy)
             kind = KINDS[key.kind]
             if not kind.fits(value):
                 self.reject((*place, name), shown(value), kind.wanted, f"{kind.remedy} {key.explanation}")
         for key in section.keys:
             if key.required and not key.of and key.name not in table:
                 self.missing(place, key.name)
-
-    def _check_given(self, place: KeyPath, value: Any, key: Key) -> None:
-        """Refuse a dof that ``antires init`` left open."""
-        if unset := unset_in(value):
-            of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
-            more = f" and {len(unset) - 5} more" if len(unset) > 5 else ""
-            got = f"'?'{of}{more}, where the dof is not given yet"
-            wanted = 'the dof of the model, as in 4, or "2 u" of a frame'
-            self.reject(place, got, wanted, f"Put it in place of the '?'. {key.explanation}")
 
     def _task(self, raw: Mapping[str, Any]) -> str:
         damage, update = "damage" in raw, "parameters" in raw

@@ -27,7 +27,7 @@ from ..support.checks import (
 from ..support.directions import DofNames, point_of
 from ..support.messages import warn
 from ..support.progress import interruptible, patient, step
-from ..support.values import AroundCore, ReadOnly, Value
+from ..support.values import AroundCore, Value
 from .matrices import check_room_for_all_modes
 from .parameters import CoreParameter, Parameter, core_parameters, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
@@ -96,34 +96,23 @@ def _some(named: Sequence[Any]) -> str:
 
 
 def _warn_doubts(
-    dof: int,
-    excitation: int | str,
-    n_dof: int,
-    values: Sequence[FloatArray],
-    is_zero: bool,
-    is_doubtful: bool,
+    dof: int, excitation: int | str, n_dof: int, values: Sequence[FloatArray], zero: bool, doubtful: bool
 ) -> None:
     """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
-    if is_zero:
-        warn(
-            "not_connected",
-            f"response dof {dof} is not connected to excitation dof {excitation}: "
-            "H is identically zero and has no antiresonance.",
+    response = f"response dof {dof}"
+    if zero:
+        text = (
+            f"{response} is not connected to excitation dof {excitation}: H is identically zero and has no "
         )
-    if is_doubtful:
-        warn(
-            "hidden_by_rounding",
-            f"response dof {dof}: rounding hides whether antiresonances of it are missing or double; "
-            f"with {n_dof} dofs only other units or fewer digits between the stiffest and the "
-            "softest part would tell.",
-        )
+        warn("not_connected", text + "antiresonance.")
+    if doubtful:
+        text = f"{response}: rounding hides whether antiresonances of it are missing or double; with {n_dof} "
+        text += "dofs only other units or fewer digits between the stiffest and the softest part would tell."
+        warn("hidden_by_rounding", text)
     if len(values) == 2 and np.isinf(values[1]).any():
         named = _some([f"{f:.6g}" for f in values[0][np.isinf(values[1])]])
-        warn(
-            "uncertain_roots",
-            f"response dof {dof}: {named} Hz are not certain: too close to others to be told "
-            "from them, or moved too far by the rounding of K and M.",
-        )
+        text = f"{response}: {named} Hz are not certain: too close to others to be told from them, or moved "
+        warn("uncertain_roots", text + "too far by the rounding of K and M.")
 
 
 def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
@@ -157,7 +146,7 @@ Motion = Literal["accelerance", "mobility", "receptance"]
 # -- A model and its description: how it is built, copied and changed, and what its parts are called
 
 
-class StructuralModel(AroundCore[CoreModel], ReadOnly):
+class StructuralModel(AroundCore[CoreModel]):
     """What every model can do. Read-only.
 
     Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
@@ -557,19 +546,11 @@ class StructuralModel(AroundCore[CoreModel], ReadOnly):
         Recording(2 channels, 10 s at 50 Hz, dofs=(0, 1), with force)
         """
         self._damping(damping_ratio)
-        return simulate(
-            self,
-            responses=self._free_dofs if responses is None else self._dofs("responses", responses),
-            excitation=self._dof("excitation", excitation),
-            fs_hz=fs_hz,
-            duration_s=duration_s,
-            damping_ratio=damping_ratio,
-            lowest_hz=min((f for f in self._core.modes()[0] if f > 0), default=0.0),
-            band_hz=band_hz,
-            noise=noise,
-            rng=rng,
-            progress=progress,
-        )
+        dofs = self._free_dofs if responses is None else self._dofs("responses", responses)
+        lowest_hz = min((f for f in self._core.modes()[0] if f > 0), default=0.0)
+        test: dict[str, Any] = {"fs_hz": fs_hz, "duration_s": duration_s, "damping_ratio": damping_ratio}
+        test |= {"band_hz": band_hz, "noise": noise, "rng": rng, "progress": progress}
+        return simulate(self, dofs, self._dof("excitation", excitation), lowest_hz, **test)
 
     def _most_moved(self, shapes: FloatArray) -> str:
         """Names of the dofs that move most in some shapes (n, m)."""
@@ -610,7 +591,6 @@ class StructuralModel(AroundCore[CoreModel], ReadOnly):
 # out of its middle: an exact sample of the stationary response, and not periodic, so that an analysis meets
 # the leakage of a real test. (A zero-order-hold time integration would report 2.6 % damping for 0.51 %.)
 
-
 #: Longest memory of the structure that the lead-in must cover, in time constants 1 / (zeta omega).
 _TIME_CONSTANTS = 8.0
 #: Samples of lead-in that fit a memory of some hundred MB.
@@ -622,13 +602,13 @@ _MOST_SAMPLES = 1e10
 @patient("recording the virtual test")
 def simulate(
     model: Any,
-    *,
     responses: list[int],
     excitation: int,
+    lowest_hz: float,
+    *,
     fs_hz: float,
     duration_s: float,
     damping_ratio: Any,
-    lowest_hz: float,
     band_hz: tuple[float, float] | None = None,
     noise: float = 0.0,
     rng: int | np.random.Generator | None = None,

@@ -48,7 +48,6 @@ def _warn(warning: Warning) -> None:
 
 # -- What is said of a symptom: its cause and what to do, from ``troubleshooting.md`` beside this file
 
-
 _FILE = Path(__file__).with_name("troubleshooting.md")
 
 
@@ -110,7 +109,6 @@ def _seen(text: str) -> str:
 #
 # A job file and the command line spell the same argument in their own way; the text keeps it as data.
 
-
 #: How an edit by hand is written in a job and on the command line.
 EDIT_WANTED = 'DOF=HZ, such as "3=31.9" or "3=31.9 mains hum"'
 
@@ -140,15 +138,7 @@ Part = Passed | LeftOut
 
 
 class Wording(str):
-    """A text for who calls from Python; ``template`` has a ``{}`` for each of its parts.
-
-    Examples
-    --------
-    >>> from antires_rs.support.messages import Passed, Wording, spelled
-    >>> text = Wording("Pass {}.", Passed("first", "freq"))
-    >>> print(text, spelled(text, lambda part: f"--{part.name} {part.value}"))
-    Pass first='freq'. Pass --first freq.
-    """
+    """A text for who calls from Python; ``template`` has a ``{}`` for each of its parts."""
 
     template: str
     parts: tuple[Part, ...]

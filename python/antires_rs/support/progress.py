@@ -185,16 +185,14 @@ def _keep_alive(what: str, at: list[str], over: threading.Event) -> None:
 
 def _line(state: State, budget: int, seconds: float, done: int) -> str:
     waiting = sum(1 for _, name in state["islands"] if name == "waiting")
+    left = "time left not known yet"
+    if done > 0:  # most searches end before the budget does
+        left = f"at most {span((budget - state['nfev']) * seconds / done)} left"
     return (
         f"{state['nfev']:>9,} of at most {budget:,} evaluations   best J {state['fun']:.6g}   "
         f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   "
-        f"{seconds:.0f} s, {_left(budget - state['nfev'], seconds, done)}"
+        f"{seconds:.0f} s, {left}"
     )
-
-
-def _left(evaluations: int, seconds: float, done: int) -> str:
-    """How long the budget lasts at this pace; most searches end before it does."""
-    return f"at most {span(evaluations * seconds / done)} left" if done > 0 else "time left not known yet"
 
 
 def span(seconds: float) -> str:
@@ -210,7 +208,6 @@ def span(seconds: float) -> str:
 # BLAS adds in another order with another number of threads, and a fit that takes discrete decisions (an
 # order, what is stable) can turn a last digit into another answer. With one thread the bits do not depend
 # on their number, and the small matrices of this package are no slower.
-
 
 _lock = threading.Lock()
 _inside = 0
