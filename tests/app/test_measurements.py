@@ -208,17 +208,6 @@ def files(tmp_path_factory):
     return folder / "all.uff", single
 
 
-def test_reciprocity_reads_all_hits_as_one_response(files):
-    read = ar.read_uff(files[0], roving="3+Y")
-    assert read.dofs == HITS
-    for i, place in enumerate(HITS):
-        np.testing.assert_array_equal(read.values[i], hit(place, i).values[0])
-    with pytest.raises(ar.UnsuitableDataError, match=r"FRFs at the responses 3\+Y, 5\+Y"):
-        ar.read_uff(files[0], roving="2+Y")
-    with pytest.raises(ar.InvalidInputError, match="roving: got 'tip'"):
-        ar.read_uff(files[0], roving="tip")
-
-
 def identified(out, *args):
     assert cli.main(["identify", *map(str, args), "--band", *ROVED, "--out", str(out)]) == 0
     return ar.AntiresonanceSet.load(out)

@@ -71,14 +71,9 @@ def real_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> Float
     return _array(name, value, np.float64, ndim, wanted)
 
 
-def complex_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> ComplexArray:
-    """Finite, non-empty complex128 array of the wanted number of dimensions."""
-    return _array(name, value, np.complex128, ndim, wanted)
-
-
 def complex_rows(name: str, value: Any, n_columns: int, *, wanted: str) -> ComplexArray:
     """Complex array (n_rows, n_columns); a vector is taken as one row."""
-    array = complex_array(name, value, ndim=None, wanted=wanted)
+    array = _array(name, value, np.complex128, None, wanted)
     array = array[None, :] if array.ndim == 1 else array
     if array.ndim != 2 or array.shape[1] != n_columns:
         reject(name, f"an array of shape {array.shape}", wanted, "Check its axes by np.shape.")

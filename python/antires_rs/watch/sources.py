@@ -177,10 +177,7 @@ def identified(instructions: Instructions, given: Any) -> Outcome:
     """The antiresonances of one source, or in words why there are none."""
     try:
         with unheard(), apart():
-            signal = loaded(instructions, given)
-            if isinstance(signal, Unread):
-                return str(signal)
-            return encoded(_set_of(signal, instructions.options))
+            return encoded(_set_of(_signal(instructions.reading, given), instructions.options))
     except (MissingDependencyError, MemoryError):
         raise  # of this machine, not of the record
     except Exception as exc:
