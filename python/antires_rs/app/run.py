@@ -285,13 +285,12 @@ def summary_of(
     checks = [each.found.data_check for each in measured if each.found.data_check is not None]
     frequencies = []
     if isinstance(table, FrequencyTable):
-        frequencies = rows_of(
-            excitation=map(int, table.excitation),
-            dof=map(int, table.dof),
-            measured_hz=map(number, table.measured_hz),
-            before_hz=map(number, table.before_hz),
-            after_hz=map(number, table.after_hz),
-        )
+        columns = {name: map(int, getattr(table, name)) for name in ("excitation", "dof")}
+        hz = {
+            f"{name}_hz": map(number, getattr(table, f"{name}_hz"))
+            for name in ("measured", "before", "after")
+        }
+        frequencies = rows_of(**columns, **hz)
     return {
         "antires_rs": record["versions"]["antires_rs"],
         "task": job.task,
@@ -350,17 +349,11 @@ def _parameters(result: UpdateResult, at_once: bool) -> dict[str, Any]:
     problem = result.problem
     bound = None if at_once else set(result.at_bound)
     low, high = zip(*problem.bounds, strict=True)
-    return {
-        "parameters": rows_of(
-            name=problem.names,
-            value=map(number, result.x),
-            nominal=map(number, problem.nominal),
-            std=_std(result, at_once),
-            low=map(number, low),
-            high=map(number, high),
-            on_bound=[None if bound is None else name in bound for name in problem.names],
-        )
-    }
+    columns: dict[str, Any] = {"name": problem.names, "value": map(number, result.x)}
+    columns |= {"nominal": map(number, problem.nominal), "std": _std(result, at_once)}
+    columns |= {"low": map(number, low), "high": map(number, high)}
+    on_bound = [None if bound is None else name in bound for name in problem.names]
+    return {"parameters": rows_of(**columns, on_bound=on_bound)}
 
 
 def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:

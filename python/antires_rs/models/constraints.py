@@ -67,9 +67,7 @@ def square(name: str, matrix: Any, n: int | None = None) -> Any:
 def _listed(given: Any) -> bool:
     """Whether it has items that are no letters: an array of no axis has none."""
     return (
-        isinstance(given, Iterable)
-        and not isinstance(given, str | bytes)
-        and not (isinstance(given, np.ndarray) and given.ndim == 0)
+        isinstance(given, Iterable) and not isinstance(given, str | bytes) and getattr(given, "ndim", 1) > 0
     )
 
 
@@ -202,14 +200,10 @@ def eliminate_constraints(
     def reduced(name: str, matrix: Any) -> Any:
         return congruent(csc_array(square(name, matrix, n)), t)
 
-    return Constrained(
-        reduced("stiffness", stiffness),
-        reduced("mass", mass),
-        [reduced(part("stiffness_terms", i), term) for i, term in enumerate(stiffness_terms)],
-        [reduced(part("mass_terms", i), term) for i, term in enumerate(mass_terms)],
-        dofs,
-        t,
-    )
+    k, m = reduced("stiffness", stiffness), reduced("mass", mass)
+    of_k = [reduced(part("stiffness_terms", i), term) for i, term in enumerate(stiffness_terms)]
+    of_m = [reduced(part("mass_terms", i), term) for i, term in enumerate(mass_terms)]
+    return Constrained(k, m, of_k, of_m, dofs, t)
 
 
 def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:

@@ -13,19 +13,8 @@ from ..exceptions import part, reject
 from ..support.checks import FloatArray, integer, real_array
 from ..support.messages import warn
 from ..views import Viewed
-from .frame_parts import (
-    PARTS,
-    AnySection,
-    GroundSpring,
-    NodeSpring,
-    PointMass,
-    fixed_dofs,
-    iterable,
-    parts_of,
-    section_of,
-    text,
-    warn_soft,
-)
+from . import frame_parts
+from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, iterable
 from .matrices import as_sparse
 from .penalties import warn_penalties
 from .recipes import FrameRecipe, section_argument
@@ -178,12 +167,12 @@ class FrameModel(StructuralModel, Viewed):
             beams=tuple((a, b, section) for (a, b), section in zip(ends, chosen, strict=True)),
             section_names=names,
             sections=tuple(listed),
-            fixed=tuple(fixed_dofs(fixed, in_space)),
+            fixed=tuple(frame_parts.fixed_dofs(fixed, in_space)),
             orientation=_orientation(orientation, len(rows), in_space),
-            parts={kind: parts_of(kind, given) for kind, given in parts.items()},
+            parts={kind: frame_parts.parts_of(kind, given) for kind, given in parts.items()},
         )
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
-            warn_soft(section_argument(name), section)
+            frame_parts.warn_soft(section_argument(name), section)
         self._build(ModelDescription(recipe))
         warn_penalties(
             self.dof_label, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties."
@@ -191,11 +180,11 @@ class FrameModel(StructuralModel, Viewed):
         part_of = np.array(self._frame.parts())
         if part_of.max() > 0:
             alone = np.flatnonzero(part_of != part_of[0]).tolist()
-            warn(
-                "frame_in_parts",
-                f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 "
-                f"are nodes {alone}. A response in one part to a force in another is zero.",
+            said = (
+                f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are nodes "
             )
+            said += f"{alone}. A response in one part to a force in another is zero."
+            warn("frame_in_parts", said)
 
     @property
     def _frame(self) -> CoreFrame:
@@ -217,7 +206,7 @@ class FrameModel(StructuralModel, Viewed):
     def sections(self) -> dict[str | int, AnySection]:
         """Sections by name, or by index where they have none, with the values of this state."""
         recipe = self._recipe
-        now = map(section_of, self._frame.sections(), recipe.sections)
+        now = map(frame_parts.section_of, self._frame.sections(), recipe.sections)
         return dict(zip(recipe.section_names, now, strict=True))
 
     @property
@@ -242,7 +231,7 @@ class FrameModel(StructuralModel, Viewed):
         return self._parts("node_springs")
 
     def _parts(self, name: str) -> list[Any]:
-        return [PARTS[name]._of_row(row) for row in self._frame.elements(name)]
+        return [frame_parts.PARTS[name]._of_row(row) for row in self._frame.elements(name)]
 
     @property
     def fixed(self) -> list[tuple[int, str]]:
@@ -268,7 +257,7 @@ class FrameModel(StructuralModel, Viewed):
         InvalidInputError
             No such node or direction, or the dof is fixed.
         """
-        return self._frame.dof(integer("node", node, low=0), text("direction", None, direction))
+        return self._frame.dof(integer("node", node, low=0), frame_parts.text("direction", None, direction))
 
     def dof_name(self, dof: int) -> str:
         """``'node 3 v'`` for the dof that ``dof(3, 'v')`` returns."""

@@ -340,11 +340,8 @@ def warn_soft(name: str, section: AnySection) -> None:
     """A material softer than rubber is a slip of units."""
     modulus = finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
     if 0.0 < modulus < SOFTEST_PA:
-        warn(
-            "softer_than_rubber",
-            f"{name}.youngs_modulus_pa: {modulus:g} Pa is softer than rubber. "
-            "Steel has 2.1e11 Pa, and lengths are in metres.",
-        )
+        said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
+        warn("softer_than_rubber", f"{name}.youngs_modulus_pa: {modulus:g} Pa {said}")
 
 
 def _parts(section: Any, name: str, kind: str, *sizes: str) -> SectionParts:
@@ -380,13 +377,5 @@ def section_of(parts: SectionParts, given: AnySection) -> AnySection:
     if not isinstance(given, Section):
         made = Tube if kind == "tube" else Rectangle
         return made(*size, *material, shear_coefficient=given.shear_coefficient)
-    area, inertia_y, inertia_z, torsion = size
-    return replace(
-        given,
-        area_m2=area,
-        inertia_m4=inertia_z,
-        youngs_modulus_pa=material[0],
-        density_kg_per_m3=material[1],
-        inertia_y_m4=inertia_y,
-        torsion_m4=torsion,
-    )
+    names = ("area_m2", "inertia_y_m4", "inertia_m4", "torsion_m4", "youngs_modulus_pa", "density_kg_per_m3")
+    return replace(given, **dict(zip(names, (*size, *material), strict=False)))

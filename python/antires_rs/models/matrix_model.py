@@ -96,15 +96,11 @@ class MatrixModel(StructuralModel):
     ) -> None:
         n, k = as_square("stiffness", stiffness)
         names = names_of("dofs", dofs, n)
-        recipe = MatrixRecipe(
-            n,
-            k,
-            as_masses(as_square("mass", mass, n)[1], n, partial(_label, names)),
-            tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
-            tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
-            names,
-            *equations_by_number(names, n, constraints, keep),
-        )
+        m = as_masses(as_square("mass", mass, n)[1], n, partial(_label, names))
+        of_k = tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms))
+        of_m = tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms))
+        equations = equations_by_number(names, n, constraints, keep)
+        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *equations)
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)

@@ -180,11 +180,9 @@ def warn_penalties(label: Callable[[int], str], stiffness: Any, remedy: str) -> 
     middle = float(np.median(np.abs(without_ties(n, entries))[diagonal > 0.0]))
     stiff = np.flatnonzero(diagonal >= _MOST * middle)
     if stiff.size:
-        warn(
-            "stiff_penalties",
-            f"stiffness: {_named(label, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the "
-            f"middle dof: rounding may take 1e-6 of the frequencies and more. {remedy}",
-        )
+        said = f"stiffness: {_named(label, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the "
+        said += f"middle dof: rounding may take 1e-6 of the frequencies and more. {remedy}"
+        warn("stiff_penalties", said)
         return
     soft = softly_held(n, entries)
     for dofs, lost in soft:

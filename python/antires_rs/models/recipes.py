@@ -156,17 +156,10 @@ class FrameRecipe(_Recipe):
         named = list(zip(self.sections, map(section_argument, self.section_names), strict=True))
         sections = [section._parts(name, self.in_space) for section, name in named]
         shear = [shear_of(section, name) for section, name in named]
-        frame = CoreFrame(
-            self.nodes_m,
-            self.orientation,
-            sections,
-            [
-                ("elements", [(list(beam), None, []) for beam in self.beams]),
-                *((kind, [each._row() for each in parts]) for kind, parts in self.parts.items()),
-            ],
-            list(self.fixed),
-            *([] if all(one is None for one in shear) else [shear]),
-        )
+        rows: list[Any] = [("elements", [(list(beam), None, []) for beam in self.beams])]
+        rows += [(kind, [each._row() for each in parts]) for kind, parts in self.parts.items()]
+        how = [] if all(one is None for one in shear) else [shear]
+        frame = CoreFrame(self.nodes_m, self.orientation, sections, rows, list(self.fixed), *how)
         return CoreModel.from_frame(frame)
 
 
