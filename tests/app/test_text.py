@@ -25,48 +25,6 @@ def places(value, path=()):
         yield from places(item, (*path, name))
 
 
-STRANGE = '''# comment with key = "value"
-title = """several
-lines with ] and # and \\""" quoted"""
-'quoted.key' = 'literal \\'
-a.b . "c d" = 1
-[table]
-"\\u0041\\t" = { x = [1, # in a list
-  2], y.z = "}" }
-[ table . sub ]
-empty = []
-text = \'\'\'
-[no]
-\'\'\'
-day = 1979-05-27 07:32:00
-[[row]]
-n = [[1, 2],
-     [3, 4],]
-[[row]]
-[row.sub]
-deep = true
-[[row.more]]
-k = ""
-[[row.more]]
-k = ''
-'''
-
-
-def test_every_key_is_found_and_stands_on_its_line():
-    lines = lines_of(STRANGE)
-    found = list(places(tomllib.loads(STRANGE)))
-    assert set(found) <= set(lines)
-    text = STRANGE.splitlines()
-    assert lines["title",] == 2
-    assert "quoted.key" in text[lines["quoted.key",] - 1]
-    assert text[lines["a", "b", "c d"] - 1].startswith("a.b")
-    assert lines["table", "A\t", "x", 1] == lines["table", "A\t"] + 1
-    assert text[lines["row", 0, "n", 1, 0] - 1].strip().startswith("[3, 4]")
-    assert text[lines["row", 1, "sub", "deep"] - 1] == "deep = true"
-    assert text[lines["row", 1, "more", 1, "k"] - 1] == "k = ''"
-    assert lines_of(STRANGE.replace("\n", "\r\n")) == lines
-
-
 NAMES = st.text("abcXYZ0189_-", min_size=1, max_size=6)
 VALUES = st.recursive(
     st.integers(-9, 9)
