@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from .._core import Frame as CoreFrame
 from ..exceptions import part, reject
-from ..support.checks import FloatArray, integer, real_array
+from ..support.checks import FloatArray, finite_scalar, integer, real_array
 from ..support.messages import warn
 from ..views import Viewed
 from . import frame_parts
 from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, iterable
 from .matrices import as_sparse
 from .penalties import warn_penalties
-from .recipes import FrameRecipe, section_argument
+from .recipes import FrameRecipe
 from .structural_model import ModelDescription, StructuralModel
 
 # -- What the constructor of a frame was given, checked
@@ -172,7 +172,11 @@ class FrameModel(StructuralModel, Viewed):
             parts={kind: frame_parts.parts_of(kind, given) for kind, given in parts.items()},
         )
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
-            frame_parts.warn_soft(section_argument(name), section)
+            argument = part("sections", name).attribute("youngs_modulus_pa")
+            modulus = finite_scalar(argument, section.youngs_modulus_pa)
+            if 0.0 < modulus < frame_parts.SOFTEST_PA:  # a slip of units
+                said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
+                warn("softer_than_rubber", f"{argument}: {modulus:g} Pa {said}")
         self._build(ModelDescription(recipe))
         warn_penalties(
             self.dof_label, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties."

@@ -8,7 +8,6 @@ from typing import Any, ClassVar, Self, cast
 
 from ..exceptions import Argument, part, reject
 from ..support.checks import finite_scalar, integer, shape_of
-from ..support.messages import warn
 
 #: An element as the core takes it: its nodes (of a beam also its section), its direction, its values.
 Row = tuple[list[int], str | None, list[float]]
@@ -334,14 +333,6 @@ class Section:
 
 
 AnySection = Tube | Rectangle | Section
-
-
-def warn_soft(name: str, section: AnySection) -> None:
-    """A material softer than rubber is a slip of units."""
-    modulus = finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
-    if 0.0 < modulus < SOFTEST_PA:
-        said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
-        warn("softer_than_rubber", f"{name}.youngs_modulus_pa: {modulus:g} Pa {said}")
 
 
 def _parts(section: Any, name: str, kind: str, *sizes: str) -> SectionParts:

@@ -153,7 +153,9 @@ class FrameRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""
-        named = list(zip(self.sections, map(section_argument, self.section_names), strict=True))
+        named = [
+            (one, part("sections", name)) for one, name in zip(self.sections, self.section_names, strict=True)
+        ]
         sections = [section._parts(name, self.in_space) for section, name in named]
         shear = [shear_of(section, name) for section, name in named]
         rows: list[Any] = [("elements", [(list(beam), None, []) for beam in self.beams])]
@@ -161,8 +163,3 @@ class FrameRecipe(_Recipe):
         how = [] if all(one is None for one in shear) else [shear]
         frame = CoreFrame(self.nodes_m, self.orientation, sections, rows, list(self.fixed), *how)
         return CoreModel.from_frame(frame)
-
-
-def section_argument(name: str | int) -> str:
-    """A section as messages call the argument."""
-    return part("sections", name)

@@ -129,11 +129,9 @@ def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: 
     out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
     if out.any():
         named = _some([label(int(dof)) for dof in alone[out]])
-        warn(
-            "modes_left_out",
-            f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
-            f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them.",
-        )
+        text = f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above the "
+        text += f"lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them."
+        warn("modes_left_out", text)
 
 
 #: From here on antiresonances may take seconds.
@@ -334,12 +332,15 @@ class StructuralModel(AroundCore[CoreModel]):
             check_room_for_all_modes(self.n_dof)
         freq, shapes = self._core.modes(limit, most)
         if np.isnan(freq).any():
-            raise NumericalError(
-                "modes of (K, M)",
+            moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
+            named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
+            said = (
                 f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, "
-                f"most at {self._most_moved(shapes[:, np.isnan(freq)])}. Check its signs, or with geometric "
-                "stiffness whether the load is beyond buckling; antiresonances are still found.",
             )
+            said += (
+                f"most at {most}. Check its signs, or with geometric stiffness whether the load is beyond "
+            )
+            raise NumericalError("modes of (K, M)", said + "buckling; antiresonances are still found.")
         if limit is None and most is None:
             whole: Any = self  # every kind of model has these matrices
             _warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
@@ -552,11 +553,6 @@ class StructuralModel(AroundCore[CoreModel]):
         test |= {"band_hz": band_hz, "noise": noise, "rng": rng, "progress": progress}
         return simulate(self, dofs, self._dof("excitation", excitation), lowest_hz, **test)
 
-    def _most_moved(self, shapes: FloatArray) -> str:
-        """Names of the dofs that move most in some shapes (n, m)."""
-        whole = np.abs(self._whole_shapes(shapes.T))
-        return ", ".join(map(self.dof_label, dict.fromkeys(np.nan_to_num(whole).argmax(axis=1).tolist())))
-
     def _dof(self, name: str, value: Any) -> int:
         """Number of a dof that is given by its number or its name."""
         if isinstance(value, str):
@@ -659,10 +655,7 @@ def _lead_in(samples: int, rate: float, lowest_hz: float, damping_ratio: Any) ->
         return samples // 2  # nothing rings, or nothing ever stops ringing
     memory = _TIME_CONSTANTS / (2 * np.pi * lowest_hz * least) * rate
     if memory > _LONGEST_LEAD_IN:
-        warn(
-            "lead_in_cut",
-            f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g}) remembers "
-            f"{memory / rate:.3g} s; the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and "
-            "that mode is not quite stationary in the record.",
-        )
+        mode = f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g})"
+        cut = f"the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and that mode is not quite stationary"
+        warn("lead_in_cut", f"{mode} remembers {memory / rate:.3g} s; {cut} in the record.")
     return int(min(memory, _LONGEST_LEAD_IN)) + 1

@@ -81,7 +81,15 @@ def explain(*names: str) -> str:
     known = entries()
     if not names:
         return "\n".join(f"{name}: {_seen(text)}" for name, text in known.items())
-    return "\n\n".join(_entry(str(name), known) for name in names)
+    texts = []
+    for name in map(str, names):
+        key = name.strip().lower().replace(" ", "_").replace("-", "_")
+        if key not in known:
+            near = " or ".join(get_close_matches(key, known, n=3, cutoff=0.6))
+            wanted = f"one of the names that warnings end with{', perhaps ' + near if near else ''}"
+            reject("names", repr(name), wanted, "Ask without a name for all of them.")
+        texts.append(known[key])
+    return "\n\n".join(texts)
 
 
 @cache
@@ -89,15 +97,6 @@ def entries() -> dict[str, str]:
     """Every entry by its name, in the order of the page."""
     blocks = _FILE.read_text(encoding="utf-8").split("\n### ")[1:]
     return {b.split("\n", 1)[0].strip(): "### " + b.split("\n## ", 1)[0].strip() for b in blocks}
-
-
-def _entry(name: str, known: dict[str, str]) -> str:
-    key = name.strip().lower().replace(" ", "_").replace("-", "_")
-    if key not in known:
-        near = " or ".join(get_close_matches(key, known, n=3, cutoff=0.6))
-        wanted = f"one of the names that warnings end with{', perhaps ' + near if near else ''}"
-        reject("names", repr(name), wanted, "Ask without a name for all of them.")
-    return known[key]
 
 
 def _seen(text: str) -> str:

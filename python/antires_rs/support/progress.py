@@ -215,21 +215,19 @@ def _nested(by: int) -> None:
         _inside += by
         if _inside == (1 if by > 0 else 0):
             # The thread that sets a limit owns it while it lives, and no other can restore it.
-            thread = threading.Thread(target=_limit if by > 0 else _restore)
+            thread = threading.Thread(target=_limit, args=(by > 0,))
             thread.start()
             thread.join()
 
 
-def _limit() -> None:
+def _limit(on: bool) -> None:
+    """Limit the threads, or let them go."""
+    global _limiter
+    if not on:
+        _limiter.restore_original_limits()
+        return
     # Imported at first use. NumPy and SciPy each bring a BLAS; both must be there before the search.
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits
 
-    global _limiter
     _limiter = threadpool_limits(limits=1, user_api="blas")
-
-
-def _restore() -> None:
-    global _limiter
-    _limiter.restore_original_limits()
-    _limiter = None
