@@ -334,13 +334,12 @@ class StructuralModel(AroundCore[CoreModel]):
         if np.isnan(freq).any():
             moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
             named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
-            said = (
+            raise NumericalError(
+                "modes of (K, M)",
                 f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, "
+                f"most at {named}. Check its signs, or with geometric stiffness whether the load is beyond "
+                "buckling; antiresonances are still found.",
             )
-            said += (
-                f"most at {most}. Check its signs, or with geometric stiffness whether the load is beyond "
-            )
-            raise NumericalError("modes of (K, M)", said + "buckling; antiresonances are still found.")
         if limit is None and most is None:
             whole: Any = self  # every kind of model has these matrices
             _warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
