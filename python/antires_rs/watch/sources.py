@@ -175,6 +175,8 @@ class Unread(str):
 
 def identified(instructions: Instructions, given: Any) -> Outcome:
     """The antiresonances of one source, or in words why there are none."""
+    if isinstance(given, Unread):
+        return str(given)
     try:
         with unheard(), apart():
             return encoded(_set_of(_signal(instructions.reading, given), instructions.options))
