@@ -54,14 +54,9 @@ def test_saved_sets(tmp_path, capsys):
     summary = run(tmp_path, text, "--json")
     assert json.loads(capsys.readouterr().out) == summary
     assert losses(summary) == {"spring 4": 0.55}
-    direct = ar.assess_damage(
-        ar.cases.chain8().model,
-        ar.AntiresonanceSet.load(tmp_path / "measured.json"),
-        baseline=ar.AntiresonanceSet.load(tmp_path / "intact.json"),
-        prior=ar.DamagePrior(0.9, 0.1, 0, 0, 0, 0),
-        search=ar.SearchOptions(false_alarm_rate=0.05),
-        rng=1,
-    )
+    now, intact = (ar.AntiresonanceSet.load(tmp_path / name) for name in ("measured.json", "intact.json"))
+    how = {"prior": ar.DamagePrior(0.9, 0.1, 0, 0, 0, 0), "search": ar.SearchOptions(false_alarm_rate=0.05)}
+    direct = ar.assess_damage(ar.cases.chain8().model, now, baseline=intact, rng=1, **how)
     kept = ar.DamageResult.load(tmp_path / "job_results" / "result.npz")
     assert kept.summary() == direct.summary()
     assert kept.assessment == direct.assessment

@@ -97,18 +97,6 @@ def test_damage_from_records(records, tmp_path, kind):
     assert {name: pytest.approx(beta.expected, abs=0.02) for name, beta in losses(summary).items()} == FOUND
 
 
-def test_two_positions_of_the_force(tmp_path):
-    model = ar.cases.chain8().true_model(1)
-    for i, force in enumerate((0, 7)):
-        zeros = model.antiresonances(range(8), force)
-        ar.AntiresonanceSet(force, dict(enumerate(zeros))).save(tmp_path / f"force{i}.json")
-    both = '[[data]]\nfile = "force0.json"\n[[data]]\nfile = "force1.json"'
-    summary = run(tmp_path, DAMAGE.replace('[data]\nfile = "measured.json"', both))
-    assert losses(summary) == FOUND
-    assert {row["excitation"] for row in summary["antiresonances"]} == {0, 7}
-    assert (tmp_path / "job_results" / "antiresonances_1.json").exists()
-
-
 def test_names_in_a_set_are_mapped_and_left_out_and_its_edits_move_with_them(tmp_path):
     exact = ar.cases.chain8().exact(1)
     named = ar.AntiresonanceSet("m0", {f"m{dof}": exact[dof] for dof in exact})
@@ -172,27 +160,15 @@ OTHERS = (
 
 
 def test_a_frame_and_every_kind_of_parameter(tmp_path):
-    kinds = {
-        "stiffness_factor": "elements",
-        "mass_factor": "terms",
-        "youngs_modulus": "sections",
-        "density": "sections",
-        "point_mass": "masses",
-        "inertia": "masses",
-        "support_stiffness": "springs",
-    }
+    kinds = {"stiffness_factor": "elements", "mass_factor": "terms", "youngs_modulus": "sections"}
+    kinds |= {"density": "sections", "point_mass": "masses", "inertia": "masses"}
+    kinds |= {"support_stiffness": "springs"}
     text = with_model(UPDATE, FRAME)
-    first = text.index("[[parameters]]")
-    text = (
-        text[:first]
-        + "".join(
-            f'[[parameters]]\nkind = "{kind}"\n{on} = "all"\nbounds = [0.8, 1.2]\n'
-            + ("relative = true\n" if on not in ("elements", "terms") else "together = true\n")
-            for kind, on in kinds.items()
-        )
-        + "".join(f"[[parameters]]\nkind = {one}\n" for one in OTHERS)
-    )
-    job = job_of(tmp_path, text)
+    text = text[: text.index("[[parameters]]")]
+    for kind, on in kinds.items():
+        how = "together" if on in ("elements", "terms") else "relative"
+        text += f'[[parameters]]\nkind = "{kind}"\n{on} = "all"\nbounds = [0.8, 1.2]\n{how} = true\n'
+    job = job_of(tmp_path, text + "".join(f"[[parameters]]\nkind = {one}\n" for one in OTHERS))
     model = model_of(job)
     assert np.array_equal(model.stiffness().toarray(), frame_model().stiffness().toarray())
     assert np.array_equal(model.mass().toarray(), frame_model().mass().toarray())

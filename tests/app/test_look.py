@@ -49,10 +49,8 @@ def started(tmp_path):
 
 def asked(url, path, body=None):
     base, _, token = url.partition("/?")
-    sign = "&" if "?" in path else "?"
-    with urlopen(
-        f"{base}/{path}{sign}{token}", None if body is None else json.dumps(body).encode()
-    ) as answer:
+    sign, data = "&" if "?" in path else "?", None if body is None else json.dumps(body).encode()
+    with urlopen(f"{base}/{path}{sign}{token}", data) as answer:
         return json.load(answer)
 
 
@@ -126,11 +124,9 @@ def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):
     process, url = started(measured, "--excitation", "0")
     asked(url, "state")  # it has been read
     base, _, token = url.partition("/?")
-    waits = subprocess.Popen(
-        [sys.executable, "-c", "import sys, urllib.request as u; u.urlopen(sys.argv[1], b'{}')",
-         f"{base}/do/identify?{token}"],
-        stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+    code = "import sys, urllib.request as u; u.urlopen(sys.argv[1], b'{}')"
+    call = [sys.executable, "-c", code, f"{base}/do/identify?{token}"]
+    waits = subprocess.Popen(call, stderr=subprocess.DEVNULL)
     time.sleep(0.4)
     code, _, err, seconds = ended(process)
     assert (code, err.strip()) == (0, "")
@@ -190,17 +186,8 @@ def test_a_file_that_cannot_be_read_is_told_on_the_page_too(started, tmp_path):
 
 def test_identify_drops_and_adds(measured):
     out = measured.with_name("zeros.json")
-    call = [
-        "identify",
-        str(measured),
-        *BAND_GIVEN,
-        "--excitation",
-        "0",
-        "--max-order",
-        "30",
-        "--out",
-        str(out),
-    ]
+    options = ["--excitation", "0", "--max-order", "30", "--out", str(out)]
+    call = ["identify", str(measured), *BAND_GIVEN, *options]
     assert cli.main(call) == 0
     plain = ar.AntiresonanceSet.load(out)
     first = float(plain[0][0])

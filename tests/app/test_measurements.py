@@ -1,7 +1,6 @@
 """What jobs and commands read: repeats, folders, files that state the force, roving hammers, edits."""
 
 import json
-import re
 import tomllib
 
 import numpy as np
@@ -13,8 +12,8 @@ from antires_rs.app.job import read_job
 from antires_rs.app.reading import measured_of
 from antires_rs.app.run import measurement_of
 from reference.virtual_records import accelerance, chain8_matrices, hit_record
-from tests.support.four_masses import BAND, chain, exact, record
-from tests.support.job_files import DAMAGE, run, write_measured
+from tests.support.four_masses import chain, exact
+from tests.support.job_files import DAMAGE
 
 
 def measured(folder, data):
@@ -146,15 +145,6 @@ def test_values_are_dropped_and_added_with_their_reasons(tmp_path, saved):
     assert found.original() == saved == edited(tmp_path, "")
 
 
-def test_what_was_identified_can_be_edited_too(tmp_path):
-    ar.write_npz(tmp_path / "record.npz", record())
-    data = f'file = "record.npz"\nexcitation = 0\nband_hz = {list(BAND)}\n'
-    (plain,) = measured(tmp_path, data)
-    (found,) = measured(tmp_path, f'{data}drop = "0={plain.found[0][0]:.2f}"\n')
-    assert found.found[0].tolist() == plain.found[0][1:].tolist()
-    assert found.found.diagrams.keys() == plain.found.diagrams.keys()
-
-
 @pytest.mark.parametrize(
     ("data", "said"),
     [
@@ -182,14 +172,6 @@ def test_what_cannot_be_read_or_edited_names_its_line(tmp_path, saved, data, sai
         data += "\nexcitation = 0\nband_hz = [3.0, 130.0]"
     with pytest.raises(ar.InvalidInputError, match=said):
         measured(tmp_path, f"{data}\n")
-
-
-def test_the_result_keeps_what_was_edited(tmp_path):
-    write_measured(tmp_path)
-    value = float(ar.AntiresonanceSet.load(tmp_path / "measured.json")[1][0])
-    run(tmp_path, re.sub("(file = .*)", rf'\1\ndrop = ["1={value:.3f} mains hum"]', DAMAGE))
-    kept = ar.AntiresonanceSet.load(tmp_path / "job_results" / "antiresonances.json")
-    assert [edit.reason for edit in kept.edits] == ["mains hum"]
 
 
 SENSORS, HITS, ROVED = ("3+Y", "5+Y"), ("1+Y", "2+Y", "3+Y", "4+Y", "5+Y"), ("2", "390")
@@ -222,17 +204,6 @@ def files(tmp_path_factory):
     ]
     (folder / "all.uff").write_bytes(b"".join(file.read_bytes() for file in single))
     return folder / "all.uff", single
-
-
-def test_reciprocity_reads_all_hits_as_one_response(files):
-    read = ar.read_uff(files[0], roving="3+Y")
-    assert read.dofs == HITS
-    for i, place in enumerate(HITS):
-        np.testing.assert_array_equal(read.values[i], hit(place, i).values[0])
-    with pytest.raises(ar.UnsuitableDataError, match=r"FRFs at the responses 3\+Y, 5\+Y"):
-        ar.read_uff(files[0], roving="2+Y")
-    with pytest.raises(ar.InvalidInputError, match="roving: got 'tip'"):
-        ar.read_uff(files[0], roving="tip")
 
 
 def identified(out, *args):

@@ -25,48 +25,6 @@ def places(value, path=()):
         yield from places(item, (*path, name))
 
 
-STRANGE = '''# comment with key = "value"
-title = """several
-lines with ] and # and \\""" quoted"""
-'quoted.key' = 'literal \\'
-a.b . "c d" = 1
-[table]
-"\\u0041\\t" = { x = [1, # in a list
-  2], y.z = "}" }
-[ table . sub ]
-empty = []
-text = \'\'\'
-[no]
-\'\'\'
-day = 1979-05-27 07:32:00
-[[row]]
-n = [[1, 2],
-     [3, 4],]
-[[row]]
-[row.sub]
-deep = true
-[[row.more]]
-k = ""
-[[row.more]]
-k = ''
-'''
-
-
-def test_every_key_is_found_and_stands_on_its_line():
-    lines = lines_of(STRANGE)
-    found = list(places(tomllib.loads(STRANGE)))
-    assert set(found) <= set(lines)
-    text = STRANGE.splitlines()
-    assert lines["title",] == 2
-    assert "quoted.key" in text[lines["quoted.key",] - 1]
-    assert text[lines["a", "b", "c d"] - 1].startswith("a.b")
-    assert lines["table", "A\t", "x", 1] == lines["table", "A\t"] + 1
-    assert text[lines["row", 0, "n", 1, 0] - 1].strip().startswith("[3, 4]")
-    assert text[lines["row", 1, "sub", "deep"] - 1] == "deep = true"
-    assert text[lines["row", 1, "more", 1, "k"] - 1] == "k = ''"
-    assert lines_of(STRANGE.replace("\n", "\r\n")) == lines
-
-
 NAMES = st.text("abcXYZ0189_-", min_size=1, max_size=6)
 VALUES = st.recursive(
     st.integers(-9, 9)
@@ -125,26 +83,14 @@ def test_the_template_is_a_valid_job_with_every_key(tmp_path, task, model):
 
 
 def test_defaults_in_the_template_are_those_in_force():
-    """Every default that a key states is the one of the search or of the call."""
+    """Those that are not taken from the declaration of an option: of the search, and the misfit."""
     options = ar.IslandGA().options
     for key in SECTIONS["search"].keys:
         if key.name in options and key.default:
             value = tomllib.loads(f"x = {key.default}")["x"]
             assert options[key.name] == value or (key.name, value) == ("polish", True), key.name
-    for section, call in (
-        ("identification", ar.identify_antiresonances),
-        ("damage", ar.assess_damage),
-        ("updating", ar.UpdatingProblem),
-    ):
-        defaults = {name: each.default for name, each in inspect.signature(call).parameters.items()}
-        for options in (ar.FitOptions, ar.SearchOptions):
-            defaults |= {name: each.default for name, each in options.declared().items()}
-        for key in SECTIONS[section].keys:
-            if key.name == "second_opinion":  # the older name of cross_check
-                continue
-            value = defaults[key.name]
-            if key.default and value is not None:
-                assert tomllib.loads(f"x = {key.default}")["x"] == value, key.name
+    (misfit,) = [key for key in SECTIONS["updating"].keys if key.default]
+    assert misfit.default == f'"{inspect.signature(ar.UpdatingProblem).parameters["misfit"].default}"'
 
 
 def test_dots_and_brackets_in_texts_and_comments_are_no_nesting():

@@ -7,10 +7,8 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import antires_rs as ar
-from antires_rs.cases import exhaust_geometry as geometry, exhaust_truth as crack, exhaust_truth as experiment
-from antires_rs.cases.exhaust_truth import EXTRA_CORDS, Unfollowed
+from antires_rs.cases import exhaust_truth as crack, exhaust_truth as experiment
 from tests.support.campaign import campaign
-from tests.support.tolerances import EIGH
 
 LEVELS = (1, 2, 3)
 #: Sizes of the issue that ordered the case.
@@ -100,19 +98,6 @@ def test_the_cracked_pipe_turns_by_the_compliance_more_and_stretches_as_before(l
     assert motion(cracked, 30, 31, pulled) == pytest.approx(motion(intact, 30, 31, pulled), rel=1e-6)
 
 
-def test_the_crack_lies_two_centimetres_behind_the_weld_and_off_the_coarse_nodes():
-    model, levelled = crack.true_model(0), crack.true_model(1)
-    assert len(model.elements) >= 3 * 47
-    of_beams = [levelled.sections[name] for name in levelled.element_sections]
-    (weak,) = (i for i, section in enumerate(of_beams) if isinstance(section, ar.Section))
-    ends = levelled.elements[weak]
-    assert np.all(ends >= 48)  # both ends are nodes that the coarse mesh does not have
-    middle = levelled.nodes_m[ends].mean(axis=0)
-    behind_weld = np.linalg.norm(middle - levelled.nodes_m[30]) - crack.SOCKET_M
-    assert behind_weld == pytest.approx(0.02, abs=1e-9)
-    assert np.linalg.norm(middle - levelled.nodes_m[31]) > 0.03
-
-
 def test_the_experiment_is_another_structure_than_the_model(case, tested):
     coarse = case.model.modes().freq_hz[3:9]
     assert np.mean(np.abs(coarse / tested.freq_hz[3:9] - 1.0)) > 0.02
@@ -131,16 +116,6 @@ def test_no_set_of_updating_parameters_is_the_truth(case):
     assert np.all((low < true) & (true < high))
     # Inertias, cords and the scatter of the walls are left over.
     assert 0.05 < problem.cost(true) < 0.2 * problem.cost(problem.nominal)
-
-
-def test_truth_is_kept_apart(case):
-    truth = case.truth(1)
-    truth["thickness"]["front"] = 9.0
-    truth["freq_hz"].clear()
-    assert case.truth(1)["thickness"]["front"] == crack.THICKNESS["front"]
-    np.testing.assert_array_equal(case.model.nodes_m, geometry.nodes())
-    assert case.truth(1)["severity"] == {30: case.truth(1)["equivalent_loss"]}
-    assert set(case.truth(1)["freq_hz"]) == set(case.responses)
 
 
 def test_responses_are_those_of_the_matrices(case, tested):
@@ -207,17 +182,6 @@ def test_levels_beyond_the_three_are_refused(case, level):
 # -- Errors of the model that no parameter follows: each is there, and the rest stays
 
 
-USUAL = experiment.true_model(0)
-
-
-def test_without_options_the_case_is_what_it_was():
-    case = ar.cases.exhaust()
-    assert case.unfollowed == Unfollowed() == case.truth()["unfollowed"]
-    same = ar.cases.exhaust(wall_scatter=0.005)
-    for dof, freq in case.exact(1).items():
-        np.testing.assert_array_equal(same.exact(1)[dof], freq)
-
-
 @pytest.mark.parametrize(
     "options", [{"wall_scatter": 0.05}, {"joint_m": 0.03}, {"shear_coefficient": "cowper"}, {"cord_kg": 0.2}]
 )
@@ -227,27 +191,6 @@ def test_each_error_moves_the_resonances_by_some_per_cent(options):
         for given in (options, {})
     )
     assert 0.3 < 100.0 * np.abs(changed / usual - 1.0).max() < 15.0
-
-
-def test_a_joint_turns_as_so_much_more_pipe_would():
-    """Element 17 ends at the front muffler: its end's rotation under a moment, with its first node held."""
-    tube = USUAL.sections[USUAL.element_sections[4 * 17]]
-    assert geometry.beams()[17][1] == 18
-    bending = tube.youngs_modulus_pa * experiment._inertia(tube.thickness_m)
-    soft = experiment.true_model(0, Unfollowed(joint_m=0.03))
-    turned = motion(soft, *geometry.beams()[17][:2], {"theta": 1.0})
-    usual = motion(USUAL, *geometry.beams()[17][:2], {"theta": 1.0})
-    assert turned - usual == pytest.approx(0.03 / bending, rel=1e-6)
-
-
-def test_cords_hang_where_the_model_has_none():
-    corded = experiment.true_model(0, Unfollowed(cord_kg=0.2))
-    unit = np.zeros(corded.n_dof)
-    unit[1::3] = 1.0
-    more = unit @ (corded.mass() @ unit) - unit @ (USUAL.mass() @ unit)
-    assert more == pytest.approx(3 * 0.2, rel=EIGH)
-    known = {spring.node for spring in USUAL.ground_springs}
-    assert {spring.node for spring in corded.ground_springs} - known == set(EXTRA_CORDS)
 
 
 @pytest.mark.parametrize(("name", "value"), [("wall_scatter", 0.2), ("joint_m", -0.01), ("cord_kg", np.nan)])

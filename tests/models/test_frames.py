@@ -1,6 +1,7 @@
 """Frames: dof numbering, supports, sections, pictures, and requests that cannot be."""
 
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -85,36 +86,35 @@ def test_a_frame_in_two_parts_warns():
         frame([*NODES[:3], (3, 0), (4, 0)], [(0, 1), (1, 2), (3, 4)])
 
 
+#: Arguments of a frame, and values that they cannot have.
+OPTIONS = {
+    "elements": [[], 5],
+    "elements[0]": [[5, 6], [(0, 9)], [(0, 0.5)], [(0, 1, 2, 3)]],
+    "elements[4]": [[*ELEMENTS, (1, 0)]],
+    "nodes_m": [[*NODES, (9, 9)], [[0.0], [1.0]], [(0, 0), (np.nan, 1)]],
+    "fixed": [range(5), "0"],
+    "fixed[0]": [[(0, "w")], [(0, 1)]],
+    "sections": [3],
+    "sections[0].thickness_m": [ar.Tube(0.03, 0.016, *STEEL)],
+    "sections['pipe'].thickness_m": [{"pipe": ar.Tube(0.03, "thin", *STEEL)}],
+    "orientation": [(0, 0, 1)],
+    "point_masses[0]": [[(7, 1.0)]],
+    "point_masses[0].mass_kg": [[(0, -1.0)]],
+    "point_masses[0].inertia_kg_m2": [[(0, 1.0, (1.0, 2.0))]],
+    "ground_springs[0]": [[(0, "x", 1.0)], [3]],
+    "node_springs[0]": [[ar.NodeSpring(0, 3, 1.0, "v")]],
+}
 WRONG = [
-    ("elements[4]", lambda: frame(elements=[*ELEMENTS, (1, 0)])),
+    *(
+        (argument, partial(frame, **{argument.split("[")[0].removesuffix("_m"): value}))
+        for argument, values in OPTIONS.items()
+        for value in values
+    ),
     ("elements[0]", lambda: frame([(0, 0), (0, 0), (1, 0)], [(0, 1), (1, 2)])),
-    ("elements", lambda: frame(elements=[])),
-    ("elements", lambda: frame(elements=5)),
-    ("elements[0]", lambda: frame(elements=[5, 6])),
-    ("elements[0]", lambda: frame(elements=[(0, 9)])),
-    ("elements[0]", lambda: frame(elements=[(0, 0.5)])),
-    ("elements[0]", lambda: frame(elements=[(0, 1, 2, 3)])),
-    ("nodes_m", lambda: frame([*NODES, (9, 9)])),
-    ("nodes_m", lambda: frame([[0.0], [1.0]], [(0, 1)])),
-    ("nodes_m", lambda: frame([(0, 0), (np.nan, 1)], [(0, 1)])),
-    ("fixed", lambda: frame(fixed=range(5))),
-    ("fixed[0]", lambda: frame(fixed=[(0, "w")])),
-    ("fixed[0]", lambda: frame(fixed=[(0, 1)])),
-    ("fixed", lambda: frame(fixed="0")),
-    ("sections[0].thickness_m", lambda: frame(sections=ar.Tube(0.03, 0.016, *STEEL))),
-    ("sections['pipe'].thickness_m", lambda: frame(sections={"pipe": ar.Tube(0.03, "thin", *STEEL)})),
     ("elements", lambda: frame(sections=[PIPE, BAR])),
     ("elements[0]", lambda: frame(elements=[(0, 1, "rod")], sections={"pipe": PIPE})),
-    ("sections", lambda: frame(sections=3)),
     ("sections[0].torsion_m4", lambda: frame(np.eye(3)[:2], [(0, 1)], ar.Section(1e-4, 1e-8, *STEEL))),
-    ("orientation", lambda: frame(orientation=(0, 0, 1))),
     ("orientation[0]", lambda: frame(np.eye(3)[:2], [(0, 1)], orientation=(1, -1, 0))),
-    ("point_masses[0].mass_kg", lambda: frame(point_masses=[(0, -1.0)])),
-    ("point_masses[0]", lambda: frame(point_masses=[(7, 1.0)])),
-    ("point_masses[0].inertia_kg_m2", lambda: frame(point_masses=[(0, 1.0, (1.0, 2.0))])),
-    ("ground_springs[0]", lambda: frame(ground_springs=[(0, "x", 1.0)])),
-    ("ground_springs[0]", lambda: frame(ground_springs=[3])),
-    ("node_springs[0]", lambda: frame(node_springs=[ar.NodeSpring(0, 3, 1.0, "v")])),
     ("node", lambda: frame().dof(9, "v")),
     ("direction", lambda: frame().dof(0, "w")),
     ("direction", lambda: frame(fixed=[0]).dof(0, "v")),

@@ -1,5 +1,6 @@
 """The island search on Python objectives: contract, not performance."""
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -219,7 +220,9 @@ def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
     from antires_rs.support import progress as _progress
 
     monkeypatch.setattr(_progress, "FIRST_S", 0.0)
-    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=True)
+    monkeypatch.setattr(_progress, "EVERY_S", 0.001)
+    small = ar.IslandGA(islands=1, population=10, max_generations=3)
+    small.minimize(lambda x: time.sleep(1e-3) or sphere(x), BOX, rng=0, progress=True)
     shown = capsys.readouterr()
     assert shown.out == ""
     assert "evaluations" in shown.err

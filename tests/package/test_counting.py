@@ -1,6 +1,5 @@
 """One number for one thing: what is printed, drawn or saved is the index that arguments take."""
 
-import json
 import re
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 
 import antires_rs as ar
 from antires_rs import figures as plotting
-from antires_rs.app.main import main
 from antires_rs.figures.report import write_report
 from tests.support.four_masses import exact
 
@@ -53,44 +51,3 @@ def test_a_spring_has_one_number_in_all_that_is_said_and_drawn(chain, tmp_path):
     answer = re.search(r'<p class="answer">(.*?)</p>', html)[1]
     assert named(answer, "spring") == {HIT}
     assert re.search(rf'<tr class="hit">.*?<th [^>]*>(<span[^>]*>)?{name}<', html, re.DOTALL)
-
-
-def test_a_spring_keeps_its_number_in_files_and_on_the_command_line(chain, tmp_path, capsys):
-    model, now, found = chain
-    found.save(tmp_path / "found.npz")
-    assert ar.DamageResult.load(tmp_path / "found.npz").headline == found.headline
-    now.save(tmp_path / "now.json")
-    exact(model).save(tmp_path / "intact.json")
-    (tmp_path / "job.toml").write_text(
-        "[data]\nfile = 'now.json'\n[damage]\nbaseline = 'intact.json'\n[output]\nreport = false\n"
-        "pictures = false\n[model]\nkind = 'chain'\nmasses_kg = [1, 1, 1, 1, 1, 1]\n"
-        "springs_n_per_m = [500, 500, 500, 500, 500]\n"
-    )
-    assert main(["damage", str(tmp_path / "job.toml"), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["damaged"] == [HIT]
-    (row,) = [row for row in told["elements"] if row["stiffness_loss"]]
-    assert (row["element"], row["name"]) == (HIT, f"spring {HIT}")
-    assert named(told["headline"], "spring") == {HIT}
-    assert {(row["dof"], row["name"]) for row in told["antiresonances"] if "name" in row} <= {
-        (dof, f"mass {dof}") for dof in range(6)
-    }
-
-
-def test_errors_count_as_arguments_do(chain):
-    with pytest.raises(ar.InvalidInputError, match="got element 7|stiffness term 7"):
-        chain[0].with_parameters(ar.stiffness_reduction([7]), [0.1])
-
-
-def test_islands_and_setups_count_as_their_arrays(chain):
-    problem = ar.UpdatingProblem(chain[0], ar.stiffness_factor([0, 1], bounds=(0.5, 1.5)), chain[1])
-    result = ar.update(problem, optimizer=ar.IslandGA(max_evaluations=600), rng=0)
-    drawn = plotting.plot_convergence(result)
-    table = plotting.data_of(drawn)["islands"]
-    for island in range(result.history.cost.shape[1]):
-        np.testing.assert_array_equal(table[f"island_{island}"], result.history.cost[:, island])
-        assert f"island {island}" in drawn.get_legend_handles_labels()[1]
-    odd = ar.AntiresonanceSet(0, {0: [10.0, 20.0, 31.0]}, std_hz={0: [0.01] * 3})
-    sets = [ar.AntiresonanceSet(0, {0: [10.0 + d, 20.0, 30.0]}, std_hz={0: [0.01] * 3}) for d in (0.0, 0.005)]
-    with pytest.warns(ar.AntiresWarning, match="Setup 2 disagrees"):
-        ar.merge_setups([*sets, odd])

@@ -13,14 +13,8 @@ SEARCH = {"max_evaluations": 6000, "patience": 5, "improvement_tolerance": 0.02}
 def everything(result):
     """Every number of a search, as bytes."""
     search, history = result.search, result.search.history
-    arrays = (
-        search.x,
-        history.nfev,
-        history.cost,
-        history.migrations,
-        search.populations,
-        search.population_costs,
-    )
+    arrays = search.x, history.nfev, history.cost, history.migrations
+    arrays += search.populations, search.population_costs
     numbers = [search.fun.hex(), search.nfev, search.nit, search.status, search.message]
     return [np.ascontiguousarray(a).tobytes() for a in arrays] + numbers
 

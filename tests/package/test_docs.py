@@ -105,27 +105,17 @@ def test_what_a_page_links_to_is_there(page):
 
 def test_the_pages_are_built_without_a_warning(tmp_path):
     """The gallery is not executed here: test_examples.py does that."""
-    for module in (
-        "sphinx",
-        "pydata_sphinx_theme",
-        "sphinx_gallery",
-        "numpydoc",
-        "myst_parser",
-        "matplotlib",
-    ):
+    modules = "sphinx pydata_sphinx_theme sphinx_gallery numpydoc myst_parser matplotlib"
+    for module in modules.split():
         pytest.importorskip(module)
     made = shutil.ignore_patterns("_build", "generated", "backreferences")
     for folder in ("docs", "examples"):
         shutil.copytree(DOCS.parent / folder, tmp_path / folder, ignore=made)
     shutil.rmtree(tmp_path / "docs" / "gallery", ignore_errors=True)
-    build = subprocess.run(
-        [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-D", "plot_gallery=0", "docs", "html"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        env=os.environ | {"MPLBACKEND": "Agg"},
-        check=False,
-    )
+    options = ["-q", "-W", "--keep-going", "-D", "plot_gallery=0"]
+    call = [sys.executable, "-m", "sphinx", *options, "docs", "html"]
+    env = os.environ | {"MPLBACKEND": "Agg"}
+    build = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, env=env, check=False)
     assert build.returncode == 0, build.stderr
     assert (tmp_path / "html" / "index.html").stat().st_size > 1000
     assert (tmp_path / "html" / "api" / "generated" / "antires_rs.update.html").exists()

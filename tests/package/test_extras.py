@@ -3,6 +3,7 @@
 import re
 import sys
 import tomllib
+from functools import partial
 
 import numpy as np
 import pytest
@@ -58,15 +59,15 @@ def study():
         "frame": frame,
         "record": record,
         "zeros": zeros,
-        "diagram": zeros.diagrams[0],
+        "stabilization": zeros.diagrams[0],
         "damage": damage,
         "update": ar.update(case.updating_problem(), optimizer=search, rng=0),
-        "table": damage.table,
+        "differences": damage.table,
         "hypotheses": ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)).hypotheses,
         "plan": ar.plan_test(case.model, n_sensors=2, excitations=0),
-        "curves": ar.detectability(three, excitation=0, std=5e-4, n_tests=1, rng=0),
-        "watched": ar.monitor([case.exact(0)] * 60, baseline=50),
-        "check": ar.check_data(record, excitation=0, band_hz=(3, 130)),
+        "detectability": ar.detectability(three, excitation=0, std=5e-4, n_tests=1, rng=0),
+        "monitor": ar.monitor([case.exact(0)] * 60, baseline=50),
+        "singular_values": ar.check_data(record, excitation=0, band_hz=(3, 130)),
         "lines": ar.transmissibility(record, 0, nperseg=4096),
         "responses": ar.frf(record, nperseg=512),
         "comparison": ar.compare(zeros, zeros),
@@ -75,40 +76,15 @@ def study():
     }
 
 
-#: What of the study each function of ``figures`` draws.
-PICTURES = {
-    "plot_chain": "chain",
-    "plot_coherence": "lines",
-    "plot_comparison": "comparison",
-    "plot_convergence": "damage",
-    "plot_damage": "damage",
-    "plot_damages": "damage",
-    "plot_damping_clusters": "diagram",
-    "plot_detectability": "curves",
-    "plot_differences": "table",
-    "plot_frame": "frame",
-    "plot_hypotheses": "hypotheses",
-    "plot_identifiability": "identifiability",
-    "plot_monitor": "watched",
-    "plot_plan": "plan",
-    "plot_responses": "responses",
-    "plot_singular_values": "check",
-    "plot_stabilization": "diagram",
-    "plot_tracks": "tracks",
-    "plot_transmissibility": "lines",
-}
-
-
 def test_pictures_say_what_to_install(bare, study):
-    drawn = {name: lambda name=name: getattr(plotting, name)(study[PICTURES[name]]) for name in PICTURES}
-    drawn["plot_damages"] = lambda: plotting.plot_damages(dict.fromkeys("ab", study["damage"]))
-    drawn["plot_transmissibility"] = lambda: plotting.plot_transmissibility(
-        study["lines"], study["chain"], dof=1, excitation=0
-    )
-    drawn["plot_responses"] = lambda: plotting.plot_responses(
-        study["responses"], study["chain"], excitation=0
-    )
-    assert set(drawn) == {name for name in plotting.__all__ if name.startswith("plot_")}
+    pictures = [name for name in plotting.__all__ if name.startswith("plot_")]
+    given = {f"plot_{name}": (thing,) for name, thing in study.items()}
+    given |= {"plot_damages": (dict.fromkeys("ab", study["damage"]),), "plot_convergence": (study["damage"],)}
+    given |= {"plot_coherence": (study["lines"],), "plot_damping_clusters": (study["stabilization"],)}
+    how = {"plot_transmissibility": {"dof": 1, "excitation": 0}, "plot_responses": {"excitation": 0}}
+    given |= {"plot_transmissibility": (study["lines"], study["chain"])}
+    given |= {"plot_responses": (study["responses"], study["chain"])}
+    drawn = {name: partial(getattr(plotting, name), *given[name], **how.get(name, {})) for name in pictures}
     methods = {type(thing).__name__: thing.plot for thing in study.values() if hasattr(thing, "plot")}
     assert set(methods) >= {name for name in ar.__all__ if hasattr(getattr(ar, name), "plot")}
     methods["AntiresonanceSet"] = lambda: study["zeros"].plot(0)
@@ -167,13 +143,10 @@ def test_what_needs_an_extra_says_what_to_install(bare, study, tmp_path, extra, 
 
 
 def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
-    for read, write, name in (
-        (ar.read_csv, ar.write_csv, "a.csv"),
-        (ar.read_npz, ar.write_npz, "a.npz"),
-        (ar.read_mat, ar.write_mat, "a.mat"),
-    ):
-        write(tmp_path / name, recording())
-        np.testing.assert_allclose(read(tmp_path / name).responses, recording().responses, rtol=1e-12)
+    for kind in ("csv", "npz", "mat"):
+        file = getattr(ar, f"write_{kind}")(tmp_path / f"a.{kind}", recording())
+        again = getattr(ar, f"read_{kind}")(file)
+        np.testing.assert_allclose(again.responses, recording().responses, rtol=1e-12)
     assert ar.from_sep005(ar.to_sep005(recording())).n_samples == recording().n_samples
     model = ar.MatrixModel(study["chain"].stiffness(), study["chain"].mass())
     ar.write_matrices(tmp_path / "model.npz", model)

@@ -35,16 +35,10 @@ def frame(columns=2):
     nodes = [(0.3 * i, 0.05 * (i % 2), 0.02 * i)[:columns] for i in range(6)]
     beams = [(i, i + 1, "ab"[i % 2]) for i in range(5)]
     sections = {"a": TUBE, "b": ar.Rectangle(0.02, 0.01, 2.1e11, 7850.0, shear_coefficient="cowper")}
-    return ar.FrameModel(
-        nodes,
-        beams,
-        sections,
-        point_masses=[ar.PointMass(3, 0.4, 1e-3)],
-        ground_springs=[ar.GroundSpring(5, "u", 4e3)],
-        node_springs=[ar.NodeSpring(1, 4, 2e3)],
-        fixed=[0, (5, "vw"[columns - 2])],
-        orientation=None if columns == 2 else (0.0, 0.3, 1.0),
-    )
+    springs = {"ground_springs": [(5, "u", 4e3)], "node_springs": [(1, 4, 2e3)]}
+    held = {"fixed": [0, (5, "vw"[columns - 2])], "point_masses": [(3, 0.4, 1e-3)]}
+    along = None if columns == 2 else (0.0, 0.3, 1.0)
+    return ar.FrameModel(nodes, beams, sections, orientation=along, **springs, **held)
 
 
 def zeros_of(model):

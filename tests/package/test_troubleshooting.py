@@ -6,8 +6,6 @@ import re
 import warnings
 from pathlib import Path
 
-import pytest
-
 import antires_rs as ar
 from antires_rs.app.main import main
 from antires_rs.measured import antiresonance_set as doubts
@@ -73,11 +71,6 @@ def test_the_command_and_the_function_say_the_same(capsys):
     assert len(capsys.readouterr().out.splitlines()) == len(entries())
     assert main(["explain", "one_forse"]) == 2
     assert "perhaps one_force" in capsys.readouterr().err
-
-
-def test_an_unknown_name_is_refused():
-    with pytest.raises(ar.InvalidInputError, match="perhaps dropouts"):
-        ar.explain("dropout")
 
 
 def test_a_warning_stands_at_the_line_of_the_call_and_can_be_copied():

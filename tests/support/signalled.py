@@ -26,13 +26,9 @@ sys.exit(main(sys.argv[1:]))
 
 def stopped(folder, how, *call, after=0.3, until="searching", code=ANTIRES):
     """Exit code, output, errors and seconds of an ``antires`` that got a signal during its search."""
-    with subprocess.Popen(
-        [sys.executable, "-c", code, *call],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=folder,
-    ) as process:
+    pipe = subprocess.PIPE
+    call = [sys.executable, "-c", code, *call]
+    with subprocess.Popen(call, stdout=pipe, stderr=pipe, text=True, cwd=folder) as process:
         try:
             record = folder / "job_results" / "run.json"
             deadline = time.monotonic() + 60.0

@@ -52,11 +52,9 @@ def states(seed, losses=(0, 0, 0.3, 0, 0)):
 
 def changed(sets, by=1.0, dofs=None, std=1.0):
     """The sets with all values times ``by``, at some of the dofs, and standard deviations times ``std``."""
-    return [
-        ar.AntiresonanceSet(
-            each.excitation,
-            {d: by * each[d] for d in (each if dofs is None else dofs)},
-            std_hz={d: std * each.std_hz[d] for d in (each if dofs is None else dofs)},
-        )
-        for each in sets
-    ]
+    made = []
+    for each in sets:
+        some = each if dofs is None else dofs
+        freq, stds = {d: by * each[d] for d in some}, {d: std * each.std_hz[d] for d in some}
+        made.append(ar.AntiresonanceSet(each.excitation, freq, std_hz=stds))
+    return made

@@ -116,13 +116,3 @@ def test_a_reading_that_no_weather_makes_is_not_known(season):
     assert np.array_equal(one.statistic, other.statistic)
     assert one.alarm[65:].all()
     assert one.outside[65:].all()
-
-
-def test_conditions_in_any_table(season):
-    pandas = pytest.importorskip("pandas")
-    sets, measured = season[0][:60], season[1][:60]
-    table = pandas.DataFrame({"name": [str(i) for i in range(59, -1, -1)], "temperature_c": measured[::-1]})
-    watched = ar.monitor(sets, baseline=55, conditions=table)
-    expected = ar.monitor(sets, baseline=55, conditions={"temperature_c": measured})
-    assert np.array_equal(watched.conditions["temperature_c"], measured)
-    assert np.array_equal(watched.statistic, expected.statistic)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.watch import identify_series as module, sources as one_test
+from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, dead, record
 from tests.support.campaign import some_of
 from tests.support.same_sets import assert_same_set
@@ -97,16 +97,10 @@ def test_conditions_come_with_a_source_or_beside(quick):
 def test_what_fails_is_kept_with_its_reason(tmp_path):
     torn = tmp_path / "torn.npz"
     torn.write_bytes(b"PK\x03\x04 and nothing more")
-    sources = [
-        ("good", record()),
-        torn,
-        tmp_path / "absent.npz",
-        tmp_path / "what.xyz",
-        ("short", ar.Recording(np.random.default_rng(0).standard_normal((3, 40)), 32.0)),
-        ("one", ar.Recording(record().responses[:1], 32.0)),
-        ("broken", lambda: 1 / 0),
-        ("last", record(1)),
-    ]
+    short = ar.Recording(np.random.default_rng(0).standard_normal((3, 40)), 32.0)
+    one = ar.Recording(record().responses[:1], 32.0)
+    sources = [("good", record()), torn, tmp_path / "absent.npz", tmp_path / "what.xyz", ("short", short)]
+    sources += [("one", one), ("broken", lambda: 1 / 0), ("last", record(1))]
     series = ar.identify_series(sources, **OPTIONS)
     assert [i for i, one in enumerate(series) if one is None] == list(series.failed) == [1, 2, 3, 4, 5, 6]
     said = {2: "FileNotFoundError", 3: "ending", 5: "a single channel", 6: "ZeroDivisionError"}
@@ -176,12 +170,6 @@ def test_any_workers_give_the_same_bits(folder, workers):
     assert ar.identify_series(sources, **OPTIONS, workers=workers) == alone
 
 
-def test_a_function_that_is_no_map():
-    wrong = pytest.raises(ar.InvalidInputError, match="workers: got .*len")
-    with wrong, pytest.warns(FutureWarning, match="has no submit"):
-        ar.identify_series([given(0)], **OPTIONS, workers=len)
-
-
 @pytest.mark.parametrize(
     ("reading", "said"),
     [
@@ -243,11 +231,6 @@ def test_an_exception_keeps_the_tests_so_far(quick, ends):
     assert kept.interrupted
     assert len(kept) == (3 if ends == "generator" else 4)  # the next one is read while one is computed
     assert kept[0][0].tolist() == [2.0]
-
-
-def test_the_rest_time_is_at_the_pace_of_what_is_new():
-    assert module._progress(60, 100, 2, 30.0, 10) == "test 60 of 100, 2 failed, about 2 min left"
-    assert module._progress(100, 100, 0, 30.0, 10) == "test 100 of 100"
 
 
 def test_a_column_that_is_left_out_is_told_to_the_caller(quick):

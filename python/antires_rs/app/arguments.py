@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import MISSING, fields
 from functools import partial
 from typing import Any
@@ -23,7 +23,7 @@ from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from ..updating.problem import UpdatingProblem
 from ..updating.result import UpdateResult
 from ..watch.sources import natural
-from .job import Job, KeyPath, nearest
+from .job import Job, KeyPath
 from .keys import CHAIN, FRAME, MATRICES, PARAMETERS, RESULT, shown
 
 _SHAPES = {"tube": Tube, "rectangle": Rectangle, "general": Section}
@@ -40,10 +40,8 @@ def model_of(job: Job) -> StructuralModel:
         MATRICES: _matrices,
         RESULT: lambda job, table: UpdateResult.load(_model_file(job, table, "file")).model,
     }
-    if kind not in makers:
-        got = shown(kind)
-        remedy = nearest(kind, makers) or "'antires init --model KIND' writes a job for each."
-        job.reject(("model", "kind"), got, "one of " + ", ".join(f'"{one}"' for one in makers), remedy)
+    wanted, remedy = f"one of {_quoted(makers)}", "'antires init --model KIND' writes a job for each."
+    job.one_of(("model", "kind"), kind, makers, remedy, wanted=wanted)
     job.only(("model",), table, kind)
     with job.blame(("model",), {"path": ("model", "file")}):
         return makers[kind](job, table)
@@ -59,10 +57,9 @@ def _model_file(job: Job, table: dict[str, Any], key: str) -> Any:
 def _frame(job: Job, table: dict[str, Any]) -> StructuralModel:
     for i, row in enumerate(table["elements"]):
         if not isinstance(row, list):
+            wanted = '[node, node] or [node, node, "section"]'
             remedy = "Each beam is a list of its own, inside the list of all."
-            job.reject(
-                ("model", "elements", i), shown(row), '[node, node] or [node, node, "section"]', remedy
-            )
+            job.reject(("model", "elements", i), shown(row), wanted, remedy)
     sections = {name: _section(job, name, parts) for name, parts in table.pop("sections").items()}
     nodes, elements = table.pop("nodes_m"), table.pop("elements")
     # One section needs no name in each element.
@@ -77,20 +74,21 @@ def _section(job: Job, name: str, parts: Any) -> Tube | Rectangle | Section:
         "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850 }."
     )
     shape = parts.get("shape") if isinstance(parts, dict) else parts
-    if not isinstance(parts, dict) or shape not in _SHAPES:
-        wanted = "a table with shape = " + ", ".join(f'"{one}"' for one in _SHAPES)
-        job.reject(place, shown(shape), wanted, remedy)
+    if not isinstance(parts, dict) or shape not in list(_SHAPES):
+        job.reject(place, shown(shape), f"a table with shape = {_quoted(_SHAPES)}", remedy)
     sizes = {key: value for key, value in parts.items() if key != "shape"}
     known = {field.name: field for field in fields(_SHAPES[shape])}
     for key in sizes:
-        if key not in known:
-            wanted = "one of " + ", ".join(known)
-            job.reject((*place, key), f"the unknown key {key!r}", wanted, nearest(key, known) or remedy)
+        job.one_of((*place, key), key, known, remedy, f"the unknown key {key!r}")
     for key, field in known.items():
         if key not in parts and field.default is MISSING:
             job.reject(place, f"no {key!r}", f"{key} = a number", remedy)
     section: Tube | Rectangle | Section = _SHAPES[shape](**sizes)
     return section
+
+
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names)
 
 
 def _matrices(job: Job, table: dict[str, Any]) -> StructuralModel:
@@ -155,9 +153,8 @@ def parameters_of(job: Job, model: StructuralModel) -> tuple[list[Parameter], li
     for i, table in enumerate(job.parameters):
         place = ("parameters", i)
         kind = table["kind"]
-        if kind not in _ON:
-            remedy = nearest(kind, _ON) or "Those of sections, masses and supports need a frame."
-            job.reject((*place, "kind"), shown(kind), "one of " + ", ".join(_ON), remedy)
+        remedy = "Those of sections, masses and supports need a frame."
+        job.one_of((*place, "kind"), kind, _ON, remedy)
         on = _ON[kind]
         job.only(place, table, kind)
         options = {key: value for key, value in table.items() if key not in ("kind", "bounds", on)}
@@ -196,12 +193,8 @@ def _everything(model: StructuralModel, on: str) -> list[Any]:
         return []
     if on == "sections":
         return list(model.sections)
-    counted: dict[str, Any] = {
-        "nodes": model.nodes_m,
-        "masses": model.point_masses,
-        "springs": model.ground_springs,
-    }
-    return list(range(len(counted[on])))
+    counted = {"nodes": "nodes_m", "masses": "point_masses", "springs": "ground_springs"}
+    return list(range(len(getattr(model, counted[on]))))
 
 
 # -- From [damage] of a job to a call of ``assess_damage``, its options found valid
@@ -213,12 +206,8 @@ def damage_search(
     """The assessment of a job, to be called with what every search takes."""
     table = job.sections["damage"]
     options = SearchOptions(**{key: table[key] for key in SearchOptions.declared() if key in table})
-    elements = table.get("elements", "all")
-    if elements == "all":
-        elements = None
-    chosen = (
-        model.default_elements if elements is None else [elements] if isinstance(elements, int) else elements
-    )
+    elements = None if table.get("elements") == "all" else table.get("elements")
+    chosen = [elements] if isinstance(elements, int) else elements or model.default_elements
     places: list[KeyPath] = [("damage", "elements", i) for i in range(len(chosen))]
     with job.blame(("damage",), {"measured": ("data",), "parameters": places}):
         UpdatingProblem(
@@ -227,7 +216,14 @@ def damage_search(
     assess = partial(assess_damage, model, measured, elements=elements, search=options)
     if not baseline:
         return assess
-    prior = _prior(job)
+    prior, at = table.get("prior"), ("damage", "prior")
+    if prior is not None:
+        for name in prior:
+            known = [field.name for field in fields(DamagePrior)]
+            remedy = "What belongs to none of them is unknown."
+            job.one_of((*at, name), name, known, remedy, repr(name))
+        with job.blame(at, {"prior": at}):
+            prior = DamagePrior(**prior)
     with job.blame(("damage",), {"measured": ("data",)}):  # known before anything is written
         options.of(TWO_STATES)
         measured_states(model, baseline, measured if isinstance(measured, list) else [measured])
@@ -237,17 +233,3 @@ def damage_search(
         return assess(baseline=baseline, prior=prior, **how)
 
     return judged
-
-
-def _prior(job: Job) -> DamagePrior | None:
-    given = job.sections["damage"].get("prior")
-    if given is None:
-        return None
-    at: KeyPath = ("damage", "prior")
-    known = [field.name for field in fields(DamagePrior)]
-    for name in given:
-        if name not in known:
-            remedy = nearest(name, known) or "What belongs to none of them is unknown."
-            job.reject((*at, name), repr(name), "one of " + ", ".join(known), remedy)
-    with job.blame(at, {"prior": at}):
-        return DamagePrior(**given)

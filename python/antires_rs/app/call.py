@@ -49,12 +49,9 @@ class Call(Job):
             reject("--hit", "it for one place of the force", wanted, "Name that place by --excitation.")
         if table["dofs"] is not None:
             table["dofs"] = dict(table["dofs"])
-        self.data = [{name: value for name, value in table.items() if value is not None}]
-        self.data_places = [_PLACE]
         options = {key.name: getattr(args, key.name) for key in IDENTIFICATION.keys if key.flag}
-        self.sections = {
-            "identification": {name: value for name, value in options.items() if value is not None}
-        }
+        self.data, self.data_places = [_given(table)], [_PLACE]
+        self.sections = {"identification": _given(options)}
 
     def read(self, files: list[Path]) -> Measurement:
         """What the files hold; a universal file may state the place of the force."""
@@ -97,7 +94,12 @@ class Call(Job):
         named = table.get("dofs", {})
         force = table["excitation"]
         if not (self._roved or force in named or force in signal.dofs):
-            _warn_unmeasured(force, signal.dofs)
+            # Antiresonances do not depend on that name: a slip of the pen would pass in silence.
+            meant, hint = _meant(force, signal.dofs), "If it acts at one of them, write that name."
+            if meant is not None:
+                hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
+            said = f"--excitation: {force!r} is none of the channels {_some(signal.dofs)}, so that"
+            warn("force_not_measured", f"{said} the place of the force cannot be tested. {hint}")
 
     def where(self, place: KeyPath) -> Place:
         """The option of a place."""
@@ -108,7 +110,8 @@ class Call(Job):
         """Nothing: the help of the command tells."""
         return ""
 
-    def spelled(self, part: Part) -> str:
+    @staticmethod
+    def spelled(part: Part) -> str:
         """An argument of a reader as this command has it; those it lacks a job has."""
         if isinstance(part, LeftOut):
             return LEAVE_OUT
@@ -119,6 +122,10 @@ class Call(Job):
 
 
 _FILE: KeyPath = ("data", "file")
+
+
+def _given(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def check_files(args: argparse.Namespace) -> None:
@@ -176,22 +183,6 @@ def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list
             reject("--roving", got, "a sensor that is in every file", "Name the one that stayed.")
         hits.append(Hit(file.name, signal, one.force))
     return hits, call
-
-
-# -- A force that is none of the channels
-
-
-def _warn_unmeasured(force: Any, dofs: tuple[Any, ...]) -> None:
-    """The antiresonances do not depend on the name, so that a slip of the pen would pass in silence."""
-    meant = _meant(force, dofs)
-    hint = "If it acts at one of them, write that name."
-    if meant is not None:
-        hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
-    warn(
-        "force_not_measured",
-        f"--excitation: {force!r} is none of the channels {_some(dofs)}, so that "
-        f"the place of the force cannot be tested. {hint}",
-    )
 
 
 def _meant(force: Any, dofs: tuple[Any, ...]) -> Any:

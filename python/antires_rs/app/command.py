@@ -13,14 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import (
-    AntiresError,
-    AntiresWarning,
-    Argument,
-    InvalidInputError,
-    UnsuitableDataError,
-    reject,
-)
+from ..exceptions import AntiresError, AntiresWarning, Argument, InvalidInputError, UnsuitableDataError
 from .parser import complain, parser
 
 
@@ -29,7 +22,7 @@ def run(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     with warnings.catch_warnings():
         warnings.simplefilter("always", AntiresWarning)
-        warnings.showwarning = _warn
+        warnings.showwarning = _warn  # type: ignore[assignment]
         try:
             module, name = args.does.split(".")
             code: int = getattr(import_module(f"{__package__}.{module}"), name)(args)
@@ -51,28 +44,18 @@ def _refused(exc: OSError) -> object:
         return exc
     from ..support.files import final_path
 
-    return UnsuitableDataError(
-        repr(str(final_path(exc.filename))),
-        f"'{exc.strerror}' from the system",
-        "a place that this user may read and write",
-        "Choose another folder, or change its permissions.",
-    )
+    place, wanted = repr(str(final_path(exc.filename))), "a place that this user may read and write"
+    remedy = "Choose another folder, or change its permissions."
+    return UnsuitableDataError(place, f"'{exc.strerror}' from the system", wanted, remedy)
 
 
-def _warn(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: Any = None,
-    line: str | None = None,
-) -> None:
+def _warn(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
     """One line for each thing that a warning of ours says; others as Python has them."""
     if issubclass(category, AntiresWarning):
         for said in str(message).splitlines():
             print(f"antires: warning: {said}", file=sys.stderr)
     else:
-        print(warnings.formatwarning(message, category, filename, lineno, line), end="", file=sys.stderr)
+        print(warnings.formatwarning(message, category, filename, lineno), end="", file=sys.stderr)
 
 
 # -- What commands share: where they speak, and how they name their arguments
@@ -99,11 +82,11 @@ def new_file(option: str, file: Path | None, *endings: str) -> None:
     """Refuse a file that could not be written, before anything is computed for it."""
     if file is None:
         return
-    if file.suffix not in endings:
-        reject(option, repr(str(file)), f"a file that ends in {endings[0]}", "Choose another name.")
-    if not file.parent.is_dir():
-        wanted = "a file in a folder that exists"
-        reject(option, repr(str(file)), wanted, f"Make {str(file.parent)!r} first.")
+    wanted, remedy = f"a file that ends in {endings[0]}", "Choose another name."
+    if file.suffix in endings:
+        wanted, remedy = "a file in a folder that exists", f"Make {str(file.parent)!r} first."
+    if file.suffix not in endings or not file.parent.is_dir():
+        raise InvalidInputError(option, repr(str(file)), wanted, remedy)
 
 
 def existing(

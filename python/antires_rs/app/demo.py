@@ -1,9 +1,7 @@
 """``antires demo``: tells the story of the eight-mass chain, and draws it.
 
-The tested structure differs from the model by up to 8 % in every mass and spring. It is recorded undamaged,
-and the model updated; then recorded damaged, and the loss found with the updated model, and against the
-undamaged record with the model as it was. The pipeline sees records only: the truth is printed beside its
-answers, never used for them.
+The tested structure differs from the model by up to 8 % in every mass and spring. The pipeline sees records
+only: the truth is printed beside its answers, never used for them.
 """
 
 from __future__ import annotations
@@ -82,15 +80,9 @@ def tell(seed: int = 0, noise: float = 0.01, workers: int | None = None) -> Stor
     text = "recording the undamaged structure"
     record = timed("recording", text, case.experiment, 0, noise=noise, rng=first)
     undamaged = timed("identification", "identifying its antiresonances", identify, record)
-    updated = timed(
-        "updating",
-        "updating 15 parameters of the model",
-        update,
-        case.updating_problem(undamaged),
-        optimizer=IslandGA(max_evaluations=MAX_EVALUATIONS),
-        rng=searches[0],
-        workers=workers,
-    )
+    problem, text = case.updating_problem(undamaged), "updating 15 parameters of the model"
+    how = {"optimizer": IslandGA(max_evaluations=MAX_EVALUATIONS), "rng": searches[0], "workers": workers}
+    updated = timed("updating", text, update, problem, **how)
     text = "recording and identifying the damaged structure"
     damaged = timed("damaged", text, lambda: identify(case.experiment(1, noise=noise, rng=second)))
 
@@ -120,15 +112,8 @@ def compare(found: AntiresonanceSet, truth: dict[int, FloatArray]) -> list[dict[
             i, k = divmod(int(np.argmin(error)), error.shape[1])
             pairs.append(100.0 * float(error[i, k]))
             error[i, :], error[:, k] = np.inf, np.inf
-        matches.append(
-            {
-                "dof": dof,
-                "true": len(true_hz),
-                "found": len(pairs),
-                "false": len(found[dof]) - len(pairs),
-                "largest_error_percent": max(pairs, default=None),
-            }
-        )
+        counts = {"true": len(true_hz), "found": len(pairs), "false": len(found[dof]) - len(pairs)}
+        matches.append({"dof": dof, **counts, "largest_error_percent": max(pairs, default=None)})
     return matches
 
 
@@ -138,14 +123,11 @@ def text(story: Story) -> str:
     label = story.case.model.element_label
     updated = story.updated
     found = (story.damage.severity, severity, story.damage.detectable, story.nominal.severity)
-    losses = "\n".join(
-        f"   {label(e):<20}"
-        + "".join(
-            f" {_percent(column[e]):>{width}}"
-            for column, width in zip((*found, story.baseline.severity), (8, 8, 11, 16, 22), strict=True)
-        )
-        for e in story.damage.elements
-    )
+    columns = list(zip((*found, story.baseline.severity), (8, 8, 11, 16, 22), strict=True))
+    losses = []
+    for e in story.damage.elements:
+        row = "".join(f" {_percent(column[e]):>{width}}" for column, width in columns)
+        losses.append(f"   {label(e):<20}{row}")
     notes = [fill(note, 100, initial_indent="   note: ", subsequent_indent=9 * " ") for note in updated.notes]
     return "\n".join(
         [
@@ -171,7 +153,7 @@ def text(story: Story) -> str:
             "",
             "   stiffness loss in %     found    truth    smallest    found without    against the undamaged",
             "                                              visible     the updating    record, no updating",
-            losses,
+            *losses,
             "",
             "   Against the undamaged record:",
             fill(story.baseline.headline, 100, initial_indent="   ", subsequent_indent="   "),

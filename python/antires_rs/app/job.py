@@ -6,9 +6,8 @@ import os
 import re
 import tomllib
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -17,6 +16,7 @@ from ..io.registry import conversion
 from ..support.messages import LeftOut, Part
 from .command import existing
 from .keys import FORMATS, KINDS, SECTIONS, TASKS, Key, Section, shown, unset_in
+from .parser import nearest
 
 # -- Where the keys of a TOML text stand, which tomllib does not tell
 
@@ -155,12 +155,6 @@ def _label(place: KeyPath) -> str:
     return label
 
 
-def nearest(name: str, known: Any) -> str:
-    """A hint at the known name nearest to an unknown one; '' where none is near."""
-    near = get_close_matches(name, list(known), 1, 0.7)
-    return f"Did you mean {near[0]!r}?" if near else ""
-
-
 # -- From the text of a job file to its tables; where it is no TOML, the line on which that begins
 
 #: Keys and lists of a job are three or four deep.
@@ -203,25 +197,15 @@ def _statements(name: str, text: str) -> list[int]:
             starts.append(token.line)
         depth = max(depth + {"[": 1, "{": 1, "]": -1, "}": -1}.get(token.text, 0), 0)
         dots = dots + 1 if token.text == "." else dots if before.text == "." else 0
-        for deep, what in (
-            (dots >= _DEEPEST, "a key of many parts"),
-            (depth > _DEEPEST, "brackets in brackets"),
-        ):
-            if deep:
-                raise _no_job(name, token.line, f"{what}, more than {_DEEPEST} deep", "Correct that line.")
+        if dots >= _DEEPEST or depth > _DEEPEST:
+            what = "a key of many parts" if dots >= _DEEPEST else "brackets in brackets"
+            raise _no_job(name, token.line, f"{what}, more than {_DEEPEST} deep", "Correct that line.")
         before = token
     return starts
 
 
 #: How a channel is left out in a job and on the command line.
 LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line"
-
-
-def in_a_job(part: Part) -> str:
-    """An argument of a reader as a job has it."""
-    if isinstance(part, LeftOut):
-        return LEAVE_OUT
-    return part.name if part.value is None else f"{part.name} = {shown(part.value)}"
 
 
 class Job:
@@ -235,12 +219,12 @@ class Job:
         self.path = path
         raw = parsed(path.name, text)
         self._lines = lines_of(text)
+        known = ", ".join(f"[{one}]" for one in SECTIONS)
         for name in raw:
-            if name not in SECTIONS:
-                known = ", ".join(f"[{one}]" for one in SECTIONS)
-                remedy = self._owner(name) or nearest(name, SECTIONS)
-                remedy = remedy or "'antires init' writes a job with all of them."
-                self.reject((name,), f"the unknown name {name!r}", f"one of the sections {known}", remedy)
+            remedy = self._owner(name) or "'antires init' writes a job with all of them."
+            self.one_of(
+                (name,), name, SECTIONS, remedy, f"the unknown name {name!r}", f"one of the sections {known}"
+            )
         tables = {name: self._tables(SECTIONS[name], value) for name, value in raw.items()}
         for name, rows in tables.items():
             for place, row in rows.items():
@@ -250,11 +234,7 @@ class Job:
                 self.reject((), f"no section [{name}]", f"one [{name}]", SECTIONS[name].help)
         self.data = list(tables["data"].values())
         self.parameters = list(tables.get("parameters", {}).values())
-        self.sections = {
-            name: next(iter(tables[name].values())) if name in tables else {}
-            for name in SECTIONS
-            if name not in ("data", "parameters")
-        }
+        self.sections = {name: next(iter(tables.get(name, {}).values()), {}) for name in SECTIONS}
         self.task = self._task(raw)
         #: Place of each [data]: with one table ("data",), else ("data", i).
         self.data_places = list(tables["data"])
@@ -277,14 +257,19 @@ class Job:
         self.reject((name,), got, wanted, section.help)
 
     def _check(self, section: Section, place: KeyPath, table: Mapping[str, Any]) -> None:
-        names = [key.name for key in section.keys]
+        keys = {key.name: key for key in section.keys}
         for name, value in table.items():
-            key = section.key(name)
-            if key is None:
-                remedy = nearest(name, names) or self._owner(name) or "Remove it."
-                self.reject((*place, name), f"the unknown key {name!r}", f"one of {', '.join(names)}", remedy)
-            if key.kind in ("dof", "dofs"):
-                self._check_given((*place, name), value, key)
+            self.one_of(
+                (*place, name), name, keys, self._owner(name) or "Remove it.", f"the unknown key {name!r}"
+            )
+            key = keys[name]
+            if key.kind in ("dof", "dofs") and (unset := unset_in(value)):  # as ``antires init`` left it
+                of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
+                more = f" and {len(unset) - 5} more" if len(unset) > 5 else ""
+                got = f"'?'{of}{more}, where the dof is not given yet"
+                wanted = 'the dof of the model, as in 4, or "2 u" of a frame'
+                remedy = f"Put it in place of the '?'. {key.explanation}"
+                self.reject((*place, name), got, wanted, remedy)
             kind = KINDS[key.kind]
             if not kind.fits(value):
                 self.reject((*place, name), shown(value), kind.wanted, f"{kind.remedy} {key.explanation}")
@@ -292,38 +277,23 @@ class Job:
             if key.required and not key.of and key.name not in table:
                 self.missing(place, key.name)
 
-    def _check_given(self, place: KeyPath, value: Any, key: Key) -> None:
-        """Refuse a dof that ``antires init`` left open."""
-        unset = unset_in(value)
-        if not unset:
-            return
-        of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
-        more = f" and {len(unset) - 5} more" if len(unset) > 5 else ""
-        got = f"'?'{of}{more}, where the dof is not given yet"
-        wanted = 'the dof of the model, as in 4, or "2 u" of a frame'
-        self.reject(place, got, wanted, f"Put it in place of the '?'. {key.explanation}")
-
     def _task(self, raw: Mapping[str, Any]) -> str:
         damage, update = "damage" in raw, "parameters" in raw
         if "series" in raw:
             known = TASKS["series"]
-            for name in raw:
-                if name not in known:
-                    remedy = "A series has no model: remove it, or write another job for one of its tests."
-                    wanted = "one of " + ", ".join(f"[{one}]" for one in known)
-                    self.reject((name,), f"[{name}] beside [series]", wanted, remedy)
+            for name in (name for name in raw if name not in known):
+                remedy = "A series has no model: remove it, or write another job for one of its tests."
+                wanted = "one of " + ", ".join(f"[{one}]" for one in known)
+                self.reject((name,), f"[{name}] beside [series]", wanted, remedy)
             if len(self.data) > 1:
                 wanted = "one [data], whose file is a folder or a pattern"
                 self.reject(("data",), "several [[data]]", wanted, "Write a job for each force.")
             return "series"
         if damage == update:
-            self.reject(
-                ("damage",) if damage else (),
-                "both [damage] and [[parameters]]" if damage else "neither [damage] nor [[parameters]]",
-                "one of them",
-                "A job updates a model or looks for damage; the second can start from "
-                'the result of the first, kind = "result" under [model].',
-            )
+            got = "both [damage] and [[parameters]]" if damage else "neither [damage] nor [[parameters]]"
+            remedy = "A job updates a model or looks for damage; the second can start from "
+            remedy += 'the result of the first, kind = "result" under [model].'
+            self.reject(("damage",) if damage else (), got, "one of them", remedy)
         if damage and "updating" in raw:
             remedy = "Its keys belong to a job with [[parameters]]."
             self.reject(("updating",), "[updating] beside [damage]", "[damage] alone", remedy)
@@ -336,10 +306,8 @@ class Job:
             key = section.key(name)
             if key and key.of and kind not in key.of:
                 own = ", ".join(one.name for one in section.keys if not one.of or kind in one.of)
-                got = f"{name!r}, which belongs to {' or '.join(key.of)}"
-                self.reject(
-                    (*place, name), got, f"a key of {kind!r}: {own}", "Remove it, or change the kind."
-                )
+                got, wanted = f"{name!r}, which belongs to {' or '.join(key.of)}", f"a key of {kind!r}: {own}"
+                self.reject((*place, name), got, wanted, "Remove it, or change the kind.")
         for key in section.keys:
             if key.required and kind in key.of and key.name not in table:
                 self.missing(place, key.name)
@@ -357,10 +325,17 @@ class Job:
         """Refuse what stands at a place."""
         raise InvalidInputError(self.where(place), got, wanted, remedy)
 
+    def one_of(
+        self, place: KeyPath, given: Any, known: Iterable[str], remedy: str, got: str = "", wanted: str = ""
+    ) -> None:
+        """Refuse what is none of the known names, with the nearest of them where one is near."""
+        if given not in list(known):
+            near = nearest(given, known, 0.7) if isinstance(given, str) else ""
+            self.reject(place, got or shown(given), wanted or f"one of {', '.join(known)}", near or remedy)
+
     def missing(self, place: KeyPath, key: str) -> NoReturn:
         """Refuse a section for a key that is not there."""
-        declared = key_at((*place, key))
-        assert declared is not None
+        declared: Any = key_at((*place, key))
         wanted = f"{key} = {KINDS[declared.kind].wanted}"
         self.reject(place, f"no {key!r}", wanted, f"Add it. {declared.explanation}")
 
@@ -385,9 +360,12 @@ class Job:
         line = f", line {self._lines[there]}" if there else ""
         return Place(f"{self.path.name}{line}{f', {_label(place)}' if place else ''}", place)
 
-    def spelled(self, part: Part) -> str:
+    @staticmethod
+    def spelled(part: Part) -> str:
         """An argument of a reader as its user writes it."""
-        return in_a_job(part)
+        if isinstance(part, LeftOut):
+            return LEAVE_OUT
+        return part.name if part.value is None else f"{part.name} = {shown(part.value)}"
 
     def belongs(self, place: KeyPath) -> str:
         """What belongs to a place."""

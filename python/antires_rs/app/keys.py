@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 from textwrap import wrap
@@ -14,6 +14,7 @@ from typing import Any
 from ..damage.options import ONE_STATE, TWO_STATES, SearchOptions, options_with
 from ..identification.options import declared
 from ..io.registry import ENDINGS, formats_of
+from ..support.options import Option
 
 # -- What a key and a section of a job file are
 
@@ -129,25 +130,15 @@ _FLAGS = {
     "max_order": "--max-order N>=2",
     "cross_check": "--cross-check --second-opinion WORD",
 }
-_IDENTIFICATION = [
-    Key(
-        name,
-        "whole" if one.kind == "segment" else one.kind,
-        one.sentence,
-        one.shown,
-        flag=_FLAGS.get(name, ""),
-    )
-    for name, one in declared().items()
-]
 
 
-def _of_damage(scope: str) -> list[Key]:
-    """Options of a search for damage that a job may set."""
-    options = SearchOptions.declared()
+def _of_options(options: Mapping[str, Option], names: Iterable[str]) -> list[Key]:
+    """The keys of options of a call, but for those whose values no job can write."""
+    kinds = {name: "whole" if options[name].kind == "segment" else options[name].kind for name in names}
     return [
-        Key(name, options[name].kind, options[name].explanation, options[name].shown)
-        for name in options_with(scope)
-        if options[name].kind != "value"
+        Key(name, kind, options[name].explanation, options[name].shown, flag=_FLAGS.get(name, ""))
+        for name, kind in kinds.items()
+        if kind != "value"
     ]
 
 
@@ -304,9 +295,9 @@ pictures (switch) = true: Whether to write the pictures as PNG too.
 #: In the order of a job file.
 SECTIONS = _sections(
     _TEXT.replace("<endings>", " ".join(SIGNAL_ENDINGS)).replace("<formats>", ", ".join(FORMATS)),
-    options=_IDENTIFICATION,
-    two_states=_of_damage(TWO_STATES),
-    one_state=_of_damage(ONE_STATE),
+    options=_of_options(declared(), declared()),
+    two_states=_of_options(SearchOptions.declared(), options_with(TWO_STATES)),
+    one_state=_of_options(SearchOptions.declared(), options_with(ONE_STATE)),
 )
 DATA, IDENTIFICATION, PARAMETERS = (SECTIONS[name] for name in ("data", "identification", "parameters"))
 #: What a job of each task may hold, in the order in which ``antires init`` writes it.
@@ -406,11 +397,7 @@ def shown(value: Any) -> str:
 
 # -- The job that ``antires init`` writes: every key with the sentence that explains it
 
-_HEAD = {
-    "damage": "Look for damage: antires damage",
-    "update": "Update a model: antires update",
-    "series": "Identify many tests: antires series",
-}
+_HEAD = {"damage": "Look for damage", "update": "Update a model", "series": "Identify many tests"}
 #: What is filled in as an example, by model.
 _EXAMPLES = {
     CHAIN: {"masses_kg": "[1.0, 1.0, 1.0]", "springs_n_per_m": "[50e3, 50e3]"},
@@ -460,7 +447,7 @@ def template(
 ) -> str:
     """A job to be filled in: valid as it stands, but for the files it names and dofs that are not given."""
     lines = [
-        f"# {_HEAD[task]} {name}",
+        f"# {_HEAD[task]}: antires {task} {name}",
         "#",
         "# Lines that begin with # are explanations, or keys with their defaults: remove the # to",
         "# change one. Force, band and model that stand here are examples: put your own in their place.",

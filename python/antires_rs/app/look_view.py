@@ -83,15 +83,10 @@ def _of_job(args: argparse.Namespace) -> Session:
 def _session(
     args: argparse.Namespace, options: dict[str, Any], found: Any, source: Any, band_hz: Any, **more: Any
 ) -> Session:
-    return Session(
-        found,
-        source,
-        band_hz=band_hz,
-        max_order=options.get("max_order"),
-        options={name: value for name, value in options.items() if name != "max_order"},
-        save_to=args.out or f"{args.files[0].stem}_antiresonances.json",
-        **more,
-    )
+    order, others = options.get("max_order"), {k: v for k, v in options.items() if k != "max_order"}
+    save_to = args.out or f"{args.files[0].stem}_antiresonances.json"
+    more |= {"band_hz": band_hz, "max_order": order, "options": others, "save_to": save_to}
+    return Session(found, source, **more)
 
 
 def result_file(path: Path) -> Path | None:

@@ -1,8 +1,4 @@
-"""The ``antires`` command. Tables on standard output, progress and errors on standard error.
-
-Exit codes: 0 done, 1 failed, 2 wrong usage (arguments or job file), 130 interrupted. Progress is shown on a
-terminal only.
-"""
+"""The ``antires`` command: tables go to standard output, errors and progress to standard error."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ class Parser(argparse.ArgumentParser):
 
     def unknown(self, argument: str) -> NoReturn:
         """Refuse an argument that no action takes."""
-        remedy = _nearest(argument.split("=")[0], self._options(), 0.7) or "Remove it."
+        remedy = nearest(argument.split("=")[0], self._options(), 0.7) or "Remove it."
         self.refuse(argument, "an argument that is not known", f"those of '{self.prog} --help'", remedy)
 
     def _explain(self, exc: argparse.ArgumentError) -> NoReturn:
@@ -96,7 +96,7 @@ class Parser(argparse.ArgumentParser):
     def _check_command(self, given: Sequence[str]) -> None:
         commands = self._commands()
         if commands and given and not given[0].startswith("-") and given[0] not in commands:
-            remedy = _nearest(given[0], commands) or self.see
+            remedy = nearest(given[0], commands) or self.see
             self.refuse("COMMAND", repr(given[0]), f"one of {', '.join(commands)}", remedy)
 
     def _check_short_forms(self, given: Sequence[str]) -> None:
@@ -125,7 +125,8 @@ def _use(action: argparse.Action) -> str:
     return f"{use} ({', '.join(action.choices)})" if isinstance(action.choices, dict) else use
 
 
-def _nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
+def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
+    """A hint at the known name nearest to an unknown one; '' where none is near."""
     near = get_close_matches(name, known, 1, likeness)
     return f"Did you mean {near[0]!r}?" if near else ""
 
@@ -156,7 +157,7 @@ def one_of(options: Sequence[str]) -> dict[str, Any]:
     def parse(text: str) -> str:
         if text in options:
             return text
-        raise WrongValue(repr(text), f"one of {', '.join(options)}", _nearest(text, options))
+        raise WrongValue(repr(text), f"one of {', '.join(options)}", nearest(text, options))
 
     return {"type": parse, "metavar": f"{{{','.join(options)}}}"}
 
@@ -399,12 +400,7 @@ def parser() -> argparse.ArgumentParser:
         epilog="Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.",
     )
     top.add_argument("--version", action="version", version=f"antires {__version__}")
-    names: dict[str, Any] = {
-        "title": "commands",
-        "metavar": "COMMAND",
-        "dest": "command",
-        "help": "a command",
-    }
+    names: Any = {"title": "commands", "metavar": "COMMAND", "dest": "command", "help": "a command"}
     commands = top.add_subparsers(required=True, parser_class=Parser, **names)
     for name, one in COMMANDS.items():
         added = commands.add_parser(name, help=one.about, description=one.description, rows=one.rows)

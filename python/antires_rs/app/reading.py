@@ -19,10 +19,10 @@ from ..io.uff import as_point
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
 from ..signals.repeats import one_source
-from ..support.messages import EDIT_WANTED, Part, edit_named, spelled
+from ..support.messages import EDIT_WANTED, edit_named, spelled
 from .arguments import dof_finder
 from .command import say
-from .job import LEAVE_OUT, Job, KeyPath, in_a_job
+from .job import LEAVE_OUT, Job, KeyPath
 from .keys import DATA, FOLDER, FORMATS, IDENTIFICATION, format_of, shown
 
 # -- One file: its signal, whatever its format
@@ -32,9 +32,7 @@ _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_fil
 _OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "drop", "add"}
 
 
-def read_signal(
-    file: Path, kind: str, options: Mapping[str, Any], spell: Callable[[Part], str] = in_a_job
-) -> Signal:
+def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Any = Job.spelled) -> Signal:
     """Read a signal by keys of [data]; ``spell`` writes an argument of a reader as this user would."""
     chosen = {name: value for name, value in options.items() if name not in _OURS}
     for name in chosen:
@@ -45,14 +43,13 @@ def read_signal(
         chosen["format"] = options["format"]
     if chosen.get("force") is False:
         chosen["force"] = None
-    dofs = options.get("dofs", [])
-    if isinstance(dofs, dict):
-        dofs = {name: None if dof is False else dof for name, dof in dofs.items()}
-    else:
-        dofs = [None if dof is False else dof for dof in dofs]
+    dofs: Any = options.get("dofs", [])
+    named = isinstance(dofs, dict)
+    given = [None if dof is False else dof for dof in (dofs.values() if named else dofs)]
+    dofs = dict(zip(dofs, given, strict=True)) if named else given
     # Universal files name points, whose sign may have to be turned: that is the reader's.
-    by_point = kind == "uff" and isinstance(dofs, dict) and all(map(_is_point, dofs))
-    left_out = {name for name, dof in dofs.items() if dof is None} if isinstance(dofs, dict) else set()
+    by_point = kind == "uff" and named and all(map(_is_point, dofs))
+    left_out = {name for name, dof in dofs.items() if dof is None} if named else set()
     if by_point:
         chosen["dofs"] = dofs
     elif left_out and kind != FOLDER:  # before the reader finds that they do not fit the rest
@@ -118,11 +115,12 @@ class Measurement:
         self.kind = kind_of(job, place, table, self.file)
         job.only(place, table, self.kind)
         self._find = dof_finder(job, model)
-        self._dofs = table.get("dofs")
-        if isinstance(self._dofs, dict):
-            self._dofs = {name: self._find((*place, "dofs", name), dof) for name, dof in self._dofs.items()}
-        elif self._dofs is not None:
-            self._dofs = [self._find((*place, "dofs", i), dof) for i, dof in enumerate(self._dofs)]
+        self._dofs: Any = table.get("dofs")
+        if self._dofs is not None:
+            named = isinstance(self._dofs, dict)
+            given = self._dofs.items() if named else enumerate(self._dofs)
+            found = {key: self._find((*place, "dofs", key), dof) for key, dof in given}
+            self._dofs = found if named else list(found.values())
         say(f"reading {self.file.name}" + (f" and {len(self.repeats)} more" if self.repeats else ""))
         if self.kind != "antiresonances":
             self._read()
@@ -156,19 +154,14 @@ class Measurement:
             found = self._renamed(found)
         else:
             say(f"identifying the antiresonances of {len(self.signal.dofs)} responses")
-            given = {"excitation": self.force, "band_hz": self.table["band_hz"], **sorted_out(self.options)}
+            chosen = dict(self.job.sections["identification"])
+            if "dofs" in chosen:
+                chosen["dofs"] = [self._find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
+            given = {"excitation": self.force, "band_hz": self.table["band_hz"], **sorted_out(chosen)}
             with self.job.blame(self.place, {"source": self.places[0], **_OPTIONS}):
                 found = identify_antiresonances(self.signal, **given)
         self.found = edited(self.job, self.place, self.table, found, self._find)
         return self
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """Those of the identification."""
-        chosen = dict(self.job.sections["identification"])
-        if "dofs" in chosen:
-            chosen["dofs"] = [self._find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
-        return chosen
 
     def _at_dofs(self, signal: Signal) -> Signal:
         """The signal with every channel at a dof of the model."""
@@ -189,12 +182,9 @@ class Measurement:
                 wanted = f"{len(found)}, one for each of {list(found)}"
                 self.job.reject(at, f"{len(names)} dofs", wanted, "Or a table name = dof.")
             names = dict(zip(found, names, strict=True))
-        table = {dof: names.get(str(dof), names.get(dof, dof)) for dof in found}
-        table = {
-            dof: self._of_model(at, self._find(at, new), dof)
-            for dof, new in table.items()
-            if new is not False
-        }
+        given = {dof: names.get(str(dof), names.get(dof, dof)) for dof in found}
+        kept = {dof: new for dof, new in given.items() if new is not False}
+        table = {dof: self._of_model(at, self._find(at, new), dof) for dof, new in kept.items()}
         force = self._find(at, names.get(str(found.excitation), found.excitation))
         if force == found.excitation and list(table.items()) == [(dof, dof) for dof in found]:
             return found
@@ -207,19 +197,14 @@ class Measurement:
         if model is None or (isinstance(dof, int) and 0 <= dof < model.n_dof):
             return dof
         got = f"{dof!r}" if name is None or name == dof else f"{dof!r} for {name!r}"
-        remedy = (
-            f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
-            if isinstance(dof, str)
-            else "Dofs count from 0; correct it, or the model."
-        )
+        remedy = "Dofs count from 0; correct it, or the model."
+        if isinstance(dof, str):
+            remedy = f'Say which dof it is: dofs = {{ "{dof}" = 0, ... }}.'
         return self.job.reject(place, got, f"a dof of the model, 0 to {model.n_dof - 1}", remedy)
 
 
 #: Keys of values that are dropped and added by hand, and what each does.
-EDITS: dict[str, Callable[..., AntiresonanceSet]] = {
-    "drop": AntiresonanceSet.drop,
-    "add": AntiresonanceSet.add,
-}
+EDITS: dict[str, Any] = {"drop": AntiresonanceSet.drop, "add": AntiresonanceSet.add}
 
 
 def edited(
@@ -250,9 +235,7 @@ def _listed(given: str | list[str], at: KeyPath) -> list[tuple[KeyPath, str]]:
 def kind_of(job: Job, place: KeyPath, table: Mapping[str, Any], file: Path) -> str:
     """Format of a measurement."""
     kind = FOLDER if file.is_dir() else format_of(file.name, table.get("format"))
-    if kind is None:
-        job.unknown_format(place, table, file)
-    return kind
+    return kind or job.unknown_format(place, table, file)
 
 
 def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
@@ -296,23 +279,20 @@ _SEARCH = ("seed", "workers")
 def check_options(job: Job) -> None:
     """Refuse keys that would have no effect, with a baseline or without one."""
     damage = job.sections["damage"]
-    judged = "baseline" in damage
-    for name in options_with(ONE_STATE) if judged else ("prior", *options_with(TWO_STATES)):
-        if name not in damage:
-            continue
-        if judged:
-            got, wanted = f"{name!r} beside baseline", "it without a baseline"
-            remedy = "Remove it: with a baseline the standard deviations count, and probabilities replace"
-            remedy += " prices."
-        else:
-            got, wanted = f"{name!r} without a baseline", "it beside baseline"
+    if "baseline" not in damage:
+        for name in [name for name in ("prior", *options_with(TWO_STATES)) if name in damage]:
+            got = f"{name!r} without a baseline"
             remedy = "Name the measurement of the intact structure, or remove it."
-        job.reject(("damage", name), got, wanted, remedy)
-    for name in job.sections["search"] if judged else ():
-        if name not in _SEARCH:
-            got = f"{name!r} of a search, where [damage] has a baseline"
-            remedy = "Remove it: hypotheses are judged in seconds, without a search that could be kept."
-            job.reject(("search", name), got, f"{' and '.join(_SEARCH)} alone", remedy)
+            job.reject(("damage", name), got, "it beside baseline", remedy)
+        return
+    for name in [name for name in options_with(ONE_STATE) if name in damage]:
+        got = f"{name!r} beside baseline"
+        remedy = "Remove it: with a baseline the standard deviations count, and probabilities replace prices."
+        job.reject(("damage", name), got, "it without a baseline", remedy)
+    for name in [name for name in job.sections["search"] if name not in _SEARCH]:
+        got = f"{name!r} of a search, where [damage] has a baseline"
+        remedy = "Remove it: hypotheses are judged in seconds, without a search that could be kept."
+        job.reject(("search", name), got, f"{' and '.join(_SEARCH)} alone", remedy)
 
 
 def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:

@@ -21,15 +21,7 @@ import numpy as np
 
 from ..damage.assess import DamageResult
 from ..exceptions import MissingDependencyError, UnsuitableDataError
-from ..figures.report_parts import (
-    Drawings,
-    drawings_of,
-    named_diagrams,
-    of_evidence,
-    of_identification,
-    of_set,
-    of_signal,
-)
+from ..figures import report_parts as parts
 from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import Store, read_store, versions, write_store
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -169,26 +161,13 @@ class Evidence:
 
     def save(self, path: Path) -> None:
         """Write it, whole or not at all."""
-        store = Store()
-        r = self.response
-        data = {
-            "format": FORMAT,
-            "version": VERSION,
-            "diagrams": [
-                [[dof, _described(diagram, store)] for dof, diagram in table.items()]
-                for table in self.diagrams
-            ],
-            "response": None
-            if r is None
-            else {
-                "freq_hz": store.put(r.freq_hz),
-                "dofs": list(r.dofs),
-                # Drawn in decibels: half the digits are more than the eye can see.
-                "values": store.put(r.values.astype(np.complex64)),
-                "kind": r.kind,
-                "reference": r.reference,
-            },
-        }
+        store, r = Store(), self.response
+        diagrams = [[[dof, _described(one, store)] for dof, one in each.items()] for each in self.diagrams]
+        data: dict[str, Any] = {"format": FORMAT, "version": VERSION, "diagrams": diagrams, "response": None}
+        if r is not None:  # drawn in decibels: half the digits are more than the eye can see
+            values = store.put(r.values.astype(np.complex64))
+            data["response"] = {"freq_hz": store.put(r.freq_hz), "dofs": list(r.dofs), "values": values}
+            data["response"] |= {"kind": r.kind, "reference": r.reference}
         write_store(path, data, store)
 
     @classmethod
@@ -203,18 +182,15 @@ class Evidence:
 
 def _described(diagram: StabilizationDiagram, store: Store) -> dict[str, Any]:
     """A diagram as arrays: the rows of all orders in one."""
-    tables = {name: getattr(diagram, name) for name in _TABLES}
-    return {
-        "band_hz": list(diagram.band_hz),
-        "counts": store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64)),
-        **{name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS},
-        **{name: store.put(getattr(diagram, name)) for name in _CURVES},
-        **{
-            name: {column: store.put(getattr(table, column)) for column in _COLUMNS}
-            | {score: store.put(values) for score, values in table.scores.items()}
-            for name, table in tables.items()
-        },
-    }
+    data: dict[str, Any] = {"band_hz": list(diagram.band_hz)}
+    data["counts"] = store.put(np.array([len(row) for row in diagram.freq_hz], dtype=np.int64))
+    data |= {name: store.put(np.concatenate([np.empty(0), *getattr(diagram, name)])) for name in _ROWS}
+    data |= {name: store.put(getattr(diagram, name)) for name in _CURVES}
+    for name in _TABLES:
+        table = getattr(diagram, name)
+        columns = {column: getattr(table, column) for column in _COLUMNS} | dict(table.scores)
+        data[name] = {column: store.put(values) for column, values in columns.items()}
+    return data
 
 
 def _made(data: dict[str, Any]) -> StabilizationDiagram:
@@ -246,11 +222,9 @@ def _response(job: Job, measured: list[Measurement]) -> FrequencyResponse | None
             return None
     if signal is None:
         return None
-    low, high = job.data[0]["band_hz"]
-    keep = (signal.freq_hz >= low) & (signal.freq_hz <= high)
-    return FrequencyResponse(
-        signal.freq_hz[keep], signal.values[:, keep], signal.dofs, signal.kind, signal.reference
-    )
+    (low, high), freq = job.data[0]["band_hz"], signal.freq_hz
+    keep = (freq >= low) & (freq <= high)
+    return FrequencyResponse(freq[keep], signal.values[:, keep], signal.dofs, signal.kind, signal.reference)
 
 
 def measurement_of(measured: list[Measurement]) -> list[dict[str, list[str]]]:
@@ -262,14 +236,11 @@ def measurement_of(measured: list[Measurement]) -> list[dict[str, list[str]]]:
         if isinstance(dofs, dict):
             own["Dofs"] = [f"{name} = {'left out' if dof is False else dof}" for name, dof in dofs.items()]
         if each.signal is not None:
-            own |= of_signal(each.signal)
-            own["Unit"] = [
-                f"{unit} in the file, here SI"
-                if unit
-                else "SI (m/s2 for accelerations); what the file names otherwise was converted"
-            ]
-            own |= of_identification(each.signal, each.found)
-        facts.append(own | of_evidence(each.found))
+            si = "SI (m/s2 for accelerations); what the file names otherwise was converted"
+            own |= parts.of_signal(each.signal)
+            own["Unit"] = [f"{unit} in the file, here SI" if unit else si]
+            own |= parts.of_identification(each.signal, each.found)
+        facts.append(own | parts.of_evidence(each.found))
     return facts
 
 
@@ -314,13 +285,12 @@ def summary_of(
     checks = [each.found.data_check for each in measured if each.found.data_check is not None]
     frequencies = []
     if isinstance(table, FrequencyTable):
-        frequencies = rows_of(
-            excitation=map(int, table.excitation),
-            dof=map(int, table.dof),
-            measured_hz=map(number, table.measured_hz),
-            before_hz=map(number, table.before_hz),
-            after_hz=map(number, table.after_hz),
-        )
+        columns = {name: map(int, getattr(table, name)) for name in ("excitation", "dof")}
+        hz = {
+            f"{name}_hz": map(number, getattr(table, f"{name}_hz"))
+            for name in ("measured", "before", "after")
+        }
+        frequencies = rows_of(**columns, **hz)
     return {
         "antires_rs": record["versions"]["antires_rs"],
         "task": job.task,
@@ -357,15 +327,13 @@ def text_of(result: UpdateResult) -> str:
     """A run in words; after Ctrl-C without the notes that take time."""
     if result.status != "interrupted" or _judged(result):
         return result.summary()
-    head = f"J = {result.fun:.6g} after {result.nfev:,} evaluations: interrupted, the best so far"
+    lines = [f"J = {result.fun:.6g} after {result.nfev:,} evaluations: interrupted, the best so far", ""]
     width = max(map(len, result.problem.names))
     loss = isinstance(result, DamageResult)
-    values = [
-        f"{name:<{width}}  {f'{100 * value:6.2f} %' if loss else f'{value:#12.6g}'}"
-        for name, value in zip(result.problem.names, result.x, strict=True)
-        if value != 0.0 or not loss
-    ]
-    return "\n".join([head, "", *values, "", str(result.table)])
+    for name, value in zip(result.problem.names, result.x, strict=True):
+        if value != 0.0 or not loss:
+            lines.append(f"{name:<{width}}  {f'{100 * value:6.2f} %' if loss else f'{value:#12.6g}'}")
+    return "\n".join([*lines, "", str(result.table)])
 
 
 def _judged(result: UpdateResult) -> bool:
@@ -381,17 +349,11 @@ def _parameters(result: UpdateResult, at_once: bool) -> dict[str, Any]:
     problem = result.problem
     bound = None if at_once else set(result.at_bound)
     low, high = zip(*problem.bounds, strict=True)
-    return {
-        "parameters": rows_of(
-            name=problem.names,
-            value=map(number, result.x),
-            nominal=map(number, problem.nominal),
-            std=_std(result, at_once),
-            low=map(number, low),
-            high=map(number, high),
-            on_bound=[None if bound is None else name in bound for name in problem.names],
-        )
-    }
+    columns: dict[str, Any] = {"name": problem.names, "value": map(number, result.x)}
+    columns |= {"nominal": map(number, problem.nominal), "std": _std(result, at_once)}
+    columns |= {"low": map(number, low), "high": map(number, high)}
+    on_bound = [None if bound is None else name in bound for name in problem.names]
+    return {"parameters": rows_of(**columns, on_bound=on_bound)}
 
 
 def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
@@ -492,9 +454,8 @@ def _searched(
         search = damage_search(job, model, found, before)
     else:
         parameters, places = changing
-        with job.blame(
-            ("updating",), {"measured": ("data",), "parameters": places, "sections": ("parameters",)}
-        ):
+        elsewhere: dict[str, Any] = {"measured": ("data",), "parameters": places, "sections": ("parameters",)}
+        with job.blame(("updating",), elsewhere):
             problem = UpdatingProblem(model, parameters, found, **job.sections["updating"])
         search = partial(update, problem)
     folder.prepare()  # not before: a job that cannot run leaves nothing behind
@@ -521,7 +482,8 @@ def _searched(
         "title": job.sections["output"].get("title"),
         "measurement": measurement_of(measured),
         "baseline": [
-            facts | of_set(each, model) for facts, each in zip(measurement_of(intact), before, strict=True)
+            facts | parts.of_set(one, model)
+            for facts, one in zip(measurement_of(intact), before, strict=True)
         ],
         "warnings": texts,
         "versions": versions(),
@@ -558,18 +520,12 @@ def _check_folder(job: Job, folder: RunFolder, resume: bool, fresh: bool) -> Non
 def _check_inputs(job: Job, folder: RunFolder, inputs: dict[str, str]) -> None:
     """Refuse to go on with files that are not what they were."""
     # What changed in the job itself the checkpoint finds, as far as it matters to the search.
-    changed = [
-        name
-        for name, digest in folder.read_record().get("inputs", {}).items()
-        if name != job.path.name and inputs.get(name, digest) != digest
-    ]
-    if changed:
-        raise UnsuitableDataError(
-            "JOB",
-            f"{', '.join(changed)}, changed since the search began",
-            "the files as they were",
-            f"Put them back, or begin anew with 'antires {job.task} {job.path.name} --fresh'.",
-        )
+    before = folder.read_record().get("inputs", {}).items()
+    changed = [name for name, digest in before if inputs.get(name, digest) != digest]
+    if changed := [name for name in changed if name != job.path.name]:
+        got = f"{', '.join(changed)}, changed since the search began"
+        remedy = f"Put them back, or begin anew with 'antires {job.task} {job.path.name} --fresh'."
+        raise UnsuitableDataError("JOB", got, "the files as they were", remedy)
 
 
 def _sets(measured: list[Measurement], folder: RunFolder, what: str, resume: bool) -> list[AntiresonanceSet]:
@@ -588,10 +544,9 @@ def _inputs(job: Job, measured: list[Measurement]) -> list[Path]:
     model = job.sections["model"]
     named = [job.file(model[key]) for key in ("file", "stiffness", "mass", "dof_map") if key in model]
     terms = [file for files in term_files(job).values() for file in files]
-    read = [path for each in measured for path in (each.file, *each.repeats)]
-    signals = [
-        p for path in read for p in ([path] if path.is_file() else sorted(path.iterdir())) if p.is_file()
-    ]
+    signals: list[Path] = []
+    for path in (path for each in measured for path in (each.file, *each.repeats)):
+        signals += filter(Path.is_file, [path] if path.is_file() else sorted(path.iterdir()))
     return [job.path, *signals, *named, *terms]
 
 
@@ -633,16 +588,17 @@ def draw(job: Job, result: UpdateResult, folder: RunFolder, evidence: Evidence) 
     return None
 
 
-def drawings(result: UpdateResult, evidence: Evidence) -> Drawings:
+def drawings(result: UpdateResult, evidence: Evidence) -> parts.Drawings:
     """Pictures for the report and the folder, each drawn once."""
-    forces = [each.excitation for each in result.problem.measured]
-    shown = None
+    forces, shown = [each.excitation for each in result.problem.measured], None
     if any(evidence.diagrams):
-        shown = named_diagrams(evidence.diagrams, forces, result.problem.model)
-    return drawings_of(result, evidence.response, diagrams=shown)
+        shown = parts.named_diagrams(evidence.diagrams, forces, result.problem.model)
+    return parts.drawings_of(result, evidence.response, diagrams=shown)
 
 
-def report(result: UpdateResult, file: Path, folder: RunFolder, drawn: Drawings, title: str | None) -> None:
+def report(
+    result: UpdateResult, file: Path, folder: RunFolder, drawn: parts.Drawings, title: str | None
+) -> None:
     """Write the report of a result with what its folder knows of the run, and what repeats it."""
     from ..figures.report import write_report
 
@@ -650,15 +606,10 @@ def report(result: UpdateResult, file: Path, folder: RunFolder, drawn: Drawings,
     about = record.get("measurement")
     origin: dict[str, str | list[str]] = {}
     if {"job", "task", "inputs"} <= record.keys():
-        versions = [f"{what} {version}" for what, version in record.get("versions", {}).items()]
-        origin = {
-            "Repeat with": [
-                f"antires {record['task']} {Path(record['job']).name}",
-                "in the folder of that file",
-            ],
-            "Files, SHA-256": [f"{name}  {digest}" for name, digest in record["inputs"].items()],
-            "Run with": ", ".join(versions),
-        }
+        command = f"antires {record['task']} {Path(record['job']).name}"
+        origin["Repeat with"] = [command, "in the folder of that file"]
+        origin["Files, SHA-256"] = [f"{name}  {digest}" for name, digest in record["inputs"].items()]
+        origin["Run with"] = ", ".join(f"{what} {one}" for what, one in record.get("versions", {}).items())
     write_report(
         result,
         file,
@@ -683,7 +634,7 @@ def evidence_in(folder: RunFolder, result: UpdateResult) -> Evidence:
     return kept if len(kept.diagrams) == len(result.problem.measured) else Evidence()
 
 
-def pictures(drawn: Drawings, folder: Path) -> list[Path]:
+def pictures(drawn: parts.Drawings, folder: Path) -> list[Path]:
     """Write every picture as PNG; returns the files."""
     named = {**drawn.figures, **{f"stabilization_{name}": one for name, one in drawn.diagrams.items()}}
     return [write_atomically(folder / picture_name(name), one.png) for name, one in named.items()]

@@ -15,24 +15,14 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.files import write_atomically
 from ..support.messages import explain as entries
 from ..updating.result import UpdateResult
+from . import run as runs
 from .arguments import model_of
 from .call import check_files, identified, refuse_beside
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
 from .keys import FORMATS, UNSET, format_of, template
 from .reading import measured_of, read_signal
-from .run import (
-    RunFolder,
-    drawings,
-    evidence_in,
-    near,
-    number,
-    out_of_time,
-    picture_name,
-    pictures,
-    report as write_report,
-    run,
-)
+from .run import RunFolder
 
 
 def identify(args: argparse.Namespace) -> int:
@@ -64,23 +54,18 @@ def _draw_diagrams(found: AntiresonanceSet, folder: Path, prefix: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for dof, diagram in found.diagrams.items():
         name = f"dof {dof}" if isinstance(dof, int) else str(dof)
-        write_atomically(
-            folder / picture_name(f"{prefix}stabilization_{name}"),
-            picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.0)),
-        )
+        file = folder / runs.picture_name(f"{prefix}stabilization_{name}")
+        write_atomically(file, picture(lambda ax, d=diagram: d.plot(ax=ax), (9.0, 5.0)))
 
 
 def _numbers(found: AntiresonanceSet) -> dict[str, Any]:
     """A set as JSON; null where a value is not known."""
-    checked = found.data_check
-    return {
-        "excitation": found.excitation,
-        "antiresonances": [
-            {"dof": dof, **{name: list(map(number, column)) for name, column in found.columns(dof).items()}}
-            for dof in found
-        ],
-        "data_check": None if checked is None else checked.warnings,
-    }
+    rows: list[dict[str, Any]] = []
+    for dof in found:
+        columns = found.columns(dof).items()
+        rows.append({"dof": dof, **{name: list(map(runs.number, column)) for name, column in columns}})
+    checked = None if found.data_check is None else found.data_check.warnings
+    return {"excitation": found.excitation, "antiresonances": rows, "data_check": checked}
 
 
 def report(args: argparse.Namespace) -> int:
@@ -93,12 +78,12 @@ def report(args: argparse.Namespace) -> int:
         result = UpdateResult.load(file)
     say("writing the report")
     folder = RunFolder(file.parent)
-    drawn = drawings(result, evidence_in(folder, result))
-    write_report(result, out, folder, drawn, args.title)
+    drawn = runs.drawings(result, runs.evidence_in(folder, result))
+    runs.report(result, out, folder, drawn, args.title)
     written: list[Path] = []
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)
-        written = pictures(drawn, args.pictures)
+        written = runs.pictures(drawn, args.pictures)
     numbers = {"report": str(out), "pictures": [str(file) for file in written]}
     show(args.json, numbers, "\n".join(f"Wrote {path}" for path in (out, *written)))
     return 0
@@ -168,7 +153,7 @@ def search(args: argparse.Namespace) -> int:
         got = f"{str(args.job)!r}, which has {sections[job.task]}"
         remedy = f"Use 'antires {job.task} {args.job}'."
         reject("JOB", got, f"a job with {sections[args.command]}", remedy)
-    return run(job, args, fresh=args.fresh)
+    return runs.run(job, args, fresh=args.fresh)
 
 
 def resume(args: argparse.Namespace) -> int:
@@ -180,20 +165,20 @@ def resume(args: argparse.Namespace) -> int:
         return series(argparse.Namespace(**vars(args), job=job.path))
     folder = RunFolder.of(job)
     if folder.unfinished or folder.state in (None, "searching") or not folder.result.is_file():
-        return run(job, args, resume=True)
+        return runs.run(job, args, resume=True)
     done = UpdateResult.load(folder.result)
     interrupted = folder.state == "interrupted"
-    anew = f"Begin anew with 'antires {job.task} {near(job.path)}'"
+    anew = f"Begin anew with 'antires {job.task} {runs.near(job.path)}'"
     if interrupted and job.sections["damage"].get("baseline"):
         how = "assessment was interrupted"
         remedy = f"{anew}: with a baseline it takes seconds and keeps no checkpoint."
-    elif interrupted or out_of_time(done):
+    elif interrupted or runs.out_of_time(done):
         how = f"search {'was interrupted' if interrupted else 'ran out of time'} and kept no checkpoint"
         remedy = f"{anew}, and checkpoint = true under [search]."
     else:
         hint(f"this search has finished ({done.status}); nothing is left to do")
         if job.sections["output"].get("report", True) and not folder.report.exists():
-            hint(f"for its report: antires report {near(folder.folder)}")
+            hint(f"for its report: antires report {runs.near(folder.folder)}")
         text = folder.summary.read_text(encoding="utf-8") if args.json else f"{done.summary()}\n"
         print(text, end="")
         return 0

@@ -6,7 +6,7 @@ import argparse
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -195,13 +195,12 @@ class Arrivals:
         for path in sorted(self._folder.iterdir(), key=natural):
             if not is_measurement(path) or any(one.is_relative_to(path.resolve()) for one in self._beside):
                 continue
-            try:
-                if time.time() - _changed(path) >= SETTLED_S:
+            with suppress(FileNotFoundError):  # renamed while it was looked at
+                inside = path.iterdir() if path.is_dir() else ()
+                if time.time() - max(one.stat().st_mtime for one in (path, *inside)) >= SETTLED_S:
                     found.append(path)
-                else:
-                    self.growing = True
-            except FileNotFoundError:  # renamed while it was looked at
-                self.growing = True
+                    continue
+            self.growing = True
         return found
 
     @contextmanager
@@ -236,12 +235,6 @@ class Arrivals:
             observer.stop()
 
 
-def _changed(path: Path) -> float:
-    """When a file, or the latest in a folder, was last changed."""
-    inside = [one.stat().st_mtime for one in path.iterdir()] if path.is_dir() else []
-    return max([path.stat().st_mtime, *inside])
-
-
 # -- Names of the tests whose lines were printed, kept over a restart
 
 
@@ -249,11 +242,9 @@ class Told:
     """A name a line; one that a kill has cut short is told again."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
         text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
-        self._names = set(text.split("\n")[:-1])
-        if text and not text.endswith("\n"):
-            self._write("\n")
+        *names, self._torn = text.split("\n")
+        self._path, self._names = path, set(names)
 
     def __contains__(self, name: str) -> bool:
         return name in self._names
@@ -261,11 +252,9 @@ class Told:
     def add(self, name: str) -> None:
         """One more, for good."""
         self._names.add(name)
-        self._write(f"{name}\n")
-
-    def _write(self, text: str) -> None:
         with open(self._path, "a", encoding="utf-8", errors="replace") as file:
-            file.write(text)
+            file.write(f"\n{name}\n" if self._torn else f"{name}\n")
+        self._torn = ""
 
 
 def watch(args: argparse.Namespace) -> int:

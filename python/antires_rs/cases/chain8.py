@@ -56,9 +56,8 @@ class Chain8:
 
     def true_model(self, level: int = 0) -> MassSpringChain:
         """The structure that is tested: ``level`` 0 undamaged, 1 with spring 4 at 55 % loss (the fifth)."""
-        return MassSpringChain(
-            MASSES_KG * self._mass_factors, SPRINGS_N_PER_M * self._spring_factors * self._intact(level)
-        )
+        springs = SPRINGS_N_PER_M * self._spring_factors * self._intact(level)
+        return MassSpringChain(MASSES_KG * self._mass_factors, springs)
 
     def truth(self, level: int = 0) -> dict[str, Any]:
         """True values: ``mass_factor``, ``stiffness_factor``, ``severity``, ``freq_hz`` by dof."""
@@ -88,16 +87,9 @@ class Chain8:
 
         ``noise`` is white sensor noise as a fraction of each channel's own rms.
         """
-        return self.true_model(level).simulate(
-            excitation=self.excitation,
-            fs_hz=FS_HZ,
-            duration_s=duration_s,
-            damping_ratio=damping_ratio,
-            noise=noise,
-            responses=self.responses,
-            rng=rng,
-            progress=progress,
-        )
+        test: dict[str, Any] = {"fs_hz": FS_HZ, "duration_s": duration_s, "damping_ratio": damping_ratio}
+        test |= {"excitation": self.excitation, "responses": self.responses, "noise": noise}
+        return self.true_model(level).simulate(**test, rng=rng, progress=progress)
 
     def exact_modes(self, level: int = 0) -> ModalSet:
         """The seven resonances and shapes of the undamped structure, rigid-body mode left out."""
@@ -119,20 +111,15 @@ class Chain8:
 
         With a :class:`~antires_rs.ModalSet` the objective is that of resonances and shapes.
         """
-        chosen = range(7) if elements is None else elements
-        return UpdatingProblem(
-            self.model,
-            stiffness_reduction(list(chosen)),
-            self.exact(level) if measured is None else measured,
-            penalty=DamagePenalty(),
-        )
+        chosen = stiffness_reduction(list(range(7) if elements is None else elements))
+        targets = self.exact(level) if measured is None else measured
+        return UpdatingProblem(self.model, chosen, targets, penalty=DamagePenalty())
 
     def search_problem(self, element: int, beta: float) -> UpdatingProblem:
         """Exact targets of this very model with one damage: for studies of optimizers only."""
         springs: FloatArray = SPRINGS_N_PER_M.copy()
-        springs[integer("element", element, low=0, high=6)] *= 1.0 - finite_scalar(
-            "beta", beta, low=0.0, high=0.99
-        )
+        loss = finite_scalar("beta", beta, low=0.0, high=0.99)
+        springs[integer("element", element, low=0, high=6)] *= 1.0 - loss
         zeros = MassSpringChain(MASSES_KG, springs).antiresonances(self.responses, self.excitation)
         return self.damage_problem(AntiresonanceSet(self.excitation, dict(enumerate(zeros))))
 

@@ -87,19 +87,13 @@ class Exhaust:
         """
         tested = experiment.TestedStructure(self._level(level), self.unfollowed)
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
-        return simulate(
-            tested,
-            responses=self.responses,
-            excitation=self.excitation,
-            fs_hz=FS_HZ,
-            duration_s=duration_s,
-            damping_ratio=experiment.RIGID_DAMPING,
-            lowest_hz=float(tested.freq_hz[0]),
-            band_hz=FORCE_HZ,
-            noise=noise,
-            rng=rng,
-            progress=progress,
-        )
+        test: dict[str, Any] = {
+            "fs_hz": FS_HZ,
+            "band_hz": FORCE_HZ,
+            "damping_ratio": experiment.RIGID_DAMPING,
+        }
+        test |= {"duration_s": duration_s, "noise": noise, "rng": rng, "progress": progress}
+        return simulate(tested, self.responses, self.excitation, float(tested.freq_hz[0]), **test)
 
     def truth(self, level: int = 0) -> dict[str, Any]:
         """What was tested, by name.

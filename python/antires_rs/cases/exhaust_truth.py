@@ -20,7 +20,6 @@ from . import exhaust_geometry as geometry
 
 # -- Errors of the exhaust's model that no updating parameter can follow
 
-
 #: Nodes and stiffness (N/m, across) of cords that the model does not know: of a cable, a hose and a strap.
 EXTRA_CORDS, CORD_N_PER_M = (10, 26, 43), 1500.0
 
@@ -274,7 +273,6 @@ class TestedStructure:
 
 
 # -- What the exhaust's virtual test is made of, kept beside it: for comparison, never for a fit
-
 
 #: Values are given up to here, one half beyond the damage band.
 F_MAX_HZ = 390.0

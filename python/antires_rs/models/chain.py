@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..support.checks import finite_scalar, real_array
+from ..support.checks import FloatArray, finite_scalar, real_array
 from .matrices import as_dense
 from .penalties import lost_beside, warn_penalties, warn_softly_held
 from .recipes import ChainRecipe
 from .structural_model import ModelDescription, StructuralModel
-
-if TYPE_CHECKING:
-    from ..support.checks import FloatArray
 
 
 class MassSpringChain(StructuralModel):
@@ -72,10 +69,10 @@ class MassSpringChain(StructuralModel):
         self._build(ModelDescription(recipe))
         lost = lost_beside(recipe.ground_first_n_per_m + recipe.ground_last_n_per_m, springs)
         if lost is not None:
-            warn_softly_held(self, range(self.n_dof), lost)
+            warn_softly_held(self.dof_label, range(self.n_dof), lost)
             return
         remedy = "Leave out masses that are held, and join masses that move as one."
-        warn_penalties(self, self.stiffness(), remedy)
+        warn_penalties(self.dof_label, self.stiffness(), remedy)
 
     def element_label(self, element: int) -> str:
         """``spring 0`` to ``spring n-2`` between the masses, then the two ground springs."""

@@ -14,23 +14,17 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..exceptions import part, reject
 from ..support.checks import finite_scalar, integer, real_array
-from .dof_names import DofNames
+from ..support.directions import DofNames
 from .matrices import Entries
 
-if TYPE_CHECKING:
-    from .._core import Model as CoreModel
-
-
 # -- Linear equations between dofs as users give them: dicts, rows, arrays dense or sparse
-
 
 Equation = dict[int, float]
 Number = Callable[[str, Any], int]
@@ -73,9 +67,7 @@ def square(name: str, matrix: Any, n: int | None = None) -> Any:
 def _listed(given: Any) -> bool:
     """Whether it has items that are no letters: an array of no axis has none."""
     return (
-        isinstance(given, Iterable)
-        and not isinstance(given, str | bytes)
-        and not (isinstance(given, np.ndarray) and given.ndim == 0)
+        isinstance(given, Iterable) and not isinstance(given, str | bytes) and getattr(given, "ndim", 1) > 0
     )
 
 
@@ -201,22 +193,17 @@ def eliminate_constraints(
 
     n = int(square("stiffness", stiffness).shape[0])
     gone = solved(equations_of(constraints, n), dofs_to_keep(keep, n))
-    dependent = Dependent.of({dof: TakenOut(CONSTRAINT, by) for dof, by in gone.items()})
+    dependent = Dependent.of(gone)
     dofs = np.setdiff1d(np.arange(n), dependent.dofs)
     t = csc_array(dependent.transformation(n)[:, dofs])
 
     def reduced(name: str, matrix: Any) -> Any:
-        product = csc_array(t.T @ square(name, matrix, n) @ t)
-        return 0.5 * (product + product.T)  # the products round differently above and below
+        return congruent(csc_array(square(name, matrix, n)), t)
 
-    return Constrained(
-        reduced("stiffness", stiffness),
-        reduced("mass", mass),
-        [reduced(part("stiffness_terms", i), term) for i, term in enumerate(stiffness_terms)],
-        [reduced(part("mass_terms", i), term) for i, term in enumerate(mass_terms)],
-        dofs,
-        t,
-    )
+    k, m = reduced("stiffness", stiffness), reduced("mass", mass)
+    of_k = [reduced(part("stiffness_terms", i), term) for i, term in enumerate(stiffness_terms)]
+    of_m = [reduced(part("mass_terms", i), term) for i, term in enumerate(mass_terms)]
+    return Constrained(k, m, of_k, of_m, dofs, t)
 
 
 def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
@@ -290,10 +277,8 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
             reject(argument, got, wanted, "Leave it out: as it stands it would tie or hold these dofs.")
         free = {q: value for q, value in own.items() if q not in kept}
         if not free:
-            got, wanted = (
-                f"an equation between dofs to keep: {named}",
-                "equations that leave these independent",
-            )
+            got = f"an equation between dofs to keep: {named}"
+            wanted = "equations that leave these independent"
             reject(argument, got, wanted, "Leave one of them out of keep: it follows from the others.")
         bar = _PIVOT * max(map(abs, free.values()))
         # Of equals the first, as in the multi-point constraints of most programs.
@@ -308,9 +293,6 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
         for q in by:
             used_by[q].add(pivot)
     return gone
-
-
-# -- Constraints as a user gives them, by numbers or names of dofs
 
 
 def equations_by_number(
@@ -335,38 +317,27 @@ def equations_by_number(
 
 # -- Rows of matrices that are no dofs of their own: what follows from others by an equation, and multipliers
 #
-# .. math:: u = T q, \qquad K_q = T^T K T, \quad M_q = T^T M T
-#
 # Every dof keeps its number; which row of the core's matrices it is follows from what was taken out.
 
-
-MULTIPLIER, CONSTRAINT = range(2)
 #: Of what a dof is made, shares below this are rounding.
 _SHARE = 1e-8
 
 
-class TakenOut(NamedTuple):
-    """A dof taken out: why, and its motion by rows that remain."""
-
-    reason: int
-    by: Mapping[int, float]
-
-
 class Dependent(NamedTuple):
-    """All that are taken out: ascending, why, and their motion."""
+    """Dofs that are taken out, ascending; which are multipliers; how the others move by rows that remain."""
 
     dofs: NDArray[np.uint32]
-    reasons: NDArray[np.uint8]
+    multipliers: frozenset[int]
     by: Entries
 
     @classmethod
-    def of(cls, taken: Mapping[int, TakenOut]) -> Dependent:
-        """In order."""
-        dofs = sorted(taken)
-        parts = [(dof, q, value) for dof in dofs for q, value in sorted(taken[dof].by.items())]
+    def of(cls, gone: Mapping[int, Equation], multipliers: Iterable[int] = ()) -> Dependent:
+        """Each dependent dof by those that remain, and multipliers."""
+        others = frozenset(multipliers)
+        parts = [(dof, q, value) for dof, by in gone.items() for q, value in by.items()]
         by = zip(*parts, strict=True) if parts else ((), (), ())
-        reasons = np.array([taken[dof].reason for dof in dofs], dtype=np.uint8)
-        return cls(np.array(dofs, dtype=np.uint32), reasons, Entries.joined(*map(np.array, by)))
+        dofs = np.array(sorted(others | gone.keys()), dtype=np.uint32)
+        return cls(dofs, others, Entries.joined(*map(np.array, by)))
 
     def transformation(self, n: int) -> Any:
         """T (n, n), ``scipy.sparse``: columns of dofs taken out are empty."""
@@ -380,109 +351,33 @@ class Dependent(NamedTuple):
         there[self.dofs] = False
         return np.where(there, np.cumsum(there) - 1, -1)
 
-    def reason(self, dof: int) -> int | None:
-        """Why a dof is taken out; None if it is not."""
+    def has(self, dof: int) -> bool:
+        """Whether a dof is taken out."""
         at = int(np.searchsorted(self.dofs, dof))
-        return int(self.reasons[at]) if at < self.dofs.size and self.dofs[at] == dof else None
+        return at < self.dofs.size and bool(self.dofs[at] == dof)
 
-    def moving_as(self, dof: int) -> int | None:
-        """The dof that moves as ``dof`` does: itself, or the one that it follows; None without one."""
-        if self.reason(dof) is None:
-            return dof
+    def moving_as(self, dof: int) -> int:
+        """The dof that moves as ``dof`` does: the one that it follows, or itself."""
         mine = self.by.rows == dof
         masters, shares = self.by.columns[mine], self.by.values[mine]
         if not shares.size:
-            return None
+            return dof
         first = int(np.argmax(np.abs(shares)))
         others = np.abs(np.delete(shares, first)).sum()
-        return int(masters[first]) if abs(shares[first] - 1.0) + others <= _SHARE else None
+        return int(masters[first]) if abs(shares[first] - 1.0) + others <= _SHARE else dof
 
     def masters(self, dof: int) -> set[int]:
         """The dofs by which ``dof`` moves, if it is taken out."""
-        return {*self.by.columns[self.by.rows == dof].tolist()} if self.reason(dof) is not None else set()
+        return {*self.by.columns[self.by.rows == dof].tolist()}
 
 
 def without(entries: Entries, rows: NDArray[np.intp]) -> Entries:
     """Entries at their rows among those that are left."""
-    return Entries(
-        rows[entries.rows].astype(np.uint32), rows[entries.columns].astype(np.uint32), entries.values
-    )
+    at = rows.astype(np.uint32)
+    return Entries(at[entries.rows], at[entries.columns], entries.values)
 
 
-def congruent(n: int, entries: Entries, t: Any) -> Entries:
-    """Entries of T' A T."""
-    product = t.T @ entries.sparse(n) @ t
-    return Entries.of_sparse(0.5 * (product + product.T))  # the products round differently above and below
-
-
-# -- Matrices without what is no dof of its own: Lagrange multipliers, constraints
-
-
-class Matrices(NamedTuple):
-    """Stiffness, mass and their terms, of ``n`` dofs."""
-
-    n: int
-    stiffness: Entries
-    mass: Entries
-    stiffness_terms: tuple[Entries, ...]
-    mass_terms: tuple[Entries, ...]
-
-    def each(self, n: int, change: Callable[[Entries], Entries]) -> Matrices:
-        """All of them changed, of ``n`` dofs then."""
-        terms = (tuple(map(change, each)) for each in (self.stiffness_terms, self.mass_terms))
-        return Matrices(n, change(self.stiffness), change(self.mass), *terms)
-
-
-class Independent(NamedTuple):
-    """Matrices without rows that hold nothing, what was taken out, and the row of each dof (n,) or -1."""
-
-    matrices: Matrices
-    dependent: Dependent | None
-    rows: NDArray[np.intp] | None
-
-    def core(self) -> CoreModel:
-        """The core's model."""
-        return _core.Model.from_matrices(*self.matrices)
-
-
-def independent_of(given: Matrices, constraints: Entries | None, kept: set[int]) -> Independent:
-    """Of what a recipe holds; no dof of ``kept`` is taken out."""
-    n = given.n
-    taken: dict[int, TakenOut] = {}
-    left, equations = _without_multipliers(given, taken)
-    if constraints is not None:
-        count = int(constraints.rows.max()) + 1
-        equations = equations_of(constraints.sparse(count, n), n) + equations
-    if equations:
-        gone = {dof: TakenOut(CONSTRAINT, by) for dof, by in solved(equations, kept).items()}
-        if gone:
-            t = Dependent.of(gone).transformation(n)
-            left = left.each(n, lambda entries: congruent(n, entries, t))
-            taken |= gone
-    if not taken:
-        return Independent(left, None, None)
-    dependent = Dependent.of(taken)
-    rows = dependent.rows(n)
-    return Independent(left.each(int(rows.max()) + 1, lambda own: without(own, rows)), dependent, rows)
-
-
-def _without_multipliers(given: Matrices, taken: dict[int, TakenOut]) -> tuple[Matrices, list[Equation]]:
-    """The matrices without the rows of Lagrange multipliers, and the equations that these are."""
-    k = given.stiffness
-    multiplier = multipliers(given.n, k, given.mass)
-    if not multiplier.any():
-        return given, []
-    for name, terms in (("stiffness_terms", given.stiffness_terms), ("mass_terms", given.mass_terms)):
-        for i, term in enumerate(terms):
-            touched = term.rows[multiplier[term.rows]]
-            if touched.size:
-                got = f"an entry in row {int(touched[0])}, which is a Lagrange multiplier"
-                wanted = "terms of the structure: an equation has no stiffness that a parameter could scale"
-                reject(part(name, i), got, wanted, "Leave the rows of the equations out of the term.")
-    equations: dict[int, Equation] = {int(row): {} for row in np.flatnonzero(multiplier)}
-    of_rows = k.those(multiplier[k.rows])
-    for row, column, value in zip(*(each.tolist() for each in of_rows), strict=True):
-        equations[row][column] = value
-    taken |= {row: TakenOut(MULTIPLIER, {}) for row in equations}
-    left = k.those(~(multiplier[k.rows] | multiplier[k.columns]))
-    return given._replace(stiffness=left), list(equations.values())
+def congruent(matrix: Any, t: Any) -> Any:
+    """T' A T of sparse matrices."""
+    product = t.T @ matrix @ t
+    return 0.5 * (product + product.T)  # the products round differently above and below

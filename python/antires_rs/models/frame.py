@@ -3,75 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._core import Frame as CoreFrame
 from ..exceptions import part, reject
-from ..support.checks import FloatArray, integer, real_array
+from ..support.checks import FloatArray, finite_scalar, integer, real_array
 from ..support.messages import warn
 from ..views import Viewed
-from .frame_parts import (
-    PARTS,
-    AnySection,
-    GroundSpring,
-    NodeSpring,
-    PointMass,
-    fixed_dofs,
-    iterable,
-    parts_of,
-    section_of,
-    text,
-    warn_soft,
-)
+from . import frame_parts
+from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, iterable
 from .matrices import as_sparse
 from .penalties import warn_penalties
-from .recipes import FrameRecipe, section_argument
+from .recipes import FrameRecipe
 from .structural_model import ModelDescription, StructuralModel
 
-if TYPE_CHECKING:
-    from .._core import Frame as CoreFrame
-
-# -- What the constructor of a frame was given, checked, as the recipe of one
+# -- What the constructor of a frame was given, checked
 
 
-def frame_recipe(
-    nodes_m: Any,
-    elements: Iterable[Any],
-    sections: Any,
-    parts: Mapping[str, Iterable[Any]],
-    fixed: Iterable[Any],
-    orientation: Any,
-) -> FrameRecipe:
-    """The recipe of a frame, its arguments as of :class:`~antires_rs.FrameModel`."""
-    wanted = "an array (n_nodes, 2) or (n_nodes, 3) of coordinates in m"
-    nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
-    if nodes.shape[1] not in (2, 3):
-        reject(
-            "nodes_m", f"an array of shape {nodes.shape}", wanted, "Give each node its coordinates in a row."
-        )
-    pairs = "pairs of nodes (first, second), or triples with a section"
-    given = enumerate(iterable("elements", elements, pairs))
-    rows = [tuple(iterable(part("elements", i), row, pairs)) for i, row in given]
-    if not rows:
-        reject("elements", "none", "at least one pair of nodes", "A frame is at least one beam of two nodes.")
-    names, listed, chosen = _sections_and_choice(sections, rows)
-    ends = [[integer(part("elements", i), node, low=0) for node in row[:2]] for i, row in enumerate(rows)]
-    in_space = nodes.shape[1] == 3
-    return FrameRecipe(
-        nodes_m=nodes,
-        beams=tuple((a, b, section) for (a, b), section in zip(ends, chosen, strict=True)),
-        section_names=names,
-        sections=tuple(listed),
-        fixed=tuple(fixed_dofs(fixed, in_space)),
-        orientation=_orientation(orientation, len(rows), in_space),
-        parts={kind: parts_of(kind, given) for kind, given in parts.items()},
-    )
-
-
-def _named_sections(sections: Any) -> tuple[tuple[str | int, ...], list[AnySection]]:
-    """Names and values of the sections."""
+def _sections_and_choice(
+    sections: Any, rows: list[tuple[Any, ...]]
+) -> tuple[tuple[str | int, ...], list[AnySection], list[int]]:
+    """Names and values of the sections, and the index of each beam's."""
     wanted = "a Tube, Rectangle or Section, or a sequence or mapping of them"
     if isinstance(sections, AnySection):
         sections = [sections]
@@ -83,19 +38,6 @@ def _named_sections(sections: Any) -> tuple[tuple[str | int, ...], list[AnySecti
             reject(part("sections", name), section, wanted, "Make it by Tube, Rectangle or Section(...).")
         if named and not isinstance(name, str):
             reject("sections", f"the name {name!r}", "names that are text", "Put the name in quotes.")
-    return names, listed
-
-
-def _sections_and_choice(
-    sections: Any, rows: list[tuple[Any, ...]]
-) -> tuple[tuple[str | int, ...], list[AnySection], list[int]]:
-    """Names and values of the sections, and the index of each beam's."""
-    names, listed = _named_sections(sections)
-    named = isinstance(sections, Mapping)
-    for i, row in enumerate(rows):
-        if len(row) not in (2, 3):
-            wanted = "two nodes, or two nodes and a section"
-            reject(part("elements", i), row, wanted, "Write it as (0, 1) or (0, 1, 'pipe').")
     referring = [len(row) == 3 for row in rows]
     if not any(referring):
         if len(listed) == 1:
@@ -112,13 +54,12 @@ def _sections_and_choice(
         reject(bare, "no section", wanted, "Name its section as the third item.")
     chosen = []
     for i, (*_, section) in enumerate(rows):
+        element = part("elements", i)
         if named and section not in names:
-            wanted = f"one of {', '.join(map(repr, names))}"
-            reject(
-                part("elements", i), f"section {section!r}", wanted, "Correct the name, or add that section."
-            )
+            wanted, remedy = f"one of {', '.join(map(repr, names))}", "Correct the name, or add that section."
+            reject(element, f"section {section!r}", wanted, remedy)
         index = names.index(section) if named else section
-        chosen.append(integer(part("elements", i), index, low=0, high=len(listed) - 1))
+        chosen.append(integer(element, index, low=0, high=len(listed) - 1))
     return names, listed, chosen
 
 
@@ -202,20 +143,52 @@ class FrameModel(StructuralModel, Viewed):
         fixed: Iterable[Any] = (),
         orientation: Any = None,
     ) -> None:
+        wanted = "an array (n_nodes, 2) or (n_nodes, 3) of coordinates in m"
+        nodes = real_array("nodes_m", nodes_m, ndim=2, wanted=wanted)
+        if nodes.shape[1] not in (2, 3):
+            got, remedy = f"an array of shape {nodes.shape}", "Give each node its coordinates in a row."
+            reject("nodes_m", got, wanted, remedy)
+        pairs = "pairs of nodes (first, second), or triples with a section"
+        given = enumerate(iterable("elements", elements, pairs))
+        rows = [tuple(iterable(part("elements", i), row, pairs)) for i, row in given]
+        if not rows:
+            remedy = "A frame is at least one beam of two nodes."
+            reject("elements", "none", "at least one pair of nodes", remedy)
+        for i, row in enumerate(rows):
+            if len(row) not in (2, 3):
+                wanted = "two nodes, or two nodes and a section"
+                reject(part("elements", i), row, wanted, "Write it as (0, 1) or (0, 1, 'pipe').")
+        names, listed, chosen = _sections_and_choice(sections, rows)
+        ends = [[integer(part("elements", i), node, low=0) for node in row[:2]] for i, row in enumerate(rows)]
         parts = {"point_masses": point_masses, "ground_springs": ground_springs, "node_springs": node_springs}
-        recipe = frame_recipe(nodes_m, elements, sections, parts, fixed, orientation)
+        in_space = nodes.shape[1] == 3
+        recipe = FrameRecipe(
+            nodes_m=nodes,
+            beams=tuple((a, b, section) for (a, b), section in zip(ends, chosen, strict=True)),
+            section_names=names,
+            sections=tuple(listed),
+            fixed=tuple(frame_parts.fixed_dofs(fixed, in_space)),
+            orientation=_orientation(orientation, len(rows), in_space),
+            parts={kind: frame_parts.parts_of(kind, given) for kind, given in parts.items()},
+        )
         for name, section in zip(recipe.section_names, recipe.sections, strict=True):
-            warn_soft(section_argument(name), section)
+            argument = part("sections", name).attribute("youngs_modulus_pa")
+            modulus = finite_scalar(argument, section.youngs_modulus_pa)
+            if 0.0 < modulus < frame_parts.SOFTEST_PA:  # a slip of units
+                said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
+                warn("softer_than_rubber", f"{argument}: {modulus:g} Pa {said}")
         self._build(ModelDescription(recipe))
-        warn_penalties(self, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties.")
+        warn_penalties(
+            self.dof_label, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties."
+        )
         part_of = np.array(self._frame.parts())
         if part_of.max() > 0:
             alone = np.flatnonzero(part_of != part_of[0]).tolist()
-            warn(
-                "frame_in_parts",
-                f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 "
-                f"are nodes {alone}. A response in one part to a force in another is zero.",
+            said = (
+                f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are nodes "
             )
+            said += f"{alone}. A response in one part to a force in another is zero."
+            warn("frame_in_parts", said)
 
     @property
     def _frame(self) -> CoreFrame:
@@ -237,7 +210,7 @@ class FrameModel(StructuralModel, Viewed):
     def sections(self) -> dict[str | int, AnySection]:
         """Sections by name, or by index where they have none, with the values of this state."""
         recipe = self._recipe
-        now = map(section_of, self._frame.sections(), recipe.sections)
+        now = map(frame_parts.section_of, self._frame.sections(), recipe.sections)
         return dict(zip(recipe.section_names, now, strict=True))
 
     @property
@@ -262,7 +235,7 @@ class FrameModel(StructuralModel, Viewed):
         return self._parts("node_springs")
 
     def _parts(self, name: str) -> list[Any]:
-        return [PARTS[name]._of_row(row) for row in self._frame.elements(name)]
+        return [frame_parts.PARTS[name]._of_row(row) for row in self._frame.elements(name)]
 
     @property
     def fixed(self) -> list[tuple[int, str]]:
@@ -288,7 +261,7 @@ class FrameModel(StructuralModel, Viewed):
         InvalidInputError
             No such node or direction, or the dof is fixed.
         """
-        return self._frame.dof(integer("node", node, low=0), text("direction", None, direction))
+        return self._frame.dof(integer("node", node, low=0), frame_parts.text("direction", None, direction))
 
     def dof_name(self, dof: int) -> str:
         """``'node 3 v'`` for the dof that ``dof(3, 'v')`` returns."""

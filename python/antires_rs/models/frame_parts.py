@@ -8,34 +8,12 @@ from typing import Any, ClassVar, Self, cast
 
 from ..exceptions import Argument, part, reject
 from ..support.checks import finite_scalar, integer, shape_of
-from ..support.messages import warn
 
 #: An element as the core takes it: its nodes (of a beam also its section), its direction, its values.
 Row = tuple[list[int], str | None, list[float]]
 
 
-class _Part:
-    """What a frame asks of what it carries beside its beams; ``PARTS`` lists the kinds."""
-
-    def _checked(self, name: str, i: int) -> Self:
-        """The same with checked values; number ``i`` of the argument ``name``."""
-        raise NotImplementedError
-
-    def _row(self) -> Row:
-        raise NotImplementedError
-
-    @classmethod
-    def _of_row(cls, row: Row) -> Self:
-        raise NotImplementedError
-
-    @classmethod
-    def _of_saved(cls, saved: Sequence[Any]) -> Self:
-        """Of what files of 0.1 have."""
-        *nodes, direction, value = saved
-        return cls._of_row((nodes, direction, [value]))
-
-
-class _Spring(_Part):
+class _Spring:
     """A spring of one stiffness at the nodes that ``_nodes`` names."""
 
     _nodes: ClassVar[tuple[str, ...]] = ("node",)
@@ -60,9 +38,15 @@ class _Spring(_Part):
         own = dict(zip(cls._nodes, nodes, strict=True), direction=direction, stiffness_n_per_m=stiffness)
         return cls(**own)
 
+    @classmethod
+    def _of_saved(cls, saved: Sequence[Any]) -> Self:
+        """Of what files of 0.1 have."""
+        *nodes, direction, value = saved
+        return cls._of_row((nodes, direction, [value]))
+
 
 @dataclass(frozen=True)
-class PointMass(_Part):
+class PointMass:
     """A lumped mass at a node.
 
     Attributes
@@ -84,12 +68,9 @@ class PointMass(_Part):
     inertia_kg_m2: float | Sequence[float] = 0.0
 
     def _checked(self, name: str, i: int) -> Self:
-        inertia = self.inertia_kg_m2
+        inertia, wanted = self.inertia_kg_m2, "one inertia, or three about x, y and z"
         if shape_of(inertia) not in ((), (3,)):
-            argument, wanted = (
-                part(name, i).attribute("inertia_kg_m2"),
-                "one inertia, or three about x, y and z",
-            )
+            argument = part(name, i).attribute("inertia_kg_m2")
             reject(argument, inertia, wanted, "Give it in kg m^2, about the centre of mass.")
         three = (inertia,) * 3 if shape_of(inertia) == () else inertia
         return type(self)(
@@ -165,7 +146,7 @@ class NodeSpring(_Spring):
 
 
 #: Kinds of parts by the argument that lists them.
-PARTS: dict[str, type[_Part]] = {
+PARTS: dict[str, type[PointMass | GroundSpring | NodeSpring]] = {
     "point_masses": PointMass,
     "ground_springs": GroundSpring,
     "node_springs": NodeSpring,
@@ -228,7 +209,6 @@ def text(name: str, i: int | None, value: Any) -> str:
 
 
 # -- Cross-sections of beams, each of one material
-
 
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]
@@ -355,17 +335,6 @@ class Section:
 AnySection = Tube | Rectangle | Section
 
 
-def warn_soft(name: str, section: AnySection) -> None:
-    """A material softer than rubber is a slip of units."""
-    modulus = finite_scalar(Argument(name).attribute("youngs_modulus_pa"), section.youngs_modulus_pa)
-    if 0.0 < modulus < SOFTEST_PA:
-        warn(
-            "softer_than_rubber",
-            f"{name}.youngs_modulus_pa: {modulus:g} Pa is softer than rubber. "
-            "Steel has 2.1e11 Pa, and lengths are in metres.",
-        )
-
-
 def _parts(section: Any, name: str, kind: str, *sizes: str) -> SectionParts:
     material = ("youngs_modulus_pa", "density_kg_per_m3", "poisson")
     size, (youngs, density, poisson) = (
@@ -399,13 +368,5 @@ def section_of(parts: SectionParts, given: AnySection) -> AnySection:
     if not isinstance(given, Section):
         made = Tube if kind == "tube" else Rectangle
         return made(*size, *material, shear_coefficient=given.shear_coefficient)
-    area, inertia_y, inertia_z, torsion = size
-    return replace(
-        given,
-        area_m2=area,
-        inertia_m4=inertia_z,
-        youngs_modulus_pa=material[0],
-        density_kg_per_m3=material[1],
-        inertia_y_m4=inertia_y,
-        torsion_m4=torsion,
-    )
+    names = ("area_m2", "inertia_y_m4", "inertia_m4", "torsion_m4", "youngs_modulus_pa", "density_kg_per_m3")
+    return replace(given, **dict(zip(names, (*size, *material), strict=False)))

@@ -14,7 +14,6 @@ from ..support.messages import warn
 
 # -- Matrices by their entries, as recipes hold them and as the core takes them
 
-
 #: A matrix of the core by columns: starts, rows, values.
 Columns = tuple[NDArray[np.int64], NDArray[np.int64], FloatArray]
 
@@ -190,14 +189,11 @@ def _given(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
     if rows.ndim != 2 or 0 in rows.shape:
         return rows.shape, Entries.of(real_array(name, rows.toarray(), ndim=2, wanted=WANTED))
     rows.sum_duplicates()
-    values = real_array(name, rows.data, ndim=1, wanted=WANTED) if rows.nnz else np.zeros(0)
-    numbers = np.repeat(np.arange(rows.shape[0], dtype=np.uint32), np.diff(rows.indptr))
-    kept = values != 0.0
-    return rows.shape, Entries(numbers[kept], rows.indices[kept].astype(np.uint32), values[kept])
+    rows.data = real_array(name, rows.data, ndim=1, wanted=WANTED) if rows.nnz else np.zeros(0)
+    return rows.shape, Entries.of_sparse(rows)
 
 
 # -- Whether there is room for what only dense matrices can tell
-
 
 #: Dense matrices (n, n) that all modes take: K, M, a factor, the standard problem, its vectors, the shapes.
 MATRICES = 6

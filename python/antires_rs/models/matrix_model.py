@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .._core import Model as CoreModel
 from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
-from .constraints import CONSTRAINT, MULTIPLIER, Independent, equations_by_number
-from .dof_names import names_of
+from ..support.directions import names_of
+from .constraints import equations_by_number
 from .matrices import Columns, as_masses, as_sparse, as_square, as_term
 from .penalties import warn_penalties
-from .recipes import MatrixRecipe
+from .recipes import Independent, MatrixRecipe
 from .structural_model import ModelDescription, StructuralModel
-
-if TYPE_CHECKING:
-    from .._core import Model as CoreModel
 
 #: Cores for other dofs, made when asked for.
 _REMADE = {"_other"}
@@ -98,23 +96,18 @@ class MatrixModel(StructuralModel):
     ) -> None:
         n, k = as_square("stiffness", stiffness)
         names = names_of("dofs", dofs, n)
-        recipe = MatrixRecipe(
-            n,
-            k,
-            as_masses(as_square("mass", mass, n)[1], n, partial(_label, names)),
-            tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms)),
-            tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms)),
-            names,
-            *equations_by_number(names, n, constraints, keep),
-        )
+        m = as_masses(as_square("mass", mass, n)[1], n, partial(_label, names))
+        of_k = tuple(as_term(part("stiffness_terms", i), t, n) for i, t in enumerate(stiffness_terms))
+        of_m = tuple(as_term(part("mass_terms", i), t, n) for i, t in enumerate(mass_terms))
+        equations = equations_by_number(names, n, constraints, keep)
+        recipe = MatrixRecipe(n, k, m, of_k, of_m, names, *equations)
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)
-        warn_penalties(
-            self,
-            self.stiffness(),
-            "Give ties, rigid links and supports as constraints=, or use penalties a million times softer.",
+        remedy = (
+            "Give ties, rigid links and supports as constraints=, or use penalties a million times softer."
         )
+        warn_penalties(self.dof_label, self.stiffness(), remedy)
 
     def dof(self, name: str) -> int:
         """Number of the dof of this name, zero-based.
@@ -140,13 +133,11 @@ class MatrixModel(StructuralModel):
         return self._recipe.independent()
 
     def _dof(self, name: str, value: Any) -> int:
-        dof = super()._dof(name, value)
-        dependent = self._independent.dependent
-        reason = None if dependent is None else dependent.reason(dof)
-        if reason == MULTIPLIER:
+        dof, dependent = super()._dof(name, value), self._independent.dependent
+        if dof in dependent.multipliers:
             got = f"{self.dof_label(dof)}, a Lagrange multiplier without mass or stiffness of its own"
             reject(name, got, "a dof of the structure", "Its row is an equation; name one of the other rows.")
-        if dependent is not None and reason == CONSTRAINT and not dependent.masters(dof):
+        if dependent.has(dof) and not dependent.masters(dof):
             got = f"{self.dof_label(dof)}, which the constraints hold at zero"
             remedy = (
                 "Nothing is measured there and no force moves it: name another dof, or mend the equations."
@@ -165,22 +156,17 @@ class MatrixModel(StructuralModel):
 
     def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
         here, core = self._independent, self._core
-        if here.dependent is None:
-            return core, list(dofs)
-        followed = [here.dependent.moving_as(dof) for dof in dofs]
-        moving = [dof if own is None else own for dof, own in zip(dofs, followed, strict=True)]
-        if any(here.dependent.reason(dof) is not None for dof in moving):
+        moving = [here.dependent.moving_as(dof) for dof in dofs]
+        if any(map(here.dependent.has, moving)):
             here, core = self._with_rows(frozenset(moving))
-        return core, moving if here.rows is None else here.rows[moving].tolist()
+        return core, here.rows[moving].tolist()
 
     def _together(self, responses: Sequence[int], force: int) -> list[list[int]]:
-        dependent = self._independent.dependent
-        if dependent is None:
-            return super()._together(responses, force)
         # All dofs of one equation cannot be rows of one core.
+        dependent = self._independent.dependent
         masters = dependent.masters(force)
-        own = [i for i, dof in enumerate(responses) if dependent.reason(dof) is None and dof not in masters]
-        alone = [[i] for i in range(len(responses)) if i not in own]
+        own = [i for i, dof in enumerate(responses) if not dependent.has(dof) and dof not in masters]
+        alone = [[i] for i in sorted({*range(len(responses))} - {*own})]
         return ([own] if own else []) + alone
 
     def _with_rows(self, dofs: frozenset[int]) -> tuple[Independent, CoreModel]:
@@ -213,13 +199,11 @@ class MatrixModel(StructuralModel):
 
     @property
     def _free_dofs(self) -> list[int]:
-        dependent = self._independent.dependent
-        every = range(self.n_dof)
-        return list(every) if dependent is None else sorted({*every} - {*dependent.dofs.tolist()})
+        return np.flatnonzero(self._independent.rows >= 0).tolist()
 
     def _whole_shapes(self, shapes: FloatArray) -> FloatArray:
         here = self._independent
-        if here.dependent is None or here.rows is None:
+        if not here.dependent.dofs.size:
             return shapes
         whole = np.zeros((len(shapes), self.n_dof))
         whole[:, here.rows >= 0] = shapes
@@ -236,16 +220,16 @@ class MatrixModel(StructuralModel):
     def _whole(self, columns: Columns) -> Any:
         from scipy.sparse import csc_array
 
-        matrix, rows = as_sparse(columns), self._independent.rows
-        if rows is None:
+        matrix, number = as_sparse(columns), self._free_dofs
+        if len(number) == self.n_dof:
             return matrix
-        entries, number = matrix.tocoo(), np.flatnonzero(rows >= 0)
-        at = number[entries.row], number[entries.col]
+        entries = matrix.tocoo()
+        at = np.take(number, entries.row), np.take(number, entries.col)
         return csc_array((entries.data, at), shape=(self.n_dof, self.n_dof))
 
     def __repr__(self) -> str:
-        dependent = self._independent.dependent
-        out = "" if dependent is None else f", {dependent.dofs.size} of them taken out"
+        gone = self._independent.dependent.dofs.size
+        out = f", {gone} of them taken out" if gone else ""
         return (
             f"MatrixModel({self.n_dof} dofs{out}, {self._core.n_stiffness_terms} stiffness terms, "
             f"{self._core.n_mass_terms} mass terms)"

@@ -2,8 +2,7 @@
 
 Each function returns one :class:`Parameter` for a single element, or a list with one parameter for
 each element of a sequence; add the lists to mix kinds. With ``together=True`` a sequence forms one
-parameter that acts on all its elements. Several parameters on one element multiply. Those of frames are in
-:mod:`antires_rs.models.parameters`.
+parameter that acts on all its elements. Several parameters on one element multiply.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from ..support.checks import FloatArray, choice, finite_scalar, integer, real_ar
 from ..support.messages import warn
 
 # -- One updating parameter: what it may act on, within which bounds, and what the core takes of it
-
 
 Quantity = Literal[
     "stiffness_reduction", "stiffness_factor", "mass_factor", "youngs_modulus", "density", "thickness",
@@ -226,7 +224,6 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
 
 # -- What parameters are called in tables, and values far from those of the model
 
-
 #: A nominal value this factor outside the bounds is taken for a slip.
 FAR = 5.0
 
@@ -282,38 +279,45 @@ _MASSES = _TERMS.format("positions in the model's ``point_masses``")
 _SPRINGS = _TERMS.format("positions in the model's ``ground_springs``")
 _FACTORS = "Positive, for example ``(0.9, 1.1)``."
 _AMOUNT = "In {}, at least 0; or positive factors."
-_RELATIVE = "    relative : bool\n        The value is a factor on the nominal one.\n"
+_OF_GROUP = _TERMS.format("elements of the group; one of them ends at the pivot")
+#: What arguments mean that several functions have.
+_SHARED = {
+    "relative": "bool\n        The value is a factor on the nominal one.",
+    "together": "bool\n        One parameter for the whole sequence.",
+    "pivot": "int\n        Zero-based node that stays.",
+    "axis": "(float, float, float)\n        Axis of the rotation, for frames in space.",
+    "direction": "{'x', 'y', 'z'} or (float, float, float)\n        Its length does not matter.",
+}
 
 
 def _documented(terms: str, bounds: str, wrong: str = "not positive") -> Callable[[Maker], Maker]:
-    """Adds to the first sentence and the example of a function what all functions of parameters share."""
+    """Adds to the sentences and the example of a function what all functions of parameters share."""
 
     def add(function: Maker) -> Maker:
-        first, *rest = signature(function).parameters
-        head, _, example = (getdoc(function) or "").partition("\n\n")
-        function.__doc__ = f"""{head}
+        names = list(signature(function).parameters)
+        known = dict.fromkeys(("bounds", "bounds_deg", "bounds_m"), f"(float, float)\n        {bounds}")
+        known |= _SHARED | {names[0]: terms}
+        arguments = "\n    ".join(f"{name} : {known[name]}" for name in names)
+        head, _, example = (getdoc(function) or "").partition("\n\n>>> ")
+        function.__doc__ = f"""{head.replace(chr(10), chr(10) + "    ")}
 
     Parameters
     ----------
-    {first} : {terms}
-    bounds : (float, float)
-        {bounds}
-{_RELATIVE if "relative" in rest else ""}    together : bool
-        One parameter for the whole sequence.
+    {arguments}
 
     Returns
     -------
-    Parameter or list of Parameter
+    Parameter{" or list of Parameter" if "together" in names else ""}
 
     Raises
     ------
     InvalidInputError
-        Bounds out of order or {wrong}, one of the {first} listed twice.
+        Bounds out of order or {wrong}, one of the {names[0]} listed twice.
 
     Examples
     --------
     >>> import antires_rs as ar
-    {example.replace(chr(10), chr(10) + "    ")}
+    >>> {example.replace(chr(10), chr(10) + "    ")}
     """
         return function
 
@@ -435,7 +439,6 @@ def support_stiffness(springs: Any, *, bounds: Bounds, relative: bool = False, t
 # The elements are formed again from the moved nodes, so that a free structure stays free. Parameters act in
 # their order, each on the nodes where they then are; supports and sensors keep their directions.
 
-
 #: Names of directions.
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -450,37 +453,15 @@ def _group(
     return made
 
 
+@_documented(_OF_GROUP, "Degrees, positive from x to y; 0 is the model as it was given.", "a zero axis")
 def angle(elements: Any, pivot: int, *, bounds_deg: Bounds, axis: Any = (0.0, 0.0, 1.0)) -> Parameter:
     """Angle in degrees by which a group of elements, and all downstream of it, turns about a node.
 
     The nodes of the group and all that are reached from them without passing the pivot are rotated, and the
     elements formed again: a free structure stays free at any angle. Supports and sensors keep their
-    directions. Several angles act in their order, each about its pivot where it then is.
+    directions. Several angles act in their order, each about its pivot where it then is. That the group lies
+    in a loop, or away from the pivot, is found when the parameter meets its model.
 
-    Parameters
-    ----------
-    elements : int or sequence of int
-        Zero-based elements of the group; one of them ends at the pivot.
-    pivot : int
-        Zero-based node that stays.
-    bounds_deg : (float, float)
-        Degrees, positive from x to y; 0 is the model as it was given.
-    axis : (float, float, float)
-        Axis of the rotation, for frames in space.
-
-    Returns
-    -------
-    Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order, an element listed twice, a zero axis. (That the group lies in a loop, or away
-        from the pivot, is found when the parameter meets its model.)
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> ar.angle([4, 5], pivot=5, bounds_deg=(-5.0, 5.0)).bounds
     (-5.0, 5.0)
     """
@@ -488,26 +469,13 @@ def angle(elements: Any, pivot: int, *, bounds_deg: Bounds, axis: Any = (0.0, 0.
     return _group("angle", elements, bounds_deg, pivot, axis=turned)
 
 
+@_documented(_OF_GROUP, "Positive factors; 1 is the model as it was given.")
 def length(elements: Any, pivot: int, *, bounds: Bounds) -> Parameter:
     """Factor on the length of a group of elements, which keep their directions.
 
     Seen from the pivot, the far end of each element of the group moves away along the element; all that is
     reached beyond it moves along as it is.
 
-    Parameters
-    ----------
-    elements, pivot
-        As of :func:`angle`, and so are the errors.
-    bounds : (float, float)
-        Positive factors; 1 is the model as it was given.
-
-    Returns
-    -------
-    Parameter
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> bar = ar.Rectangle(0.03, 0.01, 7.0e10, 2700.0)
     >>> beam = ar.FrameModel([[0, 0], [0.5, 0], [1, 0]], [(0, 1), (1, 2)], bar)
     >>> longer = beam.with_parameters(ar.length([0, 1], pivot=0, bounds=(0.9, 1.1)), [1.04])
@@ -517,33 +485,10 @@ def length(elements: Any, pivot: int, *, bounds: Bounds) -> Parameter:
     return _group("length", elements, bounds, pivot)
 
 
+@_documented(_TERMS.format("nodes"), "In m; 0 is the model as it was given.", "a direction that is zero")
 def position(nodes: Any, direction: Any, *, bounds_m: Bounds, together: bool = False) -> Any:
     """Shift of nodes along a direction, in m; the elements that end there change length and direction.
 
-    Parameters
-    ----------
-    nodes : int or sequence of int
-        Zero-based nodes.
-    direction : {"x", "y", "z"} or (float, float, float)
-        Its length does not matter.
-    bounds_m : (float, float)
-        In m; 0 is the model as it was given.
-    together : bool
-        One parameter for the whole sequence.
-
-    Returns
-    -------
-    Parameter or list of Parameter
-
-    Raises
-    ------
-    InvalidInputError
-        Bounds out of order, a node listed twice, a direction that is none. (That a node can come onto its
-        neighbour is found when the parameter meets its model.)
-
-    Examples
-    --------
-    >>> import antires_rs as ar
     >>> bar = ar.Rectangle(0.03, 0.01, 7.0e10, 2700.0)
     >>> beam = ar.FrameModel([[0, 0], [0.5, 0], [1, 0]], [(0, 1), (1, 2)], bar)
     >>> moved = beam.with_parameters(ar.position(1, "x", bounds_m=(-0.1, 0.1)), [0.02])

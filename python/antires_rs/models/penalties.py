@@ -7,8 +7,8 @@ cantilever on springs all of it at 1e13.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,21 +17,12 @@ from ..support.checks import FloatArray
 from ..support.messages import warn
 from .matrices import Entries
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from .structural_model import StructuralModel
-
-    Dofs = Sequence[int] | NDArray[np.intp]
-
-
 # -- Parts of a structure that are held by next to nothing: all dofs tied together, on soft springs
 #
 # Scaled to a diagonal of ones, the stiffness of such a part has an eigenvalue :math:`\lambda` of 1e-8 and
 # less, and none up to 1e8 times that. Rounding of the entries takes :math:`\epsilon / \lambda` of it. Below
 # some ulps the part is free: the supports are not in the matrix any more. Whether there have been any is
 # not to be seen but by the size of the springs: those beyond what a material gives are ties.
-
 
 #: Eigenvalue up to which rounding takes 2e-8 of it, its largest part of the next, and what may be rounding.
 _SOFT, _GAP, _ROUNDING = 1e-8, 1e-8, 1e-14
@@ -48,12 +39,11 @@ _NO_MATERIAL = 1e17
 
 def softly_held(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], float]]:
     """Dofs of each such part, and what rounding may take of its softest stiffness, relatively."""
-    k = stiffness.diagonal(n)
     found = []
-    for dofs, own in _parts(n, stiffness, k, 0.0):
-        lost = _of_springs(own, k[dofs])
+    for dofs, own, k in _parts(n, stiffness, 0.0):
+        lost = _of_springs(own, k)
         if lost is None and dofs.size <= _MOST_SOFT_SUPPORTS:
-            lost = _of_eigenvalues(own.toarray() / np.sqrt(np.outer(k[dofs], k[dofs])))
+            lost = _of_eigenvalues(own.toarray() / np.sqrt(np.outer(k, k)))
         if lost is not None:
             found.append((dofs, lost))
     return found
@@ -61,45 +51,42 @@ def softly_held(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], floa
 
 def free_by_ties(n: int, stiffness: Entries) -> list[tuple[NDArray[np.intp], float]]:
     """Dofs of each part of ties alone that nothing holds, and the support (N/m) below which it is lost."""
-    k = stiffness.diagonal(n)
     found = []
-    for dofs, own in _parts(n, stiffness, k, _NO_MATERIAL):
+    for dofs, own, k in _parts(n, stiffness, _NO_MATERIAL):
         ground = np.abs(np.asarray(own.sum(axis=1)).ravel())
-        free = bool((ground <= np.diff(own.indptr) * _EPS * k[dofs]).all())
+        free = bool((ground <= np.diff(own.indptr) * _EPS * k).all())
         if not free and dofs.size <= _MOST_SOFT_SUPPORTS:  # rotations take part
-            scaled = own.toarray() / np.sqrt(np.outer(k[dofs], k[dofs]))
+            scaled = own.toarray() / np.sqrt(np.outer(k, k))
             free = float(np.linalg.eigvalsh(scaled)[0]) <= _ROUNDING * dofs.size**0.5
         if free:
-            found.append((dofs, 0.5 * _EPS * float(k[dofs].max())))
+            found.append((dofs, 0.5 * _EPS * float(k.max())))
     return found
 
 
-def _parts(
-    n: int, stiffness: Entries, k: NDArray[np.float64], least: float
-) -> Iterator[tuple[NDArray[np.intp], Any]]:
-    """Dofs and matrix of each part of several dofs, all of them stiffer than ``least``."""
+def _parts(n: int, stiffness: Entries, least: float) -> Iterator[tuple[NDArray[np.intp], Any, FloatArray]]:
+    """Dofs, matrix and its diagonal of each part of several dofs, all of them stiffer than ``least``."""
     from scipy.sparse.csgraph import connected_components
 
+    k = stiffness.diagonal(n)
     if not (k > least).any():
         return
-    matrix = stiffness.sparse(n).tocsr()
-    count, group = connected_components(matrix, directed=False)
+    matrix = stiffness.sparse(n)
+    _, group = connected_components(matrix, directed=False)
     number = np.bincount(group)
-    order = np.argsort(group, kind="stable")
-    parts = np.split(order, np.cumsum(number)[:-1])
+    parts = np.split(np.argsort(group, kind="stable"), np.cumsum(number)[:-1])
     for dofs in (parts[each] for each in np.flatnonzero(number > 1)):
         if (k[dofs] > least).all():
-            yield dofs, matrix[dofs][:, dofs]
+            yield dofs, matrix[dofs][:, dofs], k[dofs]
 
 
-def lost_beside(ground: float, springs: NDArray[np.float64]) -> float | None:
+def lost_beside(ground: float, springs: FloatArray) -> float | None:
     """What rounding may take of springs to ground (N/m, their sum) beside those between the masses."""
     if not springs.size or not 0.0 < ground <= _SOFT * float(springs.min()):
         return None
     return min(1.0, float(np.sqrt(springs.size)) * _EPS * float(springs.max()) / ground)
 
 
-def _of_springs(own: Any, k: NDArray[np.float64]) -> float | None:
+def _of_springs(own: Any, k: FloatArray) -> float | None:
     """Of springs alone: each row sums up to the spring to ground."""
     rows = own.tocoo()
     off = rows.row != rows.col
@@ -111,7 +98,7 @@ def _of_springs(own: Any, k: NDArray[np.float64]) -> float | None:
     return lost_beside(float(held.sum()), -rows.data[off])
 
 
-def _of_eigenvalues(scaled: NDArray[np.float64]) -> float | None:
+def _of_eigenvalues(scaled: FloatArray) -> float | None:
     try:
         np.linalg.cholesky(scaled - _SOFT * np.eye(len(scaled)))
     except np.linalg.LinAlgError:
@@ -133,7 +120,6 @@ def _of_eigenvalues(scaled: NDArray[np.float64]) -> float | None:
 # of the order of one, and to its neighbours by those that a penalty leaves, 2e-3 and less. Where what is
 # joined can move as a rigid body, these neighbours alone are what holds it. None of this depends on the units
 # of a dof, nor on how many of the dofs are soft.
-
 
 #: Part of its stiffness that a tie leaves, at most.
 _LEFT = 1.0 / 3e5
@@ -178,52 +164,50 @@ def without_ties(n: int, stiffness: Entries) -> FloatArray:
 
 # -- Warnings
 
-
 #: Stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost.
 _MOST = 3e7
 #: So many dofs are named.
 _NAMED = 6
 
 
-def warn_penalties(model: StructuralModel, stiffness: Any, remedy: str) -> None:
+def warn_penalties(label: Callable[[int], str], stiffness: Any, remedy: str) -> None:
     """Name the dofs that are too stiff beside the others."""
+    n = stiffness.shape[0]
     entries = Entries.of(stiffness) if isinstance(stiffness, np.ndarray) else Entries.of_sparse(stiffness)
-    diagonal = np.abs(entries.diagonal(model.n_dof))
+    diagonal = np.abs(entries.diagonal(n))
     if not diagonal.any():
         return
-    middle = float(np.median(np.abs(without_ties(model.n_dof, entries))[diagonal > 0.0]))
+    middle = float(np.median(np.abs(without_ties(n, entries))[diagonal > 0.0]))
     stiff = np.flatnonzero(diagonal >= _MOST * middle)
-    if not stiff.size:
-        soft = softly_held(model.n_dof, entries)
-        for dofs, lost in soft:
-            warn_softly_held(model, dofs, lost)
-        for dofs, support in [] if soft else free_by_ties(model.n_dof, entries):
-            warn(
-                "free_by_ties",
-                f"stiffness: nothing holds {_named(model, dofs)}, and up to {diagonal[dofs].max():.1g} is "
-                f"more than any part has: beside such ties supports softer than {support:.1g} are rounded "
-                "away in the sums, and a free body is left. Give ties and rigid links as constraints=, "
-                "without penalties.",
-            )
+    if stiff.size:
+        said = f"stiffness: {_named(label, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the "
+        said += f"middle dof: rounding may take 1e-6 of the frequencies and more. {remedy}"
+        warn("stiff_penalties", said)
         return
-    warn(
-        "stiff_penalties",
-        f"stiffness: {_named(model, stiff)} up to {diagonal.max() / middle:.1g} times as stiff as the middle "
-        f"dof: rounding may take 1e-6 of the frequencies and more. {remedy}",
-    )
+    soft = softly_held(n, entries)
+    for dofs, lost in soft:
+        warn_softly_held(label, dofs, lost)
+    for dofs, support in [] if soft else free_by_ties(n, entries):
+        warn(
+            "free_by_ties",
+            f"stiffness: nothing holds {_named(label, dofs)}, and up to {diagonal[dofs].max():.1g} is "
+            f"more than any part has: beside such ties supports softer than {support:.1g} are rounded "
+            "away in the sums, and a free body is left. Give ties and rigid links as constraints=, "
+            "without penalties.",
+        )
 
 
-def warn_softly_held(model: StructuralModel, dofs: Dofs, lost: float) -> None:
+def warn_softly_held(label: Callable[[int], str], dofs: Any, lost: float) -> None:
     """Name the dofs that move as one on supports a hundred million times softer."""
     warn(
         "softly_held",
-        f"stiffness: {_named(model, dofs)} move as one beside what holds them, and rounding in the "
+        f"stiffness: {_named(label, dofs)} move as one beside what holds them, and rounding in the "
         f"assembly may have changed that by {lost:.1g} of it, and the lowest frequencies with it. Give ties "
         "and rigid links as constraints=, without penalties, or one mass for what moves as one.",
     )
 
 
-def _named(model: StructuralModel, dofs: Dofs) -> str:
+def _named(label: Callable[[int], str], dofs: Any) -> str:
     """The first of them by name."""
-    named = ", ".join(model.dof_label(int(dof)) for dof in dofs[:_NAMED])
+    named = ", ".join(label(int(dof)) for dof in dofs[:_NAMED])
     return f"{named} and {len(dofs) - _NAMED} more" if len(dofs) > _NAMED else named

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
-from .. import _core
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import Frame as CoreFrame, Model as CoreModel
 from ..exceptions import part, reject
 from ..support.checks import FloatArray, integer
 from ..support.values import Value
-from .constraints import Independent, Matrices, independent_of
+from .constraints import Dependent, Equation, congruent, equations_of, multipliers, solved, without
 from .frame_parts import AnySection, shear_of
 from .matrices import Entries
-
-if TYPE_CHECKING:
-    from .._core import Model as CoreModel
 
 
 class _Recipe(Value):
@@ -45,7 +45,7 @@ class ChainRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The chain, made anew."""
-        return _core.Model.chain(
+        return CoreModel.chain(
             self.masses_kg, self.springs_n_per_m, self.ground_first_n_per_m, self.ground_last_n_per_m
         )
 
@@ -65,12 +65,65 @@ class MatrixRecipe(_Recipe):
 
     def independent(self, keep: Iterable[int] = ()) -> Independent:
         """Matrices and terms without what is no dof of its own; ``keep`` are further dofs to be kept."""
-        given = Matrices(self.n_dof, self.stiffness, self.mass, self.stiffness_terms, self.mass_terms)
-        return independent_of(given, self.constraints, {*self.keep, *keep})
+        n, given = self.n_dof, []
+        left, of_multipliers = self._without_multipliers()
+        if self.constraints is not None:
+            given = equations_of(self.constraints.sparse(int(self.constraints.rows.max()) + 1, n), n)
+        gone = solved([*given, *of_multipliers.values()], {*self.keep, *keep})
+        dependent = Dependent.of(gone, of_multipliers)
+        rows = dependent.rows(n)
+        if gone:
+            t = Dependent.of(gone).transformation(n)
+            left = left._each(lambda own: Entries.of_sparse(congruent(own.sparse(n), t)))
+        if dependent.dofs.size:
+            left = replace(left._each(lambda own: without(own, rows)), n_dof=int(rows.max()) + 1)
+        return Independent(left, dependent, rows)
+
+    def _each(self, change: Callable[[Entries], Entries]) -> MatrixRecipe:
+        """All matrices changed."""
+        terms = [tuple(map(change, each)) for each in (self.stiffness_terms, self.mass_terms)]
+        own = change(self.stiffness), change(self.mass)
+        return replace(self, stiffness=own[0], mass=own[1], stiffness_terms=terms[0], mass_terms=terms[1])
+
+    def _without_multipliers(self) -> tuple[MatrixRecipe, dict[int, Equation]]:
+        """The matrices without the rows of Lagrange multipliers, and the equations that these are."""
+        k = self.stiffness
+        multiplier = multipliers(self.n_dof, k, self.mass)
+        if not multiplier.any():
+            return self, {}
+        for name in ("stiffness_terms", "mass_terms"):
+            for i, term in enumerate(getattr(self, name)):
+                touched = term.rows[multiplier[term.rows]]
+                if touched.size:
+                    got = f"an entry in row {int(touched[0])}, which is a Lagrange multiplier"
+                    wanted = (
+                        "terms of the structure: an equation has no stiffness that a parameter could scale"
+                    )
+                    reject(part(name, i), got, wanted, "Leave the rows of the equations out of the term.")
+        equations: dict[int, Equation] = {int(row): {} for row in np.flatnonzero(multiplier)}
+        of_rows = k.those(multiplier[k.rows])
+        for row, column, value in zip(*(each.tolist() for each in of_rows), strict=True):
+            equations[row][column] = value
+        return replace(self, stiffness=k.those(~(multiplier[k.rows] | multiplier[k.columns]))), equations
 
     def core(self) -> CoreModel:
         """The matrices and terms, handed over anew."""
         return self.independent().core()
+
+
+class Independent(NamedTuple):
+    """Matrices without rows that hold nothing, what was taken out, and the row of each dof (n,) or -1."""
+
+    matrices: MatrixRecipe
+    dependent: Dependent
+    rows: NDArray[np.intp]
+
+    def core(self) -> CoreModel:
+        """The core's model."""
+        own = self.matrices
+        return CoreModel.from_matrices(
+            own.n_dof, own.stiffness, own.mass, own.stiffness_terms, own.mass_terms
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,23 +153,13 @@ class FrameRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""
-        named = list(zip(self.sections, map(section_argument, self.section_names), strict=True))
+        named = [
+            (one, part("sections", name)) for one, name in zip(self.sections, self.section_names, strict=True)
+        ]
         sections = [section._parts(name, self.in_space) for section, name in named]
         shear = [shear_of(section, name) for section, name in named]
-        frame = _core.Frame(
-            self.nodes_m,
-            self.orientation,
-            sections,
-            [
-                ("elements", [(list(beam), None, []) for beam in self.beams]),
-                *((kind, [each._row() for each in parts]) for kind, parts in self.parts.items()),
-            ],
-            list(self.fixed),
-            *([] if all(one is None for one in shear) else [shear]),
-        )
-        return _core.Model.from_frame(frame)
-
-
-def section_argument(name: str | int) -> str:
-    """A section as messages call the argument."""
-    return part("sections", name)
+        rows: list[Any] = [("elements", [(list(beam), None, []) for beam in self.beams])]
+        rows += [(kind, [each._row() for each in parts]) for kind, parts in self.parts.items()]
+        how = [] if all(one is None for one in shear) else [shear]
+        frame = CoreFrame(self.nodes_m, self.orientation, sections, rows, list(self.fixed), *how)
+        return CoreModel.from_frame(frame)

@@ -1,17 +1,15 @@
-"""What every structural model can do: modes, frequency responses, antiresonances, virtual tests.
-
-A thin wrapper over the Rust core, which owns the matrices, the eigenproblems and the antiresonances.
-"""
+"""What every structural model can do: modes, frequency responses, antiresonances, virtual tests."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 
+from .._core import Model as CoreModel
 from ..exceptions import NumericalError, part, reject
 from ..measured.modal_set import ModalSet
 from ..signals.recording import Recording
@@ -26,23 +24,17 @@ from ..support.checks import (
     real_array,
     shape_of,
 )
-from ..support.directions import point_of
+from ..support.directions import DofNames, point_of
 from ..support.messages import warn
 from ..support.progress import interruptible, patient, step
-from ..support.values import AroundCore, ReadOnly, Value
-from .dof_names import DofNames
+from ..support.values import AroundCore, Value
 from .matrices import check_room_for_all_modes
 from .parameters import CoreParameter, Parameter, core_parameters, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
-if TYPE_CHECKING:
-    from .._core import Model as CoreModel
-
-
 # -- One description of a model, by which it is built, copied, pickled and saved
 #
 # Rebuilding gives the same bits: first the recipe's matrices, then each set of parameters in its order.
-
 
 Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
 
@@ -91,7 +83,6 @@ class ModelDescription(Value):
 
 # -- What the core leaves in doubt about antiresonances and modes, in words
 
-
 #: So many frequencies are named.
 _NAMED = 4
 #: Relative distance from which on a mode is above the highest one found.
@@ -105,34 +96,23 @@ def _some(named: Sequence[Any]) -> str:
 
 
 def _warn_doubts(
-    dof: int,
-    excitation: int | str,
-    n_dof: int,
-    values: Sequence[FloatArray],
-    is_zero: bool,
-    is_doubtful: bool,
+    dof: int, excitation: int | str, n_dof: int, values: Sequence[FloatArray], zero: bool, doubtful: bool
 ) -> None:
     """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
-    if is_zero:
-        warn(
-            "not_connected",
-            f"response dof {dof} is not connected to excitation dof {excitation}: "
-            "H is identically zero and has no antiresonance.",
+    response = f"response dof {dof}"
+    if zero:
+        text = (
+            f"{response} is not connected to excitation dof {excitation}: H is identically zero and has no "
         )
-    if is_doubtful:
-        warn(
-            "hidden_by_rounding",
-            f"response dof {dof}: rounding hides whether antiresonances of it are missing or double; "
-            f"with {n_dof} dofs only other units or fewer digits between the stiffest and the "
-            "softest part would tell.",
-        )
+        warn("not_connected", text + "antiresonance.")
+    if doubtful:
+        text = f"{response}: rounding hides whether antiresonances of it are missing or double; with {n_dof} "
+        text += "dofs only other units or fewer digits between the stiffest and the softest part would tell."
+        warn("hidden_by_rounding", text)
     if len(values) == 2 and np.isinf(values[1]).any():
         named = _some([f"{f:.6g}" for f in values[0][np.isinf(values[1])]])
-        warn(
-            "uncertain_roots",
-            f"response dof {dof}: {named} Hz are not certain: too close to others to be told "
-            "from them, or moved too far by the rounding of K and M.",
-        )
+        text = f"{response}: {named} Hz are not certain: too close to others to be told from them, or moved "
+        warn("uncertain_roots", text + "too far by the rounding of K and M.")
 
 
 def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: Callable[[int], str]) -> None:
@@ -149,11 +129,9 @@ def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: 
     out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
     if out.any():
         named = _some([label(int(dof)) for dof in alone[out]])
-        warn(
-            "modes_left_out",
-            f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above "
-            f"the lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them.",
-        )
+        text = f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above the "
+        text += f"lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them."
+        warn("modes_left_out", text)
 
 
 #: From here on antiresonances may take seconds.
@@ -166,7 +144,7 @@ Motion = Literal["accelerance", "mobility", "receptance"]
 # -- A model and its description: how it is built, copied and changed, and what its parts are called
 
 
-class StructuralModel(AroundCore["CoreModel"], ReadOnly):
+class StructuralModel(AroundCore[CoreModel]):
     """What every model can do. Read-only.
 
     Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
@@ -354,11 +332,13 @@ class StructuralModel(AroundCore["CoreModel"], ReadOnly):
             check_room_for_all_modes(self.n_dof)
         freq, shapes = self._core.modes(limit, most)
         if np.isnan(freq).any():
+            moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
+            named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
             raise NumericalError(
                 "modes of (K, M)",
                 f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, "
-                f"most at {self._most_moved(shapes[:, np.isnan(freq)])}. Check its signs, or with geometric "
-                "stiffness whether the load is beyond buckling; antiresonances are still found.",
+                f"most at {named}. Check its signs, or with geometric stiffness whether the load is beyond "
+                "buckling; antiresonances are still found.",
             )
         if limit is None and most is None:
             whole: Any = self  # every kind of model has these matrices
@@ -566,24 +546,11 @@ class StructuralModel(AroundCore["CoreModel"], ReadOnly):
         Recording(2 channels, 10 s at 50 Hz, dofs=(0, 1), with force)
         """
         self._damping(damping_ratio)
-        return simulate(
-            self,
-            responses=self._free_dofs if responses is None else self._dofs("responses", responses),
-            excitation=self._dof("excitation", excitation),
-            fs_hz=fs_hz,
-            duration_s=duration_s,
-            damping_ratio=damping_ratio,
-            lowest_hz=min((f for f in self._core.modes()[0] if f > 0), default=0.0),
-            band_hz=band_hz,
-            noise=noise,
-            rng=rng,
-            progress=progress,
-        )
-
-    def _most_moved(self, shapes: FloatArray) -> str:
-        """Names of the dofs that move most in some shapes (n, m)."""
-        whole = np.abs(self._whole_shapes(shapes.T))
-        return ", ".join(map(self.dof_label, dict.fromkeys(np.nan_to_num(whole).argmax(axis=1).tolist())))
+        dofs = self._free_dofs if responses is None else self._dofs("responses", responses)
+        lowest_hz = min((f for f in self._core.modes()[0] if f > 0), default=0.0)
+        test: dict[str, Any] = {"fs_hz": fs_hz, "duration_s": duration_s, "damping_ratio": damping_ratio}
+        test |= {"band_hz": band_hz, "noise": noise, "rng": rng, "progress": progress}
+        return simulate(self, dofs, self._dof("excitation", excitation), lowest_hz, **test)
 
     def _dof(self, name: str, value: Any) -> int:
         """Number of a dof that is given by its number or its name."""
@@ -619,7 +586,6 @@ class StructuralModel(AroundCore["CoreModel"], ReadOnly):
 # out of its middle: an exact sample of the stationary response, and not periodic, so that an analysis meets
 # the leakage of a real test. (A zero-order-hold time integration would report 2.6 % damping for 0.51 %.)
 
-
 #: Longest memory of the structure that the lead-in must cover, in time constants 1 / (zeta omega).
 _TIME_CONSTANTS = 8.0
 #: Samples of lead-in that fit a memory of some hundred MB.
@@ -631,13 +597,13 @@ _MOST_SAMPLES = 1e10
 @patient("recording the virtual test")
 def simulate(
     model: Any,
-    *,
     responses: list[int],
     excitation: int,
+    lowest_hz: float,
+    *,
     fs_hz: float,
     duration_s: float,
     damping_ratio: Any,
-    lowest_hz: float,
     band_hz: tuple[float, float] | None = None,
     noise: float = 0.0,
     rng: int | np.random.Generator | None = None,
@@ -688,10 +654,7 @@ def _lead_in(samples: int, rate: float, lowest_hz: float, damping_ratio: Any) ->
         return samples // 2  # nothing rings, or nothing ever stops ringing
     memory = _TIME_CONSTANTS / (2 * np.pi * lowest_hz * least) * rate
     if memory > _LONGEST_LEAD_IN:
-        warn(
-            "lead_in_cut",
-            f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g}) remembers "
-            f"{memory / rate:.3g} s; the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and "
-            "that mode is not quite stationary in the record.",
-        )
+        mode = f"the slowest mode ({lowest_hz:.3g} Hz, damping ratio {least:.3g})"
+        cut = f"the lead-in is cut to {_LONGEST_LEAD_IN / rate:.3g} s and that mode is not quite stationary"
+        warn("lead_in_cut", f"{mode} remembers {memory / rate:.3g} s; {cut} in the record.")
     return int(min(memory, _LONGEST_LEAD_IN)) + 1

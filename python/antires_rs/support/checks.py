@@ -1,8 +1,4 @@
-"""Argument checks shared by the whole Python face.
-
-Each check returns the value in the form the code works with, or raises
-:class:`~antires_rs.exceptions.InvalidInputError`: what was got, what is wanted, and what to do.
-"""
+"""Argument checks: each returns the value in the form the code works with, or refuses it."""
 
 from __future__ import annotations
 
@@ -31,12 +27,11 @@ _SMALLEST, _LARGEST = 1e-100, 1e100
 
 def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        reject(
-            name,
-            f"a masked array with {int(np.count_nonzero(np.ma.getmaskarray(value)))} values masked",
-            wanted,
-            "Cut what is masked, or fill it in by interpolation; numpy would take the values below the mask.",
+        got = f"a masked array with {int(np.count_nonzero(np.ma.getmaskarray(value)))} values masked"
+        remedy = (
+            "Cut what is masked, or fill it in by interpolation; numpy would take the values below the mask."
         )
+        reject(name, got, wanted, remedy)
     try:
         array = np.asarray(value)
         if dtype is np.float64 and np.iscomplexobj(array):
@@ -76,14 +71,9 @@ def real_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> Float
     return _array(name, value, np.float64, ndim, wanted)
 
 
-def complex_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> ComplexArray:
-    """Finite, non-empty complex128 array of the wanted number of dimensions."""
-    return _array(name, value, np.complex128, ndim, wanted)
-
-
 def complex_rows(name: str, value: Any, n_columns: int, *, wanted: str) -> ComplexArray:
     """Complex array (n_rows, n_columns); a vector is taken as one row."""
-    array = complex_array(name, value, ndim=None, wanted=wanted)
+    array = _array(name, value, np.complex128, None, wanted)
     array = array[None, :] if array.ndim == 1 else array
     if array.ndim != 2 or array.shape[1] != n_columns:
         reject(name, f"an array of shape {array.shape}", wanted, "Check its axes by np.shape.")

@@ -48,7 +48,6 @@ def _warn(warning: Warning) -> None:
 
 # -- What is said of a symptom: its cause and what to do, from ``troubleshooting.md`` beside this file
 
-
 _FILE = Path(__file__).with_name("troubleshooting.md")
 
 
@@ -82,7 +81,15 @@ def explain(*names: str) -> str:
     known = entries()
     if not names:
         return "\n".join(f"{name}: {_seen(text)}" for name, text in known.items())
-    return "\n\n".join(_entry(str(name), known) for name in names)
+    texts = []
+    for name in map(str, names):
+        key = name.strip().lower().replace(" ", "_").replace("-", "_")
+        if key not in known:
+            near = " or ".join(get_close_matches(key, known, n=3, cutoff=0.6))
+            wanted = f"one of the names that warnings end with{', perhaps ' + near if near else ''}"
+            reject("names", repr(name), wanted, "Ask without a name for all of them.")
+        texts.append(known[key])
+    return "\n\n".join(texts)
 
 
 @cache
@@ -90,15 +97,6 @@ def entries() -> dict[str, str]:
     """Every entry by its name, in the order of the page."""
     blocks = _FILE.read_text(encoding="utf-8").split("\n### ")[1:]
     return {b.split("\n", 1)[0].strip(): "### " + b.split("\n## ", 1)[0].strip() for b in blocks}
-
-
-def _entry(name: str, known: dict[str, str]) -> str:
-    key = name.strip().lower().replace(" ", "_").replace("-", "_")
-    if key not in known:
-        near = " or ".join(get_close_matches(key, known, n=3, cutoff=0.6))
-        wanted = f"one of the names that warnings end with{', perhaps ' + near if near else ''}"
-        reject("names", repr(name), wanted, "Ask without a name for all of them.")
-    return known[key]
 
 
 def _seen(text: str) -> str:
@@ -109,7 +107,6 @@ def _seen(text: str) -> str:
 # -- Texts of errors that name arguments of a call, for callers who do not write Python
 #
 # A job file and the command line spell the same argument in their own way; the text keeps it as data.
-
 
 #: How an edit by hand is written in a job and on the command line.
 EDIT_WANTED = 'DOF=HZ, such as "3=31.9" or "3=31.9 mains hum"'
@@ -140,15 +137,7 @@ Part = Passed | LeftOut
 
 
 class Wording(str):
-    """A text for who calls from Python; ``template`` has a ``{}`` for each of its parts.
-
-    Examples
-    --------
-    >>> from antires_rs.support.messages import Passed, Wording, spelled
-    >>> text = Wording("Pass {}.", Passed("first", "freq"))
-    >>> print(text, spelled(text, lambda part: f"--{part.name} {part.value}"))
-    Pass first='freq'. Pass --first freq.
-    """
+    """A text for who calls from Python; ``template`` has a ``{}`` for each of its parts."""
 
     template: str
     parts: tuple[Part, ...]

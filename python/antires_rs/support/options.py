@@ -2,13 +2,6 @@
 
 A frozen dataclass holds the options of a call. Its fields, made by :func:`option`, say what each means; from
 them come the checks of values, the keys of jobs, the arguments of the command line and the words of reports.
-
->>> from dataclasses import dataclass
->>> @dataclass(frozen=True, kw_only=True)
-... class Shaking(Options):
-...     level_g: float = option(0.5, "Level in g.", low=0.0)
->>> Shaking(level_g=0.7).given, Shaking().checked().level_g
-(frozenset({'level_g'}), 0.5)
 """
 
 from __future__ import annotations
@@ -121,17 +114,12 @@ Chosen = TypeVar("Chosen", bound=Options)
 
 def documented(options: type[Chosen]) -> type[Chosen]:
     """The class with the sentences of its options in place of ``{options}`` in its docstring."""
-    options.__doc__ = (options.__doc__ or "").format(
-        options="\n    ".join(
-            f"{name} : {one.kind}, by default {one.default}\n        {one.explanation}"
-            + (
-                f" From {one.low:g} to {np.inf if one.high is None else one.high:g}."
-                if one.low is not None
-                else ""
-            )
-            for name, one in options.declared().items()
-        )
-    )
+    rows = []
+    for name, one in options.declared().items():
+        most = np.inf if one.high is None else one.high
+        limits = "" if one.low is None else f" From {one.low:g} to {most:g}."
+        rows.append(f"{name} : {one.kind}, by default {one.default}\n        {one.explanation}{limits}")
+    options.__doc__ = (options.__doc__ or "").format(options="\n    ".join(rows))
     return options
 
 

@@ -1,7 +1,7 @@
 """Progress of long runs on standard error: one line, rewritten in place.
 
-Searches report their state and are counted in evaluations (``watched``). Other work has no common measure: a
-line that a thread keeps alive names the step it is at, and the seconds (``waiting``, ``step``).
+A thread keeps it alive; it names the step that work is at (``waiting``, ``step``), or how far a search is
+(``watched``), and the seconds.
 """
 
 from __future__ import annotations
@@ -28,50 +28,6 @@ Watcher = Callable[[State], bool | None]
 FIRST_S, EVERY_S = 1.0, 0.25
 #: Ctrl-C is looked for this often while the core works in the background.
 LOOK_S = 0.1
-
-
-class _Screen:
-    """The line on standard error; blanks go over what a longer one left."""
-
-    width = 0
-
-    def show(self, text: str) -> None:
-        self.width = max(self.width, len(text))
-        self._write(f"\r{text:<{self.width}}")
-
-    def end(self) -> None:
-        if self.width:
-            self._write("\n")
-
-    @staticmethod
-    def _write(text: str) -> None:
-        sys.stderr.write(text)
-        sys.stderr.flush()
-
-
-@contextmanager
-def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Iterator[Watcher | None]:
-    """One callable for the core out of the user's callback and, if wanted, a progress line."""
-    if not _shown(progress):
-        yield None if callback is None else lambda state: _stops(callback(state))
-        return
-    start, line = time.monotonic(), _Screen()
-    due = start + FIRST_S
-    first: int | None = None  # evaluations before this process, where a search goes on
-
-    def watcher(state: State) -> bool | None:
-        nonlocal due, first
-        now = time.monotonic()
-        first = state["nfev"] if first is None else first
-        if now >= due:
-            due = now + EVERY_S
-            line.show(_line(state, budget, now - start, state["nfev"] - first))
-        return _stops(callback(state)) if callback is not None else None
-
-    try:
-        yield watcher
-    finally:
-        line.end()
 
 
 def _stops(said: object) -> bool | None:
@@ -114,6 +70,25 @@ def waiting(what: str, progress: bool | None) -> Iterator[None]:
         over.set()
         if shown:
             thread.join()
+
+
+@contextmanager
+def watched(callback: Watcher | None, progress: bool | None, budget: int) -> Iterator[Watcher | None]:
+    """One callable for the core out of the user's callback and, if wanted, a progress line."""
+    if not _shown(progress):
+        yield None if callback is None else lambda state: _stops(callback(state))
+        return
+    start, first = time.monotonic(), -1  # evaluations before this process, where a search goes on
+    with waiting("searching", progress):
+        at: Any = _AT.get()
+
+        def watcher(state: State) -> bool | None:
+            nonlocal first
+            first = state["nfev"] if first < 0 else first
+            at[0] = _line(state, budget, time.monotonic() - start, state["nfev"] - first)
+            return _stops(callback(state)) if callback is not None else None
+
+        yield watcher
 
 
 @contextmanager
@@ -175,26 +150,29 @@ def interruptible(work: Callable[[], T], what: str) -> T:
 
 
 def _keep_alive(what: str, at: list[str], over: threading.Event) -> None:
-    start, line = time.monotonic(), _Screen()
+    """The line on standard error; blanks go over what a longer one left."""
+    start, width = time.monotonic(), 0
     over.wait(FIRST_S)
     while not over.is_set():
-        line.show(f"{what}{': ' if at[0] else ''}{at[0]}   {time.monotonic() - start:.0f} s ")
+        text = f"\r{what}{': ' if at[0] else ''}{at[0]}   {time.monotonic() - start:.0f} s "
+        width = max(width, len(text))
+        sys.stderr.write(f"{text:<{width}}")
+        sys.stderr.flush()
         over.wait(EVERY_S)
-    line.end()
+    if width:
+        sys.stderr.write("\n")
+        sys.stderr.flush()
 
 
 def _line(state: State, budget: int, seconds: float, done: int) -> str:
     waiting = sum(1 for _, name in state["islands"] if name == "waiting")
+    left = "time left not known yet"
+    if done > 0:  # most searches end before the budget does
+        left = f"at most {span((budget - state['nfev']) * seconds / done)} left"
     return (
         f"{state['nfev']:>9,} of at most {budget:,} evaluations   best J {state['fun']:.6g}   "
-        f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   "
-        f"{seconds:.0f} s, {_left(budget - state['nfev'], seconds, done)}"
+        f"generation {state['nit']}   {waiting}/{len(state['islands'])} islands waiting   {left}"
     )
-
-
-def _left(evaluations: int, seconds: float, done: int) -> str:
-    """How long the budget lasts at this pace; most searches end before it does."""
-    return f"at most {span(evaluations * seconds / done)} left" if done > 0 else "time left not known yet"
 
 
 def span(seconds: float) -> str:
@@ -210,7 +188,6 @@ def span(seconds: float) -> str:
 # BLAS adds in another order with another number of threads, and a fit that takes discrete decisions (an
 # order, what is stable) can turn a last digit into another answer. With one thread the bits do not depend
 # on their number, and the small matrices of this package are no slower.
-
 
 _lock = threading.Lock()
 _inside = 0
@@ -238,21 +215,19 @@ def _nested(by: int) -> None:
         _inside += by
         if _inside == (1 if by > 0 else 0):
             # The thread that sets a limit owns it while it lives, and no other can restore it.
-            thread = threading.Thread(target=_limit if by > 0 else _restore)
+            thread = threading.Thread(target=_limit, args=(by > 0,))
             thread.start()
             thread.join()
 
 
-def _limit() -> None:
+def _limit(on: bool) -> None:
+    """Limit the threads, or let them go."""
+    global _limiter
+    if not on:
+        _limiter.restore_original_limits()
+        return
     # Imported at first use. NumPy and SciPy each bring a BLAS; both must be there before the search.
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits
 
-    global _limiter
     _limiter = threadpool_limits(limits=1, user_api="blas")
-
-
-def _restore() -> None:
-    global _limiter
-    _limiter.restore_original_limits()
-    _limiter = None

@@ -1,4 +1,4 @@
-"""Frozen dataclasses that hold arrays."""
+"""Values that hold arrays: read-only, compared by contents, the same after ``pickle`` and ``deepcopy``."""
 
 from __future__ import annotations
 
@@ -9,36 +9,16 @@ from typing import Any, Generic, NoReturn, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-# -- Values that survive ``pickle`` and ``copy.deepcopy``, as processes and libraries that copy need it
-#
 # What is left out of a pickle is made again from the rest, bit-identical; arrays that were read-only are so
 # again. A pickle is for the same version of this package; files are written by ``save``.
-
 
 Core = TypeVar("Core")
 Key = TypeVar("Key")
 Held = TypeVar("Held")
 
 
-class AroundCore(Generic[Core]):
-    """An object around one of the Rust core, ``_core``, which is made again from what else it holds."""
-
-    _core: Core
-
-    def _made_core(self) -> Core:
-        raise NotImplementedError
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_core"}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)  # past the __setattr__ of immutable objects
-        _freeze(state)
-        self.__dict__["_core"] = self._made_core()
-
-
-class Immutable:
-    """An object whose attributes nobody may set or delete; constructors fill it by :meth:`_fill`."""
+class ReadOnly:
+    """What nobody may change, neither attributes nor arrays in it; constructors fill it by :meth:`_fill`."""
 
     def _fill(self, **attributes: Any) -> None:
         """Set the attributes, in the constructor."""
@@ -54,25 +34,29 @@ class Immutable:
         kind = type(self).__name__
         raise AttributeError(f"{kind}.{name} is read-only: make another {kind} instead.", name=name, obj=self)
 
-
-class ReadOnly(Immutable):
-    """An immutable object whose arrays, alone or in dicts and tuples, nobody may change either."""
-
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._fill(**state)
         _freeze(state)
 
 
-class FrozenDict(dict[Key, Held]):
-    """A dict that nobody may change; unlike a ``MappingProxyType`` it can be pickled and copied.
+class AroundCore(ReadOnly, Generic[Core]):
+    """An object around one of the Rust core, ``_core``, which is made again from what else it holds."""
 
-    Examples
-    --------
-    >>> from antires_rs.support.values import FrozenDict
-    >>> FrozenDict(a=1)["b"] = 2
-    Traceback (most recent call last):
-    TypeError: this dict is read-only; dict(...) makes one that can be changed
-    """
+    _core: Core
+
+    def _made_core(self) -> Core:
+        raise NotImplementedError
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_core"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._fill(_core=self._made_core())
+
+
+class FrozenDict(dict[Key, Held]):
+    """A dict that nobody may change; unlike a ``MappingProxyType`` it can be pickled and copied."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         raise TypeError("this dict is read-only; dict(...) makes one that can be changed")

@@ -105,15 +105,12 @@ def _packed_results(payload: bytes, tasks: bytes) -> bytes | BaseException:
     try:
         return _dumps((found, seconds))
     except Exception:
-        return _dumps(([_sendable_result(one) for one in found], seconds))
-
-
-def _sendable_result(value: Any) -> Any:
-    try:
-        _dumps(value)
-    except Exception as error:
-        return Failed(_sendable(error))
-    return value
+        for i, one in enumerate(found):
+            try:
+                _dumps(one)
+            except Exception as error:
+                found[i] = Failed(_sendable(error))
+        return _dumps((found, seconds))
 
 
 def _sendable(error: BaseException) -> BaseException:
@@ -136,7 +133,6 @@ def _dumps(value: Any) -> bytes:
 
 
 # -- Which tasks go to a worker next, how many at a time, and again if the worker was lost
-
 
 #: A lost chunk of several tasks is cut into this many, until the one that ends workers stands alone.
 _PIECES = 8
@@ -439,11 +435,6 @@ class Workers:
     about ``seconds_a_chunk`` by measured times, longer where one scheduler serves many workers (0: one by
     one). A task fails that took more than ``losses`` workers with it. In every kind of worker functions run
     with one BLAS thread, with ``workers=1`` too, so that the bits are the same; with None as they are called.
-
-    >>> from antires_rs.support.workers import Workers
-    >>> with Workers(pow, "threads", shared=2) as workers:
-    ...     list(workers.in_order(range(5)))
-    [1, 2, 4, 8, 16]
     """
 
     def __init__(

@@ -139,14 +139,11 @@ def _read_table(path: Path) -> dict[str, Any]:
         if len(row) != len(names):
             got, wanted = f"{len(row)} cells in row {i} of {str(path)!r}", f"{len(names)} as in its first row"
             reject("conditions", got, wanted, "Correct that row.")
-    columns = {
-        name: list(map(str.strip, cells))
-        for name, cells in zip(names, zip(*rows[1:], strict=True), strict=True)
-    }
-    # The names of tests stay texts.
-    return {
-        name: cells if _is_one_of(name, NAMES) else list(map(_cell, cells)) for name, cells in columns.items()
-    }
+    columns = {}
+    for name, cells in zip(names, zip(*rows[1:], strict=True), strict=True):
+        read = str.strip if _is_one_of(name, NAMES) else _cell  # the names of tests stay texts
+        columns[name] = list(map(read, cells))
+    return columns
 
 
 def _text(path: Path) -> str:
@@ -162,6 +159,7 @@ def _text(path: Path) -> str:
 
 def _cell(cell: str) -> Any:
     """A number, with a decimal comma too, None where it is not known; else the text."""
+    cell = cell.strip()
     try:
         value = _number(cell.replace(",", "."))
     except ValueError:
@@ -281,10 +279,8 @@ def _columns(given: Any) -> dict[Any, Any]:
         return table
     rows: Any = given if isinstance(given, Sequence) and not isinstance(given, str) else [None]
     if not all(isinstance(row, Mapping) for row in rows):
-        wanted = (
-            "a mapping of name to array, a DataFrame, a structured array, a list of dicts, or a CSV or "
-            "Parquet file"
-        )
+        wanted = "a mapping of name to array, a DataFrame, a structured array, a list of dicts, or a CSV or "
+        wanted += "Parquet file"
         reject("conditions", type(given).__name__, wanted, "As in conditions={'temperature_c': [...]}.")
     keys = dict.fromkeys(key for row in rows for key in row)
     return {key: [row.get(key) for row in rows] for key in keys}
@@ -319,10 +315,8 @@ def _naming(table: Mapping[Any, Any]) -> tuple[str | None, bool]:
         if all(isinstance(value, str | PurePath) for value in table[key]):
             return key, False
     for key in possible:
-        if all(
-            isinstance(value, Real) and not isinstance(value, bool) and float(value).is_integer()
-            for value in table[key]
-        ):
+        whole = (isinstance(value, Real) and float(value).is_integer() for value in table[key])
+        if all(whole) and not any(isinstance(value, bool) for value in table[key]):
             return key, True
     return None, False
 
@@ -349,8 +343,7 @@ def _numbers(key: str, values: Any) -> Any:
     name = part("conditions", key)
     _check_finite(name, column)
     if len(other) > np.count_nonzero(~np.isnan(column)):
-        text = f"conditions: column {key!r} is left out, its values are no numbers."
-        warn("condition_left_out", text)  # the caller of identify_series
+        warn("condition_left_out", f"conditions: column {key!r} is left out, its values are no numbers.")
         return None
     if other:  # a column of numbers: leaving it out would be a surprise
         wanted = "numbers; nothing, NaN, NA or - where one is not known"

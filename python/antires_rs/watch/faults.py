@@ -19,16 +19,8 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from .association import Places, Values
 
 #: Findings of the data check that tell of a channel, not of the structure.
-SENSOR = (
-    "dead_channel",
-    "clipped_channel",
-    "duplicated_channels",
-    "dropouts",
-    "spikes",
-    "time_shift",
-    "quadrature",
-    "signal_to_noise",
-)
+SENSOR = {"dead_channel", "clipped_channel", "duplicated_channels", "dropouts", "spikes", "time_shift"}
+SENSOR |= {"quadrature", "signal_to_noise"}
 #: A finding that so large a part of the baseline has as well says nothing new.
 _USUAL = 0.1
 #: A place that is nearly always there; a response has lost its antiresonances if fewer than so many remain.

@@ -15,14 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import (
-    Argument,
-    InvalidInputError,
-    MissingDependencyError,
-    UnsuitableDataError,
-    part,
-    reject,
-)
+from ..exceptions import Argument, InvalidInputError, MissingDependencyError, part, reject
 from ..identification.identify import identify_antiresonances
 from ..identification.options import sorted_out
 from ..io.own_format import relabelled
@@ -39,7 +32,6 @@ from .stored_tests import encoded
 _WANTED = (
     "files, a folder, records or responses in memory, functions that give one, or a generator of any of them"
 )
-
 _ALL_ENDINGS = [ending for endings in ENDINGS.values() for ending in endings]
 
 
@@ -89,7 +81,7 @@ def listed(sources: Any, beside: Sequence[Path] = ()) -> Sources:
 
 def _source(number: int, one: Any) -> Source:
     """A source; a tuple may have its name before it and its conditions behind it."""
-    argument = Argument("sources").item(number)
+    argument = part("sources", number)
     name, conditions = None, {}
     if isinstance(one, tuple):
         parts = list(one)
@@ -165,10 +157,6 @@ def natural(file: Path) -> tuple[Any, ...]:
 
 #: Plain data of a set, or the reason why there is none.
 Outcome = dict[str, Any] | str
-#: Fewer responses than these make no transmissibility.
-LEAST = 2
-
-
 Reading = Mapping[str, Any] | Callable[[Path], Any]
 
 
@@ -186,12 +174,11 @@ class Unread(str):
 
 def identified(instructions: Instructions, given: Any) -> Outcome:
     """The antiresonances of one source, or in words why there are none."""
+    if isinstance(given, Unread):
+        return str(given)
     try:
         with unheard(), apart():
-            signal = loaded(instructions, given)
-            if isinstance(signal, Unread):
-                return str(signal)
-            return encoded(_set_of(signal, instructions.options))
+            return encoded(_set_of(_signal(instructions.reading, given), instructions.options))
     except (MissingDependencyError, MemoryError):
         raise  # of this machine, not of the record
     except Exception as exc:
@@ -210,7 +197,7 @@ def loaded(instructions: Instructions, given: Any) -> Any:
 
 def why_not(exc: Exception) -> str:
     """The reason that is kept."""
-    if isinstance(exc, InvalidInputError | UnsuitableDataError):
+    if isinstance(exc, InvalidInputError):
         return f"{exc.argument}: {exc.got}; wanted {exc.wanted}"
     return f"{type(exc).__name__}: {exc}"
 
@@ -258,7 +245,7 @@ def _living(signal: Any) -> tuple[Any, tuple[Any, ...]]:
     if not all(isinstance(one, Recording) for one in records):
         return signal, ()
     constant = np.any([np.ptp(one.responses, axis=1) == 0.0 for one in records], axis=0)
-    if not constant.any() or np.sum(~constant) < LEAST:
+    if not constant.any() or np.sum(~constant) < 2:  # a single response makes no transmissibility
         return signal, ()
     dofs = records[0].dofs
     labels = [None if off else dof for dof, off in zip(dofs, constant, strict=True)]
@@ -280,17 +267,16 @@ def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
     if chosen is not None and chosen not in READERS:
         wanted = f"one of {', '.join(READERS)}"
         reject(part("reading", "format"), repr(chosen), wanted, "Leave it out where the endings tell.")
+    readers: list[Any] = []
+    for file in files:
+        kind = chosen or format_by_ending(file.name)
+        if file.is_dir():
+            readers += [read_frf_files, *READERS.values()]  # it hands options on
+        elif kind in READERS:
+            readers.append(READERS[kind])
     if not files:  # any reader may come to read
         readers = [READERS[chosen], read_frf_files] if chosen else [*READERS.values(), read_frf_files]
-    else:
-        readers = []
-        for file in files:
-            kind = chosen or format_by_ending(file.name)
-            if file.is_dir():
-                readers += [read_frf_files, *READERS.values()]  # it hands options on
-            elif kind in READERS:
-                readers.append(READERS[kind])
-        readers = list(dict.fromkeys(readers)) or list(READERS.values())
+    readers = list(dict.fromkeys(readers or READERS.values()))
     known = {"format"}
     for reader in readers:
         parameters = inspect.signature(reader).parameters.values()

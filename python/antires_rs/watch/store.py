@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,18 +23,7 @@ import numpy as np
 from ..exceptions import reject
 from ..support.files import written_beside
 from .sources import natural
-from .stored_tests import (
-    FORMAT,
-    WANTED,
-    Entry,
-    Plain,
-    Row,
-    check_format,
-    nan_for_none,
-    pyarrow,
-    read_parquet_rows,
-    write_table,
-)
+from .stored_tests import FORMAT, WANTED, Entry, Plain, Row, check_format, pyarrow, read_table, write_table
 
 VERSION = 2
 DATABASES = (".sqlite", ".db")
@@ -75,12 +64,10 @@ def _read(path: Path, db: sqlite3.Connection, argument: str) -> tuple[list[Row],
         raise sqlite3.DatabaseError(said)
     facts = {name: json.loads(value) for name, value in db.execute("SELECT name, value FROM series")}
     check_format(argument, path, facts, VERSION)
-    found = db.execute(
-        "SELECT name, conditions, time, fingerprint, failed, facts, columns FROM tests ORDER BY place"
-    )
-    rows = []
+    columns = "name, conditions, time, fingerprint, failed, facts, columns"
+    found, rows = db.execute(f"SELECT {columns} FROM tests ORDER BY place"), []
     for name, conditions, time, fingerprint, failed, known, columns in found:
-        entry = _entry(name, json.loads(conditions), time, fingerprint)
+        entry = Entry.kept(name, json.loads(conditions), time, fingerprint)
         plain = partial(_plain, path, name, crc32(columns or b""))
         rows.append(Row.of(entry, failed, json.loads(known or "null"), plain))
     return rows, facts
@@ -124,13 +111,6 @@ def _begin(db: sqlite3.Connection, config: Config | None, finished: bool) -> Non
     _set_facts(db, format=FORMAT, version=VERSION, config=config, finished=finished)
 
 
-def _entry(name: str, conditions: Mapping[str, float | None], time: str | None, fingerprint: str) -> Entry:
-    """A test out of its texts."""
-    return Entry(
-        name, nan_for_none(conditions), None if time is None else np.datetime64(time, "ms"), fingerprint
-    )
-
-
 def _texts(row: Row) -> tuple[str, str | None]:
     """What was measured beside, with NaN equal to itself."""
     beside = {name: None if value != value else float(value) for name, value in row.conditions.items()}
@@ -163,7 +143,7 @@ def read_series(path: Path) -> tuple[list[Row], bool]:
                 found, facts = _read(file, db, "path")
             unfinished |= not facts.get("finished")
         else:
-            found, _ = read_parquet_rows(path) if file == path else _journal(part)
+            found, _ = read_table(path) if file == path else _journal(part)
         rows |= {row.name: row for row in found}
     return list(rows.values()), unfinished
 
@@ -187,7 +167,7 @@ def _journal(path: Path) -> tuple[list[Row], Config]:
         if "config" in data:
             config = data["config"]
             continue
-        entry = _entry(data["name"], data["conditions"], data["time"], data["fingerprint"])
+        entry = Entry.kept(*(data[key] for key in ("name", "conditions", "time", "fingerprint")))
         rows[entry.name] = Row.packed(entry, data["outcome"])
     return list(rows.values()), config
 
@@ -219,10 +199,8 @@ class Store:
         self._db: sqlite3.Connection | None = None
         if store is None:
             return
-        if not isinstance(store, str | PathLike) or Path(store).suffix.lower() not in (
-            ".parquet",
-            *DATABASES,
-        ):
+        known = (".parquet", *DATABASES)
+        if not isinstance(store, str | PathLike) or Path(store).suffix.lower() not in known:
             wanted = "the path of a file that ends in .parquet or .sqlite, or None for memory"
             reject("store", store, wanted, "As in store='year.parquet'.")
         path = self.path = Path(store)
@@ -232,7 +210,7 @@ class Store:
         if self._file != path:
             pyarrow("store")  # now rather than after a night
             if path.exists():
-                rows, there = read_parquet_rows(path, "store")
+                rows, there = read_table(path, "store")
                 self._there = rows if self._agrees(path, rows, there) else None
         try:
             self._db, rows = self._opened()
@@ -286,12 +264,10 @@ class Store:
             # A wrong band or excitation, and nothing found by it: what is corrected begins anew.
             return False
         name = min(n for n in there.keys() | self._config.keys() if there.get(n) != self._config.get(n))
-        reject(
-            "store",
-            f"{str(path)!r}, made with {name} = {there.get(name)!r} in place of {self._config.get(name)!r}",
-            "the same options, so that all tests of a series are identified alike",
-            "Name another store for other options, or remove this one to begin anew.",
-        )
+        got = f"made with {name} = {there.get(name)!r} in place of {self._config.get(name)!r}"
+        wanted = "the same options, so that all tests of a series are identified alike"
+        remedy = "Name another store for other options, or remove this one to begin anew."
+        reject("store", f"{str(path)!r}, {got}", wanted, remedy)
 
     def known(self, name: str, fingerprint: str) -> Row | None:
         """The result of a source that was identified before, and has not changed since."""
@@ -321,12 +297,9 @@ class Store:
             rows = sorted(both, key=lambda row: natural(Path(row.name)))
         elif gone:
             shown = ", ".join(map(repr, gone[:3])) + (f" and {len(gone) - 3} more" if len(gone) > 3 else "")
-            reject(
-                "sources",
-                f"no source {shown}, of which {str(self.path)!r} holds a result",
-                "all sources of that series, and what has come since",
-                "Put them back, or name another store for other sources.",
-            )
+            got = f"no source {shown}, of which {str(self.path)!r} holds a result"
+            wanted = "all sources of that series, and what has come since"
+            reject("sources", got, wanted, "Put them back, or name another store for other sources.")
         new = self._there is None or list(map(_identity, self._there)) != list(map(_identity, rows))
         if self._file != self.path:
             if new:

@@ -12,7 +12,7 @@ import csv
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -41,6 +41,7 @@ GROUPS = ("antiresonance", "left_out", "unexplained")
 #: Columns of every row with the letters of their types; scores stand beside them by their names.
 COLUMNS = dict.fromkeys(NUMBERS, "f") | {"by_hand": "b"}
 _CASTS = {"f": np.float64, "i": np.int64, "b": np.bool_, "U": np.str_}
+_ARROW = {"f": "double", "i": "int64", "b": "bool", "U": "string", "n": "int32", "M": "timestamp[ms]"}
 #: What is kept of a data check beside its findings.
 _OF_CHECK = ("not_tested", "dofs", "excitation", "band_hz", "n_averages", "nperseg")
 
@@ -58,16 +59,9 @@ def encoded(found: AntiresonanceSet) -> dict[str, Any]:
             column += _plain(getattr(table, name))
         for name, column in scores.items():
             column += _plain(table.scores[name]) if name in table.scores else [None] * len(table)
-    facts = {
-        "excitation": found.excitation,
-        "sees": found.sees,
-        "channels": list(found.channels),
-        "tables": [
-            [group, dof, len(table), own] for (group, dof, table), own in zip(tables, kinds, strict=True)
-        ],
-        "check": None,
-        "options": dict(found.options),
-    }
+    counted = [[group, dof, len(table), own] for (group, dof, table), own in zip(tables, kinds, strict=True)]
+    facts = {"excitation": found.excitation, "sees": found.sees, "channels": list(found.channels)}
+    facts |= {"tables": counted, "check": None, "options": dict(found.options)}
     if isinstance(check := found.data_check, DataCheck):
         findings = [asdict(finding) | {"where": list(finding.where)} for finding in check.findings]
         facts["check"] = {"findings": findings} | {name: getattr(check, name) for name in _OF_CHECK}
@@ -94,16 +88,11 @@ def decoded(plain: Mapping[str, Any]) -> AntiresonanceSet:
         findings = tuple(Finding(**row | {"where": tuple(row["where"])}) for row in check["findings"])
         tuples = {name: tuple(check[name]) for name in ("dofs", "band_hz")}
         check = DataCheck(**check | tuples | {"findings": findings})
-    return AntiresonanceSet.from_tables(
-        facts["excitation"],
-        tables[GROUPS[0]],
-        left_out=tables[GROUPS[1]],
-        unexplained_hz={dof: frozen(table.freq_hz) for dof, table in tables[GROUPS[2]].items()},
-        sees=facts["sees"],
-        channels=facts["channels"],
-        data_check=check,
-        options=facts.get("options"),
-    )
+    accepted, left_out, peaks = (tables[group] for group in GROUPS)
+    about = {name: facts.get(name) for name in ("sees", "channels", "options")}
+    unexplained = {dof: frozen(table.freq_hz) for dof, table in peaks.items()}
+    about |= {"left_out": left_out, "unexplained_hz": unexplained, "data_check": check}
+    return AntiresonanceSet.from_tables(facts["excitation"], accepted, **about)
 
 
 def _kind(values: Any) -> str:
@@ -132,6 +121,12 @@ class Entry:
     time: Any
     fingerprint: str
 
+    @classmethod
+    def kept(cls, name: str, conditions: Mapping[str, float | None], time: Any, fingerprint: str) -> Entry:
+        """Out of a file, in which null stands for NaN."""
+        known = {name: np.nan if value is None else value for name, value in conditions.items()}
+        return cls(name, known, None if time is None else np.datetime64(time, "ms"), fingerprint)
+
 
 @dataclass(frozen=True, slots=True)
 class Row(Entry):
@@ -154,18 +149,11 @@ class Row(Entry):
         """A test that failed, or a set of which the facts are known."""
         tables = facts["tables"] if facts else []
         accepted = [(dof, count) for group, dof, count, _ in tables if group == GROUPS[0]]
-        return cls(
-            entry.name,
-            entry.conditions,
-            entry.time,
-            entry.fingerprint,
-            failed,
-            sum(count for _, count in accepted),
-            facts["excitation"] if facts else None,
-            _one(tuple(dof for dof, _ in accepted)),
-            _one(tuple(sorted({item for *_, kinds in tables for item in kinds.items()}))),
-            plain,
-        )
+        dofs, counts = ([one[at] for one in accepted] for at in range(2))
+        kinds = sorted({item for *_, kinds in tables for item in kinds.items()})
+        own = {each.name: getattr(entry, each.name) for each in fields(Entry)}
+        own |= {"failed": failed, "count": sum(counts), "excitation": facts["excitation"] if facts else None}
+        return cls(**own, dofs=_one(tuple(dofs)), kinds=_one(tuple(kinds)), plain=plain)
 
     @classmethod
     def packed(cls, entry: Entry, outcome: Plain | str) -> Row:
@@ -212,12 +200,11 @@ class StoredSets(Sequence[AntiresonanceSet | None]):
 def parts_of(rows: Sequence[Row]) -> dict[str, Any]:
     """Arguments of a :class:`~antires_rs.Series` of these tests."""
     times = np.array(["NaT" if row.time is None else row.time for row in rows], dtype="datetime64[ms]")
+    conditions = _conditions_of(rows)
     return {
         "sets": StoredSets(rows),
         "names": [row.name for row in rows],
-        "conditions": {
-            name: [row.conditions.get(name, np.nan) for row in rows] for name in _conditions_of(rows)
-        },
+        "conditions": {name: [row.conditions.get(name, np.nan) for row in rows] for name in conditions},
         "times": None if np.isnat(times).all() else times,
         "failed": {i: row.failed for i, row in enumerate(rows) if row.failed is not None},
         "excitation": next((row.excitation for row in rows if row.failed is None), None),
@@ -266,15 +253,8 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
     fields = OF_ALL | dict.fromkeys(conditions, "f") | OF_VALUE | _score_fields(rows) | OF_TEST
     if not any(row.time is not None and not np.isnat(row.time) for row in rows):
         del fields["time"]
-    facts = {
-        "format": FORMAT,
-        "version": VERSION,
-        "made_by": __version__,
-        "tests": len(rows),
-        "tests_in_row_group": GROUP,
-        "conditions": conditions,
-        "config": config,
-    }
+    facts = {"format": FORMAT, "version": VERSION, "made_by": __version__, "tests": len(rows)}
+    facts |= {"tests_in_row_group": GROUP, "conditions": conditions, "config": config}
     firsts = range(0, len(rows), GROUP)
     groups = (_columns(first, rows[first : first + GROUP], fields, conditions) for first in firsts)
     with written_beside(path) as beside:
@@ -335,15 +315,7 @@ def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions:
 
 def _write_parquet(path: Path, fields: dict[str, str], facts: Any, groups: Iterator[Columns]) -> None:
     arrow = pyarrow()
-    types = {
-        "U": arrow.string(),
-        "f": arrow.float64(),
-        "b": arrow.bool_(),
-        "i": arrow.int64(),
-        "n": arrow.int32(),
-        "M": arrow.timestamp("ms"),
-    }
-    schema = arrow.schema([(name, types[kind]) for name, kind in fields.items()])
+    schema = arrow.schema([(name, arrow.type_for_alias(_ARROW[kind])) for name, kind in fields.items()])
     schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
     with open(path, "wb") as file, arrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
         for columns in groups:
@@ -355,7 +327,7 @@ def _write_parquet(path: Path, fields: dict[str, str], facts: Any, groups: Itera
 # -- A series out of Parquet: what is known of all tests at once, their sets when they are asked for
 
 
-def read_parquet_rows(path: Path, argument: str = "path") -> tuple[list[Row], dict[str, Any] | None]:
+def read_table(path: Path, argument: str = "path") -> tuple[list[Row], dict[str, Any] | None]:
     """The tests of a file, and what :func:`~antires_rs.identify_series` was called with."""
     arrow = pyarrow()
     try:
@@ -377,22 +349,11 @@ def read_parquet_rows(path: Path, argument: str = "path") -> tuple[list[Row], di
             times = own.column("time").to_numpy() if timed else [None] * own.num_rows
             for i, time in enumerate(times):
                 values = {name: columns[name][i] for name in facts["conditions"]}
-                entry = Entry(columns["name"][i], nan_for_none(values), time, columns["fingerprint"][i])
-                failed, known = columns["failed"][i], columns["facts"][i]
-                rows.append(
-                    Row.of(
-                        entry,
-                        failed if known is not None or failed else "",
-                        None if known is None else json.loads(known),
-                        partial(sets.plain, len(rows)),
-                    )
-                )
+                entry = Entry.kept(columns["name"][i], values, time, columns["fingerprint"][i])
+                failed, known = columns["failed"][i], json.loads(columns["facts"][i] or "null")
+                failed = failed if known is not None or failed else ""
+                rows.append(Row.of(entry, failed, known, partial(sets.plain, len(rows))))
     return rows, facts["config"]
-
-
-def nan_for_none(conditions: Mapping[str, float | None]) -> dict[str, float]:
-    """Conditions as a file has them."""
-    return {name: np.nan if value is None else value for name, value in conditions.items()}
 
 
 class _Sets:
