@@ -31,9 +31,17 @@ FORBIDDEN = 1e3
 
 
 def paired(
-    a_hz: FloatArray, b_hz: FloatArray, max_shift: float, variance: FloatArray | None = None
+    a_hz: FloatArray,
+    b_hz: FloatArray,
+    max_shift: float,
+    variance: FloatArray | None = None,
+    worth: FloatArray | None = None,
 ) -> list[tuple[int, int]]:
-    """Indices of the values that are one, by ascending frequency."""
+    """Indices of the values that are one, by ascending frequency.
+
+    ``worth`` of ``b_hz``, 0 to 1, by default 1: one that is worth less costs less if left alone, and more in
+    a pair.
+    """
     from scipy.optimize import linear_sum_assignment  # slow to import
 
     if not a_hz.size or not b_hz.size:
@@ -46,11 +54,13 @@ def paired(
     # Of many tracks few are near what a test has; the others stay alone in any case.
     near_a, near_b = (np.flatnonzero((cost < 1.0).any(axis=axis)) for axis in (1, 0))
     cost, n, m = cost[np.ix_(near_a, near_b)], near_a.size, near_b.size
+    alone = 0.5 * (np.ones(m) if worth is None else worth[near_b])
+    cost = cost + (0.5 - alone)
     # Beside it a partner of nobody for each, so that the least total may leave any value alone.
     square = np.full((n + m, n + m), FORBIDDEN)
     square[:n, :m] = np.where(cost < 1.0, cost, FORBIDDEN)
     square[np.arange(n), m + np.arange(n)] = 0.5
-    square[n + np.arange(m), np.arange(m)] = 0.5
+    square[n + np.arange(m), np.arange(m)] = alone
     square[n:, m:] = 0.0
     rows, columns = linear_sum_assignment(square)
     pairs = zip(rows.tolist(), columns.tolist(), strict=True)
