@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..measured.antiresonance_set import NOT_SEEN, AntiresonanceSet
-from ..measured.matching import paired
+from ..measured.matching import KNOWN, paired
 from ..measured.response_table import ResponseTable
 from ..support.checks import ComplexArray, FloatArray
 from .lines import Lines
@@ -249,6 +249,7 @@ def tables_of(
             "share": now.share[seen],
             "how": np.full(seen.sum(), "followed"),
             "followed": own[seen],
+            KNOWN: table.freq_hz[seen],
         }
         tables[dof] = ResponseTable(now.freq_hz[seen], now.damping_ratio[seen], now.std_hz[seen], scores)
         gone[dof] = ResponseTable(
@@ -268,7 +269,8 @@ def with_search(
         nearest = off.argmin(axis=0) if len(other) else np.empty(0, dtype=np.intp)
         same = np.flatnonzero(off.min(axis=0, initial=np.inf) <= APART) if better else np.empty(0, np.intp)
         kept = own.take(np.setdiff1d(np.arange(len(own)), same))
-        instead = other.take(nearest[same]).with_scores(followed=own.scores["followed"][same])
+        which = {name: own.scores[name][same] for name in ("followed", KNOWN)}
+        instead = other.take(nearest[same]).with_scores(**which)
         rest = other.take(np.flatnonzero(off.min(axis=1, initial=np.inf) > APART) if new else [])
         rest = rest.with_scores(followed=np.full(len(rest), -1))
         joined[dof] = ResponseTable.concatenated([kept, instead, rest])

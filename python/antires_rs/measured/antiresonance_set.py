@@ -82,7 +82,7 @@ def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = N
         words += [_HOW[how]] if how in _HOW else []
     if "grade" in table.scores:
         sure = table.scores["grade"].astype(str) == "sure"
-        for word, passed in _OF_WINDOWS if "share" in table.scores else _TESTS:
+        for word, passed in _OF_WINDOWS if "depth_db" in table.scores else _TESTS:
             for row in np.flatnonzero(~sure & ~passed(table)):
                 found[row].append(word)
     for words, freq in zip(found, table.freq_hz.tolist(), strict=True):

@@ -67,6 +67,34 @@ def paired(
     return [(int(near_a[i]), int(near_b[k])) for i, k in pairs if i < n and k < m]
 
 
+#: Score of values that were followed: where in Hz the value was that each of them is.
+KNOWN = "known_hz"
+
+
+def matched(
+    a: ResponseTable, b: ResponseTable, max_shift: float, variance: FloatArray | None = None
+) -> list[tuple[int, int]]:
+    """Rows of two tables that are one: those followed from one value, and of the others as :func:`paired`."""
+    sure: list[tuple[int, int]] = []
+    if KNOWN in a.scores or KNOWN in b.scores:
+        where = {freq: k for k, freq in enumerate(_origin(b).tolist())}
+        sure = [(i, where[freq]) for i, freq in enumerate(_origin(a).tolist()) if freq in where]
+    i, k = (np.setdiff1d(np.arange(len(one)), rows) for one, rows in zip((a, b), _columns(sure), strict=True))
+    rest = None if variance is None else np.broadcast_to(variance, (len(a), len(b)))[np.ix_(i, k)]
+    more = paired(a.freq_hz[i], b.freq_hz[k], max_shift, rest)
+    return sorted(sure + [(int(i[m]), int(k[n])) for m, n in more])
+
+
+def _columns(pairs: list[tuple[int, int]]) -> NDArray[np.intp]:
+    return np.array(pairs, dtype=np.intp).reshape(-1, 2).T
+
+
+def _origin(table: ResponseTable) -> FloatArray:
+    """Where each value was known, where it was followed; else where it is."""
+    known = np.asarray(table.scores.get(KNOWN, table.freq_hz), dtype=np.float64)
+    return np.where(np.isnan(known), table.freq_hz, known)
+
+
 def variance_hz(table: ResponseTable, std_between: float) -> FloatArray:
     """Variance of every value in Hz^2, with the scatter between tests; NaN where neither is known."""
     own = table.std_hz**2
