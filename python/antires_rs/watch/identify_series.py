@@ -321,33 +321,37 @@ class _Run:
         self, instructions: Instructions, near: AntiresonanceSet | int | None, workers: Any
     ) -> Iterator[Outcome]:
         """What each source that is not known yet gives."""
-        outcome: Outcome | None = None
-        if near is None or not isinstance(near, AntiresonanceSet):
-            each = iter(self._sources.each)
-            first = list(islice(each, FIRST if near is None else near))
+        done: list[Outcome] = []
+        if not isinstance(near, AntiresonanceSet):
+            each, auto = iter(self._sources.each), near is None
+            first = list(islice(each, near or 0))
+            local = bool(first)
+            try:
+                while auto and len(first) < FIRST and (source := next(each, None)) is not None:
+                    first.append(source)
+                    row = self._store.known(source.name, self._content(source))
+                    outcome: Outcome | None = None if row is None else row.failed or row.plain()
+                    if outcome is None:
+                        (outcome,) = computed(instructions, [source.given], workers)
+                        done.append(outcome)
+                    if not isinstance(outcome, str):
+                        local = outcome["facts"]["options"].get("fitted") in LOCAL
+                        break
+                if auto and local:
+                    first += islice(each, FIRST - len(first))
+            except (Exception, KeyboardInterrupt) as exc:
+                each, local = _raised(exc), False  # behind the tests that are done
             self._sources = replace(self._sources, each=chain(first, each))
-            auto, near = near is None, None
-            if auto and first:
-                row = self._store.known(first[0].name, self._content(first[0]))
-                if row is None:
-                    outcome = identified(instructions, loaded(instructions, first[0].given))
-                else:
-                    outcome = row.plain() if row.failed is None else row.failed
-            if first and (outcome is None or isinstance(outcome, str) or _fitted(outcome) in LOCAL):
-                near = known_of(instructions, [one.given for one in first])
-                if near is None and not auto:
-                    wanted = "tests that have antiresonances in common, identified together"
-                    reject("near", f"the first {len(first)}", wanted, "Leave it out, or give 0.")
-                if auto and near is not None and near.options.get("fitted") not in LOCAL:
-                    near = None
-            outcome = None if near is not None or (auto and first and row is not None) else outcome
-        self._near = near
-        tasks = self._tasks()
+            near = known_of(instructions, [one.given for one in first]) if local else None
+            if local and not auto and near is None:
+                wanted = "tests that have antiresonances in common, identified together"
+                reject("near", f"the first {len(first)}", wanted, "Leave it out, or give 0.")
+        self._near, tasks = near, self._tasks()
         if near is not None:
             instructions = replace(instructions, options={**instructions.options, "near": near})
-        elif outcome is not None:
-            next(tasks)  # the first, which is done
-            yield outcome
+        else:
+            for outcome, _ in zip(done, tasks, strict=False):  # the first, which are done
+                yield outcome
         yield from computed(instructions, tasks, workers)
 
     def _content(self, source: Source) -> str:
@@ -375,9 +379,9 @@ class _Run:
                 self._failed += row.failed is not None
 
 
-def _fitted(outcome: Mapping[str, Any]) -> Any:
-    """What a test was fitted by."""
-    return outcome["facts"]["options"].get("fitted")
+def _raised(exc: BaseException) -> Iterator[Source]:
+    raise exc
+    yield
 
 
 def _follows(row: Row, near: AntiresonanceSet) -> bool:
