@@ -72,7 +72,7 @@ def follow(
     """Values of the responses ``row``, (n,), near where they were; their deviations may be NaN."""
     variance = np.nan_to_num(std_hz) ** 2
     at = near_hz
-    for _ in range(2):
+    for last in (False, True):
         zeros, inside, fitted = _zeros(look, row, at)
         some = [
             _candidates(
@@ -85,7 +85,7 @@ def follow(
         common = float(np.exp(np.median(shift))) if shift.size >= FEWEST else 1.0
         found = _assigned(row, near_hz * common, variance, some)
         away = np.abs(found[0] / at - 1.0) > AGAIN
-        if not away.any():
+        if last or not away.any():
             break
         at = np.where(away, found[0], at)
     there = np.flatnonzero(~np.isnan(found[0]))

@@ -21,7 +21,9 @@ from ..exceptions import AntiresError, InvalidInputError, MissingDependencyError
 from ..identification.options import declared, flat
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.response_table import ResponseTable, label
-from ..support.checks import frequency_band, integer
+from ..signals.averaging import is_transient
+from ..signals.recording import Recording
+from ..support.checks import FloatArray, frequency_band, integer
 from ..support.messages import unheard, warn
 from ..support.progress import apart, span, step, waiting
 from ..support.workers import Failed, in_order
@@ -103,8 +105,8 @@ def computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> 
 FIRST = 20
 #: Fits that tell single tests less than what is known already.
 LOCAL = ("directions", "followed")
-#: A value is followed if so large a part of these tests shows it, seen near its place.
-RECURS = 0.5
+#: A value is followed if so large a part of these tests shows it, within this share of where most do.
+RECURS, PLACE = 0.7, 0.03
 
 
 def known_of(instructions: Instructions, sources: Sequence[Any]) -> AntiresonanceSet | None:
@@ -113,6 +115,10 @@ def known_of(instructions: Instructions, sources: Sequence[Any]) -> Antiresonanc
         read = [signal for one in sources if not isinstance(signal := loaded(instructions, one), Unread)]
         try:
             each = [one for signal in read for one in (signal if isinstance(signal, list) else [signal])]
+            kinds = [isinstance(one, Recording) and is_transient(one) for one in each]
+            each = [
+                one for one, kind in zip(each, kinds, strict=True) if kind == (2 * sum(kinds) > len(kinds))
+            ]
             pooled = set_of(each if len(each) > 1 else each[0], instructions.options)
         except (
             AntiresError,
@@ -137,14 +143,23 @@ def known_of(instructions: Instructions, sources: Sequence[Any]) -> Antiresonanc
         for row, one in zip(freq, tests, strict=True):
             if dof in one:
                 row[one.followed[dof]] = one[dof]
-        kept = np.sum(~np.isnan(freq), axis=0) >= max(2, RECURS * len(tests))
-        middle = np.nanmedian(freq[:, kept], axis=0)
-        scatter = 1.4826 * np.nanmedian(np.abs(freq[:, kept] - middle), axis=0)
+        with np.errstate(invalid="ignore"):
+            near = np.abs(freq / _middle(freq) - 1.0) < PLACE
+        kept = np.sum(near, axis=0) >= max(2, RECURS * len(tests))
+        middle = _middle(freq)[kept]
+        scatter = 1.4826 * _middle(np.abs(freq[:, kept] - middle))
         tables[dof] = ResponseTable(middle, table.damping_ratio[kept], scatter, table.take(kept).scores)
     return (
         AntiresonanceSet.from_tables(pooled.excitation, tables, **sight)
         if any(map(len, tables.values()))
         else None
+    )
+
+
+def _middle(values: FloatArray) -> FloatArray:
+    """Median of each column without NaN; NaN where there is nothing else."""
+    return np.array(
+        [np.median(own[~np.isnan(own)]) if not np.isnan(own).all() else np.nan for own in values.T]
     )
 
 
