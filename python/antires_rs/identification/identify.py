@@ -354,8 +354,9 @@ def identify_antiresonances(
     if near is not None:
         check_set("near", near)
         searched = None
-        # What holds over the whole band is the better estimate, and was for these values.
-        if options.rule.new_values or near.options.get("fitted") == "numerators":
+        # What holds over the whole band is the better estimate, where it was for these values.
+        over_band = near.options.get("fitted") == "numerators" and not few(lines_for(0))
+        if options.rule.new_values or over_band:
             of_fit = {name: getattr(options.rule, name) for name in options.rule.given - {"new_values"}}
             of_call = options.call.values() | {"check": "off", "cross_check": None}
             again = {"excitation": excitation, "band_hz": band, "fit": FitOptions(**of_fit)}
