@@ -298,6 +298,10 @@ def identify_series(
     return Series(**parts_of(rows), interrupted=interrupted)
 
 
+#: What was followed last, by what it was made of.
+_KEPT: dict[str, AntiresonanceSet | None] = {}
+
+
 class _Run:
     """One pass over the sources."""
 
@@ -357,7 +361,7 @@ class _Run:
             except (Exception, KeyboardInterrupt) as exc:
                 each, local = _raised(exc), False  # behind the tests that are done
             self._sources = replace(self._sources, each=chain(first, each))
-            near = known_of(instructions, [one.given for one in first]) if local else None
+            near = self._known(instructions, first) if local else None
             if local and not auto and near is None:
                 wanted = "tests that have antiresonances in common, identified together"
                 reject("near", f"the first {len(first)}", wanted, "Leave it out, or give 0.")
@@ -368,6 +372,15 @@ class _Run:
             for outcome, _ in zip(done, tasks, strict=False):  # the first, which are done
                 yield outcome
         yield from computed(instructions, tasks, workers)
+
+    def _known(self, instructions: Instructions, first: Sequence[Source]) -> AntiresonanceSet | None:
+        """What is followed; of the same files it is kept, for a watch that calls again for each new one."""
+        contents = [self._content(one) for one in first]
+        key = json.dumps([contents, instructions.options], default=_plain)
+        if not all(contents) or key not in _KEPT:
+            _KEPT.clear()
+            _KEPT[key] = known_of(instructions, [one.given for one in first])
+        return _KEPT[key]
 
     def _content(self, source: Source) -> str:
         return "" if self._store.path is None else fingerprint(source.given)
