@@ -44,7 +44,7 @@ from ..support.messages import warn, warn_of_change
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
-from .cross_validation import CLEAN, LARGEST, few, misfit_ahead
+from .cross_validation import CLEAN, LARGEST, LEAST_SEGMENTS, few, misfit_ahead
 from .following import look_of, tables_of, with_search
 from .lines import FORCE, Lines, lines_of
 from .local_fits import LEAST_LINES
@@ -355,7 +355,8 @@ def identify_antiresonances(
         check_set("near", near)
         searched = None
         # What holds over the whole band is the better estimate, where it was for these values.
-        over_band = near.options.get("fitted") == "numerators" and not few(lines_for(0))
+        many = averages is not None and averages.spectra.n_averages >= LEAST_SEGMENTS
+        over_band = near.options.get("fitted") == "numerators" and many
         if options.rule.new_values or over_band:
             of_fit = {name: getattr(options.rule, name) for name in options.rule.given - {"new_values"}}
             of_call = options.call.values() | {"check": "off", "cross_check": None}
