@@ -1,7 +1,7 @@
 r"""Values that are known, looked for in a test: local fits around the place of each.
 
 Around every value the direction of the responses is fitted over stretches of three widths by three orders
-(:mod:`~antires_rs.identification.local_fits`). Zeros that several of these fits have are candidates. Which
+(``identification.local_fits``). Zeros that several of these fits have are candidates. Which
 candidate is which value is one assignment of least cost over a response
 (:func:`~antires_rs.measured.matching.paired`), in which a candidate counts by how many fits see it, about the
 change that all values have in common; so values that all move by a tenth are not taken for their neighbours.
