@@ -30,6 +30,7 @@ import numpy as np
 from .._core import __version__
 from ..exceptions import UnsuitableDataError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.matching import check_set
 from ..measured.merge import merge_setups
 from ..measured.response_table import label
 from ..signals.averaging import Averages, average
@@ -43,7 +44,8 @@ from ..support.messages import warn, warn_of_change
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
-from .cross_validation import CLEAN, LARGEST, few, misfit_ahead
+from .cross_validation import CLEAN, LARGEST, LEAST_SEGMENTS, few, misfit_ahead
+from .following import look_of, tables_of, with_search
 from .lines import FORCE, Lines, lines_of
 from .local_fits import LEAST_LINES
 from .numerators import freedom, independent_averages
@@ -207,6 +209,7 @@ def identify_antiresonances(
     max_order: int | None = None,
     cross_check: str | None = None,
     check: str = "warn",
+    near: AntiresonanceSet | None = None,
     fit: FitOptions | None = None,
     progress: bool | None = None,
     **older: Any,
@@ -245,6 +248,11 @@ def identify_antiresonances(
     check : {"warn", "raise", "off"}
         What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
         something fatal, or leave it out. The answer is ``.data_check`` of the set.
+    near : AntiresonanceSet, optional
+        Values that are known, such as those of the first tests of this structure together. Each is looked for
+        near its place (:mod:`~antires_rs.identification.following`): quicker than a search, and surer in a
+        single test. ``.followed`` says of which value each is, ``.not_seen`` which are not there;
+        ``fit=FitOptions(new_values=True)`` also searches for new ones.
     fit : FitOptions, optional
         How curves are fitted and what is accepted: what few calls change.
     progress : bool, optional
@@ -343,6 +351,18 @@ def identify_antiresonances(
     if isinstance(one, Recording):
         averages = average(one, band, options.averaging, include_force=options.use_force)
     lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.call.estimator)
+    if near is not None:
+        check_set("near", near)
+        searched = None
+        # What holds over the whole band is the better estimate, where it was for these values.
+        many = averages is not None and averages.spectra.n_averages >= LEAST_SEGMENTS
+        over_band = near.options.get("fitted") == "numerators" and many
+        if options.rule.new_values or over_band:
+            of_fit = {name: getattr(options.rule, name) for name in options.rule.given - {"new_values"}}
+            of_call = options.call.values() | {"check": "off", "cross_check": None}
+            again = {"excitation": excitation, "band_hz": band, "fit": FitOptions(**of_fit)}
+            searched = identify_antiresonances(one, **again, **of_call)
+        return _followed(near, searched, one, averages, lines_for, excitation, wanted, band, options)
     options = settled(options, lines_for(0), of_curves=averages is None)
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
@@ -413,6 +433,43 @@ def _looks(
         reject("band_hz", f"({band[0]:g}, {band[1]:g}) Hz", needed, "Widen the band, or record for longer.")
     averaged = averages.spectra.n_averages > 1
     return [], replace(options, formulation="numerators" if averaged else "windows")
+
+
+def _followed(
+    near: AntiresonanceSet,
+    searched: AntiresonanceSet | None,
+    source: Recording | FrequencyResponse,
+    averages: Averages | None,
+    lines_for: Callable[[int], Lines],
+    excitation: Any,
+    wanted: tuple[Any, ...],
+    band: tuple[float, float],
+    options: IdentificationOptions,
+) -> AntiresonanceSet:
+    """The values of ``near`` as this test has them, with new ones if it was searched."""
+    if near.excitation != excitation:
+        got, needed = f"a set of force at {near.excitation!r}", f"one of force at {excitation!r}"
+        reject("near", got, needed, "Follow values of the same excitation.")
+    step("checking the data")
+    checked = _checked(source, excitation, band, averages, options)
+    step("following")
+    looks: list[Look] = []
+    if isinstance(source, Recording) and averages is not None and not options.use_force:
+        looks = looks_of(source, averages, band, 1)
+    look = looks[0] if looks else look_of(lines_for(FORCE if options.use_force else 0))
+    tables, gone = tables_of(look, source.dofs, near, band, options.rule.min_share)
+    if searched is not None:
+        better = searched.options["fitted"] == "numerators"
+        tables = with_search(tables, searched, better=better, new=options.rule.new_values)
+    return AntiresonanceSet.from_tables(
+        excitation,
+        {dof: tables[dof] for dof in wanted if dof in tables},
+        left_out={dof: gone[dof] for dof in wanted if dof in tables},
+        data_check=checked,
+        sees=near.sees or ("frf" if options.use_force else "transmissibility"),
+        channels=source.dofs,
+        options={"antires_rs": __version__, "band_hz": list(band), **options.values(), "fitted": "followed"},
+    )
 
 
 def _of_before(

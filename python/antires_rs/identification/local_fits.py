@@ -17,6 +17,7 @@ records that somebody measured.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,7 +106,7 @@ class LocalFits:
         """Zeros in Hz of some rows, complex: Im / abs is the damping ratio, (n_views, n_rows, order)."""
         c = self.by_order[order][:, :, rows].transpose(0, 2, 1)
         half = 0.5 * (self.stretch.high_hz - self.stretch.low_hz)
-        return np.asarray(self.stretch.middle_hz + half * _chebyshev_roots(c))
+        return np.asarray(self.stretch.middle_hz + half * chebyshev_roots(c))
 
 
 def fit(
@@ -115,52 +116,71 @@ def fit(
 
     The weights of the lines (n_freq,) and the iteration are those of the first.
     """
-    v = vectors[:, stretch.lines]
-    half = 0.5 * (stretch.high_hz - stretch.low_hz)
-    x = (freq_hz[stretch.lines] - stretch.middle_hz) / half
-    powers = chebyshev.chebvander(x, orders[-1])
-    w = weights[stretch.lines]
-    kept = min(v.shape[2], MOST_DIRECTIONS)
-    held = np.linalg.eigh((v * w[:, None]).transpose(0, 2, 1) @ v.conj())[1][:, :, -kept:]
+    return fits([stretch], freq_hz, [vectors[:, stretch.lines]], weights, orders)[0]
+
+
+def fits(
+    over: Sequence[Stretch],
+    freq_hz: FloatArray,
+    vectors: Sequence[ComplexArray],
+    weights: FloatArray,
+    orders: tuple[int, ...],
+) -> list[LocalFits]:
+    """The same over several stretches at once, vectors (n_views, n_fitted, n_rows) at the lines of each."""
+    longest = max(one.lines.size for one in over)
+    n_views, _, n_rows = vectors[0].shape
+    v = np.zeros((len(over), n_views, longest, n_rows), dtype=np.complex128)
+    w, powers = np.zeros((len(over), longest)), np.zeros((len(over), longest, orders[-1] + 1))
+    for b, (one, own) in enumerate(zip(over, vectors, strict=True)):
+        x = (freq_hz[one.lines] - one.middle_hz) / (0.5 * (one.high_hz - one.low_hz))
+        v[b, :, : x.size], w[b, : x.size] = own, weights[one.lines]
+        powers[b, : x.size] = chebyshev.chebvander(x, orders[-1])
+    kept = min(n_rows, MOST_DIRECTIONS)
+    held = np.linalg.eigh((v * w[:, None, :, None]).transpose(0, 1, 3, 2) @ v.conj())[1][..., -kept:]
     u = v @ held.conj()
-    size = np.ones(x.size)
+    size = np.ones(w.shape)
     middle = orders[len(orders) // 2]
     for _ in range(PASSES):
-        q, r = np.linalg.qr(np.sqrt(w / size)[:, None] * powers)
-        (c,) = _smallest(q, u[:1], (middle,))
-        values = (q[:, : middle + 1] @ c[0]) / np.sqrt(w / size)[:, None]
-        size = np.sum(np.abs(values) ** 2, axis=1)
-        size = np.maximum(size, LEAST_SIZE * size.max())
-    fitted = (values / np.sqrt(np.maximum(np.sum(np.abs(values) ** 2, axis=1), 1e-300))[:, None]) @ held[0].T
-    q, r = np.linalg.qr(np.sqrt(w / size)[:, None] * powers)
+        root = np.sqrt(w / size)[..., None]
+        q, _ = np.linalg.qr(root * powers)
+        (c,) = _smallest(q, u[:, :1], (middle,))
+        values = (q[..., : middle + 1] @ c[:, 0]) / np.where(root > 0.0, root, np.inf)
+        size = np.sum(np.abs(values) ** 2, axis=2)
+        size = np.maximum(size, LEAST_SIZE * size.max(axis=1, keepdims=True))
+    fitted = values / np.sqrt(np.maximum(np.sum(np.abs(values) ** 2, axis=2), 1e-300))[..., None]
+    fitted = fitted @ held[:, 0].transpose(0, 2, 1)
+    q, r = np.linalg.qr(np.sqrt(w / size)[..., None] * powers)
     solved = np.linalg.inv(r)
     by_order = {
-        m: solved[: m + 1, : m + 1] @ c @ held.transpose(0, 2, 1)
+        m: solved[:, None, : m + 1, : m + 1] @ c @ held.transpose(0, 1, 3, 2)
         for m, c in zip(orders, _smallest(q, u, orders), strict=True)
     }
-    return LocalFits(stretch, by_order, fitted)
+    return [
+        LocalFits(one, {m: c[b] for m, c in by_order.items()}, fitted[b, : one.lines.size])
+        for b, one in enumerate(over)
+    ]
 
 
 def _smallest(q: FloatArray, u: ComplexArray, orders: tuple[int, ...]) -> list[ComplexArray]:
-    """Coefficients (n_views, order + 1, n_directions) of least misfit, for each order."""
-    n_views, n_lines, n = u.shape
+    """Coefficients (n_stretches, n_views, order + 1, n_directions) of least misfit, for each order."""
+    *shape, n_lines, n = u.shape
     terms = orders[-1] + 1
-    a = (q[:, :terms, None] * u.conj()[:, :, None, :]).reshape(n_views, n_lines, terms * n)
-    form = np.eye(terms * n) * (1.0 + RIDGE) - a.conj().transpose(0, 2, 1) @ a
+    a = (q[:, None, :, :terms, None] * u.conj()[..., None, :]).reshape(*shape, n_lines, terms * n)
+    form = np.eye(terms * n) * (1.0 + RIDGE) - a.conj().swapaxes(-1, -2) @ a
     inverse = np.linalg.inv(np.linalg.cholesky(form))
     found = []
     for m in orders:
         size = (m + 1) * n
-        low = inverse[:, :size, :size]
-        c = np.asarray(np.exp(1j * np.arange(size))[None, :, None] * np.ones((n_views, 1, 1)), dtype=complex)
+        low = inverse[..., :size, :size]
+        c = np.broadcast_to(np.exp(1j * np.arange(size))[:, None], (*shape, size, 1))
         for _ in range(ITERATIONS):
-            c = low.conj().transpose(0, 2, 1) @ (low @ c)
-            c /= np.linalg.norm(c, axis=1, keepdims=True)
-        found.append(c.reshape(n_views, m + 1, n))
+            c = low.conj().swapaxes(-1, -2) @ (low @ c)
+            c = c / np.linalg.norm(c, axis=-2, keepdims=True)
+        found.append(c.reshape(*shape, m + 1, n))
     return found
 
 
-def _chebyshev_roots(c: ComplexArray) -> ComplexArray:
+def chebyshev_roots(c: ComplexArray) -> ComplexArray:
     """Roots of Chebyshev series, (..., m + 1) -> (..., m); those at infinity stand far outside."""
     m = c.shape[-1] - 1
     top = c[..., -1:]

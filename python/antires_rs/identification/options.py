@@ -185,6 +185,9 @@ class FitOptions(Options):
         True, "Whether the sweep accepts values that are there at most orders without being stable."
     )
     keep_common: bool = option(False, "Whether to keep values that all of three or more channels share.")
+    new_values: bool = option(
+        False, "Whether a test whose values are followed (near) is searched for values that are new, too."
+    )
     # Zeros, unlike poles, may lie right of the axis: measured ones of light damping often do, a little.
     both_sides: bool = field(default=False, repr=False)
 

@@ -80,21 +80,23 @@ class Look:
     decay_per_s: float = 0.0
 
 
-def looks_of(rec: Recording, averages: Averages, band_hz: tuple[float, float]) -> list[Look]:
-    """Resolutions of a record: segments and shorter ones, or decays and their first halves.
+def looks_of(
+    rec: Recording, averages: Averages, band_hz: tuple[float, float], most: int | None = None
+) -> list[Look]:
+    """Resolutions of a record, ``most`` of them: segments and shorter ones, or decays and their first halves.
 
     Without those that have too few lines in the band; none may be left.
     """
     rng = np.random.default_rng(SEED)
     if averages.nperseg is None:
-        looks = [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)]
+        looks = [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)[:most]]
         return [look for look in looks if look.freq_hz.size >= 2 * LEAST_LINES]
     given = averages.options.window
     window = given if isinstance(given, str | tuple) else "hann"
     longest = averages.options.nperseg or look_samples(rec, band_hz)
     made = [
         _of_segments(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), rng)
-        for n in (longest, longest // 2, longest // 4)
+        for n in (longest, longest // 2, longest // 4)[:most]
         if n * (band_hz[1] - band_hz[0]) >= 2 * LEAST_LINES * rec.fs_hz
     ]
     return [look for look in made if look.freq_hz.size >= 2 * LEAST_LINES]
@@ -373,14 +375,14 @@ def _survey(look: Look) -> _Surveyed:
     return _Surveyed(look, fits, noise)
 
 
-def _moved(zeros: ComplexArray, decay_per_s: float) -> tuple[FloatArray, FloatArray]:
+def moved(zeros: ComplexArray, decay_per_s: float) -> tuple[FloatArray, FloatArray]:
     """Frequencies and damping ratios of zeros in Hz, less the decay of an exponential window."""
     z = zeros - 1j * decay_per_s / (2.0 * np.pi)
     size = np.abs(z)
     return np.where(z.real > 0.0, size, -1.0), z.imag / np.maximum(size, 1e-300)
 
 
-def _interior(stretch: Stretch, freq_hz: FloatArray) -> tuple[float, float]:
+def interior(stretch: Stretch, freq_hz: FloatArray) -> tuple[float, float]:
     """The part of a stretch in which its zeros count; at the ends of the band all of it."""
     margin = MARGIN * (stretch.high_hz - stretch.low_hz)
     low = stretch.low_hz if stretch.low_hz <= freq_hz[0] else stretch.low_hz + margin
@@ -401,9 +403,9 @@ def _sightings(one: _Surveyed, band_hz: tuple[float, float]) -> _Sightings:
     n_rows = one.look.vectors.shape[2]
     for own, (_, _, orders) in zip(one.fits, SCALES, strict=True):
         for local in own:
-            low, high = _interior(local.stretch, one.look.freq_hz)
+            low, high = interior(local.stretch, one.look.freq_hz)
             for order in orders:
-                freq, damping = _moved(local.zeros(order, list(range(n_rows)))[0], one.look.decay_per_s)
+                freq, damping = moved(local.zeros(order, list(range(n_rows)))[0], one.look.decay_per_s)
                 row, which = np.nonzero(
                     (np.abs(damping) < MOST_DAMPING)
                     & (freq >= max(low, band_hz[0]))
@@ -473,7 +475,7 @@ def _perturbed(
         rows = sorted({places[i][0] for i in some})
         there = np.any(views != 0.0, axis=1)
         for order in orders:
-            freq, damping = _moved(local.zeros(order, rows)[1:], look.decay_per_s)
+            freq, damping = moved(local.zeros(order, rows)[1:], look.decay_per_s)
             for i in some:
                 row, value = places[i]
                 k = rows.index(row)
@@ -516,12 +518,15 @@ def noisy(vectors: ComplexArray, noise: FloatArray, rng: np.random.Generator) ->
 
 def leave_out(views: ComplexArray) -> ComplexArray:
     """Unit vectors, every second with one channel left out, where at least two remain."""
-    n = views.shape[2]
-    if n > 2:
-        for k in range(1, len(views), 2):
-            views[k, :, (k // 2) % n] = 0.0
+    views = np.where(left_out(len(views), views.shape[2])[:, None], 0.0, views)
     norm = np.linalg.norm(views, axis=2, keepdims=True)
     return np.asarray(views / np.maximum(norm, 1e-300))
+
+
+def left_out(n_views: int, n_rows: int) -> NDArray[np.bool_]:
+    """Which channel each view leaves out, (n_views, n_rows)."""
+    view, channel = np.arange(n_views)[:, None], np.arange(n_rows)
+    return np.asarray((n_rows > 2) & (view % 2 == 1) & ((view // 2) % n_rows == channel))
 
 
 def _rise_db(one: _Surveyed, row: int, value: float) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..damage.hypotheses import Hypotheses
-from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.antiresonance_set import NOT_SEEN, AntiresonanceSet
 from ..measured.compare import Comparison
 from ..measured.edits import BY_HAND
 from ..measured.track import Tracks
@@ -52,8 +52,8 @@ def frame_of(rows: list[dict[str, Any]], names: list[str]) -> Any:
 def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
     """Column names and one row an antiresonance."""
     scores = list(dict.fromkeys(name for table in found.tables.values() for name in table.scores))
-    checked = found.cross_check
-    rows = []
+    checked, followed = found.cross_check, bool(found.followed)
+    rows: list[dict[str, Any]] = []
     for dof, table in found.tables.items():
         for i, freq in enumerate(table.freq_hz.tolist()):
             row = {"dof": dof, "freq_hz": freq, "damping_ratio": float(table.damping_ratio[i])}
@@ -62,8 +62,14 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
             row |= {name: table.scores[name][i].item() if name in table.scores else None for name in scores}
             if checked is not None:
                 row["confirmed"] = checked.is_confirmed(dof, freq)
+            if followed:
+                row["status"] = "new" if row["followed"] == -1 else "followed"
             rows.append(row)
-    known = ["dof", "freq_hz", "damping_ratio", "std_hz", "source"]
+        gone = found.left_out.get(dof, table)
+        for i in np.flatnonzero(np.isin(gone.scores.get("why", []), NOT_SEEN)).tolist():
+            of_which = {"followed": gone.scores["followed"][i].item(), "status": "not seen"}
+            rows.append({"dof": dof, "freq_hz": np.nan, "source": "identified", **of_which})
+    known = ["dof", "freq_hz", "damping_ratio", "std_hz", "source", *(["status"] if followed else [])]
     return [*known, *scores, *([] if checked is None else ["confirmed"])], rows
 
 

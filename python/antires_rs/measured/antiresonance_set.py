@@ -39,6 +39,8 @@ from .response_table import (
 if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
 
+#: Why a value that was followed is among those left out.
+NOT_SEEN = "followed, not seen"
 #: What a set was identified from, and so which roots of a model it can show.
 Sees = Literal["frf", "transmissibility"] | None
 
@@ -80,7 +82,7 @@ def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = N
         words += [_HOW[how]] if how in _HOW else []
     if "grade" in table.scores:
         sure = table.scores["grade"].astype(str) == "sure"
-        for word, passed in _OF_WINDOWS if "share" in table.scores else _TESTS:
+        for word, passed in _OF_WINDOWS if "depth_db" in table.scores else _TESTS:
             for row in np.flatnonzero(~sure & ~passed(table)):
                 found[row].append(word)
     for words, freq in zip(found, table.freq_hz.tolist(), strict=True):
@@ -375,6 +377,36 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             {
                 dof: frozen(np.asarray(t.scores.get("share", np.full(len(t), np.nan)), dtype=np.float64))
                 for dof, t in self.tables.items()
+            }
+        )
+
+    @property
+    def followed(self) -> Mapping[Any, NDArray[np.int64]]:
+        """By dof, where values were followed (``near=``): of which value each is, by its index; -1 for new.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> zeros = ar.AntiresonanceSet(0, {0: [5.8, 10.2]}, scores={0: {"followed": [1, -1]}})
+        >>> zeros.followed[0].tolist()
+        [1, -1]
+        """
+        return FrozenDict(
+            {
+                dof: frozen(np.asarray(t.scores["followed"], dtype=np.int64))
+                for dof, t in self.tables.items()
+                if "followed" in t.scores
+            }
+        )
+
+    @property
+    def not_seen(self) -> Mapping[Any, FloatArray]:
+        """By dof, where values were followed: those in Hz that are not seen in this test."""
+        return FrozenDict(
+            {
+                dof: frozen(t.freq_hz[t.scores["why"] == NOT_SEEN] if len(t) else np.empty(0))
+                for dof, t in self.left_out.items()
+                if dof in self.followed
             }
         )
 

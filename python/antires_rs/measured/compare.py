@@ -21,9 +21,9 @@ from .matching import (
     check_set,
     common_part,
     holm,
+    matched,
     of_all,
     of_each,
-    paired,
     variance_hz,
     within,
 )
@@ -159,7 +159,7 @@ def compare(
         Rate of false alarms, 0 to 1: of the test of all, and of all single values together.
     max_shift : float
         Largest relative difference of two values that are taken for one, up to 0.5, see
-        :mod:`antires_rs.measured.matching`.
+        :mod:`antires_rs.measured.matching`. Values that were followed (``near=``) from one value are one.
     std_between : float
         Relative standard deviation of one value from test to test of an unchanged structure (mounting,
         sensors), each by itself, which the standard deviations of a set from a single test do not contain.
@@ -208,7 +208,7 @@ def compare(
         one, other = a.tables[dof], b.tables[dof]
         variance = variance_hz(one, between)[:, None] + variance_hz(other, between)
         alike = 2.0 * (common_std * one.freq_hz[:, None]) ** 2
-        pairs = paired(one.freq_hz, other.freq_hz, shift, variance + alike)
+        pairs = matched(one, other, shift, variance + alike)
         averages = np.minimum(averages_of(one)[:, None], averages_of(other))
         dofs += [dof] * len(pairs)
         rows += [(one.freq_hz[i], other.freq_hz[k], variance[i, k], averages[i, k]) for i, k in pairs]

@@ -31,9 +31,17 @@ FORBIDDEN = 1e3
 
 
 def paired(
-    a_hz: FloatArray, b_hz: FloatArray, max_shift: float, variance: FloatArray | None = None
+    a_hz: FloatArray,
+    b_hz: FloatArray,
+    max_shift: float,
+    variance: FloatArray | None = None,
+    worth: FloatArray | None = None,
 ) -> list[tuple[int, int]]:
-    """Indices of the values that are one, by ascending frequency."""
+    """Indices of the values that are one, by ascending frequency.
+
+    ``worth`` of ``b_hz``, 0 to 1, by default 1: one that is worth less costs less if left alone, and more in
+    a pair.
+    """
     from scipy.optimize import linear_sum_assignment  # slow to import
 
     if not a_hz.size or not b_hz.size:
@@ -46,15 +54,45 @@ def paired(
     # Of many tracks few are near what a test has; the others stay alone in any case.
     near_a, near_b = (np.flatnonzero((cost < 1.0).any(axis=axis)) for axis in (1, 0))
     cost, n, m = cost[np.ix_(near_a, near_b)], near_a.size, near_b.size
+    alone = 0.5 * (np.ones(m) if worth is None else worth[near_b])
+    cost = cost + (0.5 - alone)
     # Beside it a partner of nobody for each, so that the least total may leave any value alone.
     square = np.full((n + m, n + m), FORBIDDEN)
     square[:n, :m] = np.where(cost < 1.0, cost, FORBIDDEN)
     square[np.arange(n), m + np.arange(n)] = 0.5
-    square[n + np.arange(m), np.arange(m)] = 0.5
+    square[n + np.arange(m), np.arange(m)] = alone
     square[n:, m:] = 0.0
     rows, columns = linear_sum_assignment(square)
     pairs = zip(rows.tolist(), columns.tolist(), strict=True)
     return [(int(near_a[i]), int(near_b[k])) for i, k in pairs if i < n and k < m]
+
+
+#: Score of values that were followed: where in Hz the value was that each of them is.
+KNOWN = "known_hz"
+
+
+def matched(
+    a: ResponseTable, b: ResponseTable, max_shift: float, variance: FloatArray | None = None
+) -> list[tuple[int, int]]:
+    """Rows of two tables that are one: those followed from one value, and of the others as :func:`paired`."""
+    sure: list[tuple[int, int]] = []
+    if KNOWN in a.scores or KNOWN in b.scores:
+        where = {freq: k for k, freq in enumerate(_origin(b).tolist())}
+        sure = [(i, where[freq]) for i, freq in enumerate(_origin(a).tolist()) if freq in where]
+    i, k = (np.setdiff1d(np.arange(len(one)), rows) for one, rows in zip((a, b), _columns(sure), strict=True))
+    rest = None if variance is None else np.broadcast_to(variance, (len(a), len(b)))[np.ix_(i, k)]
+    more = paired(a.freq_hz[i], b.freq_hz[k], max_shift, rest)
+    return sorted(sure + [(int(i[m]), int(k[n])) for m, n in more])
+
+
+def _columns(pairs: list[tuple[int, int]]) -> NDArray[np.intp]:
+    return np.array(pairs, dtype=np.intp).reshape(-1, 2).T
+
+
+def _origin(table: ResponseTable) -> FloatArray:
+    """Where each value was known, where it was followed; else where it is."""
+    known = np.asarray(table.scores.get(KNOWN, table.freq_hz), dtype=np.float64)
+    return np.where(np.isnan(known), table.freq_hz, known)
 
 
 def variance_hz(table: ResponseTable, std_between: float) -> FloatArray:

@@ -61,8 +61,11 @@ class ResponseTable(ReadOnly):
     dominance = _score("dominance", "Share of the curve at its frequency.")
     # "chain": stable over consecutive orders; "persistent": in most orders, though it does not stand still;
     # "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen by
-    # most of the fits over windows; "directions": seen again by perturbed local fits.
-    how = _score("how", "Why it was accepted: chain, persistent, likeliest order, windows or directions.")
+    # most of the fits over windows; "directions": seen again by perturbed local fits; "followed": near the
+    # place of a value that was known.
+    how = _score(
+        "how", "Why it was accepted: chain, persistent, likeliest order, windows, directions, followed."
+    )
     residual = _score("residual", "Relative misfit of the fit around it.")
     prominence_db = _score("prominence_db", "Height of its peak.")
 
@@ -119,9 +122,14 @@ class ResponseTable(ReadOnly):
 
     @classmethod
     def concatenated(cls, tables: Sequence[ResponseTable]) -> ResponseTable:
-        """All rows of some tables with the same scores."""
+        """All rows of some tables; a score that one of them lacks is NaN there, or an empty text."""
         columns = {name: np.concatenate([getattr(one, name) for one in tables]) for name in COLUMNS}
-        scores = {name: np.concatenate([one.scores[name] for one in tables]) for name in tables[0].scores}
+        kinds = {name: values.dtype.kind for one in tables for name, values in one.scores.items()}
+        missing = {name: "" if kind == "U" else np.nan for name, kind in kinds.items()}
+        scores = {
+            name: np.concatenate([one.scores.get(name, np.full(len(one), missing[name])) for one in tables])
+            for name in kinds
+        }
         return cls(**columns, scores=scores)
 
     def take(self, chosen: Sequence[int] | NDArray[Any]) -> ResponseTable:

@@ -15,7 +15,7 @@ from ..support.checks import FloatArray
 from ..support.values import ReadOnly, frozen
 from ..views import Viewed
 from .antiresonance_set import aligned, number
-from .matching import MAX_SHIFT, SeriesOfTests, check_sets, paired, scatter, variance_hz, within
+from .matching import KNOWN, MAX_SHIFT, SeriesOfTests, check_sets, paired, scatter, variance_hz, within
 from .response_table import ResponseTable, label_array
 
 # -- What following antiresonances over many tests gives: their tracks, and what happened to them
@@ -160,6 +160,8 @@ class _Track:
 
     def __init__(self, test: int, nth: int, table: ResponseTable, row: int) -> None:
         self.rows: dict[int, int] = {}
+        #: The value that it was followed from, or a value that others are followed from.
+        self.known_hz = float(table.scores[KNOWN][row] if KNOWN in table.scores else table.freq_hz[row])
         self._seen: list[int] = []
         self.follow(test, nth, table, row)
 
@@ -212,7 +214,8 @@ def track(
 
     Notes
     -----
-    From test to test the values of a response are assigned to the tracks, all at once and none twice
+    Values that were followed (``near=``) from one value are one track. The other values of a response are,
+    from test to test, assigned to the tracks, all at once and none twice
     (:mod:`antires_rs.measured.matching`), each track being where it was seen last: first to those that half
     of the last ten tests have, what is left to the others. What was not seen in 100 tests, and in ten times
     as many as have it, is not looked for any more. What a track loses has
@@ -312,12 +315,14 @@ def _followed(
 def _assigned(
     tracks: list[_Track], nth: int, table: ResponseTable, shift: float, between: float
 ) -> dict[int, int]:
-    """Row of the test by track: those that live first, the others from what is left."""
-    pairs: dict[int, int] = {}
+    """Row of the test by track: what was followed from one value, those that live, then what is left."""
+    known = {one.known_hz: k for k, one in enumerate(tracks)}
+    origin = np.asarray(table.scores.get(KNOWN, np.full(len(table), np.nan))).tolist()
+    pairs = {known[freq]: row for row, freq in enumerate(origin) if freq in known}
     # Of a track that is new to this test only the test's own deviation is looked at, twice.
     variance = 2.0 * variance_hz(table, between)
     for living in (True, False):
-        some = [k for k, one in enumerate(tracks) if one.lives(nth) is living]
+        some = [k for k, one in enumerate(tracks) if one.lives(nth) is living and k not in pairs]
         left = np.array(sorted(set(range(len(table))) - set(pairs.values())), dtype=int)
         where = np.array([tracks[k].freq_hz for k in some])
         scatter = np.broadcast_to(variance[left], (len(some), left.size))

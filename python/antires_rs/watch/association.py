@@ -2,12 +2,13 @@
 
 Every test is matched to the places of the baseline, never to the test before it, so that a lost value does
 not drift. What moves all values alike (temperature) is taken off first: the median of the shifts that a first
-match finds.
+match finds. Tests in which the same values were followed say themselves which is which.
 """
 
 from __future__ import annotations
 
 from bisect import insort
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..measured.matching import paired
+from ..measured.matching import KNOWN, paired
 from ..measured.response_table import ResponseTable, label_array
 from ..support.checks import FloatArray
 
@@ -33,7 +34,8 @@ FEWEST = 3
 class Places:
     """Where the antiresonances of the baseline are, by response and ascending.
 
-    ``dof``, ``freq_hz`` and ``rate``, the share of the tests that have it, are (m,).
+    ``dof``, ``freq_hz`` and ``rate``, the share of the tests that have it, are (m,). ``followed`` says that
+    all tests were followed from values there, so that nothing is to be matched.
     """
 
     excitation: Any
@@ -41,6 +43,7 @@ class Places:
     dof: NDArray[Any]
     freq_hz: FloatArray
     rate: FloatArray
+    followed: bool = False
 
     @property
     def regular(self) -> NDArray[np.bool_]:
@@ -84,7 +87,15 @@ class Values:
 
 
 def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
-    """The places of a baseline: what at least a tenth of its tests have."""
+    """The places of a baseline: what at least a tenth of its tests have, or what was followed in all."""
+    known = [{(dof, f) for dof in one for f in places_in(one, dof).tolist()} for one in sets if one.followed]
+    if len(known) == len(sets) and all(one == known[0] for one in known):
+        dofs = tuple(sets[0])
+        every = sorted(known[0], key=lambda place: (dofs.index(place[0]), place[1]))
+        origin = [(dof, f) for one in sets for dof in one for f in one.tables[dof].scores[KNOWN].tolist()]
+        times = Counter(origin)
+        freq, rate = np.array([(place[1], times[place] / len(sets)) for place in every]).T.copy()
+        return Places(sets[0].excitation, dofs, label_array([dof for dof, _ in every]), freq, rate, True)
     counts = [sum(map(len, one.tables.values())) for one in sets]
     # Begin with a test that is as rich as most.
     typical = float(np.median(counts))
@@ -108,6 +119,12 @@ def places_of(sets: Sequence[AntiresonanceSet], max_shift: float) -> Places:
         columns += sorted((dof, float(_median(one)), len(one) / tests) for one in seen)
     freq, rate = np.array([column[1:] for column in columns]).reshape(-1, 2).T.copy()
     return Places(sets[0].excitation, dofs, label_array([dof for dof, _, _ in columns]), freq, rate)
+
+
+def places_in(one: AntiresonanceSet, dof: Any) -> FloatArray:
+    """Places in Hz that were looked at in a set of values followed."""
+    own = np.asarray(one.tables[dof].scores.get(KNOWN, ()), dtype=np.float64)
+    return np.concatenate([own[~np.isnan(own)], one.not_seen.get(dof, ())])
 
 
 def _median(ascending: Sequence[float]) -> float:
@@ -145,6 +162,14 @@ def _matched(
 ) -> tuple[Matches, float]:
     """What of a test is where, and the logarithm of the shift that all values have in common."""
     tables = {dof: table for dof, table in one.tables.items() if dof in where}
+    if places is not None and places.followed and one.followed:
+        at = {dof: {f: k for k, f in enumerate(own.tolist())} for dof, own in where.items()}
+        known = {dof: table.scores[KNOWN].tolist() for dof, table in tables.items()}
+        sure = {
+            dof: [(at[dof][f], r) for r, f in enumerate(own) if f in at[dof]] for dof, own in known.items()
+        }
+        new = {dof: [r for r, f in enumerate(own) if f not in at[dof]] for dof, own in known.items()}
+        return {dof: (sure[dof], new[dof]) for dof in known}, 0.0
     pairs = {dof: _pairs(where[dof], table, max_shift) for dof, table in tables.items()}
     moved = [
         np.log(tables[dof].freq_hz[row] / where[dof][place])

@@ -291,9 +291,21 @@ def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
 # such values rarely. Shares are those of n tests plus one half. What the test before showed as well counts
 # twice: chance does not do the same again. The limit for a rate goes beyond the baseline by an exponential
 # tail, whose scale is at least that of one place that was never missed.
+#
+# What one test does not tell many do: for each place, and each new value,
+#
+# .. math:: S_t = \max\left(0, S_{t-1} + \ln \frac{P_1(x_t)}{P_0(x_t)}\right)
+#
+# over whether a test lacks it (has it), with the share of the baseline and one of 0.8 (Page). A sum passes h
+# by chance at most every e^h tests (Lorden); the limit is the h of half the rate over all places, and beyond
+# what the baseline in its order shows. No sum grows far beyond, no test alarms by what it has.
+#
+# References: E. S. Page, Biometrika 41 (1954) 100-115; G. Lorden, Ann. Math. Stat. 42 (1971) 1897-1908.
 
 #: Strange values of two tests are one if they are this near.
 _SAME = 0.01
+#: Share of the tests that lack what has vanished, or have what is new, at least; part of the rate of sums.
+_GONE, _SUMS = 0.8, 0.5
 
 
 class _Costs:
@@ -308,15 +320,45 @@ class _Costs:
         # A new value is as rare as there are tests without one, and costs more the fewer there were.
         strange = sum(map(len, baseline.strange))
         self.strange = max(float(np.log((len(baseline.strange) + 1.0) / (strange + 0.5))), 0.0) + 1.0
+        # What a test adds to the sums that lacks a place, and that has it.
+        gone = np.maximum(_GONE, 1.0 - 0.5 * share)
+        self.lacks, self.has = np.log(gone / (1.0 - share)), np.log((1.0 - gone) / share)
 
 
-def events(values: Values, baseline: NDArray[np.intp], folds: NDArray[np.intp]) -> FloatArray:
-    """The chart of tests, (n,); each part of the baseline, by ``folds``, is judged by the others."""
-    chart = _chart(values, [_Costs(values.take(baseline))] * len(values.strange))
+def events(
+    values: Values, baseline: NDArray[np.intp], folds: NDArray[np.intp], rate: float
+) -> tuple[FloatArray, float]:
+    """The chart of tests, (n,), and its limit; each of ``folds`` of the baseline is judged by the others."""
+    whole = _Costs(values.take(baseline))
+    chart = _chart(values, [whole] * len(values.strange))
     own = values.take(baseline)
     parts = [_Costs(own.take(np.flatnonzero(folds != fold))) for fold in range(int(folds.max()) + 1)]
     chart[baseline] = _chart(own, [parts[fold] for fold in folds.tolist()])
-    return chart
+    limit = event_limit(chart[baseline], baseline.size, rate)
+    highest = float(np.log((whole.usual.size + 1) / (_SUMS * rate)))
+    highest = max(highest, float(_sums(own, whole, np.inf).max()) + 0.5 * highest)
+    return np.maximum(chart, _sums(values, whole, highest) / highest * limit), limit
+
+
+def _sums(values: Values, costs: _Costs, limit: float) -> FloatArray:
+    """The largest sum of what each test lacks or has anew, (n,), none beyond twice the limit."""
+    found = np.zeros(len(values.strange))
+    sums: FloatArray = np.zeros(values.log_hz.shape[1])
+    new: dict[tuple[Any, float], float] = {}
+    for i, strange in enumerate(values.strange):
+        lacks = values.looked[i] & np.isnan(values.log_hz[i])
+        step = np.where(lacks, costs.lacks, np.where(values.looked[i], costs.has, 0.0))
+        sums = np.clip(sums + step, 0.0, 2.0 * limit)
+        found[i] = np.max(sums[lacks], initial=0.0)
+        before, new = new, {}
+        for dof, freq in strange:
+            same = [key for key in before if key[0] == dof and abs(key[1] / freq - 1.0) < _SAME]
+            new[dof, freq] = min(costs.strange - 1.0 + sum(before.pop(key) for key in same), 2.0 * limit)
+            found[i] = max(found[i], new[dof, freq])
+        new |= {
+            key: total + np.log(1.0 - _GONE) for key, total in before.items() if total > -np.log(1.0 - _GONE)
+        }
+    return found
 
 
 def _chart(values: Values, costs: Sequence[_Costs]) -> FloatArray:
@@ -437,9 +479,10 @@ def charts_of(
     limit = chi_square(limit_w, values_behind)
     slow = np.where(agrees, slow, np.minimum(slow, limit))
     mean = _chart_over(slow, limit, (count > 0) & (values_behind > 0), rates["EWMA"])
-    chart = events(values, baseline, folds)
-    highest = np.full(chart.size, event_limit(chart[baseline], baseline.size, rates["events"]))
-    vanished = _chart_over(chart, highest, np.any(values.looked, axis=1), rates["events"])
+    chart, highest = events(values, baseline, folds, rates["events"])
+    vanished = _chart_over(
+        chart, np.full(chart.size, highest), np.any(values.looked, axis=1), rates["events"]
+    )
     return Charts({"T2": single, "EWMA": mean, "events": vanished}, whole, z, inverses)
 
 

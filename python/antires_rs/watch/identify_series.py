@@ -1,4 +1,4 @@
-"""Many records to one series: each identified, kept as it is made, and taken up again after a stop."""
+"""Many records to one series: identified or followed, kept as it is made, and taken up again after a stop."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+from itertools import chain, islice
 from os import PathLike
 from pathlib import Path
 from time import monotonic
@@ -16,28 +17,35 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..exceptions import InvalidInputError, MissingDependencyError, reject
+from ..exceptions import AntiresError, InvalidInputError, MissingDependencyError, reject
 from ..identification.options import declared, flat
-from ..measured.response_table import label
-from ..support.checks import frequency_band
-from ..support.messages import warn
-from ..support.progress import span, step, waiting
+from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.response_table import ResponseTable, label
+from ..signals.averaging import is_transient
+from ..signals.recording import Recording
+from ..support.checks import FloatArray, frequency_band, integer
+from ..support.messages import unheard, warn
+from ..support.progress import apart, span, step, waiting
 from ..support.workers import Failed, in_order
+from .association import places_in
 from .conditions import ConditionTable, condition_table, of_source
 from .series import Series
 from .sources import (
     Instructions,
     Outcome,
+    Source,
     Sources,
+    Unread,
     checked_reading,
     fingerprint,
     identified,
     listed,
     loaded,
+    set_of,
     why_not,
 )
 from .store import Store
-from .stored_tests import Entry, Row, parts_of
+from .stored_tests import Entry, Row, StoredSets, parts_of
 
 # -- The sources of a series computed, by whatever workers, in their order
 
@@ -91,11 +99,76 @@ def computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> 
         yield why_not(outcome.error)  # a test failed together with its worker
 
 
+# -- What is followed: values of the first tests together, with the scatter that they have from test to test
+
+#: So many of the first tests are identified together, where nothing else is asked for.
+FIRST = 20
+#: Fits that tell single tests less than what is known already.
+LOCAL = ("directions", "followed")
+#: A value is followed if so large a part of these tests shows it, within this share of where most do.
+RECURS, PLACE = 0.7, 0.03
+
+
+def known_of(instructions: Instructions, sources: Sequence[Any]) -> AntiresonanceSet | None:
+    """What the tests have together and most of them show, with the scatter of single tests, if anything."""
+    with unheard(), apart():
+        read = [signal for one in sources if not isinstance(signal := loaded(instructions, one), Unread)]
+        try:
+            each = [one for signal in read for one in (signal if isinstance(signal, list) else [signal])]
+            kinds = [isinstance(one, Recording) and is_transient(one) for one in each]
+            each = [
+                one for one, kind in zip(each, kinds, strict=True) if kind == (2 * sum(kinds) > len(kinds))
+            ]
+            pooled = set_of(each if len(each) > 1 else each[0], instructions.options)
+        except (
+            AntiresError,
+            ValueError,
+            IndexError,
+        ):  # of other sensors, or nothing is found: nothing to follow
+            return None
+        options = {name: value for name, value in instructions.options.items() if name != "new_values"}
+        tests = [set_of(read[0], {**options, "near": pooled})]
+        fitted = {"fitted": pooled.options["fitted"]}
+        if all("followed" in table.scores["how"] for table in tests[0].tables.values() if len(table)):
+            fitted = {"fitted": "followed"}  # no fit over the band predicts a test by itself
+        sight: dict[str, Any] = {"sees": pooled.sees, "channels": pooled.channels}
+        sight["options"] = {**pooled.options, **fitted}
+        pooled = AntiresonanceSet.from_tables(pooled.excitation, pooled.tables, **sight)
+        tests += [set_of(signal, {**options, "near": pooled}) for signal in read[1:]]
+    if len(tests) == 1:
+        return pooled
+    tables = {}
+    for dof, table in pooled.tables.items():
+        freq = np.full((len(tests), len(table)), np.nan)
+        for row, one in zip(freq, tests, strict=True):
+            if dof in one:
+                row[one.followed[dof]] = one[dof]
+        with np.errstate(invalid="ignore"):
+            near = np.abs(freq / _middle(freq) - 1.0) < PLACE
+        kept = np.sum(near, axis=0) >= max(2, RECURS * len(tests))
+        middle = _middle(freq)[kept]
+        scatter = 1.4826 * _middle(np.abs(freq[:, kept] - middle))
+        tables[dof] = ResponseTable(middle, table.damping_ratio[kept], scatter, table.take(kept).scores)
+    return (
+        AntiresonanceSet.from_tables(pooled.excitation, tables, **sight)
+        if any(map(len, tables.values()))
+        else None
+    )
+
+
+def _middle(values: FloatArray) -> FloatArray:
+    """Median of each column without NaN; NaN where there is nothing else."""
+    return np.array(
+        [np.median(own[~np.isnan(own)]) if not np.isnan(own).all() else np.nan for own in values.T]
+    )
+
+
 def identify_series(
     sources: Any,
     *,
     excitation: Any,
     band_hz: Sequence[float],
+    near: AntiresonanceSet | int | None = None,
     conditions: Any = None,
     store: str | PathLike[str] | None = None,
     workers: Any = None,
@@ -115,6 +188,10 @@ def identify_series(
         ``(name, source, conditions)`` also says what was measured beside.
     excitation, band_hz
         As for :func:`~antires_rs.identify_antiresonances`.
+    near : AntiresonanceSet or int, optional
+        Values that are followed in every test, or how many of the first tests are identified together for
+        them; 0 for none: each test is identified by itself. Default: 20, or all if there are fewer, where the
+        first is a record that one fit over the band does not predict; else 0.
     conditions : mapping, DataFrame, structured array, list of dicts or path, optional
         What was measured beside the tests (a CSV or Parquet file, or the table itself): columns of numbers, a
         row a test in the order of the sources, or by the names of the tests in a column "name", "source" or
@@ -138,9 +215,11 @@ def identify_series(
     Returns
     -------
     Series
-        A set for each test, without its diagrams. A test that failed has none, and its reason is in
-        ``.failed``: an unreadable file, unsuitable data, no antiresonance. Sensors that were dead all the
-        time are left out of their test. After Ctrl-C the tests so far, with ``.interrupted``.
+        A set for each test, without its diagrams; where values are followed, ``.followed`` and ``.not_seen``
+        of each set say which, and a test that shows none of them has an empty set. A test that failed has
+        none, and its reason is in ``.failed``: an unreadable file, unsuitable data, no antiresonance. Sensors
+        that were dead all the time are left out of their test. After Ctrl-C the tests so far, with
+        ``.interrupted``.
 
     Raises
     ------
@@ -184,6 +263,8 @@ def identify_series(
     >>> series.tracks("temperature_c").freq_hz.shape
     (3, 28)
     """
+    if near is not None and not isinstance(near, AntiresonanceSet):
+        integer("near", near, low=0)
     excitation = label("excitation", excitation)
     band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=np.inf)
     chosen = _checked(options)
@@ -192,12 +273,15 @@ def identify_series(
     table.expect(found.count)
     read = checked_reading(reading, found.files)
     given = {"excitation": excitation, "band_hz": band, **chosen}
-    config = json.loads(json.dumps(given | {"reading": read}, default=_plain))
+    followed = (
+        {} if near is None else {"near": near.to_json() if isinstance(near, AntiresonanceSet) else near}
+    )
+    config = json.loads(json.dumps(given | followed | {"reading": read}, default=_plain))
     opened = Store(store, config)
     run = _Run(found, table, opened)
     try:
         with waiting("identifying a series", progress):
-            interrupted = run.carried_out(Instructions(read, given), workers)
+            interrupted = run.carried_out(Instructions(read, given), near, workers)
         rows: Sequence[Row] = run.rows
         if not interrupted:
             table.over(len(rows))
@@ -208,10 +292,14 @@ def identify_series(
         raise
     finally:
         opened.close()
-    if opened.changed:
-        text = f"store: {len(opened.changed)} sources have changed since they were identified and were "
-        warn("changed_sources", text + f"identified again, the first is {opened.changed[0]!r}.")
+    if changed := list(dict.fromkeys(opened.changed)):
+        text = f"store: {len(changed)} sources have changed since they were identified and were "
+        warn("changed_sources", text + f"identified again, the first is {changed[0]!r}.")
     return Series(**parts_of(rows), interrupted=interrupted)
+
+
+#: What was followed last, by what it was made of.
+_KEPT: dict[str, AntiresonanceSet | None] = {}
 
 
 class _Run:
@@ -223,17 +311,20 @@ class _Run:
         #: What is being computed, by its number.
         self._pending: deque[tuple[int, Entry]] = deque()
         self._failed = 0
+        self._near: AntiresonanceSet | None = None
 
     @property
     def rows(self) -> list[Row]:
         """The tests that are through, in the order of the sources."""
         return [row for row in self._rows if row is not None]
 
-    def carried_out(self, instructions: Instructions, workers: Any) -> bool:
+    def carried_out(
+        self, instructions: Instructions, near: AntiresonanceSet | int | None, workers: Any
+    ) -> bool:
         """Identify what is not known yet; returns whether Ctrl-C came."""
         start, done = monotonic(), 0
         try:
-            for outcome in computed(instructions, self._tasks(), workers):
+            for outcome in self._outcomes(instructions, near, workers):
                 number, entry = self._pending.popleft()
                 row = self._rows[number] = self._store.keep(entry, outcome)
                 self._failed += row.failed is not None
@@ -245,19 +336,86 @@ class _Run:
             reject("sources", "no source at all", "one test or more", "Look at what gives them.")
         return False
 
+    def _outcomes(
+        self, instructions: Instructions, near: AntiresonanceSet | int | None, workers: Any
+    ) -> Iterator[Outcome]:
+        """What each source that is not known yet gives."""
+        done: list[Outcome] = []
+        if not isinstance(near, AntiresonanceSet):
+            each, auto = iter(self._sources.each), near is None
+            first = list(islice(each, near or 0))
+            local = bool(first)
+            try:
+                while auto and len(first) < FIRST and (source := next(each, None)) is not None:
+                    first.append(source)
+                    row = self._store.known(source.name, self._content(source))
+                    outcome: Outcome | None = None if row is None else row.failed or row.plain()
+                    if outcome is None:
+                        (outcome,) = computed(instructions, [source.given], workers)
+                        done.append(outcome)
+                    if not isinstance(outcome, str):
+                        local = outcome["facts"]["options"].get("fitted") in LOCAL
+                        break
+                if auto and local:
+                    first += islice(each, FIRST - len(first))
+            except (Exception, KeyboardInterrupt) as exc:
+                each, local = _raised(exc), False  # behind the tests that are done
+            self._sources = replace(self._sources, each=chain(first, each))
+            near = self._known(instructions, first) if local else None
+            if local and not auto and near is None:
+                wanted = "tests that have antiresonances in common, identified together"
+                reject("near", f"the first {len(first)}", wanted, "Leave it out, or give 0.")
+        self._near, tasks = near, self._tasks()
+        if near is not None:
+            instructions = replace(instructions, options={**instructions.options, "near": near})
+        else:
+            for outcome, _ in zip(done, tasks, strict=False):  # the first, which are done
+                yield outcome
+        yield from computed(instructions, tasks, workers)
+
+    def _known(self, instructions: Instructions, first: Sequence[Source]) -> AntiresonanceSet | None:
+        """What is followed; of the same files it is kept, for a watch that calls again for each new one."""
+        contents = [self._content(one) for one in first]
+        key = json.dumps([contents, instructions.options], default=_plain)
+        if not all(contents) or key not in _KEPT:
+            _KEPT.clear()
+            _KEPT[key] = known_of(instructions, [one.given for one in first])
+        return _KEPT[key]
+
+    def _content(self, source: Source) -> str:
+        return "" if self._store.path is None else fingerprint(source.given)
+
     def _tasks(self) -> Iterator[Any]:
         for number, source in enumerate(self._sources.each):
             conditions, time = self._table.at(number, source.name)
             own, own_time = of_source(number, source.conditions)
             conditions, time = conditions | own, time if own_time is None else own_time
-            content = "" if self._store.path is None else fingerprint(source.given)
+            content = self._content(source)
             row = self._store.known(source.name, content)
+            if (
+                row is not None
+                and row.failed is None
+                and self._near is not None
+                and not _follows(row, self._near)
+            ):
+                row = None  # of other values
             self._rows.append(None if row is None else replace(row, conditions=conditions, time=time))
             if row is None:
                 self._pending.append((number, Entry(source.name, conditions, time, content)))
                 yield source.given
             else:
                 self._failed += row.failed is not None
+
+
+def _raised(exc: BaseException) -> Iterator[Source]:
+    raise exc
+    yield
+
+
+def _follows(row: Row, near: AntiresonanceSet) -> bool:
+    """Whether a result is of these values."""
+    own = StoredSets([row])[0]
+    return all(np.isin(places_in(own, dof), near.get(dof, ())).all() for dof in own) and bool(own.followed)
 
 
 def _progress(at: int, count: int | None, failed: int, seconds: float, done: int) -> str:

@@ -105,8 +105,8 @@ class Watched(ReadOnly, Viewed):
     Attributes
     ----------
     alarm : (n,) bool
-        Of each test by itself, the baseline's included; False where a test failed or could not be judged,
-        see ``unjudged``.
+        Of each test by itself, the baseline's included; False where a test failed or cannot be judged, which
+        is no "no alarm": see ``unjudged``.
     statistic : (n,)
         The largest of its charts, each over its limit; NaN where it could not be judged. Tests of the
         baseline are judged as if they came later, by the others.
@@ -186,7 +186,7 @@ class Watched(ReadOnly, Viewed):
 
     @property
     def unjudged(self) -> NDArray[np.bool_]:
-        """Tests with a set that could not be judged, most of their responses being at fault, (n,)."""
+        """Tests that cannot be judged, (n,): none of what is followed seen, or most responses at fault."""
         rest = np.isnan(self.statistic)
         rest[list(self.failed)] = False
         return rest
@@ -219,9 +219,8 @@ class Watched(ReadOnly, Viewed):
             *fault_lines(self),
         ]
         if self.unjudged.any():
-            lines.append(
-                f"not judged, most responses being at fault: {self.unjudged.sum()} tests, see .unjudged"
-            )
+            why = "none of these antiresonances seen, or most responses at fault"
+            lines.append(f"cannot judge {self.unjudged.sum()} tests: {why}, see .unjudged")
         if self.failed:
             lines.append(f"failed, not judged: {len(self.failed)} tests, see .failed")
         return "\n".join(lines)
@@ -239,7 +238,8 @@ class Watched(ReadOnly, Viewed):
         columns = {} if self.times is None else {"time": list(self.times)}
         columns |= {key: column.tolist() for key, column in self.conditions.items()}
         columns["baseline"] = [i in inside for i in range(len(self))]
-        columns |= {"alarm": self.alarm.tolist(), "statistic": self.statistic.tolist()}
+        columns |= {"alarm": self.alarm.tolist(), "judged": (~np.isnan(self.statistic)).tolist()}
+        columns["statistic"] = self.statistic.tolist()
         for key, chart in self.charts.items():
             columns |= {key: chart.statistic.tolist(), f"{key}_limit": chart.limit.tolist()}
         rows = [
@@ -532,9 +532,10 @@ def monitor(
     Notes
     -----
     Hotelling's :math:`T^2` of single tests, an exponentially weighted mean for small and slow changes, and a
-    chart of antiresonances that vanish or appear share the rate as 3 : 1 : 1. An alarm is of its own test:
-    when the change is over, alarms end. Limits come from tests of the baseline left out in turn, with what a
-    finite baseline leaves open.
+    chart of antiresonances that vanish or appear, in one test or for good, share the rate as 3 : 1 : 1. An
+    alarm is of its own test: when the change is over, alarms end. Limits come from tests of the baseline left
+    out in turn, with what a finite baseline leaves open. A test that shows none of the antiresonances, and
+    does not alarm by that, cannot be judged.
 
     A condition that only grows or only falls from test to test is a clock and is not used. Outside the
     baseline's range lines go on with a slope that is known to 30 %; a value further out than ten times that
@@ -590,8 +591,8 @@ def monitor(
             faults.setdefault(i, []).append(fault)
         sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
         charts = charts_of(sound, regular, own, used, rate)
-    # Without any value near a place there is no T2, and the chart of events tells it all.
-    judged = np.any([~np.isnan(chart.statistic) for chart in charts.charts.values()], axis=0)
+    # Without any value at a place there is nothing to judge, unless what vanished or appeared alarms.
+    judged = ~np.isnan(charts.charts["T2"].statistic) | (charts.charts["events"].ratio > 1.0)
     statistic = np.where(judged, np.max([chart.ratio for chart in charts.charts.values()], axis=0), np.nan)
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
     learned, runs, assessments = charts.learned, runs_of(alarm, judged), {}

@@ -178,7 +178,7 @@ def identified(instructions: Instructions, given: Any) -> Outcome:
         return str(given)
     try:
         with unheard(), apart():
-            return encoded(_set_of(_signal(instructions.reading, given), instructions.options))
+            return encoded(set_of(_signal(instructions.reading, given), instructions.options))
     except (MissingDependencyError, MemoryError):
         raise  # of this machine, not of the record
     except Exception as exc:
@@ -221,14 +221,14 @@ def _read(file: Path, options: dict[str, Any]) -> Any:
     return READERS[kind](file, **options)
 
 
-def _set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
+def set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
     """Identified, without the sensors that were out."""
     signal, dead = _living(signal)
     options = dict(options)
     if dead and options.get("dofs") is not None:
         options["dofs"] = [dof for dof in options["dofs"] if dof not in dead]
     found = identify_antiresonances(signal, **sorted_out(options), progress=False)
-    if not sum(map(len, found.tables.values())):
+    if not found.followed and not sum(map(len, found.tables.values())):
         raise ValueError("no antiresonance was found in the band")
     check = found.data_check
     if dead and check is not None:

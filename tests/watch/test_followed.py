@@ -1,0 +1,89 @@
+"""Series whose tests are followed, and a monitor that adds up what is gone and says what it cannot judge."""
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.exceptions import InvalidInputError
+from tests.identification.test_following import BAND, EXCITATION, chain, curves, hit
+
+OPTIONS = {"excitation": EXCITATION, "band_hz": BAND}
+
+
+@pytest.fixture(scope="module")
+def tests():
+    return [hit(chain(), seed) for seed in range(8)] + [hit(chain(0.85, at=2), seed) for seed in (8, 9)]
+
+
+@pytest.fixture(scope="module")
+def series(tests):
+    return ar.identify_series(tests, **OPTIONS)
+
+
+def test_hits_are_followed_from_what_the_first_have_together(series):
+    tracks = series.tracks()
+    assert all(one.options["fitted"] == "followed" for one in series)
+    assert np.mean(~np.isnan(tracks.freq_hz)) >= 0.95
+    assert not [event for event in tracks.events if event.kind == "new"]
+    moved = np.abs(tracks.change_percent[8:]) > 8.0 * np.nanstd(tracks.change_percent[:8], axis=0)
+    assert moved.any(axis=1).all()
+
+
+def test_values_followed_from_one_are_compared_however_far_they_moved():
+    known = {EXCITATION: {"known_hz": [40.0, 43.0]}}
+    a, b = (ar.AntiresonanceSet(1, {1: f}, scores=known) for f in ([40.0, 43.0], [37.0, 40.1]))
+    np.testing.assert_array_equal(ar.compare(a, b).b_hz, [37.0, 40.1])
+    np.testing.assert_array_equal(ar.track([a, b]).freq_hz, [[40.0, 43.0], [37.0, 40.1]])
+
+
+def test_a_store_goes_on_with_the_same_values(tests, series, tmp_path):
+    store = tmp_path / "hits.sqlite"
+    few = ar.identify_series(tests[:4], **OPTIONS, store=store)
+    assert few[0].options["fitted"] == "followed"
+    # Four together have other values than ten: what was kept is followed again.
+    assert ar.identify_series(tests, **OPTIONS, store=store) == series
+    assert ar.identify_series(tests, **OPTIONS, store=store) == series
+
+
+def test_what_is_followed_can_be_given(tests, series):
+    known = ar.AntiresonanceSet(EXCITATION, {0: [42.9], 1: [42.9]})
+    given = ar.identify_series(tests[:2], **OPTIONS, near=known)
+    assert all(one[0].size == one[1].size == 1 for one in given)
+    assert not any(one.followed for one in ar.identify_series(tests[:2], **OPTIONS, near=0))
+    first = ar.identify_series([curves(chain(), seed=i) for i in range(3)], **OPTIONS, near=2)
+    assert first[2].options["fitted"] == "followed"
+    with pytest.raises(InvalidInputError):
+        ar.identify_series(tests[:2], **OPTIONS, near=-1)
+
+
+def many(count, rng, rates):
+    """Sets of one response that have each value with its rate."""
+    places = 10.0 * np.arange(1, len(rates) + 1)
+    return [
+        ar.AntiresonanceSet(
+            0, {0: (places * (1 + 1e-4 * rng.standard_normal(places.size)))[rng.random(len(rates)) < rates]}
+        )
+        for _ in range(count)
+    ]
+
+
+def test_what_stays_away_alarms_in_the_end():
+    rng = np.random.default_rng(3)
+    usual = np.array([1.0, 1.0, 1.0, 0.8])
+    gone = usual * [1, 1, 1, 0]
+    watched = ar.monitor(many(200, rng, usual) + many(25, rng, gone) + many(10, rng, usual), baseline=100)
+    assert watched.alarm[100:200].mean() <= 0.02
+    assert not watched.alarm[200:203].any()
+    assert watched.alarm[215:225].all()
+    assert watched.why(224) == ("events",)
+    assert not watched.alarm[225:][~np.isnan(watched.freq_hz[225:, 3])].any()
+
+
+def test_where_nothing_is_seen_it_cannot_judge():
+    rng = np.random.default_rng(4)
+    sets = many(80, rng, np.array([0.7, 0.7])) + [ar.AntiresonanceSet(0, {0: []})]
+    watched = ar.monitor(sets, baseline=80)
+    assert watched.unjudged[80]
+    assert not watched.alarm[80]
+    assert "cannot judge" in str(watched)
+    assert not watched.to_dataframe()["judged"][80]
