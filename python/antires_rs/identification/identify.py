@@ -405,7 +405,7 @@ def _looks(
         strange = "'directions' for curves or the route 'frf'"
         needed = "a Recording, and the route 'transmissibility'"
         reject("formulation", strange, needed, "Take 'windows' for curves, 'numerators' for the route 'frf'.")
-    looks = looks_of(source, averages, band)
+    looks = looks_of(averages, band)
     if looks:
         return looks, options
     if asked:

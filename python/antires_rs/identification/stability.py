@@ -29,7 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
-from ..signals.averaging import Averages, Event, find_events, tail_noise, until_noise
+from ..signals.averaging import Averages, Event, beside, find_events, tail_noise, until_noise
+from ..signals.hum import Hum
 from ..signals.recording import Recording, parts_of, shortest
 from ..signals.spectra import (
     CrossSpectra,
@@ -80,20 +81,20 @@ class Look:
     decay_per_s: float = 0.0
 
 
-def looks_of(rec: Recording, averages: Averages, band_hz: tuple[float, float]) -> list[Look]:
+def looks_of(averages: Averages, band_hz: tuple[float, float]) -> list[Look]:
     """Resolutions of a record: segments and shorter ones, or decays and their first halves.
 
     Without those that have too few lines in the band; none may be left.
     """
-    rng = np.random.default_rng(SEED)
+    rng, rec = np.random.default_rng(SEED), averages.rec
     if averages.nperseg is None:
-        looks = [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)]
+        looks = [_of_impacts(rec, band_hz, share, averages.hum, rng) for share in (1.0, 0.5)]
         return [look for look in looks if look.freq_hz.size >= 2 * LEAST_LINES]
     given = averages.options.window
     window = given if isinstance(given, str | tuple) else "hann"
     longest = averages.options.nperseg or look_samples(rec, band_hz)
     made = [
-        _of_segments(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), rng)
+        _of_segments(beside(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), averages.hum), rng)
         for n in (longest, longest // 2, longest // 4)
         if n * (band_hz[1] - band_hz[0]) >= 2 * LEAST_LINES * rec.fs_hz
     ]
@@ -133,7 +134,9 @@ def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
     return Look(spectra.freq_hz, stacked, snr / (1.0 + snr / SNR_CAP), np.zeros(first.shape))
 
 
-def _of_impacts(rec: Recording, band_hz: tuple[float, float], share: float, rng: np.random.Generator) -> Look:
+def _of_impacts(
+    rec: Recording, band_hz: tuple[float, float], share: float, hum: Hum | None, rng: np.random.Generator
+) -> Look:
     """Decays from the impact until the noise, or the first ``share`` of each, in one exponential window."""
     cut: list[tuple[FloatArray, Event]] = []
     floors: list[FloatArray] = []
@@ -150,6 +153,8 @@ def _of_impacts(rec: Recording, band_hz: tuple[float, float], share: float, rng:
     freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
     inside = lines_in(freq, band_hz)
     some = np.arange(inside.start, inside.stop)[::INDEPENDENT]
+    if hum is not None:
+        some = some[hum.outside(freq[some], length / rec.fs_hz)]
     each = []
     for x, event in cut:
         own = x[:, event.start : min(event.start + length, event.stop)]

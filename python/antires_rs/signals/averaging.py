@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray, choice
+from .hum import Hum, without_hum
 from .recording import Recording, parts_of, rows_of, shortest
 from .spectra import CrossSpectra, Segments, cross_spectra, lines_in, window_values
 
@@ -427,6 +428,14 @@ def choose_nperseg(
     return min(n_long, max(LEAST_SAMPLES, power_of_two(BANDWIDTHS / bandwidth * rec.fs_hz)))
 
 
+def beside(spectra: CrossSpectra, hum: Hum | None) -> CrossSpectra:
+    """The lines that no hum reaches."""
+    if hum is None:
+        return spectra
+    spacing = float(np.median(np.diff(spectra.freq_hz)))
+    return spectra.part(hum.outside(spectra.freq_hz, 1.0 / spacing))
+
+
 METHODS = ("auto", "welch", "transient")
 
 
@@ -447,7 +456,7 @@ class Averaging:
 
 @dataclass(frozen=True, eq=False)
 class Averages:
-    """Averaged spectra of a record on the lines of a band, and how they were made."""
+    """Averaged spectra of a record on the lines of a band, and how they were made; without mains hum."""
 
     options: Averaging
     spectra: CrossSpectra  # with the segments; the force, if it is there, is the last channel
@@ -455,6 +464,12 @@ class Averages:
     taper: FloatArray | None
     has_force: bool
     correlation: Autocorrelation  # of the whole record, for what needs the longest segments
+    hum: Hum | None  # what was taken out
+
+    @property
+    def rec(self) -> Recording:
+        """The record that was averaged, less the hum."""
+        return self.correlation.rec
 
 
 def holds_hits(rec: Recording, options: Averaging) -> bool:
@@ -480,12 +495,14 @@ def average(
     ``lines_hz`` are the lines kept, by default those of the band. ``hits`` where that is known already.
     """
     lines = band_hz if lines_hz is None else lines_hz
+    rec, hum = without_hum(rec, band_hz)
     correlation = Autocorrelation(rec)
     if holds_hits(rec, options) if hits is None else hits:
         name = options.window
         window = name if isinstance(name, str) and name in ("rectangular", "exponential") else "auto"
         spectra = transient_spectra(rec, window=window, include_force=include_force, band_hz=lines)
-        return Averages(options, spectra, None, None, include_force, correlation)
+        spectra = beside(spectra, hum)
+        return Averages(options, spectra, None, None, include_force, correlation, hum)
     nperseg = options.nperseg
     if nperseg is None:
         nperseg = min(longer * choose_nperseg(rec, band_hz, correlation), shortest(rec))
@@ -498,4 +515,4 @@ def average(
         band_hz=lines,
     )
     taper = window_values(options.window, nperseg)
-    return Averages(options, spectra, nperseg, taper, include_force, correlation)
+    return Averages(options, beside(spectra, hum), nperseg, taper, include_force, correlation, hum)

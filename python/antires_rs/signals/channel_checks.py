@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
 from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, owned_by_peaks
+from .hum import Hum
 from .one_force import CheckResults, Evidence, Finding, NotTested, Severity, rounded
 from .spectra import pieces
 
 DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
-DROPOUTS, SPIKES, NOISE = "dropouts", "spikes", "signal_to_noise"
+DROPOUTS, SPIKES, NOISE, HUM = "dropouts", "spikes", "signal_to_noise", "mains_hum"
 
 # Part of a channel's range that counts as one level, and how many levels below the extreme are compared with
 # it.
@@ -156,6 +157,21 @@ def _longest_run(still: Any) -> tuple[int, int]:
     starts, lengths = edges[::2], edges[1::2] - edges[::2]
     best = int(np.argmax(lengths))
     return int(starts[best]), int(lengths[best]) + 1
+
+
+def hum(found: Hum | None) -> CheckResults:
+    """What was taken out of the record."""
+    if found is None:
+        return []
+    where = " and ".join(f"{freq:g}" for freq in found.freq_hz)
+    text = (
+        f"Mains hum at {where} Hz, up to {100 * found.share:.2g} % of the rms of a channel (dof {found.dof!r}). "
+        "It was taken out, with the lines beside it."
+    )
+    advice = (
+        "Look for ground loops, unshielded cables and lamps; an antiresonance at these lines is not seen."
+    )
+    return [Finding(HUM, "warning", (), found.share, 0.0, text, advice)]
 
 
 def unrelated(seen: Evidence) -> CheckResults:

@@ -112,6 +112,7 @@ def of_recording(
         said.append(Finding(channels.LENGTH, "fatal", (), float(live.n_samples), least, text, advice))
         return said + _none_by_line("the record is too short for a spectrum"), None
     spectra = averages.spectra
+    said += channels.hum(averages.hum)
     if averages.nperseg is not None:
         said += channels.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
     elif spectra.n_averages == 1:
@@ -373,6 +374,7 @@ def check_data(
     - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
       brings it back into phase at several modes. Polarity cannot be seen in data, nor can two channels that
       are exchanged, unless the driving point is one of them (``force_location``);
+    - ``mains_hum`` (warning): steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
