@@ -20,6 +20,7 @@ OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}
 FINDINGS = {
     *check.TESTS,
     channels.HUM,
+    channels.QUANTIZED,
     channels.LENGTH,
     channels.AVERAGES,
     check.SINGLE_HIT,

@@ -1,4 +1,4 @@
-"""Mains hum in simulated records: found, told, and without a trace in the values; modes are not taken for it."""
+"""Mains hum in simulated records: found, told, and without a trace in the values; no mode is taken for it."""
 
 import dataclasses
 

@@ -59,7 +59,7 @@ from .options import (
     sorted_out,
 )
 from .paper import sweep_of
-from .scores import graded, scored, unexplained, without_common
+from .scores import graded, of_lost_channels, scored, unexplained, with_second, without_common
 from .selection import select
 from .stability import Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
@@ -352,7 +352,7 @@ def identify_antiresonances(
         looks, options = _looks(
             one, averages, band, options, asked=fit is not None and "formulation" in fit.given
         )
-    diagrams = diagrams_of(one.dofs, lines_for, band, options, looks)
+    diagrams = of_lost_channels(diagrams_of(one.dofs, lines_for, band, options, looks), checked)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
     compared = None
@@ -363,15 +363,17 @@ def identify_antiresonances(
         step("cross-check")
         values = {dof: d.identified for dof, d in found.items()}
         compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
-    if options.formulation == "directions" and not any(len(d.accepted) for d in found.values()):
+    lost = checked is not None and checked.fatal
+    if (lost or options.formulation == "directions") and not any(len(d.accepted) for d in found.values()):
         why = Counter(str(one) for d in found.values() for one in d.left_out.scores.get("why", ()))
         said = "; ".join(f"{count} {reason}" for reason, count in why.most_common())
         warn(
             "nothing_found",
-            f"identify_antiresonances: no antiresonance in {band[0]:g} to {band[1]:g} Hz. One fit over the "
-            f"band does not predict the record, and local fits see {said or 'no zero that comes back'}.",
+            f"identify_antiresonances: no antiresonance in {band[0]:g} to {band[1]:g} Hz. What fits see: "
+            f"{said or 'no zero that comes back'}.",
         )
     tables = {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()}
+    tables = {dof: with_second(table, checked) for dof, table in tables.items()}
     known = None  # what the standard deviations rest on
     if isinstance(one, AveragedResponse):
         known = freedom(len(one.runs))

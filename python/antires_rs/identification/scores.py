@@ -13,6 +13,7 @@ how              "chain": stable in consecutive orders; "persistent": in most or
 residual         relative misfit of the fit around the value
 prominence_db    height of its peak in the summed transmissibilities
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only
+second           second eigenvalue of the spectral matrix over the first, beside it; averaged records only
 averages         independent averages behind its standard deviation, where it is told by segments
 ===============  =====================================================================================
 
@@ -40,6 +41,8 @@ from ..measured.response_table import (
     SURE_SPREAD,
     ResponseTable,
 )
+from ..signals import channel_checks as channels
+from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED, DataCheck
 from ..signals.spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray
 from .stabilization import PERSISTENT_SNR, StabilizationDiagram, flanked
@@ -128,6 +131,56 @@ def window_grades(share: FloatArray, spread: FloatArray, depth_db: FloatArray) -
     sure = (share >= SURE_SHARE) & (spread <= SURE_SPREAD) & (depth_db >= SURE_DEPTH_DB)
     weak = (share < WEAK_SHARE) | (depth_db < WEAK_DEPTH_DB)
     return np.where(sure, "sure", np.where(weak, "weak", "fair"))
+
+
+# -- What the data check says of the data a value rests on
+#
+# A channel of which it says that it holds nothing has no value. Where more than one force acts in
+# much of the band, or none is told from noise beside a value, it is weak whatever the fits say.
+
+#: Fatal findings of channels, or of all of them, and what is said of their values.
+LOST = {
+    channels.DEAD: "only noise in this channel",
+    channels.CLIPPED: "channel clipped",
+    channels.QUANTIZED: "channel of too few steps",
+    channels.TIME_SHIFT: "channel on another clock",
+    channels.DUPLICATED: "all channels hold one signal",
+    NOISE: "nothing rises over the noise",
+}
+#: Width about a value, as a share of it, over which eigenvalues are looked at, and never fewer lines.
+BESIDE, LINES_BESIDE = 0.015, 5
+
+
+def of_lost_channels(
+    found: dict[Any, StabilizationDiagram], checked: DataCheck | None
+) -> dict[Any, StabilizationDiagram]:
+    """Diagrams in which channels that hold nothing have no values, and say so."""
+    made = dict(found)
+    for one in () if checked is None else checked.findings:
+        if one.severity == "fatal" and one.name in LOST:
+            for dof in set(one.where or found) & set(found):
+                diagram = made[dof]
+                out = diagram.accepted.with_scores(why=np.full(len(diagram.accepted), LOST[one.name]))
+                left = ResponseTable.concatenated([diagram.left_out, out]) if len(diagram.left_out) else out
+                made[dof] = replace(diagram, accepted=diagram.accepted.take([]), left_out=left)
+    return made
+
+
+def with_second(table: ResponseTable, checked: DataCheck | None) -> ResponseTable:
+    """Antiresonances with the second eigenvalue over the first beside each, weak where it is large."""
+    if checked is None or checked.freq_hz is None or checked.second_expected is None:
+        return table
+    assert checked.eigenvalues is not None
+    share = checked.eigenvalues[:, 1] / np.maximum(checked.eigenvalues[:, 0], 1e-300)
+    fatal = any(one.severity == "fatal" for one in checked.named(ONE_FORCE))
+    shares, doubtful = np.empty(len(table)), np.zeros(len(table), dtype=bool)
+    for i, value in enumerate(table.freq_hz):
+        off = np.abs(checked.freq_hz - value)
+        near = np.flatnonzero(off <= max(BESIDE * value, float(np.sort(off)[:LINES_BESIDE][-1])))
+        shares[i] = np.median(share[near])
+        doubtful[i] = fatal or shares[i] > UNEXPLAINED
+    grade = np.where(doubtful, "weak", table.scores["grade"]) if "grade" in table.scores else None
+    return table.with_scores(second=shares, **({} if grade is None else {"grade": grade}))
 
 
 # -- Where a curve has a dip, and how deep it is: as far as the curve climbs on both sides, within a reach or

@@ -114,7 +114,7 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
     if not hits:
         raise UnsuitableDataError(
             "responses",
-            "a record without an impact: the energy never rises from rest",
+            "a record without an impact: the energy never rises from rest, as in a free decay",
             "a record that starts before the hit",
             "Record again with a pre-trigger: what was missed at the start cannot be recovered.",
         )

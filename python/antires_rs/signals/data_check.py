@@ -68,7 +68,7 @@ BY_LINE = (
     channels.DEAD,
     channels.TIME_SHIFT,
     channels.QUADRATURE,
-    channels.NOISE,
+    one_force.NOISE,
     channels.RESOLUTION,
     one_force.ONE_FORCE,
     one_force.FORCE_LOCATION,
@@ -135,7 +135,8 @@ def of_recording(
         return of_spectra(some, dofs, nperseg=averages.nperseg, fs_hz=rec.fs_hz, taper=averages.taper)
 
     seen = evidence(spectra, live.dofs)
-    dead = channels.unrelated(seen)
+    first = parts_of(live)[0]
+    dead = (averages.nperseg is None and channels.silent(first, band)) or channels.unrelated(seen)
     lost = {dof for one in dead if isinstance(one, Finding) for dof in one.where}
     rows = [p for p, dof in enumerate(live.dofs) if dof not in lost]
     if 0 < len(rows) < len(live.dofs):
@@ -143,15 +144,15 @@ def of_recording(
         frfs = None if frfs is None else frfs[rows]
         seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
     one = one_force.one_force(seen)
+    apart = channels.clocks(first, band) if one or lost else []
     if spectra.draws is not None:
         # A structure that changes between repeats looks like a second force.
         one = [replace(f, advice=f"{f.advice} {CHANGED}") if isinstance(f, Finding) else f for f in one]
     return [
         *said,
-        *dead,
-        *channels.in_phase(seen),
+        *(apart or [*dead, *channels.in_phase(seen), *one]),  # without a common clock nothing is in common
+        *channels.alike(seen),
         *channels.buried(seen, lost),
-        *one,
         *one_force.force_location(seen, excitation, frfs),
     ], seen
 
@@ -189,7 +190,9 @@ def _in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None
         return said, None
     moving = data if not still else data[rows]
     names = tuple(labels[p] for p in rows)
-    said += channels.clipped(moving, names)
+    coarse = channels.quantized(moving, names)
+    fine = [p for p, dof in enumerate(names) if all(dof not in one.where for one in coarse)]
+    said += [*coarse, *channels.clipped(moving[fine], tuple(names[p] for p in fine))]
     if force is not None:
         said += channels.clipped([force], (FORCE,))
     if hits:
@@ -305,7 +308,13 @@ def of_response(
         None if resp.coherence is None else resp.coherence[live][:, inside],
     )
     twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
-    said += [*twice, *channels.in_phase(seen), *channels.incoherent(seen), *one_force.one_force(seen)]
+    said += [
+        *twice,
+        *channels.alike(seen),
+        *channels.in_phase(seen),
+        *channels.incoherent(seen),
+        *one_force.one_force(seen),
+    ]
     if resp.kind == "transmissibility":
         why = (
             "peaks of transmissibilities are antiresonances of the reference, as sharp as noise lets them be"
@@ -370,10 +379,12 @@ def check_data(
     The tests, by name:
 
     - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
-    - ``clipped_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings): in the time records;
+    - ``clipped_channel``, ``quantized_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings,
+      fatal where nothing else is left): in the time records;
     - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
       brings it back into phase at several modes. Polarity cannot be seen in data, nor can two channels that
-      are exchanged, unless the driving point is one of them (``force_location``);
+      are exchanged, unless the driving point is one of them (``force_location``). A shift of seconds and a
+      clock that drifts are fatal;
     - ``mains_hum`` (warning): steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;

@@ -38,8 +38,8 @@ LEAST_SAMPLES, TAPERS = 16, 5
 #: F of a line, and of one beside another multiple that is one. Noise has the first by chance in one of 200
 #: pieces, at any of the frequencies that are tried.
 LINE_F, ANOTHER_F = 25.0, 8.0
-#: Share of the pieces in which a channel must have the line, less a first third in which a hit may hide it, and
-#: largest ratio of its power over these pieces (upper over lower tenth): of a mode it is 22.
+#: Share of the pieces in which a channel must have the line, less a first third in which a hit may hide it;
+#: and largest ratio of its power over these pieces (upper over lower tenth): of a mode it is 22.
 PIECES_WITH, HIDDEN, STEADY = 0.7, 3, 2.5
 #: How far beyond the band multiples are looked for, whose leakage reaches into it.
 BEYOND = 1.2
@@ -97,9 +97,11 @@ def without_hum(rec: Recording, band_hz: tuple[float, float]) -> tuple[Recording
 def _thinned(rec: Recording, freq_hz: float) -> tuple[ComplexArray, float]:
     """Amplitude of a frequency in blocks, (n_channels, n_blocks), and the rate of the blocks."""
     block = max(1, round(rec.fs_hz / RATE_HZ))
-    count = rec.n_samples // block
-    turn = np.exp(-2j * np.pi * freq_hz / rec.fs_hz * np.arange(count * block))
-    moved = rec.responses[:, : count * block] * turn
+    count = rec.n_samples // block - 1
+    turn = np.exp(-2j * np.pi * freq_hz / rec.fs_hz * np.arange((count + 1) * block))
+    total = np.cumsum(rec.responses[:, : (count + 1) * block] * turn, axis=1)
+    # Means twice: what stands near a multiple of the rate must not fold into a line.
+    moved = (total[:, block:] - total[:, :-block]) / block
     return moved.reshape(rec.n_channels, count, block).mean(axis=2), rec.fs_hz / block
 
 
@@ -154,7 +156,7 @@ def _without(rec: Recording, base_hz: float, multiples: list[int]) -> Recording:
     energy = np.convolve(np.pad(energy, width, "edge"), np.ones(width) / width, "same")[width:-width]
     weights = 1.0 / np.maximum(energy, 1e-300)
     weights /= weights.sum()
-    middle = (np.arange(count) + 0.5) / rate
+    middle = (np.arange(count) + 1.0) / rate
     off = np.linspace(-OFF, OFF, 2 * int(np.ceil(8 * OFF * multiples[-1] * base_hz * count / rate)) + 1)
     fits = np.zeros(off.size)
     for k, (z, _) in zip(multiples, thinned, strict=True):
