@@ -31,6 +31,7 @@ class Key:
     of: tuple[str, ...] = ()
     #: The same on the command line, as in ``--fs HZ``; '' where it is a key of jobs alone.
     flag: str = ""
+    choices: tuple[str, ...] = ()
 
     @property
     def explanation(self) -> str:
@@ -39,8 +40,8 @@ class Key:
 
     @property
     def words(self) -> list[str]:
-        """Those in quotes in the sentence, of which the value is one."""
-        return re.findall(r'"([\w-]+)"', self.help)
+        """Those of which the value is one: if they are not said, those in quotes in the sentence."""
+        return list(self.choices) or re.findall(r'"([\w-]+)"', self.help)
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,8 @@ _FLAGS = {
     "route": "--route WORD",
     "max_order": "--max-order N>=2",
     "cross_check": "--cross-check --second-opinion WORD",
+    "formulation": "--formulation WORD",
+    "min_share": "--min-share FRACTION",
 }
 _IDENTIFICATION = [
     Key(
@@ -136,6 +139,7 @@ _IDENTIFICATION = [
         one.sentence,
         one.shown,
         flag=_FLAGS.get(name, ""),
+        choices=one.choices if name == "formulation" else (),
     )
     for name, one in declared().items()
 ]

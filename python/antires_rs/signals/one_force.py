@@ -420,8 +420,8 @@ def one_force(seen: Evidence) -> CheckResults:
         if above.mean() < EXCITED:
             at = f", at {seen.freq_hz[np.argmax(first)]:.4g} Hz above all" if above.any() else ""
             text = (
-                f"The responses rise over what channels do not share at {100 * above.mean():.2g} % of the lines "
-                f"of the band{at}."
+                f"The responses rise over what channels do not share at {100 * above.mean():.2g} % of "
+                f"the lines of the band{at}."
             )
             advice = "Force harder and over the whole band, a sine excites one line; check the sensors."
             return [Finding(NOISE, "fatal", (), float(above.mean()), EXCITED, text, advice)]
