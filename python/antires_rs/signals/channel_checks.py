@@ -48,6 +48,8 @@ SAME = 1.0 - 1e-9
 RUN, REPEATED = 20, 0.01
 # Second differences this far out, in robust standard deviations, are spikes: Gaussian ones never reach 8.
 SPIKE_SIGMAS = 15.0
+# ... of the record, and of so many samples on either side; so many are looked at.
+BESIDE_SPIKE, MOST_SPIKES = 40, 1000
 # So many second differences tell their standard deviation within a per cent.
 MEDIAN_SAMPLES = 16384
 # A channel of which others explain less of its power in the band carries no response.
@@ -168,12 +170,18 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Chec
         scale = float(np.median(np.abs(second[:: max(1, second.size // MEDIAN_SAMPLES)]))) / 0.6745
         largest = max(float(second.max()), -float(second.min()))
         if scale > 0.0 and largest > SPIKE_SIGMAS * scale:
-            second, off = np.abs(second), largest / scale
-            count = int(np.count_nonzero(second > SPIKE_SIGMAS * scale))
+            second = np.abs(second)
+            at = np.argsort(-second)[: min(MOST_SPIKES, int(np.count_nonzero(second > SPIKE_SIGMAS * scale)))]
+            # A record that grows, as in an earthquake, is all of a size with what is beside it.
+            beside = np.clip(at[:, None] + np.arange(-BESIDE_SPIKE, BESIDE_SPIKE + 1), 0, second.size - 1)
+            ratio = second[at] / np.maximum(scale, np.median(second[beside], axis=1) / 0.6745)
+            off, count = float(ratio.max()), int(np.count_nonzero(ratio > SPIKE_SIGMAS))
+            if not count:
+                continue
             text = (
                 f"Channel {label!r} jumps: {count} second differences lie beyond {SPIKE_SIGMAS:g} "
                 f"standard deviations, the largest at {off:.0f}, "
-                f"{int(np.argmax(second)) / fs_hz:.3g} s into the record."
+                f"{at[np.argmax(ratio)] / fs_hz:.3g} s into the record."
             )
             advice = "Look for loose contacts, electric switching or blows; use the part of the record "
             advice += "without them."
