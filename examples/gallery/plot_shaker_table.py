@@ -30,8 +30,8 @@ if path.is_file():
         found = ar.identify_antiresonances(record, excitation="ground", band_hz=(2.0, 14.0))
     print(found.data_check, found, sep="\n")
 
-    # An eye sees dips of the transmissibilities from the ground at 5.1 to 5.3 and 9.0 to 9.7 Hz. The top floor
-    # has none: nothing lies beyond it.
+    # An eye sees dips of the transmissibilities from the ground at 5.1 to 5.3 and 9.0 to 9.7 Hz. The top
+    # floor has none: nothing lies beyond it.
     curves = ar.transmissibility(record, reference="ground", nperseg=1024)
     fig, ax = plt.subplots(figsize=(10, 5), layout="constrained")
     band = (curves.freq_hz > 2.0) & (curves.freq_hz < 14.0)

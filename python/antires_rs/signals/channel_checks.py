@@ -274,7 +274,7 @@ LOUDEST = 3.0
 
 def silent(rec: Recording, band_hz: tuple[float, float]) -> list[Finding]:
     """Channels that a hit does not move at any line of the band."""
-    event = find_events(rec)[0]
+    event = find_events(rec)[-1]
     x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
     level, noise = tail_noise(x[:, event.hit :])
     cut = x[:, event.hit : max(until_noise(x, event, level, rec.fs_hz), event.hit + 4 * LINES_OF_BAND)]

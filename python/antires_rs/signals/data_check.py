@@ -191,8 +191,9 @@ def _in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None
     moving = data if not still else data[rows]
     names = tuple(labels[p] for p in rows)
     coarse = channels.quantized(moving, names)
-    fine = [p for p, dof in enumerate(names) if all(dof not in one.where for one in coarse)]
-    said += [*coarse, *channels.clipped(moving[fine], tuple(names[p] for p in fine))]
+    few = {dof for one in coarse for dof in one.where}
+    fine = {dof: x for dof, x in zip(names, moving, strict=True) if dof not in few}
+    said += [*coarse, *channels.clipped(fine.values(), tuple(fine))]
     if force is not None:
         said += channels.clipped([force], (FORCE,))
     if hits:

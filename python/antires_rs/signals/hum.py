@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
 from .recording import PooledRecording, Recording, parts_of
+from .spectra import pieces
 
 BASES_HZ = (50.0, 60.0)
 #: Part of a frequency by which the mains may be off, and that its line may wander within a record.
@@ -99,10 +100,13 @@ def _thinned(rec: Recording, freq_hz: float) -> tuple[ComplexArray, float]:
     block = max(1, round(rec.fs_hz / RATE_HZ))
     count = rec.n_samples // block - 1
     turn = np.exp(-2j * np.pi * freq_hz / rec.fs_hz * np.arange((count + 1) * block))
-    total = np.cumsum(rec.responses[:, : (count + 1) * block] * turn, axis=1)
-    # Means twice: what stands near a multiple of the rate must not fold into a line.
-    moved = (total[:, block:] - total[:, :-block]) / block
-    return moved.reshape(rec.n_channels, count, block).mean(axis=2), rec.fs_hz / block
+    thinned = []
+    for row in rec.responses[:, : turn.size]:
+        # Means twice: what stands near a multiple of the rate must not fold into a line.
+        total = np.cumsum(row * turn)
+        moved = (total[block:] - total[:-block]) / block
+        thinned.append(moved.reshape(count, block).mean(axis=1))
+    return np.array(thinned), rec.fs_hz / block
 
 
 @cache
@@ -148,9 +152,10 @@ def _without(rec: Recording, base_hz: float, multiples: list[int]) -> Recording:
     thinned = [_thinned(rec, k * base_hz) for k in multiples]
     rate = thinned[0][1]
     count = thinned[0][0].shape[1]
-    x = rec.responses - rec.responses.mean(axis=1, keepdims=True)
     block = round(rec.fs_hz / rate)
-    energy = np.square(x[:, : count * block]).reshape(rec.n_channels, count, block).mean(axis=2)
+    energy = np.array(
+        [np.square(x[: count * block] - x.mean()).reshape(count, block).mean(axis=1) for x in rec.responses]
+    )
     energy = np.mean(energy / np.maximum(energy.mean(axis=1, keepdims=True), 1e-300), axis=0)
     width = max(1, round(QUIET_S * rate))
     energy = np.convolve(np.pad(energy, width, "edge"), np.ones(width) / width, "same")[width:-width]
@@ -164,14 +169,24 @@ def _without(rec: Recording, base_hz: float, multiples: list[int]) -> Recording:
         turn = np.exp(-2j * np.pi * k * base_hz * off[:, None] * middle) * weights
         fits += np.sum(np.abs(z @ turn.T) ** 2 / np.maximum(scale, 1e-300), axis=0)
     base_hz *= 1.0 + float(off[np.argmax(fits)])
-    t = np.arange(rec.n_samples) / rec.fs_hz
     w = np.sqrt(np.repeat(weights, block))
     w = np.pad(w, (0, rec.n_samples - w.size), "edge")
-    angle = 2.0 * np.pi * base_hz * t[:, None] * np.array(multiples)
-    wave = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
-    slow = (2.0 * t / t[-1] - 1.0)[:, None]
-    basis = np.concatenate([*(slow**power * wave for power in range(SLOW + 1)), np.ones((t.size, 1))], axis=1)
-    weighted = basis * w[:, None]
-    fitted = np.linalg.solve(weighted.T @ weighted, weighted.T @ (w * rec.responses).T)
-    left = rec.responses - (basis[:, :-1] @ fitted[:-1]).T
+
+    def basis(some: slice) -> FloatArray:
+        at = np.arange(some.start, some.stop)
+        angle = 2.0 * np.pi * base_hz / rec.fs_hz * at[:, None] * np.array(multiples)
+        wave = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+        slow = (2.0 * at / rec.n_samples - 1.0)[:, None]
+        return np.concatenate([*(slow**p * wave for p in range(SLOW + 1)), np.ones((at.size, 1))], axis=1)
+
+    size = 2 * len(multiples) * (SLOW + 1) + 1
+    form, right = np.zeros((size, size)), np.zeros((size, rec.n_channels))
+    for some in pieces(rec.n_samples, size):
+        weighted = basis(some) * w[some, None]
+        form += weighted.T @ weighted
+        right += weighted.T @ (w[some] * rec.responses[:, some]).T
+    fitted = np.linalg.solve(form, right)[:-1]
+    left = np.array(rec.responses)
+    for some in pieces(rec.n_samples, size):
+        left[:, some] -= (basis(some)[:, :-1] @ fitted).T
     return Recording(left, rec.fs_hz, rec.dofs, rec.force)
