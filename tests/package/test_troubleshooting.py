@@ -21,6 +21,8 @@ FINDINGS = {
     *check.TESTS,
     channels.HUM,
     channels.QUANTIZED,
+    channels.DOUBLE,
+    channels.DRIFTING,
     channels.LENGTH,
     channels.AVERAGES,
     check.SINGLE_HIT,

@@ -159,10 +159,7 @@ def of_lost_channels(
     for one in () if checked is None else checked.findings:
         if one.severity == "fatal" and one.name in LOST:
             for dof in set(one.where or found) & set(found):
-                diagram = made[dof]
-                out = diagram.accepted.with_scores(why=np.full(len(diagram.accepted), LOST[one.name]))
-                left = ResponseTable.concatenated([diagram.left_out, out]) if len(diagram.left_out) else out
-                made[dof] = replace(diagram, accepted=diagram.accepted.take([]), left_out=left)
+                made[dof] = _left_out(made[dof], np.arange(len(made[dof].accepted)), LOST[one.name])
     return made
 
 
@@ -246,6 +243,8 @@ SHARED = 0.003
 # Largest spread over the channels of a value that they share. On measured frames and beams at most 0.41 %;
 # antiresonances of neighbouring parts of a chain came within 0.6 %.
 COMMON = 0.005
+#: Why such a value is left out: a harmonic of a strong mode, a line of the force, a mode it hardly excites.
+COMMON_TO_ALL = "all responses share it"
 # Depth of a dip from which it is the response's own, though all others have one beside it.
 COMMON_DEPTH_DB = 10.0
 
@@ -267,7 +266,7 @@ def shared(values: Any, others: Sequence[Any], within: float = SHARED) -> NDArra
 
 
 def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, StabilizationDiagram]:
-    """Diagrams less the values that all of three or more dofs have, spread by no more than ``COMMON``.
+    """Diagrams that leave out what all of three or more dofs have, spread by no more than ``COMMON``.
 
     Where depths are known, a deep dip stays: what all share takes little of each curve.
     """
@@ -288,6 +287,17 @@ def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, Stabiliz
                 if not (depths and np.fmin(*depths) >= COMMON_DEPTH_DB):
                     drop[dof].add(i)
     return {
-        dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size) if i not in drop[dof]]))
+        dof: _left_out(d, np.array(sorted(drop[dof]), dtype=np.intp), COMMON_TO_ALL)
         for dof, d in found.items()
     }
+
+
+def _left_out(one: StabilizationDiagram, rows: NDArray[np.intp], why: str) -> StabilizationDiagram:
+    """The diagram with some of its values among those left out."""
+    if not rows.size:
+        return one
+    out = one.accepted.take(rows).with_scores(why=np.full(rows.size, why))
+    left = ResponseTable.concatenated([one.left_out, out]) if len(one.left_out) else out
+    return replace(
+        one, accepted=one.accepted.take(np.delete(np.arange(len(one.accepted)), rows)), left_out=left
+    )

@@ -23,7 +23,7 @@ from .averaging import (
 from .hum import Hum
 from .one_force import NOISE, CheckResults, Evidence, Finding, NotTested, Severity, rounded
 from .recording import Recording
-from .spectra import pieces
+from .spectra import CrossSpectra, pieces
 
 DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
 QUANTIZED = "quantized_channel"
@@ -291,6 +291,78 @@ def silent(rec: Recording, band_hz: tuple[float, float]) -> list[Finding]:
             brief = "only noise in the band: the hit lifts no line of it over what follows"
             text = f"Dof {dof!r} holds {brief}."
             found.append(Finding(DEAD, "fatal", (dof,), most, limit, text, DEAD_ADVICE, brief))
+    return found
+
+
+DRIFTING = "drift"
+#: Groups of segments whose peaks are followed, and lines that a peak must own.
+DRIFT_GROUPS, PEAK_LINES = 8, 5
+#: Standard deviations of the mean change of all, and its size, as a share of the frequency, that are told.
+DRIFT_SIGMAS, LEAST_DRIFT = 6.0, 2e-3
+
+
+def drift(spectra: CrossSpectra) -> list[Finding]:
+    """Whether resonances move from the first segments to the last: the mean frequency under each peak."""
+    segments = spectra.segments
+    if segments is None or spectra.draws is not None or segments.count < DRIFT_GROUPS:
+        return []
+    unit = (segments.unit * segments.scale) ** 2 / np.maximum(
+        np.einsum("fii->i", spectra.matrix).real, 1e-300
+    )
+    power = np.array(
+        [
+            np.sum(np.mean(np.abs(segments.values[:, :, group]) ** 2, axis=2) * unit, axis=1)
+            for group in np.array_split(np.arange(segments.count), DRIFT_GROUPS)
+        ]
+    )
+    at = np.linspace(-0.5, 0.5, DRIFT_GROUPS)
+    changes, errors = [], []
+    for low, peak, high in owned_by_peaks(power.mean(axis=0)):
+        if high - low + 1 >= PEAK_LINES:
+            own = power[:, low : high + 1]
+            middle = own @ spectra.freq_hz[low : high + 1] / own.sum(axis=1) / spectra.freq_hz[peak]
+            changes.append(at @ middle / (at @ at))
+            rest = middle - middle.mean() - changes[-1] * at
+            errors.append(np.sqrt(rest @ rest / (DRIFT_GROUPS - 2) / (at @ at)))
+    if not changes:
+        return []
+    weights = 1.0 / np.maximum(errors, 1e-12) ** 2
+    change = float(np.average(changes, weights=weights))
+    if abs(change) * np.sqrt(weights.sum()) < DRIFT_SIGMAS or abs(change) < LEAST_DRIFT:
+        return []
+    text = (
+        f"The resonances move by at least {100 * change:+.2g} % from the beginning of the record to its end."
+    )
+    advice = "Standard deviations hold it; identify parts of the record by themselves, or wait for rest."
+    return [Finding(DRIFTING, "warning", (), abs(change), LEAST_DRIFT, text, advice)]
+
+
+DOUBLE = "double_hit"
+#: Blocks of samples in which second differences, where blows stand out of what rings, are followed; how many
+#: times the highest of some blocks before, and which share of the first blow, another one has; until when.
+BLOW_BLOCK, BLOCKS_BEFORE, BLOW_RISE, BLOW_SHARE, BLOWS_S = 4, 6, 3.0, 0.02, 1.5
+
+
+def double_hits(rec: Recording) -> list[Finding]:
+    """Impacts after which the hammer came back."""
+    found = []
+    for event in find_events(rec):
+        second = np.diff(rec.responses[:, max(event.hit - 4 * BLOW_BLOCK, 0) : event.stop], n=2, axis=1)
+        energy = np.mean(second**2 / np.maximum(np.mean(second**2, axis=1, keepdims=True), 1e-300), axis=0)
+        blocks = energy[: energy.size // BLOW_BLOCK * BLOW_BLOCK].reshape(-1, BLOW_BLOCK).mean(axis=1)
+        first = int(np.argmax(blocks))
+        last = min(blocks.size - 1, first + int(BLOWS_S * rec.fs_hz / BLOW_BLOCK))
+        for b in range(first + 3, last):
+            before = float(blocks[max(first + 1, b - BLOCKS_BEFORE) : b - 1].max())
+            if blocks[b] > max(BLOW_RISE * before, BLOW_SHARE * blocks[first]):
+                ms = 1e3 * (b - first) * BLOW_BLOCK / rec.fs_hz
+                text = (
+                    f"The hammer hit twice, {ms:.0f} ms apart, at {event.hit / rec.fs_hz:.3g} s: its force "
+                    f"has dips every {1e3 / ms:.3g} Hz, at which all responses are small."
+                )
+                advice = "Hit again if values near these dips matter; the others are right."
+                found.append(Finding(DOUBLE, "note", (), ms, 0.0, text, advice))
+                break
     return found
 
 

@@ -115,7 +115,10 @@ def of_recording(
     said += channels.hum(averages.hum)
     if averages.nperseg is not None:
         said += channels.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
-    elif spectra.n_averages == 1:
+        said += channels.drift(spectra)
+    else:
+        said += channels.double_hits(parts_of(live)[0])
+    if averages.nperseg is None and spectra.n_averages == 1:
         text = (
             "A single impact: no averages. Coherence, the noise by line and whether one force is enough "
             "cannot be told."
@@ -386,6 +389,7 @@ def check_data(
       brings it back into phase at several modes. Polarity cannot be seen in data, nor can two channels that
       are exchanged, unless the driving point is one of them (``force_location``). A shift of seconds and a
       clock that drifts are fatal;
+    - ``drift`` (warning): a resonance that is elsewhere at the end than at the beginning;
     - ``mains_hum`` (warning): steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
@@ -393,7 +397,7 @@ def check_data(
       forces that move in proportion are one force in this respect;
     - ``force_location``: zeros and poles of the stated driving point alternate. A dof whose mode shapes have
       the signs of the driving point's in all modes of the band cannot be told from it;
-    - ``single_hit`` (note), ``missed_hit`` (fatal): of hammer records.
+    - ``single_hit``, ``double_hit`` (notes), ``missed_hit`` (fatal): of hammer records.
 
     Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to
     600 s), those of the phase on measured plates too.
