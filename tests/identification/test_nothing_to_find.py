@@ -8,6 +8,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import AntiresError
+from antires_rs.identification.scores import without_common
 from reference import nothing_to_find, structures
 from tests.support.campaign import some_of
 
@@ -99,3 +100,22 @@ def test_a_channel_of_few_steps_is_told():
     assert told.where == (3,)
     assert told.severity == "warning"
     assert told.value in (15.0, 16.0)
+
+
+def test_what_all_responses_share_is_left_out_with_its_reason():
+    """As a harmonic of a strong mode, at which every channel has a pole and a zero together."""
+    f = np.linspace(1.0, 20.0, 400)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(400)
+    poles = ((5.0,), (5.0, 12.0), (5.0,))
+    found = without_common(
+        {
+            dof: ar.stabilization(
+                f, sum(p**2 / (p**2 - f**2 + 0.02j * p * f) for p in own) + noise, max_order=20
+            )
+            for dof, own in enumerate(poles)
+        }
+    )
+    assert [one.identified.round(1).tolist() for one in found.values()] == [[], [12.0], []]
+    for one in found.values():
+        assert one.left_out.freq_hz.round(1).tolist() == [5.0]
+        assert one.left_out.scores["why"].tolist() == ["all responses share it"]
