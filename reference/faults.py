@@ -33,3 +33,15 @@ def clipped(x, share=1e-3):
     """A record whose largest ``share`` of samples is cut off."""
     limit = np.quantile(np.abs(x), 1.0 - share)
     return np.clip(x, -limit, limit)
+
+
+def hum(n_channels, n, fs_hz, base_hz, rng, multiples=(1, 2, 3), wander_hz=0.005):
+    """Mains hum of unit rms, (n_channels, n): every channel with multiples of its own size and phase."""
+    t = np.arange(n) / fs_hz
+    knots = np.arange(0.0, t[-1] + 10.0, 5.0)
+    turns = np.cumsum(base_hz + wander_hz * np.interp(t, knots, rng.standard_normal(knots.size))) / fs_hz
+    size, phase = rng.uniform(0.3, 1.0, (2, n_channels, len(multiples)))
+    size /= np.array(multiples)
+    angle = 2 * np.pi * (turns * np.array(multiples)[:, None] + phase[:, :, None])
+    total = np.einsum("pk,pkt->pt", size, np.sin(angle))
+    return total / total.std()

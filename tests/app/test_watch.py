@@ -6,6 +6,7 @@ import re
 import shutil
 import time
 
+import numpy as np
 import pytest
 
 import antires_rs as ar
@@ -169,6 +170,38 @@ def test_a_folder_or_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
         assert main([*call, "--assessor", str(tmp_path / assessor)]) == code
         assert said in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, capsys):
+    """Of four tables without a time column and of one that is none."""
+    folder = tmp_path / "records"
+    folder.mkdir()
+    for number in range(2):
+        record = ar.read_npz(written(tmp_path, number))
+        table = folder / f"t{number}.csv"
+        np.savetxt(table, record.responses.T, delimiter=",", header="a,b,c,d", comments="")
+        aged(table)
+    (folder / "t2.csv").write_text("no numbers\n")
+    aged(folder / "t2.csv")
+    command = ["watch", str(folder), "--band", "5", "110", "--once", "--out", str(tmp_path / "out")]
+    told = [*command, "--excitation", "a", "--fs", "256", "--formulation", "numerators"]
+    for channel, dof in zip("abcd", range(4), strict=True):
+        told += ["--dof", f"{channel}={dof}"]
+    assert main([*told, "--unit", "m/s2"]) == 0
+    said = capsys.readouterr().out
+    assert "t2.csv: failed, path: " in said
+    assert "3 of 50 baseline tests, 1 failed" in said
+    series = ar.Series.load(tmp_path / "out" / "series.parquet")
+    assert series.excitation == 0
+    assert series.dofs == (0, 1, 2, 3)
+    assert {series[i].options["fitted"] for i in (0, 1)} == {"numerators"}
+    assert main([*told, "--unit", "m/s2"]) == 0
+    assert "t2.csv" not in capsys.readouterr().out  # told once
+    assert main([*command, "--excitation", "0", "--out", str(tmp_path / "other")]) == 0
+    assert "t0.csv: failed, path: " in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main([*command, "--excitation", "0", "--formulation", "rank1"])
+    assert "--formulation" in capsys.readouterr().err
 
 
 # -- ``antires series``: a job of many tests, its files, and running it again

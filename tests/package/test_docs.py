@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 import antires_rs as ar
 from tests.support.measured_data import DATA, needs_southampton
@@ -43,10 +44,16 @@ def test_the_code_of_a_page_runs(page, tmp_path, monkeypatch):
         assert FOUND[page](names)
 
 
+#: The frame of the page on identification without its table.
+STIFFNESS = np.array([[17e3, -8e3, 0.0], [-8e3, 16e3, -8e3], [0.0, -8e3, 8e3]])
+MASS = np.diag([0.5, 0.5, 0.4])
 #: What the text beside the code says comes out.
 FOUND = {
     "start": lambda n: n["damage"].damaged == [4] and sum(map(len, n["zeros"].values())) == 28,
     "parameters": lambda n: n["damage"].damaged == [4] and n["both"].identifiability.rank == 14,
+    "identify": lambda n: np.allclose(  # the frame on a table that is held
+        n["on_table"]["ground"], np.sqrt(scipy.linalg.eigvalsh(STIFFNESS, MASS)) / (2 * np.pi), rtol=0.01
+    ),
     "damage": lambda n: (
         n["damage"].damaged == n["watched"].damaged == [4] and "spring 4" in n["damage"].headline
     ),

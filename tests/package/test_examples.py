@@ -12,7 +12,11 @@ from tests.support.paths import EXAMPLES, GALLERY
 
 SCRIPTS = sorted(GALLERY.glob("plot_*.py"))
 #: Scripts on measured structures, and the folder of their data.
-MEASURED = {"plot_southampton_frame": "southampton_3storey", "plot_brake_reuss_beam": "brake_reuss_beam"}
+MEASURED = {
+    "plot_southampton_frame": "southampton_3storey",
+    "plot_brake_reuss_beam": "brake_reuss_beam",
+    "plot_shaker_table": "shake_table",
+}
 LONGEST = 60
 #: These take longer than the others together; `make docs` runs every one.
 LONG = {"chain8_update", "exhaust_damage", "exhaust_update", "two_objectives", "uncertainty"}
@@ -63,6 +67,11 @@ FOUND = {
     "plot_exhaust_update": lambda n: n["result"].table.largest_after_percent < 1.5,
     "plot_exhaust_damage": lambda n: n["damage"].damaged == [30],
     "plot_southampton_frame": lambda n: 1.1 < n["result"].table.largest_after_percent < 2.0,
+    "plot_shaker_table": lambda n: (
+        abs(n["found"]["floor 1"] - 5.2).min() < 0.15
+        and abs(n["found"]["floor 2"] - 9.3).min() < 0.4
+        and n["found"]["floor 3"].size == 0
+    ),
     "plot_brake_reuss_beam": lambda n: abs(n["found"]["acc2"] / 326.2 - 1.0).min() < 0.01,
     "plot_data_check": lambda n: n["checked"].fatal,
     "plot_stabilization": lambda n: abs(n["zeros"][0] - 12.23).min() > 1.0 and 12.0 in n["edited"][0],

@@ -15,7 +15,17 @@ from antires_rs.support.messages import entries
 SOURCES = Path(ar.__file__).parent
 #: Said in headlines and notes of results.
 OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}
-FINDINGS = {*check.TESTS, channels.LENGTH, channels.AVERAGES, check.SINGLE_HIT, check.MISSED_HIT}
+FINDINGS = {
+    *check.TESTS,
+    channels.HUM,
+    channels.QUANTIZED,
+    channels.DOUBLE,
+    channels.DRIFTING,
+    channels.LENGTH,
+    channels.AVERAGES,
+    check.SINGLE_HIT,
+    check.MISSED_HIT,
+}
 
 
 def warned():

@@ -83,6 +83,7 @@ def test_findings_of_one_kind_are_one_line():
     assert one_of_a_kind(general) == tuple(general)
 
 
+@pytest.mark.filterwarnings("ignore:identify_antiresonances. no antiresonance")
 def test_the_warning_has_a_line_for_each_finding():
     rng = np.random.default_rng(5)
     noise = rng.standard_normal((3, 8192))

@@ -44,7 +44,7 @@ class Call(Job):
         table = {name: getattr(args, name, None) for name in own}
         if roved:
             table |= {"excitation": place, "roving": None}
-        elif args.hit is not None:
+        elif getattr(args, "hit", None) is not None:
             wanted = "it beside --roving SENSOR, with a file for each hit"
             reject("--hit", "it for one place of the force", wanted, "Name that place by --excitation.")
         if table["dofs"] is not None:

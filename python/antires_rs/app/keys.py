@@ -32,6 +32,7 @@ class Key:
     of: tuple[str, ...] = ()
     #: The same on the command line, as in ``--fs HZ``; '' where it is a key of jobs alone.
     flag: str = ""
+    choices: tuple[str, ...] = ()
 
     @property
     def explanation(self) -> str:
@@ -40,8 +41,8 @@ class Key:
 
     @property
     def words(self) -> list[str]:
-        """Those in quotes in the sentence, of which the value is one."""
-        return re.findall(r'"([\w-]+)"', self.help)
+        """Those of which the value is one: if they are not said, those in quotes in the sentence."""
+        return list(self.choices) or re.findall(r'"([\w-]+)"', self.help)
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,8 @@ _FLAGS = {
     "route": "--route WORD",
     "max_order": "--max-order N>=2",
     "cross_check": "--cross-check --second-opinion WORD",
+    "formulation": "--formulation WORD",
+    "min_share": "--min-share FRACTION",
 }
 
 
@@ -136,7 +139,14 @@ def _of_options(options: Mapping[str, Option], names: Iterable[str]) -> list[Key
     """The keys of options of a call, but for those whose values no job can write."""
     kinds = {name: "whole" if options[name].kind == "segment" else options[name].kind for name in names}
     return [
-        Key(name, kind, options[name].explanation, options[name].shown, flag=_FLAGS.get(name, ""))
+        Key(
+            name,
+            kind,
+            options[name].explanation,
+            options[name].shown,
+            flag=_FLAGS.get(name, ""),
+            choices=options[name].choices if name == "formulation" else (),
+        )
         for name, kind in kinds.items()
         if kind != "value"
     ]

@@ -288,8 +288,7 @@ watch (watch.watch): identify new files of a folder as they come, and say which 
     Identify the measurements in a folder, and new ones when they are complete; tell which differ from the
     baseline. Ends with Ctrl-C; it may be killed at any time, and goes on where it was.
         folder FOLDER: where the measurements arrive
-        --excitation DOF !: of the force: a number, or a name as the file has it
-        --band LOW HIGH !: in Hz
+        <test>
         --baseline N>=8 = 50: first tests
         --rate P = 0.01: of false alarms
         --conditions FILE: table of temperatures, by name of the file
@@ -337,19 +336,23 @@ _HELP = {
 }
 
 
-def measurement_rows() -> Iterator[Row]:
-    """How a measurement is read and identified: the keys of a job that have a flag."""
+def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) -> Iterator[Row]:
+    """How a measurement is read and identified: the keys of a job that have a flag, some of them needed."""
     from ..io.registry import ENDINGS
     from .keys import DATA, IDENTIFICATION, small
 
     for key in (*DATA.keys, *IDENTIFICATION.keys):
-        if key.flag:
+        if key.flag and key.name not in without:
             how: dict[str, Any] = {"dest": key.name}
+            if key.name in needed:
+                how["required"] = True
             if key.flag.endswith(" WORD"):
                 how |= one_of(key.words)
             elif key.name == "format":
                 how |= one_of(list(ENDINGS))
             yield argument(key.flag, _HELP.get(key.name, small(key.help).removesuffix(".")), **how)
+    if "hit" in without:
+        return
     about = "with --roving: where the force of each file acted, once for each in their order (default: as "
     yield argument("--hit DOF ...", f"{about}universal files state)")
 
@@ -367,6 +370,9 @@ class Command(NamedTuple):
         for text in self.arguments:
             if text == "<measurement>":
                 yield from measurement_rows()
+                continue
+            if text == "<test>":
+                yield from measurement_rows(("excitation", "band_hz"), ("roving", "hit"))
                 continue
             use, _, about = text.partition(": ")
             if "<endings>" in about:

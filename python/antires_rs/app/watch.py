@@ -7,7 +7,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Event
@@ -22,12 +22,14 @@ from ..figures.sets import plot_tracks
 from ..io.common import Signal
 from ..measured.track import Tracks
 from ..support.files import write_atomically
+from ..support.messages import Part
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
 from ..watch.monitor import Watched, monitor
 from ..watch.series import Series
 from ..watch.sources import is_measurement, natural
 from ..watch.store import LastingStore
+from .call import Call
 from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
 from .keys import FOLDER, FORMATS, IDENTIFICATION, SIGNALS, format_of, shown
@@ -43,11 +45,13 @@ class JobReader:
     """Reads one file of the series, or a folder of one FRF a file, by the keys of [data]."""
 
     table: Mapping[str, Any]
+    #: How an argument of a reader is written in messages.
+    spell: Callable[[Part], str] = field(default=Job.spelled, repr=False)
 
     def __call__(self, file: Path) -> Signal:
         """The signal of a file."""
         kind = FOLDER if file.is_dir() else format_of(file.name, self.table.get("format"))
-        return read_signal(file, kind or "", self.table)
+        return read_signal(file, kind or "", self.table, self.spell)
 
 
 def series(args: argparse.Namespace) -> int:
@@ -97,9 +101,6 @@ def _series_of(job: Job, folder: Path, workers: int | None) -> Series:
     if not sources.is_dir() and "*" not in sources.name:
         job.existing((*place, "file"), table["file"], 'a folder, or a pattern such as "records/*.npz"')
     folder.mkdir(parents=True, exist_ok=True)
-    force, dofs = table["excitation"], table.get("dofs")
-    if isinstance(dofs, dict) and dofs.get(force, False) is not False:
-        force = dofs[force]  # the name of a channel stands for its dof
     say("identifying the series")
     elsewhere = {
         "sources": (*place, "file"),
@@ -111,7 +112,7 @@ def _series_of(job: Job, folder: Path, workers: int | None) -> Series:
     with job.blame(place, elsewhere):
         return identify_series(
             sources,
-            excitation=force,
+            excitation=_named_dof(table["excitation"], table.get("dofs")),
             band_hz=table["band_hz"],
             conditions=conditions,
             store=folder / "series.parquet",
@@ -119,6 +120,11 @@ def _series_of(job: Job, folder: Path, workers: int | None) -> Series:
             reading=JobReader(table),
             **job.sections["identification"],
         )
+
+
+def _named_dof(force: Any, dofs: Any) -> Any:
+    """The dof of the force, for which the name of its channel stands."""
+    return dofs[force] if isinstance(dofs, dict) and dofs.get(force, False) is not False else force
 
 
 def _summary(series: Series) -> dict[str, Any]:
@@ -269,6 +275,7 @@ def watch(args: argparse.Namespace) -> int:
         with arguments({"path": "--assessor"}):
             assessor = Assessor.load(args.assessor)
     args.out.mkdir(parents=True, exist_ok=True)
+    call = Call(args)
     arrivals = Arrivals(args.folder, tuple(path for path in (args.out, args.conditions) if path is not None))
     teller = _Teller(args, assessor)
     if not arrivals.at_once:
@@ -280,7 +287,7 @@ def watch(args: argparse.Namespace) -> int:
             while True:
                 files = arrivals.complete()
                 if files and files != judged:
-                    series = _identified(files, args, teller)
+                    series = _identified(files, args, call, teller)
                     if series is not None:
                         if series.interrupted:
                             return 130
@@ -293,16 +300,22 @@ def watch(args: argparse.Namespace) -> int:
         return 130
 
 
-def _identified(files: list[Path], args: argparse.Namespace, teller: _Teller) -> Series | None:
+def _identified(files: list[Path], args: argparse.Namespace, call: Call, teller: _Teller) -> Series | None:
     """The series; None while the table of conditions is being written."""
+    (table,) = call.data
+    force = table["excitation"]
+    reading = {name: value for name, value in table.items() if name not in ("excitation", "band_hz")}
     try:
-        return identify_series(
-            files,
-            excitation=args.excitation,
-            band_hz=args.band,
-            conditions=condition_table(args.conditions)[0],
-            store=LastingStore(args.out / "series.parquet"),
-        )
+        with call.blame(("data",)):
+            return identify_series(
+                files,
+                excitation=_named_dof(force, table.get("dofs")),
+                band_hz=table["band_hz"],
+                conditions=condition_table(args.conditions)[0],
+                store=LastingStore(args.out / "series.parquet"),
+                reading=JobReader(reading, call.spelled) if reading else None,
+                **call.sections["identification"],
+            )
     except (InvalidInputError, FileNotFoundError, UnicodeDecodeError) as exc:
         about = isinstance(exc, InvalidInputError) and str(exc.argument).startswith("conditions")
         if args.once or args.conditions is None or (isinstance(exc, InvalidInputError) and not about):
@@ -330,6 +343,10 @@ class _Teller:
         """Judge all tests, print what is new, write the page."""
         self._said = ""
         count, wanted = len(series), self._args.baseline
+        for i, why in series.failed.items():
+            if min(i, count - 1) < wanted and series.names[i] not in self._told:
+                print(f"{series.names[i]}: failed, {why}", flush=True)
+                self._told.add(series.names[i])
         if count < wanted:
             print(f"{count} of {wanted} baseline tests, {len(series.failed)} failed", flush=True)
             return

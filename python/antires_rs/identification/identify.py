@@ -61,7 +61,7 @@ from .options import (
     sorted_out,
 )
 from .paper import sweep_of
-from .scores import graded, scored, unexplained, without_common
+from .scores import graded, of_lost_channels, scored, unexplained, with_second, without_common
 from .selection import select
 from .stability import Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
@@ -267,8 +267,8 @@ def identify_antiresonances(
         (not with "joint" and "eq10"), ``.scores`` with what speaks for each, ``.diagrams`` with the
         evidence. A dof without any antiresonance in the band has an empty array. ``.sees`` is
         "transmissibility" where the values are what transmissibilities see: a peak also where the sensor
-        sits on a node of a mode, a root that cancels in its FRF. It is "frf" on that route, and for FRFs and
-        clean single impacts, where such roots are told by the response itself and left out.
+        sits on a node of a mode, a root that cancels in its FRF. It is "frf" on that route, and for FRFs,
+        where such roots are told by the response itself and left out.
 
     Raises
     ------
@@ -372,7 +372,7 @@ def identify_antiresonances(
         looks, options = _looks(
             one, averages, band, options, asked=fit is not None and "formulation" in fit.given
         )
-    diagrams = diagrams_of(one.dofs, lines_for, band, options, looks)
+    diagrams = of_lost_channels(diagrams_of(one.dofs, lines_for, band, options, looks), checked)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
     compared = None
@@ -383,15 +383,17 @@ def identify_antiresonances(
         step("cross-check")
         values = {dof: d.identified for dof, d in found.items()}
         compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
-    if options.formulation == "directions" and not any(len(d.accepted) for d in found.values()):
+    lost = checked is not None and checked.fatal
+    if (lost or options.formulation == "directions") and not any(len(d.accepted) for d in found.values()):
         why = Counter(str(one) for d in found.values() for one in d.left_out.scores.get("why", ()))
         said = "; ".join(f"{count} {reason}" for reason, count in why.most_common())
         warn(
             "nothing_found",
-            f"identify_antiresonances: no antiresonance in {band[0]:g} to {band[1]:g} Hz. One fit over the "
-            f"band does not predict the record, and local fits see {said or 'no zero that comes back'}.",
+            f"identify_antiresonances: no antiresonance in {band[0]:g} to {band[1]:g} Hz. What fits see: "
+            f"{said or 'no zero that comes back'}.",
         )
     tables = {dof: graded(d.accepted) if of_numerators else d.accepted for dof, d in found.items()}
+    tables = {dof: with_second(table, checked) for dof, table in tables.items()}
     known = None  # what the standard deviations rest on
     if isinstance(one, AveragedResponse):
         known = freedom(len(one.runs))
@@ -425,7 +427,7 @@ def _looks(
         strange = "'directions' for curves or the route 'frf'"
         needed = "a Recording, and the route 'transmissibility'"
         reject("formulation", strange, needed, "Take 'windows' for curves, 'numerators' for the route 'frf'.")
-    looks = looks_of(source, averages, band)
+    looks = looks_of(averages, band)
     if looks:
         return looks, options
     if asked:
@@ -455,7 +457,7 @@ def _followed(
     step("following")
     looks: list[Look] = []
     if isinstance(source, Recording) and averages is not None and not options.use_force:
-        looks = looks_of(source, averages, band, 1)
+        looks = looks_of(averages, band, 1)
     look = looks[0] if looks else look_of(lines_for(FORCE if options.use_force else 0))
     tables, gone = tables_of(look, source.dofs, near, band, options.rule.min_share)
     if searched is not None:

@@ -151,7 +151,7 @@ def curve_lines(
     *,
     std: FloatArray | None = None,
     runs: ComplexArray | None = None,
-    size_known: bool,
+    size_known: bool = False,
     added_decay_per_s: float = 0.0,
 ) -> Lines:
     """Vectors of equal noise, and what each line is worth."""
@@ -242,7 +242,6 @@ def lines_of_recording(
             spectra.freq_hz,
             values[:FORCE] if use_force else values,
             force,
-            size_known=not use_force,
             added_decay_per_s=spectra.added_decay_per_s,
         )
         return lambda row: one

@@ -192,7 +192,7 @@ def _of_recording(
     if options.nperseg is not None:
         integer("nperseg", options.nperseg, low=32, high=rec.n_samples)
     if route == "responses" or rec.force is None:
-        if holds_hits(rec, options):
+        if holds_hits(rec, options, band):
             return _of_responses(rec, None)
         return _of_responses(rec, options.nperseg or choose_nperseg(rec, band))
     every_line = (0.0, 0.5 * rec.fs_hz)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..signals.averaging import METHODS, Averaging
-from ..support.checks import FloatArray, choice, integer
+from ..support.checks import FloatArray, integer
 from ..support.options import Option, Options, documented, option
 
 # Beyond, a narrower band or windows serve better than more orders.
@@ -134,6 +134,7 @@ class FitOptions(Options):
         ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}": what is fitted. "auto" takes '
         '"windows" for given curves and impacts as clean as these; for other records "numerators" if that '
         'fit predicts held-back segments to the noise, else "directions"; without estimator "rank1" "joint".',
+        choices=CHOICES,
     )
     method: str = option(
         "auto",
@@ -207,7 +208,6 @@ class FitOptions(Options):
                 "one of " + ", ".join(repr(name) for name in CHOICES),
                 f"{LEFT_OUT[self.formulation]}; use formulation='joint'.",
             )
-        choice("formulation", self.formulation, CHOICES)
         return super().checked()
 
     def agree(self, ratio: FloatArray, damping: FloatArray, own: float, least: float) -> NDArray[np.bool_]:

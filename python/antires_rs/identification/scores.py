@@ -13,6 +13,7 @@ how              "chain": stable in consecutive orders; "persistent": in most or
 residual         relative misfit of the fit around the value
 prominence_db    height of its peak in the summed transmissibilities
 grade            "sure", "fair" or "weak", :func:`grades`; averaged records only
+second           second eigenvalue of the spectral matrix over the first, beside it; averaged records only
 averages         independent averages behind its standard deviation, where it is told by segments
 ===============  =====================================================================================
 
@@ -40,6 +41,8 @@ from ..measured.response_table import (
     SURE_SPREAD,
     ResponseTable,
 )
+from ..signals import channel_checks as channels
+from ..signals.one_force import NOISE, ONE_FORCE, UNEXPLAINED, DataCheck
 from ..signals.spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray
 from .stabilization import PERSISTENT_SNR, StabilizationDiagram, flanked
@@ -130,6 +133,53 @@ def window_grades(share: FloatArray, spread: FloatArray, depth_db: FloatArray) -
     return np.where(sure, "sure", np.where(weak, "weak", "fair"))
 
 
+# -- What the data check says of the data a value rests on
+#
+# A channel of which it says that it holds nothing has no value. Where more than one force acts in
+# much of the band, or none is told from noise beside a value, it is weak whatever the fits say.
+
+#: Fatal findings of channels, or of all of them, and what is said of their values.
+LOST = {
+    channels.DEAD: "only noise in this channel",
+    channels.CLIPPED: "channel clipped",
+    channels.QUANTIZED: "channel of too few steps",
+    channels.TIME_SHIFT: "channel on another clock",
+    channels.DUPLICATED: "all channels hold one signal",
+    NOISE: "nothing rises over the noise",
+}
+#: Width about a value, as a share of it, over which eigenvalues are looked at, and never fewer lines.
+BESIDE, LINES_BESIDE = 0.015, 5
+
+
+def of_lost_channels(
+    found: dict[Any, StabilizationDiagram], checked: DataCheck | None
+) -> dict[Any, StabilizationDiagram]:
+    """Diagrams in which channels that hold nothing have no values, and say so."""
+    made = dict(found)
+    for one in () if checked is None else checked.findings:
+        if one.severity == "fatal" and one.name in LOST:
+            for dof in set(one.where or found) & set(found):
+                made[dof] = _left_out(made[dof], np.arange(len(made[dof].accepted)), LOST[one.name])
+    return made
+
+
+def with_second(table: ResponseTable, checked: DataCheck | None) -> ResponseTable:
+    """Antiresonances with the second eigenvalue over the first beside each, weak where it is large."""
+    if checked is None or checked.freq_hz is None or checked.second_expected is None:
+        return table
+    assert checked.eigenvalues is not None
+    share = checked.eigenvalues[:, 1] / np.maximum(checked.eigenvalues[:, 0], 1e-300)
+    fatal = any(one.severity == "fatal" for one in checked.named(ONE_FORCE))
+    shares, doubtful = np.empty(len(table)), np.zeros(len(table), dtype=bool)
+    for i, value in enumerate(table.freq_hz):
+        off = np.abs(checked.freq_hz - value)
+        near = np.flatnonzero(off <= max(BESIDE * value, float(np.sort(off)[:LINES_BESIDE][-1])))
+        shares[i] = np.median(share[near])
+        doubtful[i] = fatal or shares[i] > UNEXPLAINED
+    grade = np.where(doubtful, "weak", table.scores["grade"]) if "grade" in table.scores else None
+    return table.with_scores(second=shares, **({} if grade is None else {"grade": grade}))
+
+
 # -- Where a curve has a dip, and how deep it is: as far as the curve climbs on both sides, within a reach or
 # until it falls below the minimum, the lower of the two (the prominence of the minimum)
 
@@ -193,6 +243,8 @@ SHARED = 0.003
 # Largest spread over the channels of a value that they share. On measured frames and beams at most 0.41 %;
 # antiresonances of neighbouring parts of a chain came within 0.6 %.
 COMMON = 0.005
+#: Why such a value is left out: a harmonic of a strong mode, a line of the force, a mode it hardly excites.
+COMMON_TO_ALL = "all responses share it"
 # Depth of a dip from which it is the response's own, though all others have one beside it.
 COMMON_DEPTH_DB = 10.0
 
@@ -214,7 +266,7 @@ def shared(values: Any, others: Sequence[Any], within: float = SHARED) -> NDArra
 
 
 def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, StabilizationDiagram]:
-    """Diagrams less the values that all of three or more dofs have, spread by no more than ``COMMON``.
+    """Diagrams that leave out what all of three or more dofs have, spread by no more than ``COMMON``.
 
     Where depths are known, a deep dip stays: what all share takes little of each curve.
     """
@@ -235,6 +287,17 @@ def without_common(found: dict[Any, StabilizationDiagram]) -> dict[Any, Stabiliz
                 if not (depths and np.fmin(*depths) >= COMMON_DEPTH_DB):
                     drop[dof].add(i)
     return {
-        dof: replace(d, accepted=d.accepted.take([i for i in range(d.identified.size) if i not in drop[dof]]))
+        dof: _left_out(d, np.array(sorted(drop[dof]), dtype=np.intp), COMMON_TO_ALL)
         for dof, d in found.items()
     }
+
+
+def _left_out(one: StabilizationDiagram, rows: NDArray[np.intp], why: str) -> StabilizationDiagram:
+    """The diagram with some of its values among those left out."""
+    if not rows.size:
+        return one
+    out = one.accepted.take(rows).with_scores(why=np.full(rows.size, why))
+    left = ResponseTable.concatenated([one.left_out, out]) if len(one.left_out) else out
+    return replace(
+        one, accepted=one.accepted.take(np.delete(np.arange(len(one.accepted)), rows)), left_out=left
+    )

@@ -23,13 +23,14 @@ Samworth, J. R. Stat. Soc. B 75 (2013) 55-80 (complementary pairs).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
-from ..signals.averaging import Averages, Event, find_events, tail_noise, until_noise
+from ..signals.averaging import Averages, Event, beside, find_events, tail_noise, undrifted
+from ..signals.hum import Hum
 from ..signals.recording import Recording, parts_of, shortest
 from ..signals.spectra import (
     CrossSpectra,
@@ -58,6 +59,11 @@ VIEWS, GROUPS = 12, 24
 LEAST_GROUPS, LEAST_AVERAGES = 6, 11.0
 #: From so many records of one test on they are the groups.
 LEAST_DRAWS = 4
+#: Periods of the frequencies that a window over a decay is for, and by how much one is shorter than the one
+#: before; the shortest suits frequencies up to this share of the band's end at least.
+PERIODS, SHORTER, ENOUGH = (20.0, 320.0), 4.0, 0.7
+#: Periods of the highest frequency before an impact.
+LEAD = 4.0
 #: Amplitude to which an exponential window brings a decay down, and lines of it that are independent.
 WINDOWED_END, INDEPENDENT = 1e-2, 3
 #: Seed of halves and of added noise: the same record gives the same values.
@@ -70,7 +76,9 @@ class Look:
 
     ``vectors`` (n_views, n_freq, n_rows) are of unit norm at every line, the first as measured; in the others
     a row may be zero, that of a channel left out. Where the first is alone, noise as large as what the fits
-    leave perturbs it. ``noise`` (n_freq, n_rows) is the least noise power of the first.
+    leave perturbs it. ``noise`` (n_freq, n_rows) is the least noise power of the first. Looks of
+    ``own_range``
+    are for different frequencies.
     """
 
     freq_hz: FloatArray
@@ -78,24 +86,22 @@ class Look:
     weights: FloatArray
     noise: FloatArray
     decay_per_s: float = 0.0
+    own_range: bool = False
 
 
-def looks_of(
-    rec: Recording, averages: Averages, band_hz: tuple[float, float], most: int | None = None
-) -> list[Look]:
-    """Resolutions of a record, ``most`` of them: segments and shorter ones, or decays and their first halves.
+def looks_of(averages: Averages, band_hz: tuple[float, float], most: int | None = None) -> list[Look]:
+    """Resolutions of a record, ``most`` of them: segments and shorter ones, or windows of decays.
 
     Without those that have too few lines in the band; none may be left.
     """
-    rng = np.random.default_rng(SEED)
+    rng, rec = np.random.default_rng(SEED), averages.rec
     if averages.nperseg is None:
-        looks = [_of_impacts(rec, band_hz, share, rng) for share in (1.0, 0.5)[:most]]
-        return [look for look in looks if look.freq_hz.size >= 2 * LEAST_LINES]
+        return _of_impacts(rec, band_hz, averages.hum, rng, one=most == 1)
     given = averages.options.window
     window = given if isinstance(given, str | tuple) else "hann"
     longest = averages.options.nperseg or look_samples(rec, band_hz)
     made = [
-        _of_segments(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), rng)
+        _of_segments(beside(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), averages.hum), rng)
         for n in (longest, longest // 2, longest // 4)[:most]
         if n * (band_hz[1] - band_hz[0]) >= 2 * LEAST_LINES * rec.fs_hz
     ]
@@ -135,36 +141,75 @@ def _of_segments(spectra: CrossSpectra, rng: np.random.Generator) -> Look:
     return Look(spectra.freq_hz, stacked, snr / (1.0 + snr / SNR_CAP), np.zeros(first.shape))
 
 
-def _of_impacts(rec: Recording, band_hz: tuple[float, float], share: float, rng: np.random.Generator) -> Look:
-    """Decays from the impact until the noise, or the first ``share`` of each, in one exponential window."""
-    cut: list[tuple[FloatArray, Event]] = []
-    floors: list[FloatArray] = []
-    for part in parts_of(rec):
+def _of_impacts(
+    rec: Recording, band_hz: tuple[float, float], hum: Hum | None, rng: np.random.Generator, *, one: bool
+) -> list[Look]:
+    """Decays from the impact on in exponential windows, each over the frequencies that its length suits.
+
+    Long ones resolve sharp zeros at low frequencies, short ones leave the noise after a decay out at high
+    ones. ``one`` is a window for the whole band.
+    """
+    still = undrifted(rec, band_hz)
+    cut, floors = [], []
+    for part in parts_of(still):
         events = find_events(part)
-        x = part.responses - np.median(part.responses, axis=1, keepdims=True)
-        level, spectrum = tail_noise(x[:, events[-1].hit :])
-        floors.append(spectrum)
-        for event in events:
-            cut.append((x, replace(event, stop=until_noise(x, event, level, rec.fs_hz))))
-    length = max(int(share * (event.stop - event.hit)) + event.hit - event.start for _, event in cut)
-    decay = -np.log(WINDOWED_END) * rec.fs_hz / length
-    taper = np.exp(-decay / rec.fs_hz * np.arange(length))
-    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / rec.fs_hz), dtype=np.float64)
+        floors.append(tail_noise(part.responses[:, events[-1].hit :])[1])
+        cut += [(part.responses, event) for event in events]
+    longest = max(event.stop - event.hit for _, event in cut) / rec.fs_hz
+    least, most = PERIODS
+    if one:
+        middle = float(np.sqrt(band_hz[0] * band_hz[1]))
+        windows = [(min(longest, most / middle), band_hz)]
+    else:
+        lengths = [min(longest, most / band_hz[0])]
+        while least / (lengths[-1] / SHORTER) < ENOUGH * band_hz[1]:
+            lengths.append(lengths[-1] / SHORTER)
+        windows = [
+            (own, (band_hz[0] if own == longest else least / own, min(band_hz[1], most / own)))
+            for own in lengths
+        ]
+    looks = [
+        _of_decays(rec.fs_hz, cut, floors, own, (max(low, band_hz[0]), high), hum, band_hz[1], rng)
+        for own, (low, high) in windows
+    ]
+    return [look for look in looks if look is not None]
+
+
+def _of_decays(
+    fs_hz: float,
+    cut: list[tuple[FloatArray, Event]],
+    floors: list[FloatArray],
+    length_s: float,
+    band_hz: tuple[float, float],
+    hum: Hum | None,
+    highest_hz: float,
+    rng: np.random.Generator,
+) -> Look | None:
+    """One window from some periods of the highest frequency before the impacts on; None of too few lines."""
+    lead = int(np.ceil(LEAD * fs_hz / highest_hz))
+    length = lead + int(length_s * fs_hz)
+    decay = -np.log(WINDOWED_END) * fs_hz / length
+    taper = np.exp(-decay / fs_hz * np.arange(length))
+    freq = np.asarray(np.fft.rfftfreq(length, 1.0 / fs_hz), dtype=np.float64)
     inside = lines_in(freq, band_hz)
     some = np.arange(inside.start, inside.stop)[::INDEPENDENT]
+    if hum is not None:
+        some = some[hum.outside(freq[some], length / fs_hz)]
+    if some.size < 2 * LEAST_LINES:
+        return None
     each = []
     for x, event in cut:
-        own = x[:, event.start : min(event.start + length, event.stop)]
+        start = max(0, event.hit - lead)
+        own = x[:, start : min(start + length, event.stop)]
         each.append(np.fft.rfft(own * taper[: own.shape[1]], length)[:, some])
     spectra = np.stack(each, axis=2).transpose(1, 0, 2)
-    at = freq[some] / (0.5 * rec.fs_hz)
+    at = freq[some] / (0.5 * fs_hz)
     noise = np.mean(
         [[np.interp(at, np.linspace(0.0, 1.0, row.size), row) for row in one] for one in floors], 0
     )
     noise = (noise * np.sum(taper**2)).T
     scale = np.median(noise, axis=0)
-    segments = Segments.of(spectra)
-    largest, _, first = dominant(segments.matrix, scale)
+    largest, _, first = dominant(Segments.of(spectra).matrix, scale)
     vectors = [first]
     if len(each) >= LEAST_GROUPS:
         for _ in range(VIEWS // 2):
@@ -175,8 +220,9 @@ def _of_impacts(rec: Recording, band_hz: tuple[float, float], share: float, rng:
     snr = largest / np.maximum(own_noise.mean(axis=1), 1e-300)
     stacked = np.array(vectors)
     stacked[1:] = leave_out(stacked[1:])
-    least = own_noise / np.maximum(largest, 1e-300)[:, None]
-    return Look(np.asarray(freq[some], dtype=np.float64), stacked, snr / (1.0 + snr / SNR_CAP), least, decay)
+    floor = own_noise / np.maximum(largest, 1e-300)[:, None]
+    weights = snr / (1.0 + snr / SNR_CAP)
+    return Look(freq[some], stacked, weights, floor, decay, own_range=True)
 
 
 # -- Candidates and their shares
@@ -312,12 +358,15 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
         if max(_rise_db(one, row, value) for one in surveyed) >= MENTIONED_DB
     ]
     seen = [_perturbed(one, places, rng) for one in surveyed]
+    own_range = surveyed[0].look.own_range
     rows = []
     for i, (row, _) in enumerate(places):
         parts = [part for part in (own[i] for own in seen) if part is not None]
         if not parts:
             continue
         weights = np.array([part.share for part in parts])
+        if own_range:  # the window that suits it best
+            parts, weights = [parts[int(np.argmax(weights))]], np.array([weights.max()])
         freq = float(np.average([part.freq_hz for part in parts], weights=weights))
         between = 0.5 * float(np.ptp([part.freq_hz for part in parts]))
         rows.append(
@@ -326,7 +375,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
                 freq,
                 float(np.median([part.damping_ratio for part in parts])),
                 float(np.hypot(min(part.std_hz for part in parts), between)),
-                float(weights.sum()) / len(seen),
+                float(weights.sum()) / (1 if own_range else len(seen)),
                 max(_rise_db(one, row, freq) for one in surveyed),
                 max(_depth_db(one, row, freq) for one in surveyed),
                 sum(part.fits for part in parts),

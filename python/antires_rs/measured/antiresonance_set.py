@@ -25,6 +25,7 @@ from .response_table import (
     LEAST_PROMINENCE_DB,
     MORE_ROWS,
     MOST_RESIDUAL,
+    MOST_SECOND,
     MOST_SPREAD,
     NUMBERS,
     SURE_DEPTH_DB,
@@ -55,8 +56,12 @@ class CrossCheck(Protocol):
 # -- Why an antiresonance asks for a look: a few words for each
 
 Tests = tuple[tuple[str, Callable[[ResponseTable], NDArray[np.bool_]]], ...]
-#: What a grade's tests are called where they fail: of the sweep over orders, and of fits over windows.
+#: What a grade's tests are called where they fail: of all fits, of the sweep over orders, of windows.
+_OF_ALL: Tests = (
+    ("second force or noise", lambda table: ~(table.scores.get("second", np.zeros(1)) > MOST_SECOND)),
+)
 _TESTS: Tests = (
+    *_OF_ALL,
     ("few orders", lambda table: table.rows > MORE_ROWS),
     ("unsteady", lambda table: table.spread <= MOST_SPREAD),
     ("owns little of its curve", lambda table: table.dominance >= LEAST_DOMINANCE),
@@ -64,6 +69,7 @@ _TESTS: Tests = (
     ("no clear peak", lambda table: table.prominence_db >= LEAST_PROMINENCE_DB),
 )
 _OF_WINDOWS: Tests = (
+    *_OF_ALL,
     ("not in all fits", lambda table: table.scores["share"] >= SURE_SHARE),
     ("unsteady", lambda table: table.spread <= SURE_SPREAD),
     (

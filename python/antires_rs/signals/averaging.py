@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray, choice
-from .recording import Recording, parts_of, rows_of, shortest
+from .hum import Hum, without_hum
+from .recording import PooledRecording, Recording, parts_of, rows_of, shortest
 from .spectra import CrossSpectra, Segments, cross_spectra, lines_in, window_values
 
 # -- Hammer impacts: one transform over the whole event, from before the impact until it has died
@@ -67,6 +68,23 @@ def _energy(rec: Recording, block: int, every: int = 1) -> FloatArray:
     return energy
 
 
+def undrifted(rec: Recording, band_hz: tuple[float, float] | None) -> Recording:
+    """The record less its running mean over one period of the lowest frequency: no offset, no drift.
+
+    It is the same filter for all channels, which leaves ratios of responses as they are.
+    """
+    parts = []
+    for part in parts_of(rec):
+        n = part.n_samples
+        x = part.responses - np.median(part.responses, axis=1, keepdims=True)
+        half = min(int(0.5 * rec.fs_hz / band_hz[0]), (n - 1) // 2) if band_hz is not None else 0
+        if half > 0:
+            sums = np.cumsum(np.pad(x, ((0, 0), (half + 1, half)), mode="edge"), axis=1)
+            x = x - (sums[:, 2 * half + 1 :] - sums[:, :n]) / (2 * half + 1)
+        parts.append(Recording(x, rec.fs_hz, rec.dofs))
+    return PooledRecording(parts) if len(parts) > 1 else parts[0]
+
+
 def is_transient(rec: Recording) -> bool:
     """True if the energy profile is that of decaying events, False if it is steady."""
     decaying = []
@@ -113,7 +131,7 @@ def find_events(rec: Recording) -> tuple[Event, ...]:
     if not hits:
         raise UnsuitableDataError(
             "responses",
-            "a record without an impact: the energy never rises from rest",
+            "a record without an impact: the energy never rises from rest, as in a free decay",
             "a record that starts before the hit",
             "Record again with a pre-trigger: what was missed at the start cannot be recovered.",
         )
@@ -214,7 +232,7 @@ def transient_spectra(
     """Energy spectra of whole impacts, averaged over the impacts."""
     choice("window", window, ("auto", "rectangular", "exponential"))
     parts = parts_of(rec)
-    found = [find_events(part) for part in parts]
+    found = [find_events(undrifted(part, band_hz)) for part in parts]
     # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
     length = max(event.stop - event.start for events in found for event in events)
     decay = max(
@@ -427,6 +445,14 @@ def choose_nperseg(
     return min(n_long, max(LEAST_SAMPLES, power_of_two(BANDWIDTHS / bandwidth * rec.fs_hz)))
 
 
+def beside(spectra: CrossSpectra, hum: Hum | None) -> CrossSpectra:
+    """The lines that no hum reaches."""
+    if hum is None:
+        return spectra
+    spacing = float(np.median(np.diff(spectra.freq_hz)))
+    return spectra.part(hum.outside(spectra.freq_hz, 1.0 / spacing))
+
+
 METHODS = ("auto", "welch", "transient")
 
 
@@ -447,7 +473,7 @@ class Averaging:
 
 @dataclass(frozen=True, eq=False)
 class Averages:
-    """Averaged spectra of a record on the lines of a band, and how they were made."""
+    """Averaged spectra of a record on the lines of a band, and how they were made; without mains hum."""
 
     options: Averaging
     spectra: CrossSpectra  # with the segments; the force, if it is there, is the last channel
@@ -455,11 +481,18 @@ class Averages:
     taper: FloatArray | None
     has_force: bool
     correlation: Autocorrelation  # of the whole record, for what needs the longest segments
+    hum: Hum | None  # what was taken out
+
+    @property
+    def rec(self) -> Recording:
+        """The record that was averaged, less the hum."""
+        return self.correlation.rec
 
 
-def holds_hits(rec: Recording, options: Averaging) -> bool:
+def holds_hits(rec: Recording, options: Averaging, band_hz: tuple[float, float] | None = None) -> bool:
     """Whether a record is to be transformed impact by impact."""
     if options.method == "auto":
+        rec = undrifted(rec, band_hz)
         return is_transient(rec) and all(_decays(part, unseen=True) for part in parts_of(rec))
     return options.method == "transient"
 
@@ -480,12 +513,14 @@ def average(
     ``lines_hz`` are the lines kept, by default those of the band. ``hits`` where that is known already.
     """
     lines = band_hz if lines_hz is None else lines_hz
+    rec, hum = without_hum(rec, band_hz)
     correlation = Autocorrelation(rec)
-    if holds_hits(rec, options) if hits is None else hits:
+    if holds_hits(rec, options, band_hz) if hits is None else hits:
         name = options.window
         window = name if isinstance(name, str) and name in ("rectangular", "exponential") else "auto"
         spectra = transient_spectra(rec, window=window, include_force=include_force, band_hz=lines)
-        return Averages(options, spectra, None, None, include_force, correlation)
+        spectra = beside(spectra, hum)
+        return Averages(options, spectra, None, None, include_force, correlation, hum)
     nperseg = options.nperseg
     if nperseg is None:
         nperseg = min(longer * choose_nperseg(rec, band_hz, correlation), shortest(rec))
@@ -498,4 +533,4 @@ def average(
         band_hz=lines,
     )
     taper = window_values(options.window, nperseg)
-    return Averages(options, spectra, nperseg, taper, include_force, correlation)
+    return Averages(options, beside(spectra, hum), nperseg, taper, include_force, correlation, hum)

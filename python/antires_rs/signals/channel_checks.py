@@ -10,12 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import ComplexArray, FloatArray
-from .averaging import BANDWIDTHS, NARROWEST, SEGMENTS, narrow_width, owned_by_peaks
-from .one_force import CheckResults, Evidence, Finding, NotTested, Severity, rounded
-from .spectra import pieces
+from .averaging import (
+    BANDWIDTHS,
+    NARROWEST,
+    SEGMENTS,
+    find_events,
+    narrow_width,
+    owned_by_peaks,
+    tail_noise,
+    until_noise,
+)
+from .hum import Hum
+from .one_force import NOISE, CheckResults, Evidence, Finding, NotTested, Severity, rounded
+from .recording import Recording
+from .spectra import CrossSpectra, pieces
 
 DEAD, CLIPPED, DUPLICATED = "dead_channel", "clipped_channel", "duplicated_channels"
-DROPOUTS, SPIKES, NOISE = "dropouts", "spikes", "signal_to_noise"
+QUANTIZED = "quantized_channel"
+DROPOUTS, SPIKES, HUM = "dropouts", "spikes", "mains_hum"
 
 # Part of a channel's range that counts as one level, and how many levels below the extreme are compared with
 # it.
@@ -24,6 +36,10 @@ LEVELS_BELOW = 3
 # A pile of so many samples at an extreme, this many times what the levels below hold, is a clipped one. A
 # slow sine piles up by 3.
 PILE, PILE_RATIO = 8, 5.0
+# Share of clipped samples from which a channel tells nothing of the structure.
+MOSTLY_CLIPPED = 0.05
+# Steps of a converter between a channel's extremes below which it is told, and below which it says nothing.
+FEW_STEPS, NO_STEPS = 24, 4
 # Extremes are looked for in this part of a channel's range.
 HIGH = 0.25
 # Correlation of two channels above which they are one signal.
@@ -32,6 +48,8 @@ SAME = 1.0 - 1e-9
 RUN, REPEATED = 20, 0.01
 # Second differences this far out, in robust standard deviations, are spikes: Gaussian ones never reach 8.
 SPIKE_SIGMAS = 15.0
+# ... of the record, and of so many samples on either side; so many are looked at.
+BESIDE_SPIKE, MOST_SPIKES = 40, 1000
 # So many second differences tell their standard deviation within a per cent.
 MEDIAN_SAMPLES = 16384
 # A channel of which others explain less of its power in the band carries no response.
@@ -72,7 +90,25 @@ def clipped(data: Iterable[FloatArray], labels: tuple[Any, ...]) -> CheckResults
             "noise of the channel."
         )
         brief = f"clipped at {where}, {100 * share:.2g} % of the record"
-        found.append(Finding(CLIPPED, "warning", (label,), share, PILE / x.size, text, advice, brief))
+        severity: Severity = "fatal" if share > MOSTLY_CLIPPED else "warning"
+        found.append(Finding(CLIPPED, severity, (label,), share, PILE / x.size, text, advice, brief))
+    return found
+
+
+def quantized(data: FloatArray, labels: tuple[Any, ...]) -> list[Finding]:
+    """Channels that move over a few steps of their converter."""
+    found = []
+    for label, x in zip(labels, data, strict=True):
+        if np.unique(x[: 8 * FEW_STEPS]).size > FEW_STEPS:
+            continue
+        levels = np.unique(x)
+        steps = round((levels[-1] - levels[0]) / np.diff(levels).min(initial=np.inf))
+        if steps < FEW_STEPS:
+            brief = f"moves over {steps} steps of its converter"
+            severity: Severity = "fatal" if steps < NO_STEPS else "warning"
+            text = f"Channel {label!r} {brief}: what it measures less strongly is lost in rounding."
+            advice = "Raise the gain or lower the range; weigh what this channel shows with care."
+            found.append(Finding(QUANTIZED, severity, (label,), float(steps), FEW_STEPS, text, advice, brief))
     return found
 
 
@@ -134,12 +170,18 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Chec
         scale = float(np.median(np.abs(second[:: max(1, second.size // MEDIAN_SAMPLES)]))) / 0.6745
         largest = max(float(second.max()), -float(second.min()))
         if scale > 0.0 and largest > SPIKE_SIGMAS * scale:
-            second, off = np.abs(second), largest / scale
-            count = int(np.count_nonzero(second > SPIKE_SIGMAS * scale))
+            second = np.abs(second)
+            at = np.argsort(-second)[: min(MOST_SPIKES, int(np.count_nonzero(second > SPIKE_SIGMAS * scale)))]
+            # A record that grows, as in an earthquake, is all of a size with what is beside it.
+            beside = np.clip(at[:, None] + np.arange(-BESIDE_SPIKE, BESIDE_SPIKE + 1), 0, second.size - 1)
+            ratio = second[at] / np.maximum(scale, np.median(second[beside], axis=1) / 0.6745)
+            off, count = float(ratio.max()), int(np.count_nonzero(ratio > SPIKE_SIGMAS))
+            if not count:
+                continue
             text = (
                 f"Channel {label!r} jumps: {count} second differences lie beyond {SPIKE_SIGMAS:g} "
                 f"standard deviations, the largest at {off:.0f}, "
-                f"{int(np.argmax(second)) / fs_hz:.3g} s into the record."
+                f"{at[np.argmax(ratio)] / fs_hz:.3g} s into the record."
             )
             advice = "Look for loose contacts, electric switching or blows; use the part of the record "
             advice += "without them."
@@ -156,6 +198,41 @@ def _longest_run(still: Any) -> tuple[int, int]:
     starts, lengths = edges[::2], edges[1::2] - edges[::2]
     best = int(np.argmax(lengths))
     return int(starts[best]), int(lengths[best]) + 1
+
+
+def hum(found: Hum | None) -> CheckResults:
+    """What was taken out of the record."""
+    if found is None:
+        return []
+    where = " and ".join(f"{freq:g}" for freq in found.freq_hz)
+    text = (
+        f"Mains hum at {where} Hz, up to {100 * found.share:.2g} % of the rms of a channel "
+        f"(dof {found.dof!r}). It was taken out, with the lines beside it."
+    )
+    advice = (
+        "Look for ground loops, unshielded cables and lamps; an antiresonance at these lines is not seen."
+    )
+    return [Finding(HUM, "warning", (), found.share, 0.0, text, advice)]
+
+
+#: Share of the power of all channels, each at its own mean, that is left beside one common motion.
+ALIKE = 1e-3
+
+
+def alike(seen: Evidence) -> CheckResults:
+    """Channels that all do the same in the whole band."""
+    size = np.sqrt(np.mean(np.abs(seen.vectors) ** 2, axis=0))
+    unit = seen.vectors / np.maximum(size, 1e-300)
+    unit = unit / np.maximum(np.linalg.norm(unit, axis=1, keepdims=True), 1e-300)
+    left = 1.0 - float(np.linalg.eigvalsh(unit.T @ unit.conj() / len(unit))[-1])
+    if len(seen.dofs) < 2 or left > ALIKE:
+        return []
+    text = (
+        f"All channels hold one signal, up to factors: over the whole band {100 * left:.2g} % of their power "
+        "is anything else."
+    )
+    advice = "Check the wiring; what moves as one has no antiresonance: widen the band, or move the sensors."
+    return [Finding(DUPLICATED, "fatal", (), left, ALIKE, text, advice)]
 
 
 def unrelated(seen: Evidence) -> CheckResults:
@@ -188,6 +265,104 @@ def unrelated(seen: Evidence) -> CheckResults:
         )
         brief = f"only noise in the band, of which no other explains more than {100 * share:.0f} %"
         found.append(Finding(DEAD, "fatal", (seen.dofs[p],), share, limit, text, DEAD_ADVICE, brief))
+    return found
+
+
+#: Power of the loudest line of a hit over noise, over the logarithm of the number of lines, of noise alone.
+LOUDEST = 3.0
+
+
+def silent(rec: Recording, band_hz: tuple[float, float]) -> list[Finding]:
+    """Channels that a hit does not move at any line of the band."""
+    event = find_events(rec)[-1]
+    x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
+    level, noise = tail_noise(x[:, event.hit :])
+    cut = x[:, event.hit : max(until_noise(x, event, level, rec.fs_hz), event.hit + 4 * LINES_OF_BAND)]
+    taper = np.hanning(cut.shape[1])
+    freq = np.fft.rfftfreq(cut.shape[1], 1.0 / rec.fs_hz)
+    inside = (freq >= band_hz[0]) & (freq <= band_hz[1])
+    power = np.abs(np.fft.rfft(cut * taper)[:, inside]) ** 2 / np.sum(taper**2)
+    known = np.linspace(0.0, 0.5 * rec.fs_hz, noise.shape[1])
+    limit = LOUDEST * np.log(max(int(inside.sum()), 3))
+    found = []
+    for dof, own, own_noise in zip(rec.dofs, power, noise, strict=True):
+        most = float(np.max(own / np.interp(freq[inside], known, own_noise), initial=0.0))
+        if most < limit:
+            brief = "only noise in the band: the hit lifts no line of it over what follows"
+            text = f"Dof {dof!r} holds {brief}."
+            found.append(Finding(DEAD, "fatal", (dof,), most, limit, text, DEAD_ADVICE, brief))
+    return found
+
+
+DRIFTING = "drift"
+#: Groups of segments whose peaks are followed, and lines that a peak must own.
+DRIFT_GROUPS, PEAK_LINES = 8, 5
+#: Standard deviations of the mean change of all, and its size, as a share of the frequency, that are told.
+DRIFT_SIGMAS, LEAST_DRIFT = 6.0, 2e-3
+
+
+def drift(spectra: CrossSpectra) -> list[Finding]:
+    """Whether resonances move from the first segments to the last: the mean frequency under each peak."""
+    segments = spectra.segments
+    if segments is None or spectra.draws is not None or segments.count < DRIFT_GROUPS:
+        return []
+    unit = (segments.unit * segments.scale) ** 2 / np.maximum(
+        np.einsum("fii->i", spectra.matrix).real, 1e-300
+    )
+    power = np.array(
+        [
+            np.sum(np.mean(np.abs(segments.values[:, :, group]) ** 2, axis=2) * unit, axis=1)
+            for group in np.array_split(np.arange(segments.count), DRIFT_GROUPS)
+        ]
+    )
+    at = np.linspace(-0.5, 0.5, DRIFT_GROUPS)
+    changes, errors = [], []
+    for low, peak, high in owned_by_peaks(power.mean(axis=0)):
+        if high - low + 1 >= PEAK_LINES:
+            own = power[:, low : high + 1]
+            middle = own @ spectra.freq_hz[low : high + 1] / own.sum(axis=1) / spectra.freq_hz[peak]
+            changes.append(at @ middle / (at @ at))
+            rest = middle - middle.mean() - changes[-1] * at
+            errors.append(np.sqrt(rest @ rest / (DRIFT_GROUPS - 2) / (at @ at)))
+    if not changes:
+        return []
+    weights = 1.0 / np.maximum(errors, 1e-12) ** 2
+    change = float(np.average(changes, weights=weights))
+    if abs(change) * np.sqrt(weights.sum()) < DRIFT_SIGMAS or abs(change) < LEAST_DRIFT:
+        return []
+    text = (
+        f"The resonances move by at least {100 * change:+.2g} % from the beginning of the record to its end."
+    )
+    advice = "Standard deviations hold it; identify parts of the record by themselves, or wait for rest."
+    return [Finding(DRIFTING, "warning", (), abs(change), LEAST_DRIFT, text, advice)]
+
+
+DOUBLE = "double_hit"
+#: Blocks of samples in which second differences, where blows stand out of what rings, are followed; how many
+#: times the highest of some blocks before, and which share of the first blow, another one has; until when.
+BLOW_BLOCK, BLOCKS_BEFORE, BLOW_RISE, BLOW_SHARE, BLOWS_S = 4, 6, 3.0, 0.02, 1.5
+
+
+def double_hits(rec: Recording) -> list[Finding]:
+    """Impacts after which the hammer came back."""
+    found = []
+    for event in find_events(rec):
+        second = np.diff(rec.responses[:, max(event.hit - 4 * BLOW_BLOCK, 0) : event.stop], n=2, axis=1)
+        energy = np.mean(second**2 / np.maximum(np.mean(second**2, axis=1, keepdims=True), 1e-300), axis=0)
+        blocks = energy[: energy.size // BLOW_BLOCK * BLOW_BLOCK].reshape(-1, BLOW_BLOCK).mean(axis=1)
+        first = int(np.argmax(blocks))
+        last = min(blocks.size - 1, first + int(BLOWS_S * rec.fs_hz / BLOW_BLOCK))
+        for b in range(first + 3, last):
+            before = float(blocks[max(first + 1, b - BLOCKS_BEFORE) : b - 1].max())
+            if blocks[b] > max(BLOW_RISE * before, BLOW_SHARE * blocks[first]):
+                ms = 1e3 * (b - first) * BLOW_BLOCK / rec.fs_hz
+                text = (
+                    f"The hammer hit twice, {ms:.0f} ms apart, at {event.hit / rec.fs_hz:.3g} s: its force "
+                    f"has dips every {1e3 / ms:.3g} Hz, at which all responses are small."
+                )
+                advice = "Hit again if values near these dips matter; the others are right."
+                found.append(Finding(DOUBLE, "note", (), ms, 0.0, text, advice))
+                break
     return found
 
 
@@ -482,6 +657,66 @@ def _finding(seen: Evidence, where: tuple[int, ...], fit: Fit) -> Finding:
     text = f"{who} {brief}: {_shift_deg(seen, fit):.0f} degrees at {seen.freq_hz[-1]:g} Hz."
     advice = "Check that all channels share one clock and one filter, or shift it back."
     return Finding(TIME_SHIFT, "warning", dofs, fit.delay_s, limit, text, advice, brief)
+
+
+# -- Did all channels start together, and stay together?
+#
+# Shifts of seconds, and clocks that drift, leave no phase in averaged spectra. Of two channels of one force
+# the phase at a line of one long transform is 0 or a half turn, but for damping, and the turn of the shift;
+# twice that phase, brought back to time, has one peak at twice the shift. Of n lines of noise no lag has more
+# than some sqrt(ln n / n).
+
+#: How many times what noise has at most the peak is, the parts of a record whose shifts differ where a clock
+#: drifts, and the least such difference over the period of the band's upper edge.
+PEAK_OVER_NOISE, CLOCK_PARTS, DRIFT = 3.0, 4, 0.25
+
+
+def clocks(rec: Recording, band_hz: tuple[float, float]) -> CheckResults:
+    """Channels that are seconds apart from the others, or whose shift changes within the record."""
+    n, dofs = rec.n_samples // CLOCK_PARTS, rec.dofs
+    ends = (slice(0, n), slice(rec.n_samples - n, rec.n_samples))
+    whole, *parts = (
+        [_shift_s(rec, p, some, band_hz) for p in range(len(dofs))] for some in (slice(None), *ends)
+    )
+    found: CheckResults = []
+    usual = np.nanmedian(whole) if np.isfinite(whole).sum() > 1 else np.nan
+    limit = SHIFT_DEG / 360.0 / band_hz[1]
+    for p, (at, early, late) in enumerate(zip(whole, *parts, strict=True)):
+        if abs(late - early) > DRIFT / band_hz[1]:
+            off = late - early
+            brief = (
+                f"on a clock of its own, {1e3 * early:.3g} ms off at first and {1e3 * late:.3g} ms at last"
+            )
+        elif abs(at - usual) > limit:
+            off = at - usual
+            brief = f"{'late' if off > 0 else 'early'} against the other channels by {abs(off):.3g} s"
+        else:
+            continue
+        text = f"Dof {dofs[p]!r} is {brief}."
+        found.append(Finding(TIME_SHIFT, "fatal", (dofs[p],), off, limit, text, CLOCK_ADVICE, brief))
+    return found
+
+
+CLOCK_ADVICE = "Record all channels on one clock, or bring them back to one before reading."
+
+
+def _shift_s(rec: Recording, p: int, some: slice, band_hz: tuple[float, float]) -> float:
+    """Shift of a channel against the strongest one in a part of the record; NaN where none stands out."""
+    x = rec.responses[:, some]
+    n = x.shape[1]
+    freq = np.fft.rfftfreq(n, 1.0 / rec.fs_hz)
+    inside = (freq >= band_hz[0]) & (freq <= band_hz[1])
+    count = int(inside.sum())
+    first = int(np.argmax(rec.responses.std(axis=1)))
+    a, b = (np.fft.rfft((row - row.mean()) * np.hanning(n)) * inside for row in (x[first], x[p]))
+    doubled = np.zeros(4 * freq.size, dtype=np.complex128)
+    doubled[: freq.size] = np.where(inside, np.exp(2j * np.angle(b * a.conj())), 0.0)
+    peak = np.abs(np.fft.ifft(doubled)) * doubled.size
+    best = int(np.argmax(peak))
+    if count < LINES_OF_BAND or peak[best] < PEAK_OVER_NOISE * np.sqrt(count * np.log(count)):
+        return np.nan
+    turns = best - doubled.size * (best > doubled.size // 2)
+    return 0.5 * turns / doubled.size / float(freq[1])
 
 
 # -- Is the resolution enough for the damping, and the record long enough for the resolution?

@@ -68,7 +68,7 @@ BY_LINE = (
     channels.DEAD,
     channels.TIME_SHIFT,
     channels.QUADRATURE,
-    channels.NOISE,
+    one_force.NOISE,
     channels.RESOLUTION,
     one_force.ONE_FORCE,
     one_force.FORCE_LOCATION,
@@ -90,7 +90,7 @@ def of_recording(
 
     ``averages`` of the record, where it was averaged already.
     """
-    hits = averages.nperseg is None if averages is not None else holds_hits(rec, options)
+    hits = averages.nperseg is None if averages is not None else holds_hits(rec, options, band)
     said, live = _in_parts(rec, hits)
     if live is None:
         return said + _none_by_line("no channel moves"), None
@@ -112,9 +112,13 @@ def of_recording(
         said.append(Finding(channels.LENGTH, "fatal", (), float(live.n_samples), least, text, advice))
         return said + _none_by_line("the record is too short for a spectrum"), None
     spectra = averages.spectra
+    said += channels.hum(averages.hum)
     if averages.nperseg is not None:
         said += channels.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
-    elif spectra.n_averages == 1:
+        said += channels.drift(spectra)
+    else:
+        said += channels.double_hits(parts_of(live)[0])
+    if averages.nperseg is None and spectra.n_averages == 1:
         text = (
             "A single impact: no averages. Coherence, the noise by line and whether one force is enough "
             "cannot be told."
@@ -134,7 +138,8 @@ def of_recording(
         return of_spectra(some, dofs, nperseg=averages.nperseg, fs_hz=rec.fs_hz, taper=averages.taper)
 
     seen = evidence(spectra, live.dofs)
-    dead = channels.unrelated(seen)
+    first = parts_of(live)[0]
+    dead = (averages.nperseg is None and channels.silent(first, band)) or channels.unrelated(seen)
     lost = {dof for one in dead if isinstance(one, Finding) for dof in one.where}
     rows = [p for p, dof in enumerate(live.dofs) if dof not in lost]
     if 0 < len(rows) < len(live.dofs):
@@ -142,15 +147,15 @@ def of_recording(
         frfs = None if frfs is None else frfs[rows]
         seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
     one = one_force.one_force(seen)
+    apart = channels.clocks(first, band) if one or lost else []
     if spectra.draws is not None:
         # A structure that changes between repeats looks like a second force.
         one = [replace(f, advice=f"{f.advice} {CHANGED}") if isinstance(f, Finding) else f for f in one]
     return [
         *said,
-        *dead,
-        *channels.in_phase(seen),
+        *(apart or [*dead, *channels.in_phase(seen), *one]),  # without a common clock nothing is in common
+        *channels.alike(seen),
         *channels.buried(seen, lost),
-        *one,
         *one_force.force_location(seen, excitation, frfs),
     ], seen
 
@@ -188,7 +193,10 @@ def _in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None
         return said, None
     moving = data if not still else data[rows]
     names = tuple(labels[p] for p in rows)
-    said += channels.clipped(moving, names)
+    coarse = channels.quantized(moving, names)
+    few = {dof for one in coarse for dof in one.where}
+    fine = {dof: x for dof, x in zip(names, moving, strict=True) if dof not in few}
+    said += [*coarse, *channels.clipped(fine.values(), tuple(fine))]
     if force is not None:
         said += channels.clipped([force], (FORCE,))
     if hits:
@@ -304,7 +312,13 @@ def of_response(
         None if resp.coherence is None else resp.coherence[live][:, inside],
     )
     twice, _ = channels.duplicated(np.hstack([values[live].real, values[live].imag]), dofs)
-    said += [*twice, *channels.in_phase(seen), *channels.incoherent(seen), *one_force.one_force(seen)]
+    said += [
+        *twice,
+        *channels.alike(seen),
+        *channels.in_phase(seen),
+        *channels.incoherent(seen),
+        *one_force.one_force(seen),
+    ]
     if resp.kind == "transmissibility":
         why = (
             "peaks of transmissibilities are antiresonances of the reference, as sharp as noise lets them be"
@@ -369,17 +383,21 @@ def check_data(
     The tests, by name:
 
     - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
-    - ``clipped_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings): in the time records;
+    - ``clipped_channel``, ``quantized_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings,
+      fatal where nothing else is left): in the time records;
     - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
       brings it back into phase at several modes. Polarity cannot be seen in data, nor can two channels that
-      are exchanged, unless the driving point is one of them (``force_location``);
+      are exchanged, unless the driving point is one of them (``force_location``). A shift of seconds and a
+      clock that drifts are fatal;
+    - ``drift`` (warning): a resonance that is elsewhere at the end than at the beginning;
+    - ``mains_hum`` (warning): steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
       forces that move in proportion are one force in this respect;
     - ``force_location``: zeros and poles of the stated driving point alternate. A dof whose mode shapes have
       the signs of the driving point's in all modes of the band cannot be told from it;
-    - ``single_hit`` (note), ``missed_hit`` (fatal): of hammer records.
+    - ``single_hit``, ``double_hit`` (notes), ``missed_hit`` (fatal): of hammer records.
 
     Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to
     600 s), those of the phase on measured plates too.

@@ -350,7 +350,7 @@ def _spread(taper: FloatArray | None) -> tuple[float, ...]:
     return tuple(float(p) for p in power)
 
 
-ONE_FORCE = "one_force"
+ONE_FORCE, NOISE = "one_force", "signal_to_noise"
 # Fewer independent averages than this leave no scatter to compare with.
 LEAST_AVERAGES = 4.0
 # A line counts if the second eigenvalue is twice what noise makes it on average ...
@@ -370,6 +370,8 @@ FATAL_LINES, FATAL = 0.4, 0.025
 SMOOTHING = 15
 # Second over first eigenvalue at the median line above which one force does not explain the responses at all.
 UNEXPLAINED = 0.2
+# Share of the lines that must then rise over the noise for the band to be excited at all.
+EXCITED = 0.05
 
 
 def one_force(seen: Evidence) -> CheckResults:
@@ -413,6 +415,16 @@ def one_force(seen: Evidence) -> CheckResults:
         return [Finding(ONE_FORCE, severity, (), lines, LINES, text, advice)]
     middle = float(np.median(share))
     if middle > UNEXPLAINED:
+        # The first eigenvalue of noise alone is some (1 + sqrt(n / K))^2 of the mean.
+        above = first > OVER_NOISE * (1.0 + np.sqrt(n / seen.n_averages)) ** 2 * seen.eigenvalues.mean(axis=1)
+        if above.mean() < EXCITED:
+            at = f", at {seen.freq_hz[np.argmax(first)]:.4g} Hz above all" if above.any() else ""
+            text = (
+                f"The responses rise over what channels do not share at {100 * above.mean():.2g} % of "
+                f"the lines of the band{at}."
+            )
+            advice = "Force harder and over the whole band, a sine excites one line; check the sensors."
+            return [Finding(NOISE, "fatal", (), float(above.mean()), EXCITED, text, advice)]
         text = (
             f"One force does not explain the responses: at the median line the second eigenvalue of the "
             f"spectral matrix is {100 * middle:.0f} % of the first, {100 * UNEXPLAINED:.0f} % being the "

@@ -78,7 +78,7 @@ class Segments:
         """Scaled once more, by rows (n_rows,) or by lines and rows, (n_freq, n_rows) or (n_freq, 1)."""
         return replace(self, scale=self.scale * scale)
 
-    def part(self, lines: slice) -> Self:
+    def part(self, lines: slice | NDArray[np.bool_]) -> Self:
         """The same for some of the lines."""
         values, matrix, unit, scale = self.values, self.matrix, self.unit, self.scale
         return replace(self, values=values[lines], matrix=matrix[lines], unit=unit[lines], scale=scale[lines])
@@ -305,6 +305,11 @@ class CrossSpectra:
     def noise_power(self) -> FloatArray:
         """Noise power of each channel at the median line, see :mod:`~antires_rs.signals.spectra`."""
         return noise_power(self.matrix, self.n_effective)
+
+    def part(self, kept: NDArray[np.bool_]) -> CrossSpectra:
+        """Spectra at some of the lines."""
+        segments = None if self.segments is None else self.segments.part(kept)
+        return replace(self, freq_hz=self.freq_hz[kept], matrix=self.matrix[kept], segments=segments)
 
     def rows(self, rows: list[int]) -> CrossSpectra:
         """Spectra of some of the channels, without the segments; these spectra if it is all of them."""

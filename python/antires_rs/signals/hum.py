@@ -1,0 +1,192 @@
+"""Mains hum: lines at multiples of 50 or 60 Hz that no mode makes, found, and taken out of all channels.
+
+A line of the mains keeps its amplitude and its frequency, however finely it is looked at; the response of a
+mode scatters about its frequency, or decays. Every multiple is brought to zero frequency and thinned out; in
+pieces of the record K sine tapers give K amplitudes Y_k, which for a line are proportional to the sums U_k of
+the tapers, and the share of their power that fits is a ratio of variances F (for noise, and for modes wider
+than a piece resolves, of Fisher's distribution with 2 and 2 K - 2 degrees of freedom):
+
+    mu = sum_k U_k Y_k / sum_k U_k^2,    F = (K - 1) abs(mu)^2 sum_k U_k^2 / sum_k abs(Y_k - mu U_k)^2
+
+Taken out is the sinusoid that fits where the structure is quiet, at one frequency of the mains for all
+multiples, and the lines of the spectra beside each, where what it leaves, as its frequency wanders, is more
+than the response.
+
+References: D. J. Thomson, Proc. IEEE 70 (1982) 1055-1096 (harmonic F test); K. S. Riedel and A. Sidorenko,
+IEEE Trans. Signal Process. 43 (1995) 188-195 (sine tapers).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support.checks import ComplexArray, FloatArray
+from .recording import PooledRecording, Recording, parts_of
+from .spectra import pieces
+
+BASES_HZ = (50.0, 60.0)
+#: Part of a frequency by which the mains may be off, and that its line may wander within a record.
+OFF, WANDER = 2e-3, 1e-3
+#: Rate to which a multiple is thinned out, longest pieces in s, and how many: the record holds six at least.
+RATE_HZ, PIECE_S, LEAST_PIECES, PIECES = 20.0, 20.0, 6, 12
+#: Samples of a thinned-out piece without which nothing is told, and tapers.
+LEAST_SAMPLES, TAPERS = 16, 5
+#: F of a line, and of one beside another multiple that is one. Noise has the first by chance in one of 200
+#: pieces, at any of the frequencies that are tried.
+LINE_F, ANOTHER_F = 25.0, 8.0
+#: Share of the pieces in which a channel must have the line, less a first third in which a hit may hide it;
+#: and largest ratio of its power over these pieces (upper over lower tenth): of a mode it is 22.
+PIECES_WITH, HIDDEN, STEADY = 0.7, 3, 2.5
+#: How far beyond the band multiples are looked for, whose leakage reaches into it.
+BEYOND = 1.2
+#: Degree of the polynomials in time by which amplitude and phase may change over a record.
+SLOW = 2
+#: Blocks in s whose energy tells where the structure is quiet.
+QUIET_S = 0.25
+#: Half the width, in lines, that is left out of spectra beside each multiple.
+LINES = 2.5
+
+
+@dataclass(frozen=True)
+class Hum:
+    """Multiples of the mains in a record; ``share`` is the largest of a channel's rms that they are."""
+
+    base_hz: float
+    freq_hz: tuple[float, ...]
+    share: float
+    dof: Any
+
+    def outside(self, freq_hz: FloatArray, length_s: float) -> NDArray[np.bool_]:
+        """Lines of spectra over ``length_s`` that none of it reaches."""
+        half = np.maximum(LINES / length_s, WANDER * np.array(self.freq_hz))
+        return np.asarray(np.all(np.abs(freq_hz[:, None] - self.freq_hz) > half, axis=1))
+
+
+def without_hum(rec: Recording, band_hz: tuple[float, float]) -> tuple[Recording, Hum | None]:
+    """The record less the hum in the band, and what was found; the record itself where there is none."""
+    parts = parts_of(rec)
+    found: dict[float, list[int]] = {}
+    for base in BASES_HZ:
+        highest = min(BEYOND * band_hz[1], 0.45 * rec.fs_hz)
+        multiples = range(max(1, int(np.ceil(band_hz[0] / BEYOND / base))), int(highest / base) + 1)
+        seen = {k: _f_of_line(parts, k * base) for k in multiples}
+        found[base] = [
+            k for k, f in seen.items() if f >= (ANOTHER_F if max(seen.values()) >= LINE_F else LINE_F)
+        ]
+    base = max(BASES_HZ, key=lambda each: len(found[each]))
+    if not found[base]:
+        return rec, None
+    cleaned = [_without(part, base, found[base]) for part in parts]
+    share = np.max(
+        [
+            np.std(before.responses - after.responses, axis=1)
+            / np.maximum(before.responses.std(axis=1), 1e-300)
+            for before, after in zip(parts, cleaned, strict=True)
+        ],
+        axis=0,
+    )
+    worst = int(np.argmax(share))
+    hum = Hum(base, tuple(k * base for k in found[base]), float(share[worst]), rec.dofs[worst])
+    return (PooledRecording(cleaned) if len(cleaned) > 1 else cleaned[0]), hum
+
+
+def _thinned(rec: Recording, freq_hz: float) -> tuple[ComplexArray, float]:
+    """Amplitude of a frequency in blocks, (n_channels, n_blocks), and the rate of the blocks."""
+    block = max(1, round(rec.fs_hz / RATE_HZ))
+    count = rec.n_samples // block - 1
+    turn = np.exp(-2j * np.pi * freq_hz / rec.fs_hz * np.arange((count + 1) * block))
+    thinned = []
+    for row in rec.responses[:, : turn.size]:
+        # Means twice: what stands near a multiple of the rate must not fold into a line.
+        total = np.cumsum(row * turn)
+        moved = (total[block:] - total[:-block]) / block
+        thinned.append(moved.reshape(count, block).mean(axis=1))
+    return np.array(thinned), rec.fs_hz / block
+
+
+@cache
+def _tapers(n: int) -> FloatArray:
+    at = np.arange(1, n + 1) / (n + 1.0)
+    return np.asarray(np.sqrt(2.0 / (n + 1.0)) * np.sin(np.pi * np.arange(1, TAPERS + 1)[:, None] * at))
+
+
+def _f_of_line(parts: tuple[Recording, ...], freq_hz: float) -> float:
+    """F that most of the pieces reach in a channel in which the line is steady, the largest of all channels.
+
+    At what frequency, within what the mains may be off, all channels of a piece say together.
+    """
+    fits, powers = [], []
+    for part in parts:
+        z, rate = _thinned(part, freq_hz)
+        n = min(round(PIECE_S * rate), z.shape[1] // LEAST_PIECES)
+        if n < LEAST_SAMPLES:
+            continue
+        tapers = _tapers(n)
+        sums = tapers.sum(axis=1)
+        reach = OFF * freq_hz
+        off = np.linspace(-reach, reach, 2 * int(np.ceil(4 * reach * n / rate)) + 1)
+        turn = np.exp(-2j * np.pi * np.arange(n)[:, None] / rate * off)
+        starts = np.linspace(0, z.shape[1] - n, min(z.shape[1] // n, PIECES)).astype(int)
+        for start in starts[starts.size // HIDDEN :]:
+            y = (tapers * z[:, None, start : start + n]) @ turn
+            mu = np.einsum("k,pkf->pf", sums, y) / (sums @ sums)
+            rest = np.sum(np.abs(y - mu[:, None] * sums[:, None]) ** 2, axis=1)
+            f = (TAPERS - 1) * np.abs(mu) ** 2 * (sums @ sums) / np.maximum(rest, 1e-300)
+            best = int(np.argmax(np.minimum(f, LINE_F).sum(axis=0)))
+            fits.append(f[:, best])
+            powers.append(np.abs(mu[:, best]) ** 2)
+    if not fits:
+        return 0.0
+    reached = np.quantile(fits, 1.0 - PIECES_WITH, axis=0)
+    high, low = np.nanquantile(np.where(fits >= reached, powers, np.nan), (0.9, 0.1), axis=0)
+    return float(np.max(reached, where=high <= STEADY * low, initial=0.0))
+
+
+def _without(rec: Recording, base_hz: float, multiples: list[int]) -> Recording:
+    """The record less the sinusoids that fit its quiet parts."""
+    thinned = [_thinned(rec, k * base_hz) for k in multiples]
+    rate = thinned[0][1]
+    count = thinned[0][0].shape[1]
+    block = round(rec.fs_hz / rate)
+    energy = np.array(
+        [np.square(x[: count * block] - x.mean()).reshape(count, block).mean(axis=1) for x in rec.responses]
+    )
+    energy = np.mean(energy / np.maximum(energy.mean(axis=1, keepdims=True), 1e-300), axis=0)
+    width = max(1, round(QUIET_S * rate))
+    energy = np.convolve(np.pad(energy, width, "edge"), np.ones(width) / width, "same")[width:-width]
+    weights = 1.0 / np.maximum(energy, 1e-300)
+    weights /= weights.sum()
+    middle = (np.arange(count) + 1.0) / rate
+    off = np.linspace(-OFF, OFF, 2 * int(np.ceil(8 * OFF * multiples[-1] * base_hz * count / rate)) + 1)
+    fits = np.zeros(off.size)
+    for k, (z, _) in zip(multiples, thinned, strict=True):
+        scale = np.mean(np.abs(z) ** 2, axis=1, keepdims=True)
+        turn = np.exp(-2j * np.pi * k * base_hz * off[:, None] * middle) * weights
+        fits += np.sum(np.abs(z @ turn.T) ** 2 / np.maximum(scale, 1e-300), axis=0)
+    base_hz *= 1.0 + float(off[np.argmax(fits)])
+    w = np.sqrt(np.repeat(weights, block))
+    w = np.pad(w, (0, rec.n_samples - w.size), "edge")
+
+    def basis(some: slice) -> FloatArray:
+        at = np.arange(some.start, some.stop)
+        angle = 2.0 * np.pi * base_hz / rec.fs_hz * at[:, None] * np.array(multiples)
+        wave = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+        slow = (2.0 * at / rec.n_samples - 1.0)[:, None]
+        return np.concatenate([*(slow**p * wave for p in range(SLOW + 1)), np.ones((at.size, 1))], axis=1)
+
+    size = 2 * len(multiples) * (SLOW + 1) + 1
+    form, right = np.zeros((size, size)), np.zeros((size, rec.n_channels))
+    for some in pieces(rec.n_samples, size):
+        weighted = basis(some) * w[some, None]
+        form += weighted.T @ weighted
+        right += weighted.T @ (w[some] * rec.responses[:, some]).T
+    fitted = np.linalg.solve(form, right)[:-1]
+    left = np.array(rec.responses)
+    for some in pieces(rec.n_samples, size):
+        left[:, some] -= (basis(some)[:, :-1] @ fitted).T
+    return Recording(left, rec.fs_hz, rec.dofs, rec.force)

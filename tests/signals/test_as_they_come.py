@@ -1,0 +1,88 @@
+"""Records as they come: hits that bounce, of one sample, before minutes of noise; resonances that drift."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import antires_rs as ar
+from reference import nothing_to_find, structures
+from tests.support.campaign import some_of
+
+FS, BAND = structures.FS_HZ, (3.0, 130.0)
+
+
+def found(source):
+    return ar.identify_antiresonances(source, excitation=0, band_hz=BAND)
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_a_hammer_that_bounces_is_told(seed):
+    one = structures.random_chain(seed)
+    single, double = (
+        ar.check_data(ar.Recording(nothing_to_find.hit(one, seed, more=more), FS), band_hz=BAND)
+        for more in ((), ((0.4, 0.6),))
+    )
+    assert not single.named("double_hit")
+    (told,) = double.named("double_hit")
+    assert told.value == pytest.approx(400.0, abs=20.0)
+    assert double.ok
+
+
+def test_values_of_a_double_hit_are_right():
+    one = structures.random_chain(1)
+    zeros = found(ar.Recording(nothing_to_find.hit(one, 1, more=((0.15, 0.6),)), FS))
+    truth = one.truth()
+    assert sum(map(len, zeros.values())) >= 24
+    assert all(np.abs(truth[dof] / value - 1.0).min() < 0.01 for dof in zeros for value in zeros[dof])
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
+def test_rest_minutes_of_noise_and_offsets_change_little():
+    """A hit of one sample, 5 s of rest before and 100 s of noise after it, on offsets that creep."""
+    one = structures.random_chain(1)
+    x = nothing_to_find.hit(one, 1, width_s=0.5 / FS)
+    rng = np.random.default_rng(8)
+    level = x[:, -512:].std(axis=1).max()
+    before, after = (level * rng.standard_normal((len(x), round(s * FS))) for s in (5.0, 100.0))
+    long = np.hstack([before, x, after])
+    creep = np.linspace(0.0, 1.0, long.shape[1]) * rng.uniform(-3.0, 3.0, (len(x), 1))
+    long = long + level * (creep + rng.uniform(-50.0, 50.0, (len(x), 1)))
+    truth, short = one.truth(), found(ar.Recording(x, FS))
+    zeros = found(ar.Recording(long, FS))
+    assert all(np.abs(truth[dof] / value - 1.0).min() < 0.01 for dof in zeros for value in zeros[dof])
+    assert sum(map(len, zeros.values())) >= 0.5 * sum(map(len, short.values()))
+
+
+def drifting(one, seed, change, duration_s=60.0):
+    """A record in which all frequencies rise by a share from one end to the other: its time is stretched."""
+    x = one.record(noise=0.01, seed=seed, duration_s=1.1 * duration_s).responses
+    t = np.arange(round(duration_s * FS)) / FS
+    at = t + 0.5 * change * (t**2 / duration_s - t)
+    known = np.arange(x.shape[1]) / FS
+    return ar.Recording(np.stack([CubicSpline(known, row)(at - at.min()) for row in x]), FS, one.responses)
+
+
+@pytest.mark.parametrize(
+    ("family", "seed"),
+    some_of(
+        [
+            (family, seed)
+            for seed in (1, 2, 3, 5)
+            for family in ("random_chain", "full_stiffness", "portal_frame")
+        ],
+        3,
+    ),
+)
+def test_frequencies_that_drift_are_told_and_held_by_the_errors(family, seed):
+    one = getattr(structures, family)(seed)
+    assert not ar.check_data(drifting(one, seed, 0.0), band_hz=one.band_hz).named("drift")
+    source = drifting(one, seed, 0.02)
+    with pytest.warns(ar.AntiresWarning, match="drift: The resonances move by at least"):
+        zeros = ar.identify_antiresonances(source, excitation=one.excitation, band_hz=one.band_hz)
+    truth = one.truth()
+    off = [
+        np.abs(truth[dof] - value).min(initial=np.inf) / std
+        for dof in zeros
+        for value, std in zip(zeros[dof], zeros.std_hz[dof], strict=True)
+    ]
+    assert np.mean(np.array(off) < 2.0) >= 0.9
