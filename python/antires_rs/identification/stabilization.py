@@ -539,16 +539,22 @@ def join(
         inside = [(f >= w.core_hz[0]) & (f < w.core_hz[1]) for f, w in zip(freq_hz, cut, strict=True)]
         return frozen(np.concatenate([own[keep] for own, keep in zip(arrays, inside, strict=True)]))
 
+    # Orders follow the data: windows need not have swept the same ones.
+    orders = np.unique(np.concatenate([d.orders for d in parts]))
+    at = [{order: k for k, order in enumerate(d.orders.tolist())} for d in parts]
+
+    def column(name: str, order: int) -> list[Any]:
+        values = [getattr(d, name) for d in parts]
+        return [v[k[order]] if order in k else v[0][:0] for v, k in zip(values, at, strict=True)]
+
     columns: dict[str, Any] = {
-        name: tuple(
-            joined([getattr(d, name)[k] for d in parts], [d.freq_hz[k] for d in parts])
-            for k in range(parts[0].orders.size)
-        )
+        name: tuple(joined(column(name, order), column("freq_hz", order)) for order in orders.tolist())
         for name in ("freq_hz", "damping_ratio", "stable")
     }
     lines = [d.background_freq_hz for d in parts]
     return replace(
         parts[0],
+        orders=frozen(orders),
         band_hz=band_hz,
         background_freq_hz=joined(lines, lines),
         background=joined([d.background for d in parts], lines),
