@@ -28,5 +28,5 @@ def test_windows_of_other_orders_make_one_diagram():
         last = one.freq_hz[-1]  # an order that only the second window has
         assert last.size > 0
         assert last.min() >= 22.0
-        for f0, _ in modes:
+        for f0, _ in modes[1:]:
             assert min(np.abs(f / f0 - 1.0).min(initial=1.0) for f in one.freq_hz) < 5e-3
