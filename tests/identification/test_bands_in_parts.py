@@ -11,10 +11,7 @@ def test_windows_of_other_orders_make_one_diagram():
     freq = np.linspace(2.0, 42.0, 1600)
     modes = [(8.0, 1.0), (26.0, 0.5), (30.0, -0.7), (36.0, 0.4)]
     curve = np.abs(sum(a * f0**2 / (f0**2 - freq**2 + 0.02j * f0 * freq) for f0, a in modes))
-    cut = [
-        Window(0, 800, (2.0, 22.0), (2.0, 22.0)),
-        Window(800, 1600, (22.0, 42.0), (22.0, 42.0)),
-    ]
+    cut = [Window(0, 800, (2.0, 22.0), (2.0, 22.0)), Window(800, 1600, (22.0, 42.0), (22.0, 42.0))]
     parts = [
         stabilization(freq[w.first : w.last], curve[w.first : w.last], max_order=most)
         for w, most in zip(cut, (14, 22), strict=True)

@@ -135,3 +135,23 @@ ONE = ar.AntiresonanceSet(0, {0: [8.7], 1: [14.4]})
 def test_bad_arguments_of_compare_are_named(a, b, options, name):
     with pytest.raises(InvalidInputError, match=f"^{name}: got "):
         ar.compare(a, b, **options)
+
+
+@pytest.mark.parametrize(
+    ("stronger", "stiffer", "told"), [(0.2, 1.03, True), (0.2, 1.0, False), (1.2, 1.03, False)]
+)
+def test_tests_of_other_strength_are_told_where_they_differ(stronger, stiffer, told):
+    """A softer structure at larger amplitude: nothing is damaged."""
+    sets = []
+    for scale, stiffness in ((1.0, 1.0), (stronger, stiffer)):
+        model = ar.MassSpringChain(np.ones(4), stiffness * np.full(3, 4e4), ground_first_n_per_m=2e4)
+        made = model.simulate(
+            excitation=0, fs_hz=256.0, duration_s=120.0, damping_ratio=0.01, noise=0.01, rng=7
+        )
+        rec = ar.Recording(scale * made.responses, made.fs_hz)
+        sets.append(ar.identify_antiresonances(rec, excitation=0, band_hz=(5, 80)))
+    seen = ar.compare(*sets)
+    assert seen.level_ratio == pytest.approx(stronger, rel=0.1)
+    assert seen.different is (stiffer != 1.0)
+    assert ("times as strongly" in str(seen)) is told
+    assert np.isnan(ar.compare(exact := ar.AntiresonanceSet(0, {0: [8.0]}), exact).level_ratio)

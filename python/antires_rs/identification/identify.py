@@ -141,6 +141,8 @@ def _one_by_one(
 
 #: With fewer lines there is no window of the narrow scale, and no fit that others could confirm.
 FEW_LINES = SCALES[-1][1]
+#: Of the samples of a channel so many are below the level that tells how strongly a record shook.
+LEVEL_QUANTILE = 0.999
 
 
 def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) -> IdentificationOptions:
@@ -410,8 +412,18 @@ def identify_antiresonances(
         cross_check=compared,
         sees="frf" if options.use_force or of_size else "transmissibility",
         channels=one.dofs,
-        options={"antires_rs": __version__, "band_hz": list(band), **options.values()},
+        options={**_made_of(one, band), **options.values()},
     )
+
+
+def _made_of(source: Recording | FrequencyResponse, band: tuple[float, float]) -> dict[str, Any]:
+    """What a set remembers beside the options; of a record how strongly it shook, in its unit."""
+    made: dict[str, Any] = {"antires_rs": __version__, "band_hz": list(band)}
+    if isinstance(source, Recording):
+        x = source.responses - np.median(source.responses, axis=1, keepdims=True)
+        highest = np.quantile(np.abs(x), LEVEL_QUANTILE, axis=1)
+        made["response_level"] = float(f"{np.sqrt(np.mean(highest**2)):.6g}")
+    return made
 
 
 def _looks(
@@ -470,7 +482,7 @@ def _followed(
         data_check=checked,
         sees=near.sees or ("frf" if options.use_force else "transmissibility"),
         channels=source.dofs,
-        options={"antires_rs": __version__, "band_hz": list(band), **options.values(), "fitted": "followed"},
+        options={**_made_of(source, band), **options.values(), "fitted": "followed"},
     )
 
 

@@ -248,8 +248,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     channels : tuple of dof
         Empty where some of them have no name here, see :meth:`relabelled`.
     options : dict
-        How it was identified: every option by name with its value, the band, and the package's version. Empty
-        for sets made by hand, joined, or saved by version 0.1.
+        How it was identified: every option by name with its value, the band, and the package's version; of a
+        record "response_level", how strongly it shook, in its unit. Empty for sets made by hand, joined, or
+        saved by version 0.1.
     tables : dict
         By dof: one ``ResponseTable``, from which the next three are taken.
     damping_ratio, std_hz : dict

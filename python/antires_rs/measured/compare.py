@@ -29,6 +29,9 @@ from .matching import (
 )
 from .response_table import label_array
 
+#: Ratio of how strongly two tests shook from which amplitude is named as a reason of differences.
+OTHER_AMPLITUDE = 1.5
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(ReadOnly, Viewed):
@@ -53,6 +56,10 @@ class Comparison(ReadOnly, Viewed):
         Rate of false alarms of both tests.
     unmatched_a, unmatched_b : mapping of dof to (m,)
         Values in Hz that the other set does not have; dofs without any are left out.
+    level_ratio : float
+        How strongly the structure shook in b, as a multiple of a (0.999 quantiles of the samples, in the unit
+        of both records); NaN where a set is not of a record. Where sets differ and it is beyond 1.5 either
+        way, printing says that amplitude alone may be the reason.
 
     Examples
     --------
@@ -77,6 +84,7 @@ class Comparison(ReadOnly, Viewed):
     alpha: float
     unmatched_a: Mapping[Any, FloatArray] = field(default_factory=dict)
     unmatched_b: Mapping[Any, FloatArray] = field(default_factory=dict)
+    level_ratio: float = np.nan
 
     @property
     def difference_hz(self) -> FloatArray:
@@ -125,6 +133,11 @@ class Comparison(ReadOnly, Viewed):
             f"chi-square {self.chi_square:.1f}, {self.freedom} degrees of freedom, p = {self.p_all:.2g}: "
             f"{'different' if self.different else 'no difference'} (false alarms {100 * self.alpha:g} %)"
         )
+        if self.different and abs(np.log(self.level_ratio)) > np.log(OTHER_AMPLITUDE):
+            lines.append(
+                f"b shook {self.level_ratio:.2g} times as strongly as a: where stiffness depends on amplitude (joints, "
+                "concrete, soil), this alone moves antiresonances; compare tests of like strength"
+            )
         return "\n".join(lines)
 
     def to_dataframe(self) -> Any:
@@ -239,4 +252,6 @@ def compare(
         alpha=rate,
         unmatched_a=FrozenDict(alone[0]),
         unmatched_b=FrozenDict(alone[1]),
+        level_ratio=float(b.options.get("response_level", np.nan))
+        / float(a.options.get("response_level", np.nan)),
     )
