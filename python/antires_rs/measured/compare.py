@@ -135,8 +135,8 @@ class Comparison(ReadOnly, Viewed):
         )
         if self.different and abs(np.log(self.level_ratio)) > np.log(OTHER_AMPLITUDE):
             lines.append(
-                f"b shook {self.level_ratio:.2g} times as strongly as a: where stiffness depends on amplitude (joints, "
-                "concrete, soil), this alone moves antiresonances; compare tests of like strength"
+                f"b shook {self.level_ratio:.2g} times as strongly as a: stiffness that depends on amplitude "
+                "(joints, concrete, soil) moves antiresonances without damage; compare tests of like strength"
             )
         return "\n".join(lines)
 
