@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
-from ..signals.averaging import Averages, Event, beside, find_events, tail_noise, undrifted
+from ..signals.averaging import Averages, Event, beside, find_events, tail_noise, without_drift
 from ..signals.hum import Hum
 from ..signals.recording import Recording, parts_of, shortest
 from ..signals.spectra import (
@@ -151,11 +151,11 @@ def _of_impacts(
     Long ones resolve sharp zeros at low frequencies, short ones leave the noise after a decay out at high
     ones. ``one`` is a window for the whole band.
     """
-    still = undrifted(rec, band_hz)
     cut, floors = [], []
-    for part in parts_of(still):
-        events = find_events(part)
-        floors.append(tail_noise(part.responses[:, events[-1].hit :])[1])
+    for part in parts_of(rec):
+        events = find_events(part, band_hz[0])
+        tail = without_drift(part.responses[:, events[-1].hit :], rec.fs_hz, band_hz[0])
+        floors.append(tail_noise(tail)[1])
         cut += [(part.responses, event) for event in events]
     longest = max(event.stop - event.hit for _, event in cut) / rec.fs_hz
     least, most = PERIODS
@@ -187,8 +187,12 @@ def _of_decays(
     highest_hz: float,
     rng: np.random.Generator,
 ) -> Look | None:
-    """One window from some periods of the highest frequency before the impacts on; None of too few lines."""
-    lead = int(np.ceil(LEAD * fs_hz / highest_hz))
+    """One window; None of too few lines.
+
+    It begins some periods of the highest frequency before the impacts, and half a period of the lowest, over
+    which the mean that is taken off reaches.
+    """
+    lead = int(np.ceil(LEAD * fs_hz / highest_hz + 0.5 * fs_hz / band_hz[0]))
     length = lead + int(length_s * fs_hz)
     decay = -np.log(WINDOWED_END) * fs_hz / length
     taper = np.exp(-decay / fs_hz * np.arange(length))
@@ -202,7 +206,7 @@ def _of_decays(
     each = []
     for x, event in cut:
         start = max(0, event.hit - lead)
-        own = x[:, start : min(start + length, event.stop)]
+        own = without_drift(x[:, start : min(start + length, event.stop)], fs_hz, band_hz[0])
         each.append(np.fft.rfft(own * taper[: own.shape[1]], length)[:, some])
     spectra = np.stack(each, axis=2).transpose(1, 0, 2)
     at = freq[some] / (0.5 * fs_hz)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..exceptions import UnsuitableDataError, reject
 from ..support.checks import ComplexArray, FloatArray, choice
 from .hum import Hum, without_hum
-from .recording import PooledRecording, Recording, parts_of, rows_of, shortest
+from .recording import Recording, parts_of, rows_of, shortest
 from .spectra import CrossSpectra, Segments, cross_spectra, lines_in, window_values
 
 # -- Hammer impacts: one transform over the whole event, from before the impact until it has died
@@ -56,49 +56,50 @@ class Event:
     stop: int
 
 
-def _energy(rec: Recording, block: int, every: int = 1) -> FloatArray:
-    """Mean energy of each block, channels at equal weight, about a median of every so-many-th sample."""
+def without_drift(x: FloatArray, fs_hz: float, low_hz: float) -> FloatArray:
+    """Samples less their median and their running mean over one period of the lowest frequency, (..., n).
+
+    The same filter for all channels leaves ratios of responses as they are. At 0 Hz only the median goes.
+    """
+    n = x.shape[-1]
+    x = x - np.median(x, axis=-1, keepdims=True)
+    half = min(int(0.5 * fs_hz / low_hz), (n - 1) // 2) if low_hz > 0.0 else 0
+    if half == 0:
+        return x
+    width = [(0, 0)] * (x.ndim - 1) + [(half + 1, half)]
+    sums = np.cumsum(np.pad(x, width, mode="edge"), axis=-1)
+    return np.asarray(x - (sums[..., 2 * half + 1 :] - sums[..., :n]) / (2 * half + 1))
+
+
+def _energy(rec: Recording, block: int, low_hz: float = 0.0, every: int = 1) -> FloatArray:
+    """Mean energy of each block, channels at equal weight, without what is slower than ``low_hz``; else about
+    a median of every so-many-th sample."""
     n = rec.n_samples // block
     energy = np.zeros(n)
     for row in rec.responses:
-        x = row - np.median(row[::every])
+        x = without_drift(row, rec.fs_hz, low_hz) if low_hz > 0.0 else row - np.median(row[::every])
         power = max(float(x @ x) / x.size - float(x.mean()) ** 2, 0.0) or 1.0
         x = x[: n * block].reshape(n, block)
         energy += np.einsum("ij,ij->i", x, x) / (power * block * rec.n_channels)
     return energy
 
 
-def undrifted(rec: Recording, band_hz: tuple[float, float] | None) -> Recording:
-    """The record less its running mean over one period of the lowest frequency: no offset, no drift.
-
-    It is the same filter for all channels, which leaves ratios of responses as they are.
-    """
-    parts = []
-    for part in parts_of(rec):
-        n = part.n_samples
-        x = part.responses - np.median(part.responses, axis=1, keepdims=True)
-        half = min(int(0.5 * rec.fs_hz / band_hz[0]), (n - 1) // 2) if band_hz is not None else 0
-        if half > 0:
-            sums = np.cumsum(np.pad(x, ((0, 0), (half + 1, half)), mode="edge"), axis=1)
-            x = x - (sums[:, 2 * half + 1 :] - sums[:, :n]) / (2 * half + 1)
-        parts.append(Recording(x, rec.fs_hz, rec.dofs))
-    return PooledRecording(parts) if len(parts) > 1 else parts[0]
-
-
-def is_transient(rec: Recording) -> bool:
-    """True if the energy profile is that of decaying events, False if it is steady."""
+def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
+    """True if the energy profile, without drift, is that of decaying events, False if it is steady."""
     decaying = []
     for part in parts_of(rec):
         n = part.n_samples
         # A hundredfold rise is told from any few thousand samples' median.
         energy = (
-            _energy(part, n // COARSE_BLOCKS, max(1, n // MEDIAN_SAMPLES)) if n >= 2 * COARSE_BLOCKS else None
+            _energy(part, n // COARSE_BLOCKS, low_hz, max(1, n // MEDIAN_SAMPLES))
+            if n >= 2 * COARSE_BLOCKS
+            else None
         )
         if energy is None:
             decaying.append(False)
             continue
         rest, low = (energy.max() / max(np.quantile(energy, share), 1e-300) for share in (0.05, 0.2))
-        ringing = (low > LEAST_DECAY or rest > DECAY_RATIO) and _decays(part, unseen=False)
+        ringing = (low > LEAST_DECAY or rest > DECAY_RATIO) and _decays(part, low_hz, unseen=False)
         decaying.append(bool(low > DECAY_RATIO or ringing))
     if any(decaying) and not all(decaying):
         raise UnsuitableDataError(
@@ -112,10 +113,10 @@ def is_transient(rec: Recording) -> bool:
     return all(decaying)
 
 
-def find_events(rec: Recording) -> tuple[Event, ...]:
-    """Find the impacts of a record."""
+def find_events(rec: Recording, low_hz: float = 0.0) -> tuple[Event, ...]:
+    """Find the impacts of a record, among what is slower than ``low_hz``."""
     block = max(FINE_BLOCK_SAMPLES, rec.n_samples // FINE_BLOCKS)
-    energy = _energy(rec, block)
+    energy = _energy(rec, block, low_hz)
     peak = energy.max()
     hits: list[int] = []
     for b in range(1, energy.size):
@@ -185,20 +186,20 @@ STILL_RINGS = 0.01
 CUT_AT = 10.0
 
 
-def _decays(rec: Recording, *, unseen: bool) -> bool:
+def _decays(rec: Recording, low_hz: float, *, unseen: bool) -> bool:
     """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too.
 
     ``unseen`` is the answer where the record has no impact in it.
     """
     try:
-        events = find_events(rec)
+        events = find_events(rec, low_hz)
     except UnsuitableDataError:
         return unseen
     if len(events) > 1:
         return True
     (event,) = events
-    x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
-    fine = _energy(rec, FINE_BLOCK_SAMPLES)[
+    x = without_drift(rec.responses, rec.fs_hz, low_hz)
+    fine = _energy(rec, FINE_BLOCK_SAMPLES, low_hz)[
         event.hit // FINE_BLOCK_SAMPLES : event.stop // FINE_BLOCK_SAMPLES
     ]
     sharp = max(SHARP_BLOCKS, int(SHARP_S * rec.fs_hz / FINE_BLOCK_SAMPLES))
@@ -232,7 +233,8 @@ def transient_spectra(
     """Energy spectra of whole impacts, averaged over the impacts."""
     choice("window", window, ("auto", "rectangular", "exponential"))
     parts = parts_of(rec)
-    found = [find_events(undrifted(part, band_hz)) for part in parts]
+    low_hz = 0.0 if band_hz is None else band_hz[0]
+    found = [find_events(part, low_hz) for part in parts]
     # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
     length = max(event.stop - event.start for events in found for event in events)
     decay = max(
@@ -492,8 +494,8 @@ class Averages:
 def holds_hits(rec: Recording, options: Averaging, band_hz: tuple[float, float] | None = None) -> bool:
     """Whether a record is to be transformed impact by impact."""
     if options.method == "auto":
-        rec = undrifted(rec, band_hz)
-        return is_transient(rec) and all(_decays(part, unseen=True) for part in parts_of(rec))
+        low_hz = 0.0 if band_hz is None else band_hz[0]
+        return is_transient(rec, low_hz) and all(_decays(part, low_hz, unseen=True) for part in parts_of(rec))
     return options.method == "transient"
 
 
