@@ -11,7 +11,7 @@ from one complex vector of responses a line, known up to a factor that cancels:
   single impacts as clean as curves.
 - "directions": local fits of the direction of the responses, and what perturbed fits see again
   (:mod:`~antires_rs.identification.stability`). For records that one fit over the band does not predict to
-  the noise (:mod:`~antires_rs.identification.cross_validation`): most that somebody measured.
+  the noise (:func:`~antires_rs.identification.numerators.misfit_ahead`): most that somebody measured.
 - "joint": for every j all T_pj over p with a common denominator, whose poles are the antiresonances of j
   (:mod:`~antires_rs.identification.paper`). For averages by other estimators.
 
@@ -44,11 +44,10 @@ from ..support.messages import warn, warn_of_change
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
-from .cross_validation import CLEAN, LARGEST, LEAST_SEGMENTS, few, misfit_ahead
 from .following import look_of, tables_of, with_search
 from .lines import FORCE, Lines, lines_of
 from .local_fits import LEAST_LINES
-from .numerators import freedom, independent_averages
+from .numerators import CLEAN, LARGEST_AHEAD, LEAST_SEGMENTS, few, freedom, independent_averages, misfit_ahead
 from .options import (
     OF_BOTH,
     OF_DIRECTIONS,
@@ -158,7 +157,7 @@ def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) ->
     elif formulation == "auto":
         # What holds over the whole band is the better estimate; options of the sweep ask for it.
         asked = options.given & {*OF_SWEEP, "max_order"}
-        predicted = asked or misfit_ahead(lines, options.most) <= LARGEST
+        predicted = asked or misfit_ahead(lines, options.most) <= LARGEST_AHEAD
         formulation = "numerators" if predicted else "directions"
     if formulation == "directions":
         idle = [name for name in sorted(options.given) if name not in (*OF_DIRECTIONS, "formulation")]
