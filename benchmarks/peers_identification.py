@@ -93,7 +93,7 @@ def ours(formulation, route="transmissibility"):
         return {dof: select(_poles(found.diagrams[dof]), band_hz) for dof in found}
 
     given = "force too" if route == "frf" else "responses or FRFs"
-    name = f"antires_rs, {formulation or 'default'}" + (", FRF route" if route == "frf" else "")
+    name = f"antires_rs, {'default' if formulation == 'auto' else formulation}" + (", FRF route" if route == "frf" else "")
     return Entry(name, given, sweep, values)
 
 
@@ -146,7 +146,7 @@ def answers(entry, source):
 
 def table_of_entries(options):
     """Rows to run, and lines on what is not installed."""
-    entries = [ours(None), ours("joint"), ours(None, "frf")]
+    entries = [ours("auto"), ours("joint"), ours("auto", "frf")]
     missing, left_out = {}, []
     for method in wanted(options):
         if method.version() is None:
