@@ -140,8 +140,9 @@ def _one_by_one(
 
 #: With fewer lines there is no window of the narrow scale, and no fit that others could confirm.
 FEW_LINES = SCALES[-1][1]
-#: Of the samples of a channel so many are below the level that tells how strongly a record shook.
-LEVEL_QUANTILE = 0.999
+#: Of the samples of a channel this share is below the level that tells how strongly a record shook; told from
+#: so many of them.
+LEVEL_QUANTILE, LEVEL_SAMPLES = 0.999, 16384
 
 
 def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) -> IdentificationOptions:
@@ -419,8 +420,8 @@ def _made_of(source: Recording | FrequencyResponse, band: tuple[float, float]) -
     """What a set remembers beside the options; of a record how strongly it shook, in its unit."""
     made: dict[str, Any] = {"antires_rs": __version__, "band_hz": list(band)}
     if isinstance(source, Recording):
-        x = source.responses - np.median(source.responses, axis=1, keepdims=True)
-        highest = np.quantile(np.abs(x), LEVEL_QUANTILE, axis=1)
+        x = source.responses[:, :: max(1, source.n_samples // LEVEL_SAMPLES)]
+        highest = np.quantile(np.abs(x - np.median(x, axis=1, keepdims=True)), LEVEL_QUANTILE, axis=1)
         made["response_level"] = float(f"{np.sqrt(np.mean(highest**2)):.6g}")
     return made
 
