@@ -33,7 +33,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import check_set
 from ..measured.merge import merge_setups
 from ..measured.response_table import label
-from ..signals.averaging import Averages, average
+from ..signals.averaging import Averages, average, drifts
 from ..signals.data_check import judged
 from ..signals.frequency_response import FrequencyResponse, band_of
 from ..signals.one_force import DataCheck
@@ -145,7 +145,9 @@ FEW_LINES = SCALES[-1][1]
 LEVEL_QUANTILE, LEVEL_SAMPLES = 0.999, 16384
 
 
-def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) -> IdentificationOptions:
+def settled(
+    options: IdentificationOptions, lines: Lines, *, of_curves: bool, drifting: bool = False
+) -> IdentificationOptions:
     """The options with the formulation that "auto" means for these lines."""
     formulation = options.formulation
     if formulation == "auto" and options.call.estimator != "rank1":
@@ -153,7 +155,8 @@ def settled(options: IdentificationOptions, lines: Lines, *, of_curves: bool) ->
     elif formulation == "auto" and (of_curves or options.use_force):
         formulation = "windows" if lines.segments is None else "numerators"
     elif formulation == "auto" and few(lines):
-        clean = float(np.median(lines.snr)) >= CLEAN
+        # Drift is no noise, and looks like signal.
+        clean = not drifting and float(np.median(lines.snr)) >= CLEAN
         formulation = "directions" if not clean else "windows" if lines.segments is None else "numerators"
     elif formulation == "auto":
         # What holds over the whole band is the better estimate; options of the sweep ask for it.
@@ -365,7 +368,8 @@ def identify_antiresonances(
             again = {"excitation": excitation, "band_hz": band, "fit": FitOptions(**of_fit)}
             searched = identify_antiresonances(one, **again, **of_call)
         return _followed(near, searched, one, averages, lines_for, excitation, wanted, band, options)
-    options = settled(options, lines_for(0), of_curves=averages is None)
+    drifting = averages is not None and averages.nperseg is None and drifts(averages.rec, band)
+    options = settled(options, lines_for(0), of_curves=averages is None, drifting=drifting)
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")

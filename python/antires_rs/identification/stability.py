@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
-from ..signals.averaging import Averages, Event, beside, find_events, tail_noise, without_drift
+from ..signals.averaging import Averages, Event, beside, find_events, lowest_hz, tail_noise, without_drift
 from ..signals.hum import Hum
 from ..signals.recording import Recording, parts_of, shortest
 from ..signals.spectra import (
@@ -151,27 +151,27 @@ def _of_impacts(
     Long ones resolve sharp zeros at low frequencies, short ones leave the noise after a decay out at high
     ones. ``one`` is a window for the whole band.
     """
+    low_hz = lowest_hz(band_hz)
     cut, floors = [], []
     for part in parts_of(rec):
-        events = find_events(part, band_hz[0])
-        tail = without_drift(part.responses[:, events[-1].hit :], rec.fs_hz, band_hz[0])
+        events = find_events(part, low_hz)
+        tail = without_drift(part.responses[:, events[-1].hit :], rec.fs_hz, low_hz)
         floors.append(tail_noise(tail)[1])
         cut += [(part.responses, event) for event in events]
     longest = max(event.stop - event.hit for _, event in cut) / rec.fs_hz
     least, most = PERIODS
     if one:
-        middle = float(np.sqrt(band_hz[0] * band_hz[1]))
-        windows = [(min(longest, most / middle), band_hz)]
+        middle = float(np.sqrt(low_hz * band_hz[1]))
+        windows = [(min(longest, most / middle), (low_hz, band_hz[1]))]
     else:
-        lengths = [min(longest, most / band_hz[0])]
+        lengths = [min(longest, most / low_hz)]
         while least / (lengths[-1] / SHORTER) < ENOUGH * band_hz[1]:
             lengths.append(lengths[-1] / SHORTER)
         windows = [
-            (own, (band_hz[0] if own == longest else least / own, min(band_hz[1], most / own)))
-            for own in lengths
+            (own, (low_hz if own == longest else least / own, min(band_hz[1], most / own))) for own in lengths
         ]
     looks = [
-        _of_decays(rec.fs_hz, cut, floors, own, (max(low, band_hz[0]), high), hum, band_hz[1], rng)
+        _of_decays(rec.fs_hz, cut, floors, own, (max(low, low_hz), high), hum, band_hz[1], rng)
         for own, (low, high) in windows
     ]
     return [look for look in looks if look is not None]

@@ -153,6 +153,11 @@ class Comparison(ReadOnly, Viewed):
         return self._view("plot")(self, ax=ax)
 
 
+def _level(one: AntiresonanceSet) -> float:
+    """How strongly the structure shook; NaN where that is not known, or not at all."""
+    return float(one.options.get("response_level") or np.nan)
+
+
 def compare(
     a: AntiresonanceSet | SeriesOfTests,
     b: AntiresonanceSet | SeriesOfTests,
@@ -252,6 +257,5 @@ def compare(
         alpha=rate,
         unmatched_a=FrozenDict(alone[0]),
         unmatched_b=FrozenDict(alone[1]),
-        level_ratio=float(b.options.get("response_level", np.nan))
-        / float(a.options.get("response_level", np.nan)),
+        level_ratio=_level(b) / _level(a),
     )

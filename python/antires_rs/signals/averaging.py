@@ -45,6 +45,9 @@ END_AMPLITUDE = 1e-2
 WINDOWED_END = 1e-3
 # Quiet samples before an impact that tell offset and noise.
 LEAST_REST = 32
+# Drift is slower than the band's low end, at least this share of its high one. It is told from noise by means
+# over four periods of that, to leave modes below the band out, whose power is so many times that of noise.
+LEAST_LOW, SLOW, DRIFT_RATIO = 0.005, 0.25, 30.0
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,27 @@ def without_drift(x: FloatArray, fs_hz: float, low_hz: float) -> FloatArray:
     width = [(0, 0)] * (x.ndim - 1) + [(half + 1, half)]
     sums = np.cumsum(np.pad(x, width, mode="edge"), axis=-1)
     return np.asarray(x - (sums[..., 2 * half + 1 :] - sums[..., :n]) / (2 * half + 1))
+
+
+def lowest_hz(band_hz: tuple[float, float] | None) -> float:
+    """Frequency below which there is drift only: the band's low end, no less than a part of its high one."""
+    return 0.0 if band_hz is None else max(band_hz[0], LEAST_LOW * band_hz[1])
+
+
+def drifts(rec: Recording, band_hz: tuple[float, float]) -> bool:
+    """Whether the last quarter of a record is slower than its noise can be, in most channels.
+
+    Means of white noise over w samples have the w-th part of its power.
+    """
+    slow_hz = SLOW * lowest_hz(band_hz)
+    for part in parts_of(rec):
+        tail = part.responses[:, -max(part.n_samples // 4, 1) :]
+        width = min(rec.fs_hz / slow_hz, float(tail.shape[1]))
+        fast = without_drift(tail, rec.fs_hz, slow_hz)
+        slow = tail - fast
+        if np.median(slow.var(axis=1) * width / np.maximum(fast.var(axis=1), 1e-300)) > DRIFT_RATIO:
+            return True
+    return False
 
 
 def _energy(rec: Recording, block: int, low_hz: float = 0.0, every: int = 1) -> FloatArray:
@@ -233,7 +257,7 @@ def transient_spectra(
     """Energy spectra of whole impacts, averaged over the impacts."""
     choice("window", window, ("auto", "rectangular", "exponential"))
     parts = parts_of(rec)
-    low_hz = 0.0 if band_hz is None else band_hz[0]
+    low_hz = lowest_hz(band_hz)
     found = [find_events(part, low_hz) for part in parts]
     # One length for all, so that their lines agree; a shorter event is padded with zeros, being dead by then.
     length = max(event.stop - event.start for events in found for event in events)
@@ -494,7 +518,7 @@ class Averages:
 def holds_hits(rec: Recording, options: Averaging, band_hz: tuple[float, float] | None = None) -> bool:
     """Whether a record is to be transformed impact by impact."""
     if options.method == "auto":
-        low_hz = 0.0 if band_hz is None else band_hz[0]
+        low_hz = lowest_hz(band_hz)
         return is_transient(rec, low_hz) and all(_decays(part, low_hz, unseen=True) for part in parts_of(rec))
     return options.method == "transient"
 

@@ -15,10 +15,12 @@ from .averaging import (
     NARROWEST,
     SEGMENTS,
     find_events,
+    lowest_hz,
     narrow_width,
     owned_by_peaks,
     tail_noise,
     until_noise,
+    without_drift,
 )
 from .hum import Hum
 from .one_force import NOISE, CheckResults, Evidence, Finding, NotTested, Severity, rounded
@@ -273,14 +275,18 @@ LOUDEST = 3.0
 
 
 def silent(rec: Recording, band_hz: tuple[float, float]) -> list[Finding]:
-    """Channels that a hit does not move at any line of the band."""
-    event = find_events(rec)[-1]
-    x = rec.responses - np.median(rec.responses, axis=1, keepdims=True)
+    """Channels that a hit does not move from the band on; none where a record ends in ringing."""
+    low_hz = lowest_hz(band_hz)
+    event = find_events(rec, low_hz)[-1]
+    x = without_drift(rec.responses, rec.fs_hz, low_hz)
     level, noise = tail_noise(x[:, event.hit :])
-    cut = x[:, event.hit : max(until_noise(x, event, level, rec.fs_hz), event.hit + 4 * LINES_OF_BAND)]
+    stop = until_noise(x, event, level, rec.fs_hz)
+    if stop >= event.stop:
+        return []  # what follows is no noise
+    cut = x[:, event.hit : max(stop, event.hit + 4 * LINES_OF_BAND)]
     taper = np.hanning(cut.shape[1])
     freq = np.fft.rfftfreq(cut.shape[1], 1.0 / rec.fs_hz)
-    inside = (freq >= band_hz[0]) & (freq <= band_hz[1])
+    inside = freq >= low_hz  # between resonances a band may be as low as the noise
     power = np.abs(np.fft.rfft(cut * taper)[:, inside]) ** 2 / np.sum(taper**2)
     known = np.linspace(0.0, 0.5 * rec.fs_hz, noise.shape[1])
     limit = LOUDEST * np.log(max(int(inside.sum()), 3))
@@ -343,10 +349,10 @@ DOUBLE = "double_hit"
 BLOW_BLOCK, BLOCKS_BEFORE, BLOW_RISE, BLOW_SHARE, BLOWS_S = 4, 6, 3.0, 0.02, 1.5
 
 
-def double_hits(rec: Recording) -> list[Finding]:
+def double_hits(rec: Recording, band_hz: tuple[float, float]) -> list[Finding]:
     """Impacts after which the hammer came back."""
     found = []
-    for event in find_events(rec):
+    for event in find_events(rec, lowest_hz(band_hz)):
         second = np.diff(rec.responses[:, max(event.hit - 4 * BLOW_BLOCK, 0) : event.stop], n=2, axis=1)
         energy = np.mean(second**2 / np.maximum(np.mean(second**2, axis=1, keepdims=True), 1e-300), axis=0)
         blocks = energy[: energy.size // BLOW_BLOCK * BLOW_BLOCK].reshape(-1, BLOW_BLOCK).mean(axis=1)

@@ -117,7 +117,7 @@ def of_recording(
         said += channels.averages(spectra.n_effective, rec.duration_s, averages.nperseg)
         said += channels.drift(spectra)
     else:
-        said += channels.double_hits(parts_of(live)[0])
+        said += channels.double_hits(parts_of(live)[0], band)
     if averages.nperseg is None and spectra.n_averages == 1:
         text = (
             "A single impact: no averages. Coherence, the noise by line and whether one force is enough "
