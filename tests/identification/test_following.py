@@ -126,3 +126,36 @@ def test_what_one_fit_over_the_band_predicts_keeps_its_values():
 def test_what_cannot_be_followed_is_refused(near, band):
     with pytest.raises(InvalidInputError):
         ar.identify_antiresonances(curves(chain()), excitation=EXCITATION, band_hz=band, near=near)
+
+
+def test_a_value_added_by_hand_is_of_no_value_that_was_followed():
+    zeros = follow(curves(chain()), ar.AntiresonanceSet(EXCITATION, {0: [*KNOWN[0]], 3: [*KNOWN[3]]}))
+    more = zeros.add(0, 70.0)
+    assert more.followed[0].tolist() == [*zeros.followed[0], -1]
+    frame = more.to_dataframe().set_index("freq_hz")
+    assert (frame["status"][70.0], frame["followed"][70.0]) == ("new", -1)
+    assert ar.AntiresonanceSet.from_json(more.to_json()).followed[0].tolist() == more.followed[0].tolist()
+
+
+def test_of_responses_without_a_known_value_new_ones_are_found_or_refused():
+    near = ar.AntiresonanceSet(EXCITATION, {0: [*KNOWN[0]]})
+    zeros = follow(curves(chain()), near, fit=ar.FitOptions(new_values=True))
+    assert tuple(zeros) == (0, 1, 2, 3)
+    for dof in (1, 2, 3):
+        assert len(zeros[dof])
+        assert (zeros.followed[dof] == -1).all()
+        assert not zeros.not_seen[dof].size
+    assert set(zeros.to_dataframe()["status"]) <= {"followed", "new", "not seen"}
+    assert tuple(follow(curves(chain()), near, dofs=[1], fit=ar.FitOptions(new_values=True))) == (1,)
+    with pytest.raises(InvalidInputError, match=r"dofs: got \[1\], of which near has no values"):
+        follow(curves(chain()), near, dofs=[1])
+
+
+@pytest.mark.parametrize(
+    ("sees", "of_hit", "of_curves"),
+    [("frf", "transmissibility", "frf"), ("transmissibility",) * 3, (None, "transmissibility", "frf")],
+)
+def test_what_is_seen_is_what_the_test_sees(sees, of_hit, of_curves):
+    near = ar.AntiresonanceSet(EXCITATION, {0: [*KNOWN[0]]}, sees=sees)
+    assert follow(hit(chain(), 0), near).sees == of_hit
+    assert follow(curves(chain()), near).sees == of_curves

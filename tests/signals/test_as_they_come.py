@@ -6,6 +6,8 @@ from scipy.interpolate import CubicSpline
 
 import antires_rs as ar
 from reference import nothing_to_find, structures
+from reference.measured_reality import MEASURED, hit
+from reference.modal_structures import STRUCTURES
 from tests.support.campaign import some_of
 
 FS, BAND = structures.FS_HZ, (3.0, 130.0)
@@ -86,3 +88,40 @@ def test_frequencies_that_drift_are_told_and_held_by_the_errors(family, seed):
         for value, std in zip(zeros[dof], zeros.std_hz[dof], strict=True)
     ]
     assert np.mean(np.array(off) < 2.0) >= 0.9
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.exceptions.AntiresWarning")
+def test_a_band_between_resonances_empties_no_channel():
+    """Where the hit moves little in the band it may still move much beyond it."""
+    one = STRUCTURES["frame"]()
+    for seed in (0, 1):
+        made = hit(one, MEASURED, seed)
+        rec = ar.Recording(made.samples, made.fs_hz)
+        sets = [
+            ar.identify_antiresonances(rec, excitation=0, band_hz=(80, 120), check=check)
+            for check in ("warn", "off")
+        ]
+        assert sum(map(len, sets[1].values())) >= 5
+        assert all(np.array_equal(sets[0][dof], sets[1][dof]) for dof in sets[1])
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.exceptions.AntiresWarning")
+def test_the_check_finds_hits_that_drift():
+    """A sensor that recovers from the hit over the whole record."""
+    made = hit(STRUCTURES["frame"](), MEASURED, 1)
+    x = made.samples
+    peak = np.abs(x).max(axis=1, keepdims=True)
+    slow = ar.Recording(x + 2.0 * peak * np.exp(-3.0 * np.linspace(0.0, 1.0, x.shape[1])), made.fs_hz)
+    checked = ar.check_data(slow, excitation=0, band_hz=(3, 120))
+    assert "missed_hit" not in {finding.name for finding in checked.findings}
+    assert ar.identify_antiresonances(slow, excitation=0, band_hz=(3, 120)).options["fitted"] == "directions"
+
+
+@pytest.mark.filterwarnings("ignore::antires_rs.exceptions.AntiresWarning")
+def test_a_band_may_begin_at_zero():
+    made = hit(STRUCTURES["frame"](), MEASURED, 1)
+    rec, fit = ar.Recording(made.samples, made.fs_hz), ar.FitOptions(formulation="directions")
+    for low in (0.0, 1e-6):
+        zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=(low, 120), fit=fit)
+        followed = ar.identify_antiresonances(rec, excitation=0, band_hz=(low, 120), near=zeros)
+        assert sum(map(len, followed.values())) >= 1

@@ -56,6 +56,54 @@ def test_what_is_followed_can_be_given(tests, series):
         ar.identify_series(tests[:2], **OPTIONS, near=-1)
 
 
+def unfit(rec, how):
+    """A record that does not suit the others."""
+    x = rec.responses
+    if how == "other dofs":
+        return ar.Recording(x, rec.fs_hz, dofs=["a", "b", "c", "d"])
+    if how == "fewer channels":
+        return ar.Recording(x[:3], rec.fs_hz, dofs=rec.dofs[:3])
+    if how == "one channel":
+        return ar.Recording(x[:1], rec.fs_hz, dofs=rec.dofs[:1])
+    if how == "too short":
+        return ar.Recording(x[:, :40], rec.fs_hz, dofs=rec.dofs)
+    if how == "another rate":
+        return ar.Recording(x, 2.0 * rec.fs_hz, dofs=rec.dofs)
+    if how == "dead":
+        return ar.Recording(x * (np.arange(4) != 3)[:, None], rec.fs_hz, dofs=rec.dofs)
+    hit_at = int(np.argmax(np.max(np.abs(x), axis=0)))
+    return ar.Recording(x[:, hit_at + 20 :], rec.fs_hz, dofs=rec.dofs)
+
+
+HOW = ["other dofs", "fewer channels", "one channel", "too short", "another rate", "dead", "missed hit"]
+
+
+@pytest.mark.parametrize(("place", "how"), [*enumerate(HOW)])
+def test_one_record_that_does_not_suit_is_left_out_of_what_is_followed(tests, place, how):
+    some, place = list(tests[:5]), place % 5
+    some[place] = unfit(some[place], how)
+    series = ar.identify_series(some, **OPTIONS)
+    fit = [i for i in range(5) if i != place]
+    assert all(series[i].options["fitted"] == "followed" for i in fit)
+    assert all(tuple(series[i]) == (0, 1, 2, 3) and sum(map(len, series[i].values())) >= 4 for i in fit)
+
+
+def test_the_record_for_which_nothing_can_be_followed_is_named(tests):
+    pair = {"first": tests[0], "other": unfit(tests[1], "other dofs")}
+    with pytest.raises(InvalidInputError, match=r"near: got the first 2, .*'other' left out \(dofs a, b"):
+        ar.identify_series(pair, **OPTIONS, near=2)
+    assert not any(one.followed for one in ar.identify_series(pair, **OPTIONS))
+
+
+@pytest.mark.parametrize(
+    ("near", "words"),
+    [("all", "wanted a set.*or an integer"), (ar.AntiresonanceSet(0, {0: [42.9]}), "force at 0")],
+)
+def test_what_no_test_can_follow_is_refused_once(tests, near, words):
+    with pytest.raises(InvalidInputError, match=f"near: .*{words}"):
+        ar.identify_series(tests[:2], **OPTIONS, near=near)
+
+
 def many(count, rng, rates):
     """Sets of one response that have each value with its rate."""
     places = 10.0 * np.arange(1, len(rates) + 1)

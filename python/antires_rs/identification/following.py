@@ -274,4 +274,9 @@ def with_search(
         rest = other.take(np.flatnonzero(off.min(axis=1, initial=np.inf) > APART) if new else [])
         rest = rest.with_scores(followed=np.full(len(rest), -1))
         joined[dof] = ResponseTable.concatenated([kept, instead, rest])
+    if new:  # responses of which nothing was known
+        for dof, other in searched.tables.items():
+            if dof not in tables:
+                unknown = {"followed": np.full(len(other), -1), KNOWN: np.full(len(other), np.nan)}
+                joined[dof] = other.with_scores(**unknown)
     return joined

@@ -32,7 +32,7 @@ from ..exceptions import UnsuitableDataError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import check_set
 from ..measured.merge import merge_setups
-from ..measured.response_table import label
+from ..measured.response_table import ResponseTable, label
 from ..signals.averaging import Averages, average, drifts
 from ..signals.data_check import judged
 from ..signals.frequency_response import FrequencyResponse, band_of
@@ -358,6 +358,8 @@ def identify_antiresonances(
     lines_for = lines_of(one, averages, band, use_force=options.use_force, estimator=options.call.estimator)
     if near is not None:
         check_set("near", near)
+        of_same_force(near, excitation)
+        _require_known(near, () if dofs is None or options.rule.new_values else wanted)
         searched = None
         # What holds over the whole band is the better estimate, where it was for these values.
         many = averages is not None and averages.spectra.n_averages >= LEAST_SEGMENTS
@@ -465,9 +467,6 @@ def _followed(
     options: IdentificationOptions,
 ) -> AntiresonanceSet:
     """The values of ``near`` as this test has them, with new ones if it was searched."""
-    if near.excitation != excitation:
-        got, needed = f"a set of force at {near.excitation!r}", f"one of force at {excitation!r}"
-        reject("near", got, needed, "Follow values of the same excitation.")
     step("checking the data")
     checked = _checked(source, excitation, band, averages, options)
     step("following")
@@ -479,15 +478,35 @@ def _followed(
     if searched is not None:
         better = searched.options["fitted"] == "numerators"
         tables = with_search(tables, searched, better=better, new=options.rule.new_values)
+    # Curves of FRFs tell the roots of the FRF, but what is followed may be others.
+    of_size = (
+        isinstance(source, FrequencyResponse) and source.kind == "frf" and near.sees != "transmissibility"
+    )
     return AntiresonanceSet.from_tables(
         excitation,
         {dof: tables[dof] for dof in wanted if dof in tables},
-        left_out={dof: gone[dof] for dof in wanted if dof in tables},
+        left_out={dof: gone.get(dof, ResponseTable(np.empty(0))) for dof in wanted if dof in tables},
         data_check=checked,
-        sees=near.sees or ("frf" if options.use_force else "transmissibility"),
+        sees="frf" if options.use_force or of_size else "transmissibility",
         channels=source.dofs,
         options={**_made_of(source, band), **options.values(), "fitted": "followed"},
     )
+
+
+def of_same_force(near: AntiresonanceSet, excitation: Any) -> None:
+    """Refuse values of another excitation."""
+    if near.excitation != excitation:
+        got, needed = f"a set of force at {near.excitation!r}", f"one of force at {excitation!r}"
+        reject("near", got, needed, "Follow values of the same excitation.")
+
+
+def _require_known(near: AntiresonanceSet, wanted: tuple[Any, ...]) -> None:
+    """Refuse dofs of which nothing is known."""
+    missing = [dof for dof in wanted if dof not in near]
+    if missing:
+        remedy = "Leave those out, or search for new values: fit=FitOptions(new_values=True)."
+        got, needed = f"{missing}, of which near has no values", f"dofs of near, {tuple(near)}"
+        reject("dofs", got, needed, remedy)
 
 
 def _of_before(

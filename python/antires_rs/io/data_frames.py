@@ -52,7 +52,7 @@ def frame_of(rows: list[dict[str, Any]], names: list[str]) -> Any:
 def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
     """Column names and one row an antiresonance."""
     scores = list(dict.fromkeys(name for table in found.tables.values() for name in table.scores))
-    checked, followed = found.cross_check, bool(found.followed)
+    checked, followed = found.cross_check, found.followed
     rows: list[dict[str, Any]] = []
     for dof, table in found.tables.items():
         for i, freq in enumerate(table.freq_hz.tolist()):
@@ -63,6 +63,7 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
             if checked is not None:
                 row["confirmed"] = checked.is_confirmed(dof, freq)
             if followed:
+                row["followed"] = int(followed[dof][i]) if dof in followed else -1
                 row["status"] = "new" if row["followed"] == -1 else "followed"
             rows.append(row)
         gone = found.left_out.get(dof, table)

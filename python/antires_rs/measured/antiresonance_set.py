@@ -389,7 +389,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     @property
     def followed(self) -> Mapping[Any, NDArray[np.int64]]:
-        """By dof, where values were followed (``near=``): of which value each is, by its index; -1 for new.
+        """By dof, where values were followed (``near=``): of which value each is, by its index, or -1.
 
         Examples
         --------
@@ -400,7 +400,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         """
         return FrozenDict(
             {
-                dof: frozen(np.asarray(t.scores["followed"], dtype=np.int64))
+                dof: frozen(np.nan_to_num(t.scores["followed"], nan=-1).astype(np.int64))
                 for dof, t in self.tables.items()
                 if "followed" in t.scores
             }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..exceptions import AntiresError, InvalidInputError, MissingDependencyError, reject
+from ..identification.identify import of_same_force
 from ..identification.options import declared, flat
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.response_table import ResponseTable, label
@@ -40,8 +41,10 @@ from .sources import (
     fingerprint,
     identified,
     listed,
+    living,
     loaded,
     set_of,
+    tried,
     why_not,
 )
 from .store import Store
@@ -109,32 +112,32 @@ LOCAL = ("directions", "followed")
 RECURS, PLACE = 0.7, 0.03
 
 
-def known_of(instructions: Instructions, sources: Sequence[Any]) -> AntiresonanceSet | None:
-    """What the tests have together and most of them show, with the scatter of single tests, if anything."""
+def known_of(instructions: Instructions, sources: Sequence[Source]) -> AntiresonanceSet | str:
+    """What the tests have together and most of them show, with the scatter of single tests; else why not."""
     with unheard(), apart():
-        read = [signal for one in sources if not isinstance(signal := loaded(instructions, one), Unread)]
-        try:
-            each = [one for signal in read for one in (signal if isinstance(signal, list) else [signal])]
-            kinds = [isinstance(one, Recording) and is_transient(one) for one in each]
-            each = [
-                one for one, kind in zip(each, kinds, strict=True) if kind == (2 * sum(kinds) > len(kinds))
-            ]
-            pooled = set_of(each if len(each) > 1 else each[0], instructions.options)
-        except (
-            AntiresError,
-            ValueError,
-            IndexError,
-        ):  # of other sensors, or nothing is found: nothing to follow
-            return None
+        given = {one.name: loaded(instructions, one.given) for one in sources}
+        odd = {name: str(signal) for name, signal in given.items() if isinstance(signal, Unread)}
+        read = {name: signal for name, signal in given.items() if name not in odd}
+        pooled = _together(read, instructions.options, odd)
+        if isinstance(pooled, str):
+            return _because(pooled, odd)
         options = {name: value for name, value in instructions.options.items() if name != "new_values"}
-        tests = [set_of(read[0], {**options, "near": pooled})]
-        fitted = {"fitted": pooled.options["fitted"]}
-        if all("followed" in table.scores["how"] for table in tests[0].tables.values() if len(table)):
-            fitted = {"fitted": "followed"}  # no fit over the band predicts a test by itself
         sight: dict[str, Any] = {"sees": pooled.sees, "channels": pooled.channels}
-        sight["options"] = {**pooled.options, **fitted}
-        pooled = AntiresonanceSet.from_tables(pooled.excitation, pooled.tables, **sight)
-        tests += [set_of(signal, {**options, "near": pooled}) for signal in read[1:]]
+        sight["options"] = pooled.options
+        tests: list[AntiresonanceSet] = []
+        for name, signal in read.items():
+            one = tried(set_of, signal, {**options, "near": pooled})
+            if isinstance(one, Unread):  # it is told with the other tests why it has no values
+                odd.setdefault(name, str(one))
+                continue
+            if not tests:
+                if all("followed" in table.scores["how"] for table in one.tables.values() if len(table)):
+                    # No fit over the band predicts a test by itself.
+                    sight["options"] = {**pooled.options, "fitted": "followed"}
+                pooled = AntiresonanceSet.from_tables(pooled.excitation, pooled.tables, **sight)
+            tests.append(one)
+    if not tests:
+        return _because("values that no test shows by itself", odd)
     if len(tests) == 1:
         return pooled
     tables = {}
@@ -145,14 +148,95 @@ def known_of(instructions: Instructions, sources: Sequence[Any]) -> Antiresonanc
                 row[one.followed[dof]] = one[dof]
         with np.errstate(invalid="ignore"):
             near = np.abs(freq / _middle(freq) - 1.0) < PLACE
-        kept = np.sum(near, axis=0) >= max(2, RECURS * len(tests))
+        kept = np.sum(near, axis=0) >= max(2, RECURS * sum(dof in one for one in tests))
         middle = _middle(freq)[kept]
         scatter = 1.4826 * _middle(np.abs(freq[:, kept] - middle))
         tables[dof] = ResponseTable(middle, table.damping_ratio[kept], scatter, table.take(kept).scores)
-    return (
-        AntiresonanceSet.from_tables(pooled.excitation, tables, **sight)
-        if any(map(len, tables.values()))
-        else None
+    if not any(map(len, tables.values())):
+        return _because("no value that most of them show", odd)
+    return AntiresonanceSet.from_tables(pooled.excitation, tables, **sight)
+
+
+def _because(why: str, odd: Mapping[str, str]) -> str:
+    """Why nothing is followed, and of the tests that do not suit the first."""
+    for name, reason in odd.items():
+        return f"{why}; {name!r}{f' and {len(odd) - 1} more' * (len(odd) > 1)} left out ({reason})"
+    return why
+
+
+def _together(
+    read: Mapping[str, Any], options: Mapping[str, Any], odd: dict[str, str]
+) -> AntiresonanceSet | str:
+    """What records of the commonest kind have together, or why nothing; ``odd`` gets the others."""
+    parts: list[tuple[str, Any, Any]] = []
+    for name, signal in read.items():
+        for one in signal if isinstance(signal, list) else [signal]:
+            kind = tried(_kind, one)
+            if isinstance(kind, Unread):
+                odd.setdefault(name, str(kind))
+            else:
+                parts.append((name, one, kind))
+    if not parts:
+        return "no record that suits"
+    common, count = Counter(kind for *_, kind in parts).most_common(1)[0]
+    odd |= {name: _told(one) for name, one, kind in parts if kind != common}
+    if count == 1 < len(parts):
+        return "no two records of the same dofs and sampling rate"
+    same = [(name, one) for name, one, kind in parts if kind == common]
+    if isinstance(same[0][1], Recording) and not is_transient(same[0][1]):
+        # The segments of all are no longer than the shortest record.
+        least = 0.5 * float(np.median([one.n_samples for _, one in same]))
+        odd |= {name: f"{one.n_samples} samples" for name, one in same if one.n_samples < least}
+        same = [(name, one) for name, one in same if one.n_samples >= least]
+    try:
+        return _pooled(same, options)
+    except InvalidInputError as exc:  # one of them by itself may be the cause
+        unfit = [_unfit(one, options) for _, one in same]
+        odd |= {name: why for (name, _), why in zip(same, unfit, strict=True) if why}
+        same = [one for one, why in zip(same, unfit, strict=True) if not why]
+        if not same or not any(unfit):
+            return why_not(exc)
+    except (AntiresError, ValueError) as exc:
+        return why_not(exc)
+    try:
+        return _pooled(same, options)
+    except (AntiresError, ValueError) as exc:
+        return why_not(exc)
+
+
+def _pooled(same: Sequence[tuple[str, Any]], options: Mapping[str, Any]) -> AntiresonanceSet:
+    each = [one for _, one in same]
+    return set_of(each if len(each) > 1 else each[0], options)
+
+
+def _unfit(signal: Any, options: Mapping[str, Any]) -> str:
+    """Why a record can not be identified, such as a missed hit; empty where it can, or nothing is found."""
+    try:
+        set_of(signal, options)
+    except InvalidInputError as exc:
+        return why_not(exc)
+    except (AntiresError, ValueError):
+        pass
+    return ""
+
+
+def _kind(signal: Any) -> tuple[Any, ...]:
+    """What records that are pooled have in common."""
+    dofs = frozenset(signal.dofs)
+    if isinstance(signal, Recording):
+        return dofs, frozenset(living(signal)[1]), signal.fs_hz, is_transient(signal)
+    ends = (float(f"{freq:.9g}") for freq in signal.freq_hz[[0, -1]])
+    return dofs, signal.kind, signal.reference, signal.n_freq, *ends
+
+
+def _told(signal: Any) -> str:
+    """What may be of another kind in a record, in words."""
+    dofs = ", ".join([*map(str, signal.dofs[:6]), *(["..."] if len(signal.dofs) > 6 else [])])
+    if not isinstance(signal, Recording):
+        return f"dofs {dofs}, {signal.n_freq} lines of {signal.kind}"
+    dead = living(signal)[1]
+    return f"dofs {dofs}{f', {len(dead)} of them constant,' * bool(dead)} at {signal.fs_hz:g} Hz, " + (
+        "impacts" if is_transient(signal) else "no impacts"
     )
 
 
@@ -237,7 +321,8 @@ def identify_series(
 
     Notes
     -----
-    Memory does not grow with the records: at most two are held in this process, and a result is some
+    Memory does not grow with the records: this process holds two at most, but all of the first tests at once
+    (``near``, 20 by default) while they are identified together for values to follow. A result is some
     kilobytes. What the data check says of a test is ``series[i].data_check``, without its curves; its
     warnings are not raised.
 
@@ -263,9 +348,14 @@ def identify_series(
     >>> series.tracks("temperature_c").freq_hz.shape
     (3, 28)
     """
-    if near is not None and not isinstance(near, AntiresonanceSet):
-        integer("near", near, low=0)
     excitation = label("excitation", excitation)
+    if isinstance(near, AntiresonanceSet):
+        of_same_force(near, excitation)
+    elif near is not None:
+        if not isinstance(near, int | np.integer):
+            wanted = "a set, whose values are followed, or an integer: how many of the first tests give them"
+            reject("near", repr(near), wanted, "Leave it out, or give 0 for none.")
+        near = integer("near", near, low=0)
     band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=np.inf)
     chosen = _checked(options)
     table, beside = condition_table(conditions)
@@ -298,8 +388,8 @@ def identify_series(
     return Series(**parts_of(rows), interrupted=interrupted)
 
 
-#: What was followed last, by what it was made of.
-_KEPT: dict[str, AntiresonanceSet | None] = {}
+#: What was followed last, or why nothing, by what it was made of.
+_KEPT: dict[str, AntiresonanceSet | str] = {}
 
 
 class _Run:
@@ -361,10 +451,11 @@ class _Run:
             except (Exception, KeyboardInterrupt) as exc:
                 each, local = _raised(exc), False  # behind the tests that are done
             self._sources = replace(self._sources, each=chain(first, each))
-            near = self._known(instructions, first) if local else None
-            if local and not auto and near is None:
+            known = self._known(instructions, first) if local else None
+            if isinstance(known, str) and not auto:
                 wanted = "tests that have antiresonances in common, identified together"
-                reject("near", f"the first {len(first)}", wanted, "Leave it out, or give 0.")
+                reject("near", f"the first {len(first)}, with {known}", wanted, "Leave it out, or give 0.")
+            near = known if isinstance(known, AntiresonanceSet) else None
         self._near, tasks = near, self._tasks()
         if near is not None:
             instructions = replace(instructions, options={**instructions.options, "near": near})
@@ -373,13 +464,13 @@ class _Run:
                 yield outcome
         yield from computed(instructions, tasks, workers)
 
-    def _known(self, instructions: Instructions, first: Sequence[Source]) -> AntiresonanceSet | None:
-        """What is followed; of the same files it is kept, for a watch that calls again for each new one."""
+    def _known(self, instructions: Instructions, first: Sequence[Source]) -> AntiresonanceSet | str:
+        """What is followed, or why nothing; kept of the same files: a watch calls for each new one."""
         contents = [self._content(one) for one in first]
         key = json.dumps([contents, instructions.options], default=_plain)
         if not all(contents) or key not in _KEPT:
             _KEPT.clear()
-            _KEPT[key] = known_of(instructions, [one.given for one in first])
+            _KEPT[key] = known_of(instructions, first)
         return _KEPT[key]
 
     def _content(self, source: Source) -> str:

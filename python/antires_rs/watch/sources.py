@@ -169,7 +169,7 @@ class Instructions:
 
 
 class Unread(str):
-    """What stands in place of a source that could not be read: why."""
+    """What stands in place of a source that could not be read, or identified: why."""
 
 
 def identified(instructions: Instructions, given: Any) -> Outcome:
@@ -187,8 +187,13 @@ def identified(instructions: Instructions, given: Any) -> Outcome:
 
 def loaded(instructions: Instructions, given: Any) -> Any:
     """The signal of a source, or an :class:`Unread`."""
+    return tried(_signal, instructions.reading, given)
+
+
+def tried(act: Callable[..., Any], *given: Any) -> Any:
+    """What ``act(*given)`` returns, or an :class:`Unread` where it fails for the sake of the record."""
     try:
-        return _signal(instructions.reading, given)
+        return act(*given)
     except (MissingDependencyError, MemoryError):
         raise
     except Exception as exc:
@@ -223,7 +228,7 @@ def _read(file: Path, options: dict[str, Any]) -> Any:
 
 def set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
     """Identified, without the sensors that were out."""
-    signal, dead = _living(signal)
+    signal, dead = living(signal)
     options = dict(options)
     if dead and options.get("dofs") is not None:
         options["dofs"] = [dof for dof in options["dofs"] if dof not in dead]
@@ -239,7 +244,7 @@ def set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
     return found
 
 
-def _living(signal: Any) -> tuple[Any, tuple[Any, ...]]:
+def living(signal: Any) -> tuple[Any, tuple[Any, ...]]:
     """Records without the channels that are constant in any of them, and their dofs."""
     records = signal if isinstance(signal, list) else [signal]
     if not all(isinstance(one, Recording) for one in records):
