@@ -93,7 +93,8 @@ def ours(formulation, route="transmissibility"):
         return {dof: select(_poles(found.diagrams[dof]), band_hz) for dof in found}
 
     given = "force too" if route == "frf" else "responses or FRFs"
-    name = f"antires_rs, {'default' if formulation == 'auto' else formulation}" + (", FRF route" if route == "frf" else "")
+    name = "default" if formulation == "auto" else formulation
+    name = f"antires_rs, {name}{', FRF route' if route == 'frf' else ''}"
     return Entry(name, given, sweep, values)
 
 
