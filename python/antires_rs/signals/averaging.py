@@ -138,7 +138,7 @@ def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
 
 
 def find_events(rec: Recording, low_hz: float = 0.0) -> tuple[Event, ...]:
-    """Find the impacts of a record, among what is slower than ``low_hz``."""
+    """Find the impacts of a record, without what is slower than ``low_hz``."""
     block = max(FINE_BLOCK_SAMPLES, rec.n_samples // FINE_BLOCKS)
     energy = _energy(rec, block, low_hz)
     peak = energy.max()
