@@ -472,7 +472,7 @@ def _followed(
     step("following")
     looks: list[Look] = []
     if isinstance(source, Recording) and averages is not None and not options.use_force:
-        looks = looks_of(averages, band, 1)
+        looks = looks_of(averages, band, one=True)
     look = looks[0] if looks else look_of(lines_for(FORCE if options.use_force else 0))
     tables, gone = tables_of(look, source.dofs, near, band, options.rule.min_share)
     if searched is not None:

@@ -91,20 +91,20 @@ class Look:
     own_range: bool = False
 
 
-def looks_of(averages: Averages, band_hz: tuple[float, float], most: int | None = None) -> list[Look]:
-    """Resolutions of a record, ``most`` of them: segments and shorter ones, or windows of decays.
+def looks_of(averages: Averages, band_hz: tuple[float, float], *, one: bool = False) -> list[Look]:
+    """Resolutions of a record, or ``one`` for all of the band: segments of three lengths, windows of decays.
 
     Without those that have too few lines in the band; none may be left.
     """
     rng, rec = np.random.default_rng(SEED), averages.rec
     if averages.nperseg is None:
-        return _of_impacts(rec, band_hz, averages.hum, rng, one=most == 1)
+        return _of_impacts(rec, band_hz, averages.hum, rng, one=one)
     given = averages.options.window
     window = given if isinstance(given, str | tuple) else "hann"
     longest = averages.options.nperseg or look_samples(rec, band_hz)
     made = [
         _of_segments(beside(cross_spectra(rec, nperseg=n, window=window, band_hz=band_hz), averages.hum), rng)
-        for n in (longest, longest // 2, longest // 4)[:most]
+        for n in (longest, longest // 2, longest // 4)[: 1 if one else None]
         if n * (band_hz[1] - band_hz[0]) >= 2 * LEAST_LINES * rec.fs_hz
     ]
     return [look for look in made if look.freq_hz.size >= 2 * LEAST_LINES]
