@@ -24,6 +24,14 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+def _holds(record, text):
+    """Whether the record of a run holds the text; a run takes that of the run before away."""
+    try:
+        return text in record.read_text()
+    except FileNotFoundError:
+        return False
+
+
 def stopped(folder, how, *call, after=0.3, until="searching", code=ANTIRES):
     """Exit code, output, errors and seconds of an ``antires`` that got a signal during its search."""
     pipe = subprocess.PIPE
@@ -32,7 +40,7 @@ def stopped(folder, how, *call, after=0.3, until="searching", code=ANTIRES):
         try:
             record = folder / "job_results" / "run.json"
             deadline = time.monotonic() + 60.0
-            while not (record.exists() and until in record.read_text()):
+            while not _holds(record, until):
                 assert process.poll() is None, process.stderr.read()
                 assert time.monotonic() < deadline
                 time.sleep(0.005)
