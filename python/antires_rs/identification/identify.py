@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from .._core import __version__
-from ..exceptions import UnsuitableDataError, reject
+from ..exceptions import InvalidInputError, NumericalError, UnsuitableDataError, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.matching import check_set
 from ..measured.merge import merge_setups
@@ -47,7 +47,16 @@ from ..support.values import frozen
 from .following import look_of, tables_of, with_search
 from .lines import FORCE, Lines, lines_of
 from .local_fits import LEAST_LINES
-from .numerators import CLEAN, LARGEST_AHEAD, LEAST_SEGMENTS, few, freedom, independent_averages, misfit_ahead
+from .numerators import (
+    CLEAN,
+    LARGEST_AHEAD,
+    LEAST_SEGMENTS,
+    Likeliest,
+    few,
+    freedom,
+    independent_averages,
+    misfit_ahead,
+)
 from .options import (
     OF_BOTH,
     OF_DIRECTIONS,
@@ -61,7 +70,7 @@ from .options import (
 )
 from .paper import sweep_of
 from .scores import graded, of_lost_channels, scored, unexplained, with_second, without_common
-from .selection import select
+from .selection import likeliest_of, select
 from .stability import Look, direction_diagrams, looks_of
 from .stabilization import PoleSweep, StabilizationDiagram, ZeroSweep, add_persistent, diagram, join, windows
 from .windows import HIGHEST_ORDER, LINES_PER_ORDER, SCALES, local_diagrams
@@ -75,8 +84,12 @@ def diagrams_of(
     band: tuple[float, float],
     options: IdentificationOptions,
     looks: Sequence[Look] = (),
+    fits: Sequence[Likeliest] = (),
 ) -> dict[Any, StabilizationDiagram]:
-    """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto"."""
+    """One diagram for each of ``dofs``, by the formulation of the options, which is no longer "auto".
+
+    ``fits`` are the likeliest numerators of every window where they are known.
+    """
     first = lines_for(FORCE if options.use_force else 0)
     if options.formulation == "directions":
         found = dict(zip(dofs, direction_diagrams(looks, first, len(dofs), band, options), strict=True))
@@ -84,7 +97,10 @@ def diagrams_of(
         found = dict(zip(dofs, local_diagrams(first, len(dofs), band, options), strict=True))
     elif options.formulation == "numerators":
         cut = windows(first.freq_hz, band)
-        parts = [select(first.part(w.first, w.last), len(dofs), w, options) for w in cut]
+        lines = [first.part(w.first, w.last) for w in cut]
+        fits = fits or [likeliest_of(part, options) for part in lines]
+        each = zip(lines, fits, cut, strict=True)
+        parts = [select(part, best, len(dofs), w, options) for part, best, w in each]
         joined = [join(list(rows), cut, band, options.rule.freq_tol) for rows in zip(*parts, strict=True)]
         found = dict(zip(dofs, joined, strict=True))
     else:
@@ -146,10 +162,16 @@ LEVEL_QUANTILE, LEVEL_SAMPLES = 0.999, 16384
 
 
 def settled(
-    options: IdentificationOptions, lines: Lines, *, of_curves: bool, drifting: bool = False
-) -> IdentificationOptions:
-    """The options with the formulation that "auto" means for these lines."""
+    options: IdentificationOptions,
+    lines: Lines,
+    band: tuple[float, float],
+    *,
+    of_curves: bool,
+    drifting: bool = False,
+) -> tuple[IdentificationOptions, list[Likeliest]]:
+    """The options with the formulation that "auto" means here, and the fits by which it was judged."""
     formulation = options.formulation
+    fits: list[Likeliest] = []
     if formulation == "auto" and options.call.estimator != "rank1":
         formulation = "windows" if lines.segments is None else "joint"
     elif formulation == "auto" and (of_curves or options.use_force):
@@ -161,8 +183,14 @@ def settled(
     elif formulation == "auto":
         # What holds over the whole band is the better estimate; options of the sweep ask for it.
         asked = options.given & {*OF_SWEEP, "max_order"}
-        predicted = asked or misfit_ahead(lines, options.most) <= LARGEST_AHEAD
-        formulation = "numerators" if predicted else "directions"
+        cut = [] if asked else [lines.part(w.first, w.last) for w in windows(lines.freq_hz, band)]
+        formulation = "numerators"
+        try:
+            fits = [likeliest_of(part, options) for part in cut]
+            if fits and misfit_ahead(list(zip(cut, fits, strict=True))) > LARGEST_AHEAD:
+                formulation = "directions"
+        except (NumericalError, InvalidInputError):
+            formulation = "directions"
     if formulation == "directions":
         idle = [name for name in sorted(options.given) if name not in (*OF_DIRECTIONS, "formulation")]
         fit = "local fits (formulation 'directions': what one fit over the band does not predict)"
@@ -196,7 +224,7 @@ def settled(
             f"misplaced. Measure with lines {width / FEW_LINES:.2g} Hz apart or finer; if the band holds one "
             "mode alone, widen it.",
         )
-    return replace(options, formulation=formulation)
+    return replace(options, formulation=formulation), fits
 
 
 @patient("identifying antiresonances")
@@ -371,7 +399,7 @@ def identify_antiresonances(
             searched = identify_antiresonances(one, **again, **of_call)
         return _followed(near, searched, one, averages, lines_for, excitation, wanted, band, options)
     drifting = averages is not None and averages.nperseg is None and drifts(averages.rec, band)
-    options = settled(options, lines_for(0), of_curves=averages is None, drifting=drifting)
+    options, fits = settled(options, lines_for(0), band, of_curves=averages is None, drifting=drifting)
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
@@ -380,7 +408,7 @@ def identify_antiresonances(
         looks, options = _looks(
             one, averages, band, options, asked=fit is not None and "formulation" in fit.given
         )
-    diagrams = of_lost_channels(diagrams_of(one.dofs, lines_for, band, options, looks), checked)
+    diagrams = of_lost_channels(diagrams_of(one.dofs, lines_for, band, options, looks, fits), checked)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
     compared = None
@@ -427,7 +455,7 @@ def _made_of(source: Recording | FrequencyResponse, band: tuple[float, float]) -
     made: dict[str, Any] = {"antires_rs": __version__, "band_hz": list(band)}
     if isinstance(source, Recording):
         x = source.responses[:, :: max(1, source.n_samples // LEVEL_SAMPLES)]
-        highest = np.quantile(np.abs(x - np.median(x, axis=1, keepdims=True)), LEVEL_QUANTILE, axis=1)
+        highest = np.quantile(np.abs(x - x.mean(axis=1, keepdims=True)), LEVEL_QUANTILE, axis=1)
         made["response_level"] = float(f"{np.sqrt(np.mean(highest**2)):.6g}")
     return made
 

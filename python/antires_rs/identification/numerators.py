@@ -551,7 +551,7 @@ def _centred(push: FloatArray) -> FloatArray:
 # -- Whether the fit predicts what it has not seen, to the noise that the segments tell
 
 #: Lines that are looked at, parts of the band, and the largest misfit of a part over what noise makes of it.
-LINES_AHEAD, PARTS, LARGEST_AHEAD = 2400, 8, 2.5
+LINES_AHEAD, PARTS, LARGEST_AHEAD = 1200, 8, 2.5
 #: Segments without which halves tell nothing.
 LEAST_SEGMENTS = 4
 #: Signal-to-noise power at the median line from which few impacts are as good as curves.
@@ -563,31 +563,33 @@ def few(lines: Lines) -> bool:
     return lines.segments is None or lines.segments.count < LEAST_SEGMENTS
 
 
-def misfit_ahead(lines: Lines, max_order: int) -> float:
-    """Misfit of held-back segments to the numerators fitted to the others, in the band's worst part.
+def misfit_ahead(cuts: Sequence[tuple[Lines, Likeliest]]) -> float:
+    """Misfit of held-back segments to the numerators of the others, in the band's worst part.
 
-    One is what noise makes of it: the directions of the held-back half scatter by (n - 1) / (K SNR) in power,
-    K its independent averages. Infinite where the fit fails.
+    ``cuts`` are the lines of each window and their fit, which gives order and weights. One is what noise
+    makes of it: the directions of the held-back half scatter by (n - 1) / (K SNR) in power, K its independent
+    averages.
     """
+    off = np.concatenate([_off(lines, best) for lines, best in cuts])
+    return max(float(np.median(part)) for part in np.array_split(off, PARTS) if part.size)
+
+
+def _off(lines: Lines, best: Likeliest) -> FloatArray:
+    """Squared distance of held-back directions from a fit to the others, over that of noise, by line."""
     assert lines.segments is not None
-    step = max(1, lines.freq_hz.size // LINES_AHEAD)
+    step = -(-lines.freq_hz.size // LINES_AHEAD)
     part = slice(None, None, step)
     x = lines.segments.at(part)
-    freq = lines.freq_hz[part]
-
-    def covariance(half: ComplexArray) -> ComplexArray:
-        return np.asarray(half @ half.conj().transpose(0, 2, 1) / half.shape[2])
-
-    fitted, held = covariance(x[:, :, 0::2]), covariance(x[:, :, 1::2])
-    try:
-        best = likeliest(freq, fitted.__getitem__, SNR_CAP, min(1.0, lines.independent * step), max_order)
-    except NumericalError:
-        return np.inf
-    n = best.fit.values(best.coefficients)
+    fitted, held = (
+        half @ half.conj().transpose(0, 2, 1) / half.shape[2] for half in (x[..., ::2], x[..., 1::2])
+    )
+    unit = np.ones(x.shape[1])
+    top, weights = dominant(fitted, unit)[0], best.fit.weights[part]
+    fit = NumeratorFit(lines.freq_hz[part], fitted.__getitem__, top, weights, best.order)
+    n = fit.values(fit.likeliest(best.order)[0])
     n /= np.linalg.norm(n, axis=1, keepdims=True)
-    largest, rest, v = dominant(held.conj(), np.ones(n.shape[1]))
+    largest, rest, v = dominant(held.conj(), unit)
     snr = largest / np.maximum(rest, 1e-12 * largest)
-    count = x.shape[2] // 2 / lines.averages_ratio
-    off = (1.0 - np.abs(np.sum(n.conj() * v, axis=1)) ** 2) * snr / (1.0 + snr / SNR_CAP)
-    parts = [np.median(each) for each in np.array_split(off, PARTS) if each.size]
-    return float(max(parts) * count / max(n.shape[1] - 1, 1))
+    count = x.shape[2] // 2 / lines.averages_ratio / max(n.shape[1] - 1, 1)
+    distance = 1.0 - np.abs(np.sum(n.conj() * v, axis=1)) ** 2
+    return np.asarray(distance * snr / (1.0 + snr / SNR_CAP) * count)

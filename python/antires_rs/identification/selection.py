@@ -79,13 +79,17 @@ OTHER_HALF = 0.02
 WEAK, NEARLY_SHARED, SAME_DAMPING = 0.5, 0.05, 0.002
 
 
+def likeliest_of(lines: Lines, options: IdentificationOptions) -> Likeliest:
+    """The likeliest numerators of all rows; the lines of one window."""
+    orders = options.rule.orders((options.rule.min_order, options.most), lines.freq_hz.size)
+    return likeliest(lines.freq_hz, lines.covariance, SNR_CAP, lines.independent, orders[-1])
+
+
 def select(
-    lines: Lines, n_responses: int, window: Window, options: IdentificationOptions
+    lines: Lines, best: Likeliest, n_responses: int, window: Window, options: IdentificationOptions
 ) -> list[StabilizationDiagram]:
-    """One diagram for each of the first ``n_responses`` rows of ``lines``."""
+    """One diagram for each of the first ``n_responses`` rows of ``lines``, of which ``best`` is the fit."""
     rule, keep_common = replace(options.rule, both_sides=True), options.rule.keep_common
-    orders = rule.orders((options.rule.min_order, options.most), lines.freq_hz.size)
-    best = likeliest(lines.freq_hz, lines.covariance, SNR_CAP, lines.independent, orders[-1])
     above = [best.order + k for k in ABOVE if best.order + k <= best.fit.max_order]
     if len(above) < len(ABOVE):
         # There are hardly any orders above the likeliest, which may be beyond them.
@@ -98,7 +102,7 @@ def select(
             f"hardly below the highest that is fitted, {best.fit.max_order}; antiresonances may be missing "
             f"or wrong. {remedy}.",
         )
-    orders = range(orders[0], best.fit.max_order + 1)
+    orders = range(rule.min_order, best.fit.max_order + 1)
     influence = Influence(best, lines.by_test())
     # The force, if it is there, has the poles for zeros: only where there is no second response may it say
     # what a zero owns, since a zero beside a resonance owns little of the quotient with the force.

@@ -442,6 +442,8 @@ LINES_OF_MODE, LEAST_LINES = 3, 8
 SPAN = 0.25
 # Zero padding of the transform that scans the delays.
 PADDING = 4
+# What a delay or an offset must add to the agreement of a channel with the others to explain it.
+MENDED = 0.3
 
 
 class Fit(NamedTuple):
@@ -497,6 +499,9 @@ class Agreement:
             return None
         _, mode, counts = np.unique(self._mode[lines], return_inverse=True, return_counts=True)
         weighted = self.votes[lines, p] / (counts.size * counts[mode])
+        in_phase = float(weighted.real.sum())
+        if in_phase > 1.0 - MENDED:  # no delay could mend so much
+            return Fit(in_phase, in_phase, 0.0, False, 1.0, int(counts.size))
         freq = self.freq_hz[lines]
         delays, sums = _scanned(freq, weighted, float(np.diff(self.freq_hz).min()))
         tried = np.log1p(4.0 * np.abs(delays) * float(freq[-1] - freq[0]))
@@ -507,7 +512,7 @@ class Agreement:
         best = int(np.argmin(turned if quadrature else late))
         sign = -1.0 if quadrature else 1.0
         return Fit(
-            float(weighted.real.sum()),
+            in_phase,
             float(sign * sums.real[best]),
             _refined(freq, sign * weighted, float(delays[best]), float(delays[1] - delays[0])),
             quadrature,
@@ -519,11 +524,18 @@ class Agreement:
 def _modes(direction: ComplexArray, used: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Number of the mode that each used line belongs to, -1 for the others."""
     mode = np.full(used.size, -1)
-    first, number = None, -1
-    for i in np.flatnonzero(used):
-        if first is None or abs(np.vdot(first, direction[i])) < SAME_MODE:
-            first, number = direction[i], number + 1
-        mode[i] = number
+    lines = np.flatnonzero(used)
+    first, number = 0, 0
+    while first < lines.size:
+        end, some = first + 1, 16  # looked at some lines at a time, ever more
+        while end < lines.size:
+            others = np.abs(direction[lines[end : end + some]] @ direction[lines[first]].conj()) < SAME_MODE
+            if others.any():
+                end += int(np.argmax(others))
+                break
+            end, some = end + some, 2 * some
+        mode[lines[first:end]] = number
+        first, number = end, number + 1
     return mode
 
 
@@ -579,8 +591,7 @@ SHIFT_DEG = 60.0
 QUADRATURE_DEG = 45.0
 # A channel is out of phase below this agreement (33 degrees of scatter), ...
 IN_PHASE = 0.7
-# ... and a delay or an offset explains it if it mends so much of the agreement, ...
-MENDED = 0.3
+# ... and a delay or an offset explains it if it mends so much of the agreement (MENDED), ...
 # ... leaves at most so many times the disagreement of the median channel, ...
 AS_THE_OTHERS = 3.0
 # ... which is taken to be no less than this (a scatter of 13 degrees in doubled phase), ...

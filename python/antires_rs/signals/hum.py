@@ -121,26 +121,34 @@ def _f_of_line(parts: tuple[Recording, ...], freq_hz: float) -> float:
 
     At what frequency, within what the mains may be off, all channels of a piece say together.
     """
-    fits, powers = [], []
+    cut: list[tuple[ComplexArray, float]] = []
     for part in parts:
         z, rate = _thinned(part, freq_hz)
         n = min(round(PIECE_S * rate), z.shape[1] // LEAST_PIECES)
-        if n < LEAST_SAMPLES:
-            continue
+        if n >= LEAST_SAMPLES:
+            starts = np.linspace(0, z.shape[1] - n, min(z.shape[1] // n, PIECES)).astype(int)
+            cut += [(z[:, start : start + n], rate) for start in starts[starts.size // HIDDEN :]]
+    fits, powers = [], []
+    # Once so many pieces of every channel are without it the others cannot make it a line.
+    enough = int((1.0 - PIECES_WITH) * (len(cut) - 1)) + 2
+    without = np.zeros(parts[0].n_channels, dtype=int)
+    for z, rate in cut:
+        n = z.shape[1]
         tapers = _tapers(n)
         sums = tapers.sum(axis=1)
         reach = OFF * freq_hz
         off = np.linspace(-reach, reach, 2 * int(np.ceil(4 * reach * n / rate)) + 1)
         turn = np.exp(-2j * np.pi * np.arange(n)[:, None] / rate * off)
-        starts = np.linspace(0, z.shape[1] - n, min(z.shape[1] // n, PIECES)).astype(int)
-        for start in starts[starts.size // HIDDEN :]:
-            y = (tapers * z[:, None, start : start + n]) @ turn
-            mu = np.einsum("k,pkf->pf", sums, y) / (sums @ sums)
-            rest = np.sum(np.abs(y - mu[:, None] * sums[:, None]) ** 2, axis=1)
-            f = (TAPERS - 1) * np.abs(mu) ** 2 * (sums @ sums) / np.maximum(rest, 1e-300)
-            best = int(np.argmax(np.minimum(f, LINE_F).sum(axis=0)))
-            fits.append(f[:, best])
-            powers.append(np.abs(mu[:, best]) ** 2)
+        y = (tapers * z[:, None]) @ turn
+        mu = np.einsum("k,pkf->pf", sums, y) / (sums @ sums)
+        rest = np.sum(np.abs(y - mu[:, None] * sums[:, None]) ** 2, axis=1)
+        f = (TAPERS - 1) * np.abs(mu) ** 2 * (sums @ sums) / np.maximum(rest, 1e-300)
+        best = int(np.argmax(np.minimum(f, LINE_F).sum(axis=0)))
+        fits.append(f[:, best])
+        powers.append(np.abs(mu[:, best]) ** 2)
+        without += fits[-1] < ANOTHER_F
+        if without.min() >= enough:
+            return 0.0
     if not fits:
         return 0.0
     reached = np.quantile(fits, 1.0 - PIECES_WITH, axis=0)
