@@ -7,9 +7,10 @@ A reported value is right if a true zero of its response that no other value has
 standard deviations) of it (``std_hz`` of the truth: Cramer-Rao and what moves within the record); "strict" is
 1 %. Wanted are zeros damped less than 4 % whose standard deviation is below 1 %; "shared" are those of them
 that at least half of the channels have within 0.5 %: zeros beside a mode that the force hardly excites.
-"Again" is the share of the values of one record that another record of the structure gives within 1 %;
-"could" is the same of the wanted zeros themselves, which hits in different places move. For pooled hits a
-record is a list.
+"Stated false" is the mean of ``expected_false`` of the sets that have one, "held" those of them that have no
+more false values. "Again" is the share of the values of one record that another record of the structure has
+within 1 %; "could" is the same of the wanted zeros themselves, which hits in different places move. For
+pooled hits a record is a list.
 
     python -m benchmarks.simulated_reality --structures frame --kind hit --records 10
     python -m benchmarks.simulated_reality --structures frame --kind hit --records 10 --each
@@ -55,6 +56,7 @@ class Tally:
     errors: list[str] = field(default_factory=list)
     fitted: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    stated: list[float] = field(default_factory=list)
 
     def add(self, values, truth):
         """One set: values by channel."""
@@ -93,9 +95,19 @@ class Tally:
             percent(plain_found, plain),
             percent(*again(self.sets)),
             percent(*again(self.truths)),
+            self.held(),
             f"{self.seconds / max(len(self.sets), 1):.2f}",
             " ".join(f"{self.fitted.count(one)} {one}" for one in sorted(set(self.fitted))),
         ]
+
+    def held(self):
+        """Mean bound on false values where one is stated, and the sets whose false values it holds."""
+        known = [
+            (bound, seen) for bound, seen in zip(self.stated, self.false, strict=True) if np.isfinite(bound)
+        ]
+        if not known:
+            return "-"
+        return f"{np.mean([bound for bound, _ in known]):.1f}; {sum(n <= b for b, n in known)}/{len(known)}"
 
 
 HEADER = [
@@ -109,6 +121,7 @@ HEADER = [
     "not shared",
     "again",
     "could",
+    "stated false; held",
     "CPU s",
     "fitted",
 ]
@@ -157,7 +170,7 @@ def made(structure, level, kind, seed):
 
 
 def identified(source, structure, band_hz=None, **options):
-    """(values by channel, what fitted or the error, CPU s)."""
+    """(values by channel, what fitted or the error, CPU s, bound on false values)."""
     start = time.process_time()
     count = len(structure.sensors)
     try:
@@ -165,19 +178,21 @@ def identified(source, structure, band_hz=None, **options):
             source, excitation=structure.driven, band_hz=band_hz or structure.band_hz, **options
         )
     except ar.exceptions.AntiresError as error:
-        return [np.zeros(0)] * count, f"{type(error).__name__}", time.process_time() - start
+        return [np.zeros(0)] * count, f"{type(error).__name__}", time.process_time() - start, np.nan
+    stated = np.nan if found.expected_false is None else found.expected_false
     values = [np.asarray(found[dof]) if dof in found else np.zeros(0) for dof in range(count)]
-    return values, found.options.get("fitted", "?"), time.process_time() - start
+    return values, found.options.get("fitted", "?"), time.process_time() - start, stated
 
 
 def study(structure, level, kind, records, seed, **options):
     tally = Tally()
     for k in range(seed, seed + records):
         source, truth = made(structure, level, kind, k)
-        values, fitted, seconds = identified(source, structure, **options)
+        values, fitted, seconds, stated = identified(source, structure, **options)
         tally.add(values, truth)
         tally.fitted.append(fitted)
         tally.seconds += seconds
+        tally.stated.append(stated)
     return tally
 
 
@@ -194,7 +209,7 @@ def league(structure, level, kind, records, seed):
     sets = []
     for source, band in variants:
         have = source[0].n_channels if isinstance(source, list) else source.n_channels
-        values, said, _ = identified(source, structure, band)
+        values, said, *_ = identified(source, structure, band)
         sets.append((values, said, band, have))
     found = could = 0
     for i, (one, _, a, _) in enumerate(sets):

@@ -6,6 +6,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.local_fits import fit, stretches
+from antires_rs.identification.stability import VIEWS, false_values
 from antires_rs.signals.averaging import Averaging, holds_hits
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
 
@@ -140,3 +141,25 @@ def test_one_hit_in_noise(seconds):
         assert np.abs(zeros["floor 2"] / value - 1.0).min() < 0.02
     # Its dip near 10 Hz is filled with noise, which may show one more value there.
     assert sum(map(len, zeros.values())) <= 3
+
+
+def test_the_bound_on_false_values_is_that_of_shah_and_samworth():
+    pairs = VIEWS // 2
+    share = np.array([0.55, 0.7, 0.9, 1.0])
+    c = [1 / (2 * (0.4 - 1 / (2 * pairs))), 4 * (0.1 + 1 / (2 * pairs)) / (1 + 1 / pairs), 2 / (pairs + 1)]
+    bound = false_values(share, 5.0, 100.0)
+    assert bound[1:] == pytest.approx(np.array(c) * 0.25)
+    assert bound[0] == pytest.approx(min(5.0 / 0.55, 0.25 / (2 * (0.1 - 1 / (2 * pairs)))))
+
+
+def test_simulated_records_have_no_more_false_values_than_stated(chain, tmp_path):
+    """Records with noise; hits with all that is wrong with them: ``benchmarks/simulated_reality.py``."""
+    model, truth = chain
+    local = ar.FitOptions(formulation="directions")
+    zeros = ar.identify_antiresonances(record(model, 0.1, 21), excitation=0, band_hz=BAND, fit=local)
+    assert matched(zeros, truth)[1] <= zeros.expected_false <= 0.25 * sum(map(len, zeros.values()))
+    zeros.save(tmp_path / "zeros.json")
+    assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").expected_false == zeros.expected_false
+    assert (
+        ar.identify_antiresonances(record(model, 0.01, 21), excitation=0, band_hz=BAND).expected_false is None
+    )

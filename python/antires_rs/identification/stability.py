@@ -15,6 +15,8 @@ widths, averaged over looks at the same frequencies, of the best of windows. Acc
 - a dip of the response beside the others, 6 dB deep: what all of them have, a line of the force or a mode
   that it hardly excites, makes none.
 
+How many accepted values are false is bounded from the shares (``expected_false``, :func:`false_values`).
+
 The standard deviation is the scatter of the perturbed fits (complementary halves scatter about the whole as
 the whole does about the truth), with half of the difference between the looks.
 
@@ -303,6 +305,7 @@ def direction_diagrams(
     found, refused = _apart(judged[why == ""], surveyed), judged[why != ""]
     why = why[why != ""]
     seen = np.concatenate([one.zeros for one in sightings])
+    places = float(np.log(band_hz[1] / lines.freq_hz[0])) / (2.0 * SEEN_WITHIN)
     diagrams = []
     for row in range(n_responses):
         own, out = found["row"] == row, refused["row"] == row
@@ -314,6 +317,10 @@ def direction_diagrams(
         if not zeros.size:
             orders, first = np.array([SCALES[0][2][0]]), np.array([0])
         accepted, left_out = _table(found[own]), _table(refused[out])
+        on_average = float(judged["share"][judged["row"] == row].sum())
+        accepted = accepted.with_scores(
+            expected_false=false_values(accepted.scores["share"], on_average, places)
+        )
         off = np.abs(zeros[:, 1][:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf)
         freq, damping, stable = (
             tuple(frozen(part) for part in np.split(column, first[1:]))
@@ -388,6 +395,20 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
             )
         )
     return np.array(rows, dtype=CANDIDATE)
+
+
+def false_values(share: FloatArray, on_average: float, places: float) -> FloatArray:
+    """Bound on how many values of a response with at least this share are false, on average, (n,).
+
+    A perturbed fit sees a value at ``on_average`` of so many ``places``, q of p. With B complementary pairs
+    of halves, where shares have a distribution of one peak, at most C q^2 / p values are seen no oftener than
+    by chance: C = 1 / (4 share - 2 - 1 / B) up to a share of 3/4, 4 (1 - share + 1 / 2B) / (1 + 1 / B) beyond
+    (Shah and Samworth 2013, theorem 2). Values of a share are at most q / share in any case.
+    """
+    pairs = VIEWS / 2.0
+    common = 1.0 / np.maximum(4.0 * share - 2.0 - 1.0 / pairs, 1e-9)
+    c = np.where(share > 0.75, 4.0 * (1.0 - share + 0.5 / pairs) / (1.0 + 1.0 / pairs), common)
+    return np.asarray(np.minimum(c * on_average**2 / places, on_average / share))
 
 
 def reasons(found: NDArray[np.void], rule: FitOptions) -> NDArray[np.str_]:

@@ -388,6 +388,28 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         )
 
     @property
+    def expected_false(self) -> float | None:
+        """Bound on how many values are false, on average; None where no perturbed fits were counted.
+
+        The score ``expected_false`` bounds those of a response with at least the share of a value; all with
+        less are counted as false, from the share on that gives the least sum.
+
+        Examples
+        --------
+        >>> import antires_rs as ar
+        >>> scores = {0: {"share": [1.0, 0.9, 0.6], "expected_false": [0.1, 0.3, 2.0]}}
+        >>> ar.AntiresonanceSet(0, {0: [5.8, 10.2, 14.0]}, scores=scores).expected_false
+        1.3
+        """
+        if not all("expected_false" in t.scores for t in self.tables.values()):
+            return None
+        total = 0.0
+        for table in self.tables.values():
+            bound = np.sort(table.scores["expected_false"])
+            total += float(np.min(bound + np.arange(bound.size)[::-1], initial=bound.size))
+        return total
+
+    @property
     def followed(self) -> Mapping[Any, NDArray[np.int64]]:
         """By dof, where values were followed (``near=``): of which value each is, by its index, or -1.
 
