@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError
+from antires_rs.exceptions import AntiresWarning, InvalidInputError
 from antires_rs.measured.matching import paired
 from antires_rs.watch.stored_tests import decoded, encoded
 from reference.virtual_records import hit_record
@@ -159,3 +159,8 @@ def test_what_is_seen_is_what_the_test_sees(sees, of_hit, of_curves):
     near = ar.AntiresonanceSet(EXCITATION, {0: [*KNOWN[0]]}, sees=sees)
     assert follow(hit(chain(), 0), near).sees == of_hit
     assert follow(curves(chain()), near).sees == of_curves
+
+
+def test_options_of_a_search_have_no_effect_on_what_is_followed():
+    with pytest.warns(AntiresWarning, match=r"freq_tol has no effect on values that are followed"):
+        follow(curves(chain()), fit=ar.FitOptions(freq_tol=0.01))

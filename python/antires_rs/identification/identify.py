@@ -60,6 +60,7 @@ from .numerators import (
 from .options import (
     OF_BOTH,
     OF_DIRECTIONS,
+    OF_FOLLOWING,
     OF_SWEEP,
     OF_WINDOWS,
     CallOptions,
@@ -208,13 +209,7 @@ def settled(
         idle = [name for name in OF_WINDOWS if name in options.given]
         fit = f"the sweep over orders (formulation {formulation!r})"
         counts = [*OF_BOTH, *OF_SWEEP, "min_order", "max_order"]
-    if idle:
-        verb = "has" if len(idle) == 1 else "have"
-        warn(
-            "no_effect",
-            f"identify_antiresonances: {' and '.join(idle)} {verb} no effect on {fit}; what counts there is "
-            f"{', '.join(counts)}.",
-        )
+    _say_idle(idle, fit, counts)
     count, width = lines.freq_hz.size, float(lines.freq_hz[-1] - lines.freq_hz[0])
     if formulation == "windows" and count < FEW_LINES:
         warn(
@@ -225,6 +220,17 @@ def settled(
             "mode alone, widen it.",
         )
     return replace(options, formulation=formulation), fits
+
+
+def _say_idle(idle: Sequence[str], fit: str, counts: Sequence[str]) -> None:
+    """Warn of options that were given and have no effect."""
+    if idle:
+        verb = "has" if len(idle) == 1 else "have"
+        warn(
+            "no_effect",
+            f"identify_antiresonances: {' and '.join(idle)} {verb} no effect on {fit}; what counts there is "
+            f"{', '.join(counts)}.",
+        )
 
 
 @patient("identifying antiresonances")
@@ -397,6 +403,11 @@ def identify_antiresonances(
             of_call = options.call.values() | {"check": "off", "cross_check": None}
             again = {"excitation": excitation, "band_hz": band, "fit": FitOptions(**of_fit)}
             searched = identify_antiresonances(one, **again, **of_call)
+        else:  # options by which the values were found may be given again
+            held = options.values()
+            others = sorted(options.given - {*OF_FOLLOWING})
+            idle = [name for name in others if near.options.get(name) != held[name]]
+            _say_idle(idle, "values that are followed (near=) without a search for new ones", OF_FOLLOWING)
         return _followed(near, searched, one, averages, lines_for, excitation, wanted, band, options)
     drifting = averages is not None and averages.nperseg is None and drifts(averages.rec, band)
     options, fits = settled(options, lines_for(0), band, of_curves=averages is None, drifting=drifting)

@@ -245,6 +245,8 @@ OF_WINDOWS = ("min_share", "min_depth_db")
 OF_BOTH = ("freq_tol", "max_damping")
 #: Those of perturbed local fits, and of how their records are averaged; damping counts up to 0.06.
 OF_DIRECTIONS = ("min_share", "min_depth_db", "max_damping", "method", "window", "nperseg")
+#: Those of values that are followed.
+OF_FOLLOWING = ("min_share", "new_values", "method", "window", "nperseg")
 
 
 def declared() -> dict[str, Option]:
