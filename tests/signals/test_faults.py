@@ -75,7 +75,7 @@ def test_findings_of_one_kind_are_one_line():
 
     [one] = one_of_a_kind([late(3, 2.0), late(7, 5.0)])
     assert (one.where, one.value, one.advice) == ((3, 7), 5.0, "Check.")
-    assert one.text == "Dofs 3, 7: 3 late by 2.0 ms; 7 late by 5.0 ms."
+    assert one.text == "Dofs 3, 7: 3: late by 2.0 ms; 7: late by 5.0 ms."
     [many] = one_of_a_kind([late(i, float(i)) for i in range(2, 9)])
     assert many.text.endswith("; and 3 more.")
     assert "\n" not in str(many)

@@ -665,7 +665,7 @@ def _finding(seen: Evidence, where: tuple[int, ...], fit: Fit) -> Finding:
         advice = "Check the sensor and its conditioning; convert all channels to one kind."
         brief = f"at right angles to the other channels at {modes}"
         return Finding(QUADRATURE, "warning", dofs, 90.0, QUADRATURE_DEG, text, advice, brief)
-    samples = "" if seen.fs_hz is None else f", {fit.delay_s * seen.fs_hz:+.2f} samples"
+    samples = "" if seen.fs_hz is None else f", {abs(fit.delay_s) * seen.fs_hz:.2f} samples"
     brief = (
         f"{'late' if fit.delay_s > 0 else 'early'} against the other channels by "
         f"{1e3 * abs(fit.delay_s):.3g} ms{samples}"

@@ -84,7 +84,7 @@ def _as_one(findings: list[Finding]) -> Finding:
     if len(said) == 1:
         what = next(iter(said))
     else:
-        what = "; ".join(f"{_listed(each.where)} {each.brief or each.text.rstrip('.')}" for each in first)
+        what = "; ".join(f"{_listed(each.where)}: {each.brief or each.text.rstrip('.')}" for each in first)
         more = len(findings) - len(first)
         what += f"; and {more} more" if more else ""
     return replace(worst, where=dofs, text=f"Dofs {_listed(dofs)}: {what}.", brief="")
