@@ -37,7 +37,7 @@ def test_steady_vibration_is_not_taken_for_a_hit(seed, damping):
 def test_hits_are_found_where_they_are(times, noise):
     rec = hit(hit_times_s=times, duration_s=32.0, noise=noise, seed=3)
     assert is_transient(rec)
-    events = find_events(rec)
+    events = find_events(rec, 0.0)
     assert [event.hit / FS for event in events] == pytest.approx(times, abs=16 / FS)
     # Every event begins before its hit, and they do not overlap.
     assert all(event.start < event.hit < event.stop for event in events)
@@ -45,7 +45,7 @@ def test_hits_are_found_where_they_are(times, noise):
 
 
 def test_a_rebound_belongs_to_its_hit():
-    assert len(find_events(hit(hit_times_s=(0.5, 0.58), duration_s=8.0))) == 1
+    assert len(find_events(hit(hit_times_s=(0.5, 0.58), duration_s=8.0), 0.0)) == 1
 
 
 def test_a_whole_hit_gives_the_frf():

@@ -157,8 +157,7 @@ def _of_impacts(
     cut, floors = [], []
     for part in parts_of(rec):
         events = find_events(part, low_hz)
-        tail = without_drift(part.responses[:, events[-1].hit :], rec.fs_hz, low_hz)
-        floors.append(tail_noise(tail)[1])
+        floors.append(tail_noise(part, low_hz)[1])
         cut += [(part.responses, event) for event in events]
     longest = max(event.stop - event.hit for _, event in cut) / rec.fs_hz
     least, most = PERIODS

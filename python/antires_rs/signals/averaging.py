@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, wraps
+from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +59,23 @@ class Event:
     start: int
     hit: int
     stop: int
+
+
+T = TypeVar("T")
+
+
+def _once(of: Callable[[Recording, float], T]) -> Callable[[Recording, float], T]:
+    """The same, computed once for a record, which does not change: the fit, the check and the looks ask."""
+    known: WeakKeyDictionary[Recording, dict[float, T]] = WeakKeyDictionary()
+
+    @wraps(of)
+    def once(rec: Recording, low_hz: float) -> T:
+        own = known.setdefault(rec, {})
+        if low_hz not in own:
+            own[low_hz] = of(rec, low_hz)
+        return own[low_hz]
+
+    return once
 
 
 def without_drift(x: FloatArray, fs_hz: float, low_hz: float) -> FloatArray:
@@ -123,7 +142,7 @@ def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
             decaying.append(False)
             continue
         rest, low = (energy.max() / max(np.quantile(energy, share), 1e-300) for share in (0.05, 0.2))
-        ringing = (low > LEAST_DECAY or rest > DECAY_RATIO) and _decays(part, low_hz, unseen=False)
+        ringing = (low > LEAST_DECAY or rest > DECAY_RATIO) and _decays(part, low_hz)
         decaying.append(bool(low > DECAY_RATIO or ringing))
     if any(decaying) and not all(decaying):
         raise UnsuitableDataError(
@@ -137,7 +156,8 @@ def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
     return all(decaying)
 
 
-def find_events(rec: Recording, low_hz: float = 0.0) -> tuple[Event, ...]:
+@_once
+def find_events(rec: Recording, low_hz: float) -> tuple[Event, ...]:
     """Find the impacts of a record, without what is slower than ``low_hz``."""
     block = max(FINE_BLOCK_SAMPLES, rec.n_samples // FINE_BLOCKS)
     energy = _energy(rec, block, low_hz)
@@ -172,13 +192,15 @@ def find_events(rec: Recording, low_hz: float = 0.0) -> tuple[Event, ...]:
     return tuple(Event(start, hit, stop) for (start, hit, _), stop in zip(events, stops, strict=True))
 
 
-def tail_noise(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Noise of every channel behind an impact: power, (n,), and by frequency up to half the rate, (n, m).
+@_once
+def tail_noise(rec: Recording, low_hz: float) -> tuple[FloatArray, FloatArray]:
+    """Noise of every channel behind the last impact: power, (n,), and by frequency to half the rate, (n, m).
 
     From the last quarter; medians over frequency, for what rings there still is sharp.
     """
     from scipy.ndimage import median_filter  # slow to import
 
+    x = without_drift(rec.responses[:, find_events(rec, low_hz)[-1].hit :], rec.fs_hz, low_hz)
     count = x.shape[1]
     tail = x[:, -max(count // 4, min(count, 512)) :]
     tail = tail - tail.mean(axis=1, keepdims=True)
@@ -210,15 +232,16 @@ STILL_RINGS = 0.01
 CUT_AT = 10.0
 
 
-def _decays(rec: Recording, low_hz: float, *, unseen: bool) -> bool:
+@_once
+def _decays(rec: Recording, low_hz: float) -> bool | None:
     """Whether the one event of a record is a decay; earthquakes and sines that stop rise from rest, too.
 
-    ``unseen`` is the answer where the record has no impact in it.
+    None where the record has no impact in it.
     """
     try:
         events = find_events(rec, low_hz)
     except UnsuitableDataError:
-        return unseen
+        return None
     if len(events) > 1:
         return True
     (event,) = events
@@ -231,7 +254,7 @@ def _decays(rec: Recording, low_hz: float, *, unseen: bool) -> bool:
     rings = bool(eighths) and eighths[-1] > STILL_RINGS * fine.max() and int(np.argmax(eighths)) == 0
     if rings and np.argmax(fine >= 0.25 * fine.max()) < sharp:
         return True  # what is damped little has not decayed where the record ends
-    level = tail_noise(x[:, event.hit :])[0]
+    level = tail_noise(rec, low_hz)[0]
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     end = until_noise(x, event, level, rec.fs_hz) - event.hit
     if np.sum(energy[end:] - 1.0) > AFTERWARDS * np.sum(energy[:end]):
@@ -519,7 +542,7 @@ def holds_hits(rec: Recording, options: Averaging, band_hz: tuple[float, float] 
     """Whether a record is to be transformed impact by impact."""
     if options.method == "auto":
         low_hz = lowest_hz(band_hz)
-        return is_transient(rec, low_hz) and all(_decays(part, low_hz, unseen=True) for part in parts_of(rec))
+        return is_transient(rec, low_hz) and all(_decays(part, low_hz) is not False for part in parts_of(rec))
     return options.method == "transient"
 
 

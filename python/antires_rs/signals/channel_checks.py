@@ -14,6 +14,7 @@ from .averaging import (
     BANDWIDTHS,
     NARROWEST,
     SEGMENTS,
+    fast_length,
     find_events,
     lowest_hz,
     narrow_width,
@@ -279,7 +280,7 @@ def silent(rec: Recording, band_hz: tuple[float, float]) -> list[Finding]:
     low_hz = lowest_hz(band_hz)
     event = find_events(rec, low_hz)[-1]
     x = without_drift(rec.responses, rec.fs_hz, low_hz)
-    level, noise = tail_noise(x[:, event.hit :])
+    level, noise = tail_noise(rec, low_hz)
     stop = until_noise(x, event, level, rec.fs_hz)
     if stop >= event.stop:
         return []  # what follows is no noise
@@ -692,9 +693,7 @@ def clocks(rec: Recording, band_hz: tuple[float, float]) -> CheckResults:
     """Channels that are seconds apart from the others, or whose shift changes within the record."""
     n, dofs = rec.n_samples // CLOCK_PARTS, rec.dofs
     ends = (slice(0, n), slice(rec.n_samples - n, rec.n_samples))
-    whole, *parts = (
-        [_shift_s(rec, p, some, band_hz) for p in range(len(dofs))] for some in (slice(None), *ends)
-    )
+    whole, *parts = (_shifts_s(rec, some, band_hz) for some in (slice(None), *ends))
     found: CheckResults = []
     usual = np.nanmedian(whole) if np.isfinite(whole).sum() > 1 else np.nan
     limit = SHIFT_DEG / 360.0 / band_hz[1]
@@ -717,23 +716,27 @@ def clocks(rec: Recording, band_hz: tuple[float, float]) -> CheckResults:
 CLOCK_ADVICE = "Record all channels on one clock, or bring them back to one before reading."
 
 
-def _shift_s(rec: Recording, p: int, some: slice, band_hz: tuple[float, float]) -> float:
-    """Shift of a channel against the strongest one in a part of the record; NaN where none stands out."""
+def _shifts_s(rec: Recording, some: slice, band_hz: tuple[float, float]) -> list[float]:
+    """Shift of every channel against the strongest in a part of the record; NaN where none stands out."""
     x = rec.responses[:, some]
     n = x.shape[1]
     freq = np.fft.rfftfreq(n, 1.0 / rec.fs_hz)
-    inside = (freq >= band_hz[0]) & (freq <= band_hz[1])
-    count = int(inside.sum())
+    inside = np.flatnonzero((freq >= band_hz[0]) & (freq <= band_hz[1]))
+    if inside.size < LINES_OF_BAND:
+        return [np.nan] * rec.n_channels
+    each = np.fft.rfft((x - x.mean(axis=1, keepdims=True)) * np.hanning(n))[:, inside]
     first = int(np.argmax(rec.responses.std(axis=1)))
-    a, b = (np.fft.rfft((row - row.mean()) * np.hanning(n)) * inside for row in (x[first], x[p]))
-    doubled = np.zeros(4 * freq.size, dtype=np.complex128)
-    doubled[: freq.size] = np.where(inside, np.exp(2j * np.angle(b * a.conj())), 0.0)
-    peak = np.abs(np.fft.ifft(doubled)) * doubled.size
-    best = int(np.argmax(peak))
-    if count < LINES_OF_BAND or peak[best] < PEAK_OVER_NOISE * np.sqrt(count * np.log(count)):
-        return np.nan
-    turns = best - doubled.size * (best > doubled.size // 2)
-    return 0.5 * turns / doubled.size / float(freq[1])
+    size = fast_length(4 * freq.size)
+    shifts = []
+    for own in each:
+        doubled = np.zeros(size, dtype=np.complex128)
+        doubled[inside] = np.exp(2j * np.angle(own * each[first].conj()))
+        peak = np.abs(np.fft.ifft(doubled)) * size
+        best = int(np.argmax(peak))
+        turns = best - size * (best > size // 2)
+        stands = peak[best] >= PEAK_OVER_NOISE * np.sqrt(inside.size * np.log(inside.size))
+        shifts.append(0.5 * turns / size / float(freq[1]) if stands else np.nan)
+    return shifts
 
 
 # -- Is the resolution enough for the damping, and the record long enough for the resolution?
