@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError
-from antires_rs.identification.local_fits import fit, stretches
+from antires_rs.identification.local_fits import fits, stretches
 from antires_rs.identification.stability import VIEWS, false_values
 from antires_rs.signals.averaging import Averaging, holds_hits
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
@@ -45,7 +45,7 @@ def test_zeros_of_exact_directions():
     phases = np.exp(1j * np.random.default_rng(0).uniform(0.0, 6.0, 60))
     vectors = numerators / np.linalg.norm(numerators, axis=1, keepdims=True) * phases[:, None]
     (stretch, *_) = stretches(freq, 1.5, 48)
-    local = fit(stretch, freq, vectors[None], np.ones(60), (2, 3))
+    (local,) = fits([stretch], freq, [vectors[None, stretch.lines]], np.ones(60), (2, 3))
     for order in (2, 3):
         zeros = local.zeros(order, [0, 1])[0]
         assert np.abs(zeros[0] - (9.3 + 0.05j)).min() < 1e-9

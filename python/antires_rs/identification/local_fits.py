@@ -109,16 +109,6 @@ class LocalFits:
         return np.asarray(self.stretch.middle_hz + half * chebyshev_roots(c))
 
 
-def fit(
-    stretch: Stretch, freq_hz: FloatArray, vectors: ComplexArray, weights: FloatArray, orders: tuple[int, ...]
-) -> LocalFits:
-    """Fit all of ``vectors`` (n_views, n_freq, n_rows), unit or zero, over one stretch.
-
-    The weights of the lines (n_freq,) and the iteration are those of the first.
-    """
-    return fits([stretch], freq_hz, [vectors[:, stretch.lines]], weights, orders)[0]
-
-
 def fits(
     over: Sequence[Stretch],
     freq_hz: FloatArray,
@@ -126,7 +116,23 @@ def fits(
     weights: FloatArray,
     orders: tuple[int, ...],
 ) -> list[LocalFits]:
-    """The same over several stretches at once, vectors (n_views, n_fitted, n_rows) at the lines of each."""
+    """Fit vectors (n_views, n_fitted, n_rows), unit or zero, at the lines of each of some stretches.
+
+    The weights of the lines (n_freq,) and the iteration are those of the first view.
+    """
+    numbers = max(own.size for own in vectors) * (orders[-1] + 1)
+    count = max(1, AT_A_TIME // numbers)
+    cuts = [slice(k, k + count) for k in range(0, len(over), count)]
+    return [one for some in cuts for one in _fits(over[some], freq_hz, vectors[some], weights, orders)]
+
+
+def _fits(
+    over: Sequence[Stretch],
+    freq_hz: FloatArray,
+    vectors: Sequence[ComplexArray],
+    weights: FloatArray,
+    orders: tuple[int, ...],
+) -> list[LocalFits]:
     longest = max(one.lines.size for one in over)
     n_views, _, n_rows = vectors[0].shape
     v = np.zeros((len(over), n_views, longest, n_rows), dtype=np.complex128)

@@ -49,7 +49,7 @@ from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen
 from .lines import SNR_CAP, Lines
-from .local_fits import LEAST_LINES, MOST_LINES, SCALES, LocalFits, Stretch, fit, stretches
+from .local_fits import LEAST_LINES, MOST_LINES, SCALES, LocalFits, Stretch, fits, stretches
 from .options import FitOptions, IdentificationOptions
 from .scores import scored, window_grades
 from .stabilization import StabilizationDiagram
@@ -428,17 +428,17 @@ def _survey(look: Look) -> _Surveyed:
     """Fits to the unperturbed vectors, and what they leave of each response at each line."""
     left = np.zeros(look.vectors.shape[1:])
     count = np.zeros(look.freq_hz.size)
-    fits = []
+    found = []
     for ratio, least, orders in SCALES:
-        own = []
-        for stretch in stretches(look.freq_hz, ratio, least):
-            one = fit(stretch, look.freq_hz, look.vectors[:1], look.weights, orders)
-            v = look.vectors[0, stretch.lines]
+        over = stretches(look.freq_hz, ratio, least)
+        own = fits(over, look.freq_hz, [look.vectors[:1, one.lines] for one in over], look.weights, orders)
+        for one in own:
+            lines = one.stretch.lines
+            v = look.vectors[0, lines]
             along = np.sum(one.fitted.conj() * v, axis=1, keepdims=True)
-            left[stretch.lines] += np.abs(v - one.fitted * along) ** 2
-            count[stretch.lines] += 1
-            own.append(one)
-        fits.append(own)
+            left[lines] += np.abs(v - one.fitted * along) ** 2
+            count[lines] += 1
+        found.append(own)
     some = count > 0
     noise = np.stack(
         [np.interp(look.freq_hz, look.freq_hz[some], row[some] / count[some]) for row in left.T], axis=1
@@ -447,7 +447,7 @@ def _survey(look: Look) -> _Surveyed:
     kernel = np.ones(width)
     share = np.convolve(np.ones(len(noise)), kernel, "same")
     noise = np.stack([np.convolve(row, kernel, "same") / share for row in np.maximum(noise, look.noise).T], 1)
-    return _Surveyed(look, fits, noise)
+    return _Surveyed(look, found, noise)
 
 
 def moved(zeros: ComplexArray, decay_per_s: float) -> tuple[FloatArray, FloatArray]:
@@ -543,10 +543,16 @@ def _perturbed(
                 if off[which] < MIDDLE or len(off) == 1:
                     asked.setdefault((scale, int(which)), []).append(i)
     hits: list[list[list[FloatArray]]] = [[[] for _ in SCALES] for _ in places]
+    vectors = np.concatenate([look.vectors[:1], views])
+    fitted: dict[tuple[int, int], LocalFits] = {}
+    for scale, (_, _, orders) in enumerate(SCALES):
+        places_of = [key for key in asked if key[0] == scale]
+        over = [one.fits[scale][which].stretch for _, which in places_of]
+        at_lines = [vectors[:, stretch.lines] for stretch in over]
+        if over:
+            fitted |= zip(places_of, fits(over, look.freq_hz, at_lines, look.weights, orders), strict=True)
     for (scale, which), some in asked.items():
-        orders = SCALES[scale][2]
-        vectors = np.concatenate([look.vectors[:1], views])
-        local = fit(one.fits[scale][which].stretch, look.freq_hz, vectors, look.weights, orders)
+        orders, local = SCALES[scale][2], fitted[scale, which]
         rows = sorted({places[i][0] for i in some})
         there = np.any(views != 0.0, axis=1)
         for order in orders:
