@@ -169,9 +169,9 @@ def settled(
     *,
     of_curves: bool,
     drifting: bool = False,
-) -> tuple[IdentificationOptions, list[Likeliest]]:
-    """The options with the formulation that "auto" means here, and the fits by which it was judged."""
-    formulation = options.formulation
+) -> tuple[IdentificationOptions, list[Likeliest], float | None]:
+    """The options with the formulation that "auto" means here, the fits that judged it, and their misfit."""
+    formulation, misfit = options.formulation, None
     fits: list[Likeliest] = []
     if formulation == "auto" and options.call.estimator != "rank1":
         formulation = "windows" if lines.segments is None else "joint"
@@ -188,8 +188,9 @@ def settled(
         formulation = "numerators"
         try:
             fits = [likeliest_of(part, options) for part in cut]
-            if fits and misfit_ahead(list(zip(cut, fits, strict=True))) > LARGEST_AHEAD:
-                formulation = "directions"
+            if fits:
+                misfit = misfit_ahead(list(zip(cut, fits, strict=True)))
+                formulation = "numerators" if misfit <= LARGEST_AHEAD else "directions"
         except (NumericalError, InvalidInputError):
             formulation = "directions"
     if formulation == "directions":
@@ -219,7 +220,7 @@ def settled(
             f"misplaced. Measure with lines {width / FEW_LINES:.2g} Hz apart or finer; if the band holds one "
             "mode alone, widen it.",
         )
-    return replace(options, formulation=formulation), fits
+    return replace(options, formulation=formulation), fits, misfit
 
 
 def _say_idle(idle: Sequence[str], fit: str, counts: Sequence[str]) -> None:
@@ -410,7 +411,9 @@ def identify_antiresonances(
             _say_idle(idle, "values that are followed (near=) without a search for new ones", OF_FOLLOWING)
         return _followed(near, searched, one, averages, lines_for, excitation, wanted, band, options)
     drifting = averages is not None and averages.nperseg is None and drifts(averages.rec, band)
-    options, fits = settled(options, lines_for(0), band, of_curves=averages is None, drifting=drifting)
+    options, fits, misfit = settled(
+        options, lines_for(0), band, of_curves=averages is None, drifting=drifting
+    )
     step("checking the data")
     checked = _checked(one, excitation, band, averages, options)
     step("fit")
@@ -448,6 +451,7 @@ def identify_antiresonances(
         known = independent_averages(averages.spectra)
     if known is not None:
         tables = {dof: t.with_scores(averages=np.full(len(t), known)) for dof, t in tables.items()}
+    held_back = {} if misfit is None else {"held_back_misfit": float(f"{misfit:.3g}")}
     of_size = options.formulation == "windows" and lines_for(0).size is not None
     return AntiresonanceSet.from_tables(
         excitation,
@@ -457,7 +461,7 @@ def identify_antiresonances(
         cross_check=compared,
         sees="frf" if options.use_force or of_size else "transmissibility",
         channels=one.dofs,
-        options={**_made_of(one, band), **options.values()},
+        options={**_made_of(one, band), **options.values(), **held_back},
     )
 
 
