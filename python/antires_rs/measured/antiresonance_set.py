@@ -249,9 +249,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         Empty where some of them have no name here, see :meth:`relabelled`.
     options : dict
         How it was identified: every option by name with its value, the band, and the package's version; of a
-        record "response_level", how strongly it shook, in its unit, and where it was judged "held_back_misfit",
-        what one fit of half of it leaves of the other half over noise. Empty for sets made by hand, joined,
-        or saved by version 0.1.
+        record "response_level", how strongly it shook, in its unit, and where it was judged
+        "held_back_misfit", what one fit of half of it leaves of the other half over noise. Empty for sets
+        made by hand, joined, or saved by version 0.1.
     tables : dict
         By dof: one ``ResponseTable``, from which the next three are taken.
     damping_ratio, std_hz : dict
