@@ -17,12 +17,9 @@ if TYPE_CHECKING:
     from ..damage.assess import DamageResult
     from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 
-#: From this probability on an element that was not declared has a bar of its own.
-_WORTH_A_BAR = 0.02
-#: The axis shows at least this much: on a finer scale nothing would look like something.
-LEAST_PERCENT = 10.0
-#: Smallest visible losses above this do not lengthen the axis, or small bars would vanish.
-MOST_VISIBLE = 25.0
+_WORTH_A_BAR = 0.02  # from this probability on an element that was not declared has a bar of its own
+LEAST_PERCENT = 10.0  # the axis shows at least this much: on a finer scale nothing would look like something
+MOST_VISIBLE = 25.0  # smallest visible losses above this do not lengthen the axis, or small bars would vanish
 
 
 def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:

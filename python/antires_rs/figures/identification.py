@@ -100,8 +100,7 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
 #: Looks of poles.
 _POLE: dict[str, Any] = {"marker": "x", "stroke": 0.7, "colour": "orange", "label": "pole, not stable"}
 _STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stable pole"}
-#: Orders above the highest at which what was seen and not accepted stands.
-SEEN_ABOVE = 0.2
+SEEN_ABOVE = 0.2  # orders above the highest at which what was seen and not accepted stands
 
 
 def diagram_tables(
@@ -157,10 +156,8 @@ def mark_values(
 
 # -- Damping against frequency: the poles of all orders, clustered where something physical is
 
-#: Foot of the logarithmic axis, percent; what lies below, or has none, stands on it.
-LEAST_PERCENT = 0.01
-#: Room above the highest pole.
-HEADROOM = 1.3
+LEAST_PERCENT = 0.01  # foot of the logarithmic axis, percent; what lies below, or has none, stands on it
+HEADROOM = 1.3  # room above the highest pole
 
 
 def plot_damping_clusters(
@@ -223,8 +220,7 @@ def plot_damping_clusters(
 
 # -- What stands behind an identification: coherence, and whether one force is enough
 
-#: With more curves than this each one is drawn thin and pale, and their median on top.
-FEW = 5
+FEW = 5  # with more curves than this each one is drawn thin and pale, and their median on top
 
 
 def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence[float] | None = None) -> Any:
@@ -443,8 +439,7 @@ def curve_of(source: Recording | FrequencyResponse, averages: Averages | None, d
     return Curve(spectra.freq_hz, auto, f"Spectrum of dof {dof} ({unit})", coherence, name)
 
 
-#: Singular values up to so many are drawn; further ones lie in the noise with them.
-MOST_VALUES = 6
+MOST_VALUES = 6  # singular values up to so many are drawn; further ones lie in the noise with them
 
 
 def evidence_figure(

@@ -24,10 +24,8 @@ FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
 LEGEND: dict[str, Any] = {"location": "left", "border_line_color": None, "padding": 0, "margin": 0}
 LEGEND |= {"spacing": 5}
 LEGEND |= {"label_text_font": FONT, "label_text_font_size": "12px"}
-#: Along an upright axis.
-PX_A_LETTER = 6
-#: Of a text above a figure.
-MOST_LETTERS = 40
+PX_A_LETTER = 6  # along an upright axis
+MOST_LETTERS = 40  # of a text above a figure
 #: Room left of and right of the plotted area in pixels, the same for figures that stand on each other.
 LEFT_PX, RIGHT_PX = 64, 58
 
@@ -71,8 +69,7 @@ def below(fig: Any, *, side_by_side: int = 2) -> None:
         legend.update(ncols=side_by_side, click_policy="hide", label_text_color=INK, **LEGEND)
 
 
-#: Pixels for a point of a line, and of a marker.
-LINE_PX, MARKER_PX = 1.25, 1.6
+LINE_PX, MARKER_PX = 1.25, 1.6  # pixels for a point of a line, and of a marker
 #: Names of dashes, markers and hatches, by those of the marks.
 _DASHES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 _MARKERS = {"o": "circle", ".": "circle", "x": "x", "s": "square", "D": "diamond"}

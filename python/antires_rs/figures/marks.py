@@ -221,8 +221,7 @@ class Panel:
 
 # -- Where an axis ends when a few values are so far off that they would flatten all others
 
-#: A value this many times the next smaller one stands apart.
-APART = 2.5
+APART = 2.5  # a value this many times the next smaller one stands apart
 #: At most this share of the values is cut off, one in any case, unless the others are next to nothing.
 MOST_CUT, LEAST = 0.15, 0.01
 
@@ -256,8 +255,7 @@ def spread(positions: Sequence[float] | FloatArray, least: float, low: float, hi
 
 #: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
 AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
-#: Shares of the element's length at which a number may stand.
-ALONG = (0.5, 0.3, 0.7)
+ALONG = (0.5, 0.3, 0.7)  # shares of the element's length at which a number may stand
 
 
 def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:

@@ -22,10 +22,8 @@ from .page_session import Session, SetView, View
 if TYPE_CHECKING:
     from .report_parts import Figure, Table
 
-#: A page that is loaded again is gone for less.
-GRACE_S = 3.0
-#: Of what a page may send.
-MOST_BYTES = 100_000
+GRACE_S = 3.0  # a page that is loaded again is gone for less
+MOST_BYTES = 100_000  # of what a page may send
 
 
 class Page:
@@ -133,10 +131,8 @@ def in_notebook() -> bool:
 
 # -- Opening it: in the browser of this computer, or inside a notebook
 
-#: Height of the page in a notebook, in pixels.
-INLINE_PX = 820
-#: For the page to say why there is nothing to see.
-LAST_WORD_S = 0.5
+INLINE_PX = 820  # height of the page in a notebook, in pixels
+LAST_WORD_S = 0.5  # for the page to say why there is nothing to see
 
 
 def opened(

@@ -29,10 +29,8 @@ Work = Callable[[], dict[str, Any]]
 
 # -- Who is answered: this computer's own browser, on the page that was opened for it
 
-#: Where the page is served; no other computer reaches it.
-ADDRESS = "127.0.0.1"
-#: Of the token.
-BYTES = 24
+ADDRESS = "127.0.0.1"  # where the page is served; no other computer reaches it
+BYTES = 24  # of the token
 #: A page of this computer may frame ours: notebooks do.
 FRAMED_BY = "http://127.0.0.1:* http://localhost:* vscode-webview:"
 

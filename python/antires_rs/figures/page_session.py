@@ -191,8 +191,7 @@ Source = OneMeasurement | RovingHammer
 
 # -- What a click means: the value, pole or dip that is nearest to it
 
-#: How far from a thing a click may be, in pixels.
-REACH_PX = 9.0
+REACH_PX = 9.0  # how far from a thing a click may be, in pixels
 
 
 @dataclass(frozen=True)
@@ -304,14 +303,12 @@ class Session:
         asked = asked_of(zeros)
         band = None if band_hz is None else (band_hz[0], band_hz[1])
         self.now = Sight(zeros, asked, (None,) * len(asked), band, max_order)
-        #: What undo and redo go to.
-        self.past: list[Sight] = []
+        self.past: list[Sight] = []  # what undo and redo go to
         self.future: list[Sight] = []
         self._saved: tuple[AntiresonanceSet | None, tuple[Asked, ...]] = (None, asked)
         self.file = SessionFile(None if save_to is None else Path(save_to))
         self._lock = RLock()
-        #: Grows with every change, of what is saved too.
-        self.turn = 0
+        self.turn = 0  # grows with every change, of what is saved too
 
     @property
     def zeros(self) -> AntiresonanceSet:
@@ -534,8 +531,7 @@ Arguments = Mapping[str, Any]
 class View:
     """What the server shows: a set that is edited, a result, or as it is the reason why there is neither."""
 
-    #: Commands that take long; the others are answered at once.
-    slow: frozenset[str] = frozenset()
+    slow: frozenset[str] = frozenset()  # commands that take long; the others are answered at once
 
     def __init__(self, title: str, why: Exception | None = None) -> None:
         self.title, self._why = title, why
@@ -561,8 +557,7 @@ class View:
 
 # -- What the page may ask for: each command by name, its arguments checked, in plain data both ways
 
-#: No number of a response, an edit or an order is larger.
-MOST = 1_000_000
+MOST = 1_000_000  # no number of a response, an edit or an order is larger
 
 
 class SetView(View):

@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from ..planning.detection_curves import DetectionCurves
     from ..planning.plan import SensorPlan
 
-#: Data of less than this ratio have numbers between the decades too.
-_NARROW = 30.0
+_NARROW = 30.0  # data of less than this ratio have numbers between the decades too
 
 
 def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
@@ -77,11 +76,9 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
 
 # -- Probability of detection against severity
 
-#: Above so many elements only three curves are told apart.
-_MOST = 7
+_MOST = 7  # above so many elements only three curves are told apart
 _LEVEL = 90.0
-#: A curve as high as this has reached the top.
-_REACHED = 0.995
+_REACHED = 0.995  # a curve as high as this has reached the top
 
 
 def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:

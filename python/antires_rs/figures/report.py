@@ -161,8 +161,7 @@ def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
 
 # -- The page of a watch: what it found, its charts, its alarms; small enough to be written after every test
 
-#: So many of the latest alarms are in the table.
-_LATEST = 50
+_LATEST = 50  # so many of the latest alarms are in the table
 
 
 def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:

@@ -6,7 +6,8 @@ import gzip
 import json
 import re
 from base64 import b64encode
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache, cached_property, partial
 from hashlib import sha256
@@ -20,6 +21,8 @@ import numpy as np
 from ..damage.assess import DamageResult
 from ..damage.hypotheses import Assessment, loss, span
 from ..damage.words import without_idle
+from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
+from ..identification.windows import HIGHEST_ORDER
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
@@ -45,9 +48,6 @@ if TYPE_CHECKING:
 
 Facts = dict[str, list[str]]
 
-#: More names than this are shortened.
-MOST_NAMES = 40
-
 
 def named_diagrams(
     tables: Sequence[Mapping[Any, Any]], forces: Sequence[Any], model: StructuralModel
@@ -62,88 +62,73 @@ def named_diagrams(
 
 def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     """Channels, and how long or fine they were measured."""
-    count = len(signal.dofs)
-    facts = {"Channels": [f"{count} responses: {_names(signal.dofs)}"]}
+    facts = {"Channels": [f"{len(signal.dofs)} responses: {_names(signal.dofs)}"]}
     if isinstance(signal, Recording):
         parts = len(parts_of(signal))
         several = f"{parts} records of one test, together " if parts > 1 else ""
-        facts["Record"] = [
-            f"{several}{signal.duration_s:g} s at {signal.fs_hz:g} Hz, "
-            f"{signal.n_samples:,} samples a channel",
-            "force recorded" if signal.force is not None else "force not recorded",
-        ]
-        return facts
+        length = f"{signal.duration_s:g} s at {signal.fs_hz:g} Hz, {signal.n_samples:,} samples a channel"
+        force = f"force {'not ' if signal.force is None else ''}recorded"
+        return facts | {"Record": [f"{several}{length}", force]}
     low, high = signal.freq_hz[[0, -1]]
+    kind = "frequency responses" if signal.kind == "frf" else "transmissibilities"
     over = "" if signal.reference is None else f" over dof {signal.reference}"
-    kinds = {"frf": "frequency responses", "transmissibility": "transmissibilities"}
-    lines = f"{signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"
-    facts["Curves"] = [f"{kinds[signal.kind]}{over}, {lines}"]
-    if signal.n_averages is not None:
-        facts["Averages"] = [f"{signal.n_averages:.1f}"]
-    return facts
+    facts["Curves"] = [f"{kind}{over}, {signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"]
+    return facts | ({} if signal.n_averages is None else {"Averages": [f"{signal.n_averages:.1f}"]})
 
 
 def of_identification(signal: Recording | FrequencyResponse, found: AntiresonanceSet) -> Facts:
     """Every choice of an identification, defaults among them, as the set keeps them."""
-    from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
-    from ..identification.windows import HIGHEST_ORDER
-
-    used = found.options
+    used, checked = found.options, found.data_check
     if not used:
         return {}
-    formulation, fitted, max_order = used["formulation"], used["fitted"], used["max_order"]
-    if formulation == "auto":
-        formulation = f"auto, here {fitted}"
-    if fitted in ("windows", "directions"):
+    windows = used["fitted"] in ("windows", "directions")
+    formulation = used["formulation"] if used["formulation"] != "auto" else f"auto, here {used['fitted']}"
+    max_order = used["max_order"]
+    if windows:
         max_order = min(max_order, HIGHEST_ORDER)
     elif found.diagrams:
         max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
-    others = OF_SWEEP if fitted in ("windows", "directions") else OF_WINDOWS
-    kinds = {
-        name: one.kind for name, one in FitOptions.declared().items() if name not in (*others, "min_order")
-    }
-    thresholds = [f"{name} {used[name]}" for name, of in kinds.items() if of in ("number", "whole", "switch")]
-    preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
+    hidden = (*(OF_SWEEP if windows else OF_WINDOWS), "min_order")
+    kinds = {name: one.kind for name, one in FitOptions.declared().items() if name not in hidden}
+    thresholds = [] if used["preset"] is None else [f"preset {used['preset']}"]
+    thresholds += [
+        f"{name} {used[name]}" for name, kind in kinds.items() if kind in ("number", "whole", "switch")
+    ]
     low, high = used["band_hz"]
     method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
     facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
     if isinstance(signal, Recording):
-        facts["Spectra"] = [_spectra(signal, found, used)]
-    facts["Orders"] = [f"{used['min_order']} to {max_order}"]
-    facts["Thresholds"] = [", ".join([*preset, *thresholds])]
-    return facts
-
-
-def _spectra(signal: Recording, found: AntiresonanceSet, used: Mapping[str, Any]) -> str:
-    checked = found.data_check
-    length = used["nperseg"] or (None if checked is None else checked.nperseg)
-    if length is None:
-        return f"method {used['method']}"
-    overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
-    known = checked is not None and checked.n_averages is not None
-    averages = f", {checked.n_averages:.1f} independent averages" if checked and known else ""
-    cut = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
-    return f"{cut}, window {used['window']}{averages}"
+        spectra, length = (
+            f"method {used['method']}",
+            used["nperseg"] or (None if checked is None else checked.nperseg),
+        )
+        if length is not None:
+            overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
+            spectra = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
+            spectra += f", window {used['window']}"
+            if checked is not None and checked.n_averages is not None:
+                spectra += f", {checked.n_averages:.1f} independent averages"
+        facts["Spectra"] = [spectra]
+    return facts | {"Orders": [f"{used['min_order']} to {max_order}"], "Thresholds": [", ".join(thresholds)]}
 
 
 def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     """What a measured set knows of itself."""
     if not isinstance(found, AntiresonanceSet):
         return {"Modes": [f"{len(found)} with shapes at {len(found.dofs)} dofs: {_names(found.dofs)}"]}
-    force = found.excitation
     counts = ", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)
-    facts = {"Force": [dof_name(model, force)], "Antiresonances": [counts]}
+    facts = {"Force": [dof_name(model, found.excitation)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    ways = (np.asarray(scores["how"]) for scores in found.scores.values() if "how" in scores)
-    how = np.concatenate([np.empty(0, dtype=str), *ways])
-    if how.size:
+    how = Counter(
+        way for scores in found.scores.values() for way in np.asarray(scores.get("how", ())).tolist()
+    )
+    if how["windows"] or how["directions"]:
+        facts["Accepted"] = [f"{how['windows']} seen by most fits over windows"]
+    elif how:
         facts["Accepted"] = [
-            f"{np.sum(how == 'windows')} seen by most fits over windows"
-            if np.isin(how, ("windows", "directions")).any()
-            else f"{np.sum(how == 'chain')} stable over consecutive orders, "
-            f"{np.sum(how == 'persistent')} in most orders without standing still, "
-            f"{np.sum(how == 'likeliest order')} from the likeliest order alone"
+            f"{how['chain']} stable over consecutive orders, {how['persistent']} in most orders without "
+            f"standing still, {how['likeliest order']} from the likeliest order alone"
         ]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
@@ -156,33 +141,32 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
     facts: Facts = {}
     for name, values in (("Left out", left), ("Unexplained peaks", found.unexplained_hz)):
         some = {dof: ", ".join(f"{f:.2f}" for f in freq) for dof, freq in values.items() if len(freq)}
-        if some:
-            facts[name] = [f"dof {dof}: {freq} Hz" for dof, freq in some.items()]
-    if found.diagrams:
-        one = next(iter(found.diagrams.values()))
+        facts |= {name: [f"dof {dof}: {freq} Hz" for dof, freq in some.items()]} if some else {}
+    for one in list(found.diagrams.values())[:1]:
         low, high = one.band_hz
         facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
-    if found.cross_check is not None:
-        facts["Cross-check"] = [repr(found.cross_check)]
-    return facts
+    return facts | ({} if found.cross_check is None else {"Cross-check": [repr(found.cross_check)]})
 
 
 def of_model(model: StructuralModel) -> Facts:
     """What the nominal model is made of."""
     facts = {"Model": [repr(model)]}
     if isinstance(model, MassSpringChain):
-        stiffness = model.stiffness()
+        stiffness, mass = model.stiffness(), model.mass()
         springs = -np.diag(stiffness, 1)
-        facts["Masses"] = [f"{_span(np.diag(model.mass()), 'kg')}, {model.mass().sum():.4g} kg in all"]
+        facts["Masses"] = [f"{_span(np.diag(mass), 'kg')}, {mass.sum():.4g} kg in all"]
         facts["Springs"] = [_span(springs, "N/m")] if springs.size else ["none"]
         held = zip(("first", "last"), stiffness.sum(axis=1)[[0, -1]], strict=True)
         ends = [f"{name} mass {k:.4g} N/m" for name, k in held if k > 1e-9 * stiffness.max()]
         facts["To ground"] = ends or ["none, free at both ends"]
     elif isinstance(model, FrameModel):
-        sections = enumerate(model.sections.values())
-        facts["Sections"] = [f"{model.section_label(i)}: {_section(section)}" for i, section in sections]
+        facts["Sections"] = []
+        for i, section in enumerate(model.sections.values()):
+            values = {name: value for name, value in asdict(section).items() if value is not None}
+            said = [f"{name} {f'{v:.6g}' if isinstance(v, float) else v}" for name, v in values.items()]
+            facts["Sections"].append(f"{model.section_label(i)}: {type(section).__name__}, {', '.join(said)}")
         carried = (
             (len(model.point_masses), "point mass", "point masses"),
             (len(model.ground_springs), "spring to ground", "springs to ground"),
@@ -190,56 +174,41 @@ def of_model(model: StructuralModel) -> Facts:
         )
         facts["Carried"] = [f"{n or 'no'} {one if n == 1 else many}" for n, one, many in carried]
         facts["Fixed nodes"] = [_names(sorted({node for node, _ in model.fixed})) or "none"]
-    facts["Numbers"] = ["all from 0, as in Python and in job files"]
-    return facts
+    return facts | {"Numbers": ["all from 0, as in Python and in job files"]}
 
 
 def of_search(result: UpdateResult) -> Facts:
-    """The objective, the options of the search and where it ended."""
-    problem, history = result.problem, result.history
-    ended = {"Ended": [f"{result.status}: {result.message}"]}
+    """The objective, the options of the search and where it ended; or how hypotheses were judged."""
+    ended, seed = {"Ended": [f"{result.status}: {result.message}"]}, {"Seed": [f"{result.seed}"]}
     if isinstance(result, DamageResult) and result.has_baseline:
-        return ended | _of_assessment(result.assessment) | {"Seed": [f"{result.seed}"]}
-    penalty = problem.penalty
-    price = "" if penalty is None else (f", {penalty.text}, snap {penalty.snap:g}")
+        found, rule = result.assessment, "where it is more probable than none"
+        if found.threshold is not None:
+            rule = f"from log odds of {found.threshold:.2f} on, for the rate of false alarms"
+        learned = (
+            f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
+            f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
+        )
+        values = f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
+        judged = {"Model errors": [learned], "Values": [values], "Rule": [f"damage is declared {rule}"]}
+        return ended | judged | seed
+    problem, penalty = result.problem, result.problem.penalty
+    price = "" if penalty is None else f", {penalty.text}, snap {penalty.snap:g}"
+    weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
+    objective = f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"
     given = {name: value for name, value in result.search.options.items() if value is not None}
     options = [f"{name} {', '.join(v) if isinstance(v, list) else v}" for name, v in given.items()]
-    weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
-    count = history.cost.shape[1]
-    objective = f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"
-    search = [f"{result.search.effort}, {count} islands", "; ".join(options)]
-    return ended | {"Objective": [objective], "Search": search, "Seed": [f"{result.seed}"]}
+    search = [f"{result.search.effort}, {result.history.cost.shape[1]} islands", "; ".join(options)]
+    return ended | {"Objective": [objective], "Search": search} | seed
 
 
-def _of_assessment(found: Assessment) -> Facts:
-    """How hypotheses were judged against a baseline."""
-    rule = "where it is more probable than none"
-    if found.threshold is not None:
-        rule = f"from log odds of {found.threshold:.2f} on, for the rate of false alarms"
-    learned = (
-        f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
-        f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
-    )
-    values = f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
-    return {"Model errors": [learned], "Values": [values], "Rule": [f"damage is declared {rule}"]}
-
-
-def _names(dofs: Any) -> str:
+def _names(dofs: Iterable[Any], most: int = 40) -> str:
     names = [str(dof) for dof in dofs]
-    if len(names) > MOST_NAMES:
-        names = [*names[: MOST_NAMES - 1], f"… {names[-1]}"]
-    return ", ".join(names)
+    return ", ".join(names if len(names) <= most else [*names[: most - 1], f"… {names[-1]}"])
 
 
 def _span(values: Any, unit: str) -> str:
     low, high = float(np.min(values)), float(np.max(values))
     return f"{len(values)} of {low:.6g}{'' if low == high else f' to {high:.6g}'} {unit}"
-
-
-def _section(section: Any) -> str:
-    values = {name: value for name, value in asdict(section).items() if value is not None}
-    said = [f"{name} {f'{v:.6g}' if isinstance(v, float) else v}" for name, v in values.items()]
-    return f"{type(section).__name__}, {', '.join(said)}"
 
 
 # -- Figures to be explored inside a page: packed, unpacked by the browser when they come into sight
@@ -248,8 +217,7 @@ def _section(section: Any) -> str:
 # stays small, holds no address, and nothing in it can be taken for markup. Where the library is not
 # installed, scripts are switched off or the page is printed, the pictures stand there instead.
 
-#: Where the data of a figure name one of its parts.
-_NAMED = re.compile(r'("(?:root_)?id":")([^"]*)')
+_NAMED = re.compile(r'("(?:root_)?id":")([^"]*)')  # where the data of a figure name one of its parts
 
 
 def there() -> bool:

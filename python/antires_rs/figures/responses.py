@@ -18,8 +18,7 @@ from .marks import Axis, Line, Mark, Panel, Rules
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-#: Responses that a picture has room for.
-MOST_RESPONSES = 6
+MOST_RESPONSES = 6  # responses that a picture has room for
 KINDS = ("accelerance", "mobility", "receptance")
 #: Of the measured curve, and of the model before and after.
 LOOKS: tuple[dict[str, Any], ...] = ({"colour": "#BDBDBD", "width": 3.2},)

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from ..measured.track import Tracks
     from ..watch.monitor import Watched
 
-#: Above so many pairs their frequencies do not fit under the axis.
-MOST_LABELS = 64
+MOST_LABELS = 64  # above so many pairs their frequencies do not fit under the axis
 
 
 def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
@@ -73,8 +72,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Sign of each kind of event, and what the legend calls it.
 SIGNS = {"new": ("o", "new"), "back": ("s", "back"), "lost": ("x", "lost")}
 SIGNS |= {"merged": ("1", "merged with its neighbour")}
-#: Texts of conditions longer than this, all together, are turned.
-ROOM = 60
+ROOM = 60  # texts of conditions longer than this, all together, are turned
 
 
 def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
@@ -166,11 +164,9 @@ def _events(tracks: Tracks, some: set[int], x: Any, y: Any) -> list[Mark]:
 # -- Charts of a watch: single tests, the slow mean, and the condition that they were corrected for
 
 PANELS = ("charts", "T2", "EWMA", "events", "condition")
-#: Tests above the limit by more than this are drawn at the top.
-HIGHEST, LOWEST = 100.0, 0.05
+HIGHEST, LOWEST = 100.0, 0.05  # tests above the limit by more than this are drawn at the top
 LABELS = {"T2": "Single tests", "EWMA": "Mean of tests", "events": "Lost and new"}
-#: So many tests at most are on a page: of more, the alarms and the latest of the others.
-MOST_TESTS = 20_000
+MOST_TESTS = 20_000  # so many tests at most are on a page: of more, the alarms and the latest of the others
 
 
 def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> Any:

@@ -45,10 +45,8 @@ def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dic
 
 # -- Chains of masses and springs, coloured by any value
 
-#: Share of a free end's stiffness that rounding may leave.
-ROUNDING = 1e-9
-#: Up to this many masses the springs are drawn as coils, so high.
-MOST_COILS, HEIGHT = 20, 0.16
+ROUNDING = 1e-9  # share of a free end's stiffness that rounding may leave
+MOST_COILS, HEIGHT = 20, 0.16  # up to this many masses the springs are drawn as coils, so high
 
 
 def plot_chain(
@@ -168,8 +166,7 @@ def spring_paths(model: MassSpringChain) -> dict[int, FloatArray]:
 
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
-#: Up to this many elements are numbered unless told otherwise.
-MOST_NUMBERS, MOST_NODES = 120, 60
+MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many elements are numbered unless told otherwise
 #: Length of an arrow in points, and the room around the frame as a share of its extent.
 ARROW, MARGIN = 26.0, 0.08
 #: Looks of sections; vermillion and black are those of the arrows. Dashes are close: a section may be short.

@@ -17,12 +17,9 @@ if TYPE_CHECKING:
     from ..updating.result import UpdateResult
     from ..updating.targets import FrequencyTable, ModalTable
 
-#: Above this many antiresonances their frequencies no longer fit under the bars.
-MOST_LABELS = 64
-#: Space between two responses, in widths of an antiresonance.
-GAP = 0.8
-#: A picture has room for so many at least: a single bar is a bar, not a block.
-LEAST_WIDTH = 8.0
+MOST_LABELS = 64  # above this many antiresonances their frequencies no longer fit under the bars
+GAP = 0.8  # space between two responses, in widths of an antiresonance
+LEAST_WIDTH = 8.0  # a picture has room for so many at least: a single bar is a bar, not a block
 #: Vermillion, pale.
 PALE_VERMILLION = "#F2B48A"
 #: What is offered, as far as the table has it.
@@ -190,8 +187,7 @@ def _modes(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], str]
 
 # -- How a search went: best cost of each island
 
-#: Points that a curve is drawn with at most.
-MOST_POINTS = 1500
+MOST_POINTS = 1500  # points that a curve is drawn with at most
 
 
 def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> Any:
@@ -254,8 +250,7 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
 
 # -- What a test leaves open of each parameter, within its bounds
 
-#: Names longer than this are cut: the whole ones are among the numbers.
-_LONGEST = 48
+_LONGEST = 48  # names longer than this are cut: the whole ones are among the numbers
 
 
 def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:

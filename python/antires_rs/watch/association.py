@@ -23,11 +23,9 @@ from ..support.checks import FloatArray
 
 #: A value that so large a part of the baseline's tests has is followed; the others are told as clutter.
 REGULAR = 0.5
-#: What a smaller part has is no place: it is strange wherever it appears.
-RARE = 0.1
+RARE = 0.1  # what a smaller part has is no place: it is strange wherever it appears
 _PRUNE = 50
-#: A common shift is that of so many values at least.
-FEWEST = 3
+FEWEST = 3  # a common shift is that of so many values at least
 
 
 @dataclass(frozen=True)

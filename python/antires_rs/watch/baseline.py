@@ -15,13 +15,10 @@ from ..support.checks import FloatArray
 #
 # Reference: P. J. Huber, Robust Statistics, 1981, chapter 7.
 
-#: Residuals beyond so many standard deviations count less, with 95 % efficiency for normal ones.
-HUBER = 1.345
+HUBER = 1.345  # residuals beyond so many standard deviations count less, with 95 % efficiency for normal ones
 ROUNDS = 12
-#: The median of the absolute values of a standard normal variable.
-_MAD = 0.6745
-#: Ridge relative to the mean diagonal: where the rows do not tell a coefficient, it is 0.
-_RIDGE = 1e-9
+_MAD = 0.6745  # the median of the absolute values of a standard normal variable
+_RIDGE = 1e-9  # ridge relative to the mean diagonal: where the rows do not tell a coefficient, it is 0
 
 
 @dataclass(frozen=True)
@@ -83,14 +80,10 @@ def _median(values: FloatArray) -> FloatArray:
 # predicts them better again by more than its standard error. Beyond the baseline's range the line goes on,
 # with what is not known of it as a standard deviation.
 
-#: Parts in which the baseline is left out in turn, at most.
-FOLDS = 20
-#: Where a line may bend: these shares of the baseline are below.
-BENDS = (0.25, 0.5, 0.75)
-#: Tests on either side of a bend, at least.
-_SIDE = 10
-#: A condition that varies less than this share of its own size does not vary.
-_STILL = 1e-9
+FOLDS = 20  # parts in which the baseline is left out in turn, at most
+BENDS = (0.25, 0.5, 0.75)  # where a line may bend: these shares of the baseline are below
+_SIDE = 10  # tests on either side of a bend, at least
+_STILL = 1e-9  # a condition that varies less than this share of its own size does not vary
 
 
 @dataclass(frozen=True)
@@ -202,8 +195,7 @@ def _left_out(y: FloatArray, basis: Basis, conditions: Mapping[str, FloatArray])
 
 #: Degrees of freedom that are tried, from heavy tails to the normal law.
 DEGREES = (2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, np.inf)
-#: What is told by a stated standard deviation counts as so many tests.
-STATED = 5.0
+STATED = 5.0  # what is told by a stated standard deviation counts as so many tests
 ROUNDS_NORMAL = 30
 _LARGEST = 30.0
 
@@ -267,8 +259,7 @@ def scores(scaled: FloatArray, degrees: float) -> FloatArray:
 # References: V. A. Marchenko, L. A. Pastur, Math. USSR-Sbornik 1 (1967) 457-483; J. Schaefer, K. Strimmer,
 # Stat. Appl. Genet. Mol. Biol. 4 (2005) 32.
 
-#: Eigenvalues this much above the edge of noise are factors; at most so many of them.
-_ABOVE, _MOST = 1.3, 4
+_ABOVE, _MOST = 1.3, 4  # eigenvalues this much above the edge of noise are factors; at most so many of them
 _LEAST = 0.05
 
 
@@ -304,12 +295,9 @@ def correlations(z: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 # -- What is learned, and what may move values without damage: conditions not known, or out of range
 
-#: A stated deviation above the usual by this factor is that of a poor test: the excess is added.
-_POOR = 1.5
-#: Beyond the baseline's range the slope of each value may differ from its line's by this share.
-_CURVED = 0.01
-#: Beyond it the slope of all values together is known to so large a share.
-_SLOPE = 0.3
+_POOR = 1.5  # a stated deviation above the usual by this factor is that of a poor test: the excess is added
+_CURVED = 0.01  # beyond the baseline's range the slope of each value may differ from its line's by this share
+_SLOPE = 0.3  # beyond it the slope of all values together is known to so large a share
 #: Standard deviation of a condition that is not known, and of a shared factor, in units of the baseline's.
 _UNKNOWN, _FACTOR = 2.0, 5.0
 

@@ -99,8 +99,7 @@ def distances(
 # References: E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684-688; J. R. M. Hosking,
 # J. R. Wallis, Technometrics 29 (1987) 339-349.
 
-#: The tail is fitted to so large a part.
-TAIL = 0.2
+TAIL = 0.2  # the tail is fitted to so large a part
 #: The shape of a normal tail there, and for how many tests of the tail it counts.
 NORMAL_SHAPE, PRIOR = -0.12, 30.0
 _STEEPEST, _HEAVIEST = -0.25, 0.5
@@ -163,16 +162,11 @@ def needed(rate: float, coefficients: int) -> int:
 #
 # Reference: C. A. Lowry, W. H. Woodall, C. W. Champ, S. E. Rigdon, Technometrics 34 (1992) 46-53.
 
-#: lambda: a mean over some twenty tests.
-WEIGHT = 0.1
-#: A value whose mean holds less than this part of what it would of complete tests is left out.
-_FILLED = 0.2
-#: Draws of the chart from baseline tests, and tests that each of them reaches back.
-_DRAWS, _BACK = 3000, 45
-#: Of the change that the mean shows, a test may lack so many standard deviations by chance.
-_BY_CHANCE = 1.645
-#: So many alarms of single tests of late are a change, not chance.
-_ALARMS = 1.5
+WEIGHT = 0.1  # lambda: a mean over some twenty tests
+_FILLED = 0.2  # a value whose mean holds less than this part of what it would of complete tests is left out
+_DRAWS, _BACK = 3000, 45  # draws of the chart from baseline tests, and tests that each of them reaches back
+_BY_CHANCE = 1.645  # of the change that the mean shows, a test may lack so many standard deviations by chance
+_ALARMS = 1.5  # so many alarms of single tests of late are a change, not chance
 
 
 def means(
@@ -302,8 +296,7 @@ def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
 #
 # References: E. S. Page, Biometrika 41 (1954) 100-115; G. Lorden, Ann. Math. Stat. 42 (1971) 1897-1908.
 
-#: Strange values of two tests are one if they are this near.
-_SAME = 0.01
+_SAME = 0.01  # strange values of two tests are one if they are this near
 #: Share of the tests that lack what has vanished, or have what is new, at least; part of the rate of sums.
 _GONE, _SUMS = 0.8, 0.5
 
@@ -387,8 +380,7 @@ def event_limit(chart: FloatArray, tests: int, rate: float) -> float:
     return float(highest + scale * max(0.25, float(np.log(1.0 / (tests * rate)))))
 
 
-#: How the rate of false alarms is shared out.
-SHARES = {"T2": 0.6, "EWMA": 0.2, "events": 0.2}
+SHARES = {"T2": 0.6, "EWMA": 0.2, "events": 0.2}  # how the rate of false alarms is shared out
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -21,14 +21,12 @@ from .association import Places, Values
 #: Findings of the data check that tell of a channel, not of the structure.
 SENSOR = {"dead_channel", "clipped_channel", "duplicated_channels", "dropouts", "spikes", "time_shift"}
 SENSOR |= {"quadrature", "signal_to_noise"}
-#: A finding that so large a part of the baseline has as well says nothing new.
-_USUAL = 0.1
+_USUAL = 0.1  # a finding that so large a part of the baseline has as well says nothing new
 #: A place that is nearly always there; a response has lost its antiresonances if fewer than so many remain.
 _SURE, _LEFT = 0.8, 0.34
 #: Of the antiresonances that are not in their places, so many may be new values of the response, at most.
 _ELSEWHERE = 0.5
-#: The other responses are in place if so many of theirs are there.
-_OTHERS = 0.7
+_OTHERS = 0.7  # the other responses are in place if so many of theirs are there
 
 
 @dataclass(frozen=True)

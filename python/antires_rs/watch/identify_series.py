@@ -104,10 +104,8 @@ def computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> 
 
 # -- What is followed: values of the first tests together, with the scatter that they have from test to test
 
-#: So many of the first tests are identified together, where nothing else is asked for.
-FIRST = 20
-#: Fits that tell single tests less than what is known already.
-LOCAL = ("directions", "followed")
+FIRST = 20  # so many of the first tests are identified together, where nothing else is asked for
+LOCAL = ("directions", "followed")  # fits that tell single tests less than what is known already
 #: A value is followed if so large a part of these tests shows it, within this share of where most do.
 RECURS, PLACE = 0.7, 0.03
 
@@ -398,8 +396,7 @@ class _Run:
     def __init__(self, sources: Sources, table: ConditionTable, store: Store) -> None:
         self._sources, self._table, self._store = sources, table, store
         self._rows: list[Row | None] = []
-        #: What is being computed, by its number.
-        self._pending: deque[tuple[int, Entry]] = deque()
+        self._pending: deque[tuple[int, Entry]] = deque()  # what is being computed, by its number
         self._failed = 0
         self._near: AntiresonanceSet | None = None
 

@@ -35,8 +35,7 @@ from .series import Series
 
 # -- A watch as text: the rate and how it was checked, alarms, damage, faults
 
-#: So many runs and faults are listed; the others are counted.
-_LISTED = 8
+_LISTED = 8  # so many runs and faults are listed; the others are counted
 
 
 def rate_lines(watched: Watched) -> list[str]:
@@ -265,14 +264,10 @@ class Watched(ReadOnly, Viewed):
 
 # -- Damage assessed where alarms stand together: tests of a run against the baseline, at one condition
 
-#: Alarms with so many quiet tests between them, at most, are of one run.
-_QUIET = 5
-#: Tests of a run that are put together, the latest.
-_MOST = 50
-#: Strange values of several tests are one if they are this near.
-_SAME = 0.01
-#: What moves all values alike between two tests, relative, at least; as for ``assess_damage``.
-_COMMON = 5e-4
+_QUIET = 5  # alarms with so many quiet tests between them, at most, are of one run
+_MOST = 50  # tests of a run that are put together, the latest
+_SAME = 0.01  # strange values of several tests are one if they are this near
+_COMMON = 5e-4  # what moves all values alike between two tests, relative, at least; as for ``assess_damage``
 
 
 def runs_of(alarm: NDArray[np.bool_], judged: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -360,8 +355,7 @@ def _again(strange: Sequence[Sequence[tuple[Any, float]]]) -> dict[Any, list[flo
 
 # -- What may be given to the watch: a series or sets, its baseline, conditions, options of damage
 
-#: Fewer tests than this are no baseline.
-LEAST = 8
+LEAST = 8  # fewer tests than this are no baseline
 #: Further outside the baseline than so many times its range, a condition is an error of its logger.
 _ABSURD = 10.0
 #: Arguments of ``assess_damage`` that are for a search without a baseline, or that the watch fills itself.
@@ -463,12 +457,9 @@ def _check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Ma
     checked_prior(options.get("prior"), checked_search(sorted_out(options).get("search")).of(TWO_STATES))
 
 
-#: Places that so many tests of the baseline have are followed, at least.
-_FEWEST = 6
-#: Without a response at fault, a test is no further out than one of twenty.
-_USUAL_W = 1.645
-#: A test of which more responses are at fault is not judged.
-_MOST_FAULTS = 0.5
+_FEWEST = 6  # places that so many tests of the baseline have are followed, at least
+_USUAL_W = 1.645  # without a response at fault, a test is no further out than one of twenty
+_MOST_FAULTS = 0.5  # a test of which more responses are at fault is not judged
 
 
 @patient("watching the series")

@@ -24,14 +24,11 @@ from .conditions import checked_conditions, checked_names, checked_times, condit
 from .store import read_series, write_series
 from .stored_tests import Entry, Row, StoredSets, encoded, parts_of
 
-#: Reason of a test that was given as None.
-NO_SET = "no set was given"
+NO_SET = "no set was given"  # reason of a test that was given as None
 
 
-#: So many reasons are printed, cut to this length; the others are counted.
-REASONS, LONG = 3, 90
-#: Part of the tests that must have an antiresonance that their average has.
-MOST = 0.5
+REASONS, LONG = 3, 90  # so many reasons are printed, cut to this length; the others are counted
+MOST = 0.5  # part of the tests that must have an antiresonance that their average has
 
 
 def _read_through(

@@ -155,8 +155,7 @@ def natural(file: Path) -> tuple[Any, ...]:
 
 # -- One test of a series: read, identified, and made plain data; or the reason why not
 
-#: Plain data of a set, or the reason why there is none.
-Outcome = dict[str, Any] | str
+Outcome = dict[str, Any] | str  # plain data of a set, or the reason why there is none
 Reading = Mapping[str, Any] | Callable[[Path], Any]
 
 

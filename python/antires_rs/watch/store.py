@@ -33,8 +33,7 @@ CREATE TABLE series (name TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE tests (place INTEGER PRIMARY KEY, name TEXT UNIQUE, fingerprint TEXT, conditions TEXT, time TEXT,
                     failed TEXT, facts TEXT, columns BLOB);
 """
-#: So long the end of another process that writes is waited for.
-_BUSY_S = 1.0
+_BUSY_S = 1.0  # so long the end of another process that writes is waited for
 Config = dict[str, Any]
 
 
@@ -190,8 +189,7 @@ class Store:
 
     def __init__(self, store: Any, config: Config) -> None:
         self.path: Path | None = None
-        #: Sources that were identified before and are others now.
-        self.changed: list[str] = []
+        self.changed: list[str] = []  # sources that were identified before and are others now
         self._config, self._lasting = config, isinstance(store, LastingStore)
         #: What the finished file holds, if that is of use; and all that is known.
         self._there: list[Row] | None = None

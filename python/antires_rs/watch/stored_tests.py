@@ -164,8 +164,7 @@ class Row(Entry):
         return cls.of(entry, None, outcome["facts"], lambda: json.loads(decompress(data)))
 
 
-#: Tuples that most tests share are held once.
-_SHARED: dict[tuple[Any, ...], tuple[Any, ...]] = {}
+_SHARED: dict[tuple[Any, ...], tuple[Any, ...]] = {}  # tuples that most tests share are held once
 
 
 def _one(item: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -219,8 +218,7 @@ def _conditions_of(rows: Sequence[Row]) -> list[str]:
 # -- Many tests as a table
 
 FORMAT, VERSION = "antires_rs.Series", 1
-#: Tests in a row group, and row groups that are held as plain data once they were read.
-GROUP, HELD = 128, 2
+GROUP, HELD = 128, 2  # tests in a row group, and row groups that are held as plain data once they were read
 #: Columns with the letters of their types, n a short integer: of every row, conditions behind them; of an
 #: antiresonance, its scores behind them; of the row of a test.
 OF_ALL = {"row": "U", "test": "n", "name": "U", "time": "M"}
