@@ -46,19 +46,14 @@ class Page:
         if not self._view.done():
             self._view.set_result(view)
 
-    def _warm(self) -> None:
-        """Make the first figure, with what has to be imported for it, while the browser begins."""
-        with suppress(AntiresError):  # told when the page asks for it
-            self._view.result().figure(0)
-
     @property
-    def _session(self) -> Any:
+    def _session(self) -> Session | None:
         return getattr(self._view.result(), "session", None) if self._view.done() else None
 
     @property
     def zeros(self) -> Any:
         """The set as it is now, with all edits; None for a page that shows a result."""
-        return None if self._session is None else self._session.zeros
+        return self._session and self._session.zeros
 
     @property
     def running(self) -> bool:
@@ -90,7 +85,12 @@ class Page:
 
     def keep_unsaved(self) -> Path | None:
         """Write edits that were not saved beside where they belong, so that closing loses nothing."""
-        return None if self._session is None else self._session.keep_unsaved()
+        return self._session and self._session.keep_unsaved()
+
+    def _warm(self) -> None:
+        """Make the first figure, with what has to be imported for it, while the browser begins."""
+        with suppress(AntiresError):  # told when the page asks for it
+            self._view.result().figure(0)
 
     def _run(self) -> None:
         try:
@@ -122,13 +122,6 @@ class Page:
         await server.close_all_connections()
 
 
-def in_notebook() -> bool:
-    """Whether this is the kernel of a notebook."""
-    shell = sys.modules.get("IPython")
-    found = None if shell is None else shell.get_ipython()
-    return found is not None and "IPKernelApp" in getattr(found, "config", {})
-
-
 # -- Opening it: in the browser of this computer, or inside a notebook
 
 INLINE_PX = 820  # height of the page in a notebook, in pixels
@@ -144,7 +137,8 @@ def opened(
     say: Callable[[str], Any] = print,
 ) -> Page:
     """Serve a view and show it."""
-    inline = in_notebook()
+    shell = "IPython" in sys.modules and sys.modules["IPython"].get_ipython()
+    inline = "IPKernelApp" in getattr(shell, "config", {})  # the kernel of a notebook
     wait = not inline if wait is None else wait
     page = Page(ends_with_page=wait or not inline)
     page.start()

@@ -220,46 +220,32 @@ def _span(values: Any, unit: str) -> str:
 _NAMED = re.compile(r'("(?:root_)?id":")([^"]*)')  # where the data of a figure name one of its parts
 
 
-def there() -> bool:
-    """Whether figures can be made."""
-    return find_spec("bokeh") is not None
-
-
 def packed(figure: Callable[[], Any]) -> str:
     """A figure as it stands in a page; empty where there is none, or nothing that makes it."""
-    made = figure() if there() else None
-    return "" if made is None else _packed(_with_own_names(item(made)))
-
-
-def _with_own_names(figure: dict[str, Any]) -> str:
-    """A figure whose parts are named by what it shows: the same report is the same bytes."""
+    made = figure() if find_spec("bokeh") else None
+    if made is None:
+        return ""
+    # Its parts are named by what it shows: the same report is the same bytes.
     names: dict[str, str] = {}
-    text = json.dumps(figure, separators=(",", ":"))
+    text = json.dumps(item(made), separators=(",", ":"))
     counted = _NAMED.sub(lambda m: m[1] + names.setdefault(m[2], f"p{len(names)}"), text)
     mark = sha256(counted.encode("utf-8")).hexdigest()[:8]
-    return _NAMED.sub(rf"\g<1>{mark}\2", counted)
+    return _packed(_NAMED.sub(rf"\g<1>{mark}\2", counted))
+
+
+def _packed(text: str) -> str:
+    # Without a time the same text is the same bytes.
+    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+
+
+def _drawer() -> str:
+    return "\n".join(file.read_text(encoding="utf-8") for file in script_files())
 
 
 @cache
 def library() -> str:
     """What draws the figures; empty where it is not installed."""
-    return _packed(_drawer()) if there() else ""
-
-
-def policy() -> str:
-    """What a browser lets the page do: run these two scripts, and load nothing."""
-    own = "'none'"
-    if there():
-        digests = [sha256(text.encode("utf-8")).digest() for text in (script(), _drawer())]
-        own = " ".join(f"'sha256-{b64encode(each).decode('ascii')}'" for each in digests)
-    return (
-        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
-        "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
-    )
-
-
-def _drawer() -> str:
-    return "\n".join(file.read_text(encoding="utf-8") for file in script_files())
+    return _packed(_drawer()) if find_spec("bokeh") else ""
 
 
 @cache
@@ -268,17 +254,21 @@ def script() -> str:
     return files(__package__).joinpath("assets", "live.js").read_text(encoding="utf-8")
 
 
-def _packed(text: str) -> str:
-    # Without a time the same figure is the same bytes.
-    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+def policy() -> str:
+    """What a browser lets the page do: run these two scripts, and load nothing."""
+    texts = (script(), _drawer()) if find_spec("bokeh") else ()
+    digests = [b64encode(sha256(text.encode("utf-8")).digest()).decode("ascii") for text in texts]
+    own = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
+    return (
+        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
+    )
 
 
 # -- The figures of a result, each made once, with the sentences that stand under it and in place of it
 
-#: Colours kept of a picture: lines and their soft edges need no more, and a third of the bytes is left.
-COLOURS_KEPT = 128
-#: Pictures and figures together, so that a report stays below 3 MB: diagrams beyond are left out.
-MOST_BYTES = 2_750_000
+COLOURS_KEPT = 128  # of a picture: lines and their soft edges need no more, and a third of the bytes is left
+MOST_BYTES = 2_750_000  # pictures and figures: a report stays below 3 MB, diagrams beyond are left out
 #: Of a figure to be explored: elements from which on names stand upright, masses that are numbered, width in
 #: points, roughly, and lines of a curve, more than a screen has pixels.
 UPRIGHT, MOST_NUMBERS, WIDE_PT, MOST_LINES = 7, 24, 600.0, 2500
@@ -335,23 +325,23 @@ def drawings_of(
     what = "resonance" if modal else "antiresonance"
     figures = _damage(result, truth) if isinstance(result, DamageResult) else {}
     figures |= _model(result)
+    most = " and ".join(map(" ".join, zip(largest(result), names, strict=True)))
     figures["differences"] = Figure(
         partial(plot_differences, table, names=names),
         (9.5, 4.6),
         f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
-        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
-        + " and ".join(map(" ".join, zip(largest(result), names, strict=True))),
+        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is {most}",
         lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
     )
     if response is not None:
         figures["response"] = _response(result, response, names)
     if history.cost.size:  # nothing is searched against a baseline
+        best = f"from {history.cost[0].min():.4g} to {history.cost[-1].min():.4g}"
         figures["convergence"] = Figure(
             partial(plot_convergence, result),
             (9.0, 4.2),
             "The search: best objective of each island.",
-            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
-            f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
+            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, {best}",
             lambda: explored(convergence(result), height=340),
         )
     if diagrams is None and modal:
@@ -373,24 +363,26 @@ def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure,
         kept.append(one)
     shown = []
     for one in kept:
-        fits = room > 0 and len(one.live) <= room
-        room -= len(one.live) if fits else 0
-        shown.append((one, one.live if fits else ""))
+        live = one.live if 0 < room >= len(one.live) else ""
+        room -= len(live)
+        shown.append((one, live))
     return shown, len(drawn.diagrams) - len(kept)
 
 
 def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
     """Losses by element, and where they were judged the hypotheses."""
     label, judged = result.problem.model.element_label, result.has_baseline
-    more = ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead"
+    more = (
+        ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead" * judged
+    )
     found = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
     upright = len(result.elements) > UPRIGHT
     figures = {
         "damage": Figure(
             partial(plot_damage, result, truth=truth),
             (max(7.0, 0.32 * len(result.x) + 1.5), 4.7 if judged else 4.4),
-            f"Stiffness loss by element{more if judged else ''}. Ticks: the smallest that would be seen.",
-            "Bar chart: " + (found or "no damage in any element"),
+            f"Stiffness loss by element{more}. Ticks: the smallest that would be seen.",
+            f"Bar chart: {found or 'no damage in any element'}",
             lambda: explored(losses(result, truth, upright), height=400 if upright else 360),
         )
     }
@@ -408,80 +400,79 @@ def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str
 
 def _model(result: UpdateResult) -> dict[str, Figure]:
     """The model with its losses, sensors and force; none of matrices, which have no shape."""
-    model, first = result.problem.model, result.problem.measured[0]
-    seen = first if isinstance(first, AntiresonanceSet) else None
-    sensors, force = ([], None) if seen is None else (list(seen), seen.excitation)
-    label, loss, caption = "Stiffness loss (%)", None, "The model"
+    model, seen = result.problem.model, result.problem.measured[0]
+    loss, caption = None, "The model"
     if isinstance(result, DamageResult):
         loss = {e: 100.0 * beta for e, beta in result.severity.items()}
         caption = "The model with the stiffness losses found"
-    caption += "." if seen is None else "; sensors as arrows, the force as a heavier one."
-    at: dict[str, Any] = {"sensors": sensors, "excitation": force, "label": label}
+    at: dict[str, Any] = {"sensors": [], "excitation": None, "label": "Stiffness loss (%)"}
+    if isinstance(seen, AntiresonanceSet):
+        at |= {"sensors": list(seen), "excitation": seen.excitation}
+        caption += "; sensors as arrows, the force as a heavier one"
     if isinstance(model, MassSpringChain):
-        every = -(-model.n_dof // MOST_NUMBERS)
-        alt, draw = f"Drawing of a chain of {model.n_dof} masses", partial(plot_chain, model, loss, **at)
-        panel = partial(chain, model, loss, sensors, force, label, WIDE_PT, every)
-        return {"model": Figure(draw, (9.0, 2.9), caption, alt, lambda: explored(panel(), height=260))}
-    if not isinstance(model, FrameModel):
+        size, height, alt = (9.0, 2.9), 260, f"Drawing of a chain of {model.n_dof} masses"
+        draw, every = partial(plot_chain, model, loss, **at), -(-model.n_dof // MOST_NUMBERS)
+        panel = partial(chain, model, loss, **at, wide_pt=WIDE_PT, every=every)
+    elif isinstance(model, FrameModel):
+        loss = loss and {e: beta for e, beta in loss.items() if e < len(model.elements)}
+        extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
+        size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
+        height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
+        caption += ". Numbers upright are of elements, slanted ones of nodes"
+        alt, draw = (
+            f"Drawing of a frame of {len(model.elements)} elements",
+            partial(plot_frame, model, loss, **at),
+        )
+        panel = partial(frame, model, loss, **at, room_pt=np.array([WIDE_PT, 0.7 * height]))
+    else:
         return {}
-    beams = None if loss is None else {e: beta for e, beta in loss.items() if e < len(model.elements)}
-    extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
-    height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
-    room = np.array([WIDE_PT, 0.7 * height])
-    size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
-    caption += " Numbers upright are of elements, slanted ones of nodes."
-    alt = f"Drawing of a frame of {len(model.elements)} elements"
-    panel = partial(frame, model, beams, sensors, force, label, room)
-    draw = partial(plot_frame, model, beams, **at)
-    return {"model": Figure(draw, size, caption, alt, lambda: explored(panel(), height=height))}
+    return {"model": Figure(draw, size, f"{caption}.", alt, lambda: explored(panel(), height=height))}
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
     of = "all responses" if modal or name is None else f"dof {name}" if isinstance(name, int) else str(name)
     found = ", ".join(f"{f:.2f}" for f in diagram.identified)
+    accepted = f"accepted at {found} Hz" if found else "no antiresonance accepted"
     return Figure(
         diagram.plot,
         (9.0, 5.0),
         f"Stabilization diagram of {of}: poles of rational fits of rising order; those that stay are "
         f"{'the resonances' if modal else 'its antiresonances'}.",
-        f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
-        + (f"accepted at {found} Hz" if found else "no antiresonance accepted"),
+        f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: {accepted}",
         partial(stabilization_figure, diagram, dof=name),
     )
 
 
 def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
     """Measured curves beside those of the models."""
-    model, after, force = result.problem.model, result.model, result.problem.measured[0].excitation
-    explore = partial(_explored_response, result, response, names)
-    given: dict[str, Any] = {"excitation": force, "names": names}
+    model, own = result.problem.model, result.problem.measured[0]
+    given: dict[str, Any] = {"excitation": own.excitation, "names": names}
     damping = "in the models follows from an assumed damping of 1 %."
+    which = f"measured, and of the model {names[0]} and {names[1]}"
     if response.kind == "frf":
-        dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
+        dofs = [dof for dof in response.dofs if dof in own] or list(response.dofs)
         shown = dofs[: responses.MOST_RESPONSES]
         some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
-        return Figure(
-            partial(responses.plot_responses, response, model, after, dofs=shown, **given),
-            (9.0, 2.0 + 1.2 * len(shown)),
-            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}",
-            f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
-            explore,
+        draw, size = partial(responses.plot_responses, dofs=shown), (9.0, 2.0 + 1.2 * len(shown))
+        caption = (
+            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}"
         )
-    over = dof_name(model, response.reference)
-    return Figure(
-        partial(responses.plot_transmissibility, response, model, after, dof=None, **given),
-        (9.0, 4.4),
-        f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
-        f"height {damping}",
-        f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
-        f"{names[0]} and {names[1]}",
-        explore,
-    )
+        alt = f"Curves by frequency of {len(shown)} FRFs: {which}"
+    else:
+        over = dof_name(model, response.reference)
+        draw, size = partial(responses.plot_transmissibility, dof=None), (9.0, 4.4)
+        caption = (
+            f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
+        )
+        caption += f"height {damping}"
+        alt = f"Curves by frequency of the transmissibilities over {over}: {which}"
+    drawn = partial(draw, response, model, result.model, **given)
+    return Figure(drawn, size, caption, alt, partial(_explored_response, result, response, names))
 
 
 def _explored_response(result: UpdateResult, measured: FrequencyResponse, names: tuple[str, str]) -> Any:
     """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
-    from bokeh.models import ColumnDataSource
+    from bokeh.models import ColumnDataSource, Legend, LegendItem
 
     before, after, excitation = result.problem.model, result.model, result.problem.measured[0].excitation
     if measured.kind == "transmissibility":
@@ -492,10 +483,9 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
     called = responses.curve_names(names, both=True)
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
     marks = []
-    for row in range(len(measured.dofs)):
-        lines = [Line(freq, level[row], **look) for level, look in zip(levels, responses.LOOKS, strict=True)]
-        more = {f"level_{i}": level[row] for i, level in enumerate(levels)}
-        lines[0] = replace(lines[0], says=says, more=more)
+    for rows in zip(*levels, strict=True):
+        lines = [Line(freq, row, **look) for row, look in zip(rows, responses.LOOKS, strict=True)]
+        lines[0] = replace(lines[0], says=says, more={f"level_{i}": row for i, row in enumerate(rows)})
         marks += [_thinned(line, np.min) for line in lines]  # the dip counts
     x, y = Axis("Frequency (Hz)", (freq[0], freq[-1])), Axis("FRF (dB re unit of the data)")
     fig = explored(Panel("response", x, y, marks), height=380)
@@ -503,10 +493,16 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
     for line in fig.renderers[3:]:
         line.visible = False
     empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
-    samples = [fig.add_glyph(empty, line.glyph.clone()) for line in drawn[0]]
-    _legend(fig, dict(zip(called, ([one] for one in samples), strict=True)), ncols=2)
-    by_dof = dict(zip(map(before.dof_label, measured.dofs), drawn, strict=True))
-    _legend(fig, by_dof, ncols=4, click_policy="hide", title="click to show or hide")
+    samples = [[fig.add_glyph(empty, line.glyph.clone())] for line in drawn[0]]
+    for entries, look in (  # each may stand for several lines
+        (zip(called, samples, strict=True), {"ncols": 2}),
+        (
+            zip(map(before.dof_label, measured.dofs), drawn, strict=True),
+            {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"},
+        ),
+    ):
+        items = [LegendItem(label=name, renderers=lines) for name, lines in entries]
+        fig.add_layout(Legend(items=items, **LEGEND | look), "below")
     return fig
 
 
@@ -519,14 +515,6 @@ def _thinned(line: Any, how: Any) -> Any:
 
     more = {name: few(column, how) for name, column in line.more.items()}
     return replace(line, x=few(line.x, np.mean), y=few(line.y, how), more=more)
-
-
-def _legend(fig: Any, entries: Mapping[str, list[Any]], **look: Any) -> None:
-    """A legend whose entries stand for several lines each."""
-    from bokeh.models import Legend, LegendItem
-
-    items = [LegendItem(label=name, renderers=lines) for name, lines in entries.items()]
-    fig.add_layout(Legend(items=items, **LEGEND | look), "below")
 
 
 def states(result: UpdateResult) -> tuple[str, str]:
@@ -580,18 +568,25 @@ def tables_of(
             heads = {"probability": "probability (%)", "name": "explanation"}
             heads |= {"losses": "stiffness loss (%), 90 % interval"}
             tables["hypotheses"] = Table("Hypotheses", heads, rows, "hit", others)
-        certain = {"value": "found (%)", "std": "standard deviation (%)"}
-        likely = {"probability": "probability of damage (%)", "value": "found (%)"}
-        heads = {"name": "element"} | (likely | {"interval": "90 % interval (%)"} if judged else certain)
-        heads |= ({} if truth is None else {"truth": "truth (%)"}) | {
-            "visible": "smallest that would be seen (%)"
-        }
-        heads |= {} if judged else {"bounds": "bounds (%)"}
+        heads = {"name": "element"}
+        if judged:
+            heads |= {"probability": "probability of damage (%)", "value": "found (%)"}
+            heads |= {"interval": "90 % interval (%)"}
+        else:
+            heads |= {"value": "found (%)", "std": "standard deviation (%)"}
+        heads |= {} if truth is None else {"truth": "truth (%)"}
+        heads |= {"visible": "smallest that would be seen (%)"} | ({} if judged else {"bounds": "bounds (%)"})
         tables["found"] = Table("Stiffness loss by element", heads, damage_rows(result, truth), "damaged")
     else:
         heads = {"name": "parameter", "nominal": "before", "value": "found", "std": "standard deviation"}
         heads |= {"change": "change (%)", "bounds": "bounds"}
-        tables["found"] = Table("Parameters", heads, parameter_rows(result), "on_bound")
+        problem, rows = result.problem, []
+        columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
+        for name, value, std, nominal, (low, high) in columns:
+            change = f"{100 * (value / nominal - 1):+.2f}" if nominal else ""
+            cells = (name, f"{nominal:.5g}", f"{value:#.5g}", _deviation(std), change, f"{low:g} to {high:g}")
+            rows.append(dict(zip(heads, cells, strict=True)) | {"on_bound": name in result.at_bound})
+        tables["found"] = Table("Parameters", heads, rows, "on_bound")
     modal = result.problem.objective == "modal"
     heads = {"mode": "mode"} if modal else {"dof": "response dof", "force": "force dof"}
     heads["measured"] = f"measured{', corrected by the baseline' if judged else ''} (Hz)"
@@ -599,20 +594,7 @@ def tables_of(
         heads |= {state: f"{name} (Hz)", f"{state}_percent": "difference (%)"}
         heads |= {f"{state}_mac": "MAC"} if modal else {}
     title = "Resonances" if modal else "Antiresonances"
-    return tables | {"frequencies": Table(title, heads, frequency_rows(result), "group")}
-
-
-def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
-    """Value, standard deviation, change and bounds of each parameter."""
-    on_bound = set(result.at_bound)
-    problem = result.problem
-    columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
-    rows = []
-    for name, value, std, nominal, (low, high) in columns:
-        row = {"name": name, "value": f"{value:#.5g}", "std": _deviation(std), "nominal": f"{nominal:.5g}"}
-        row |= {"change": f"{100 * (value / nominal - 1):+.2f}" if nominal else ""}
-        rows.append(row | {"bounds": f"{low:g} to {high:g}", "on_bound": name in on_bound})
-    return rows
+    return tables | {"frequencies": Table(title, heads, _frequency_rows(result, list(heads)), "group")}
 
 
 def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list[dict[str, Any]]:
@@ -623,47 +605,42 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
             return "" if value is None else "0"
         return f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}" if np.isfinite(value) else "none"
 
-    label, judged = result.problem.model.element_label, result.has_baseline
+    label, judged, truth = result.problem.model.element_label, result.has_baseline, truth or {}
     on_bound = set() if judged else set(result.at_bound)
     chance, limits = (result.probability, result.interval) if judged else ({}, {})
-    instead = _instead(result) if judged else {}
+    found, instead = (result.assessment, {}) if judged else (None, {})
+    # Single elements that the values cannot tell from the one declared damaged.
+    if found is not None and found.declared in [one.elements for one in found.group]:
+        alike = [one for one in found.group if len(one.elements) == 1 == len(found.declared)]
+        instead = {one.elements[0]: one for one in alike if one.elements != found.declared}
+    rows: list[dict[str, Any]] = []
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
-    rows = []
     for e, name, std, (low, high) in columns:
         lost, other = result.severity[e], instead.get(e)
+        interval = limits.get(e, (0.0, 0.0)) if other is None else (other.low[0], other.high[0])
         row: dict[str, Any] = {
             "name": label(e),
-            "value": percent(lost) if other is None else f"or {percent(other[0])}",
-        }
-        row |= {
+            "value": percent(lost),
             "std": _deviation(100.0 * std) if lost > 0.0 else "",
-            "bounds": f"{100 * low:g} to {100 * high:g}",
         }
-        row |= {"interval": _interval(*(limits.get(e, (0.0, 0.0)) if other is None else other[1:]))}
-        row |= {"probability": _probability(chance.get(e, 0.0)), "visible": percent(result.detectable[e])}
-        row |= {"truth": percent((truth or {}).get(e)), "damaged": lost > 0.0 or other is not None}
+        row |= {} if other is None else {"value": f"or {percent(other.severities[0])}"}
+        row |= {"bounds": f"{100 * low:g} to {100 * high:g}", "visible": percent(result.detectable[e])}
+        row |= {"interval": _interval(*interval), "probability": _probability(chance.get(e, 0.0))}
+        row |= {"truth": percent(truth.get(e)), "damaged": lost > 0.0 or other is not None}
         rows.append(row | {"on_bound": name in on_bound})
     # Elements that were no candidates, and would explain the change.
     for one in result.hypotheses if judged else ():
-        if one.candidate or not one.elements or one.unknown or one.probability < WORTH_A_ROW:
-            continue
-        row = dict.fromkeys(("std", "visible", "bounds"), "") | {"on_bound": False}
-        row |= {"name": f"{label(one.elements[0])}, no candidate", "value": percent(one.severities[0])}
-        row |= {"interval": _interval(one.low[0], one.high[0]), "probability": _probability(one.probability)}
-        row |= {"truth": percent((truth or {}).get(one.elements[0])), "damaged": one is result.hypotheses[0]}
-        rows.append(row)
+        if not one.candidate and one.elements and not one.unknown and one.probability >= WORTH_A_ROW:
+            e = one.elements[0]
+            row = {"name": f"{label(e)}, no candidate", "value": percent(one.severities[0]), "std": ""}
+            row |= {
+                "interval": _interval(one.low[0], one.high[0]),
+                "truth": percent(truth.get(e)),
+                "visible": "",
+            }
+            row |= {"probability": _probability(one.probability), "damaged": one is result.hypotheses[0]}
+            rows.append(row | {"bounds": "", "on_bound": False})
     return rows
-
-
-def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
-    """Loss and interval of single elements that the values cannot tell from the one declared damaged."""
-    found = result.assessment
-    alike = found.group if found.declared in [one.elements for one in found.group] else ()
-    return {
-        one.elements[0]: (one.severities[0], one.low[0], one.high[0])
-        for one in alike
-        if len(one.elements) == 1 == len(found.declared) and one.elements != found.declared
-    }
 
 
 def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
@@ -680,30 +657,31 @@ def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
     return rows, f"{others} others, together {_probability(rest)} %." if others else ""
 
 
-def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
+def _frequency_rows(result: UpdateResult, names: list[str]) -> list[dict[str, Any]]:
     """Each measured value with the model's before and after; the response is named once."""
     table: Any = result.table
-
-    modal = isinstance(table, ModalTable)
-    columns = {"measured": "measured_hz", "before": "before_hz", "after": "after_hz"}
-    columns |= {name: name for name in ("before_percent", "after_percent")}
-    columns |= {name: name for name in ("before_mac", "after_mac")} if modal else {}
 
     def cell(name: str, value: float) -> str:
         if not np.isfinite(value):
             return "no partner"
         return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
-    cells = {name: [cell(name, one) for one in getattr(table, of)] for name, of in columns.items()}
-    each = zip(*cells.values(), strict=True)
-    rows: list[dict[str, Any]] = [dict(zip(cells, row, strict=True)) for row in each]
-    if modal:
+    columns = {
+        name: getattr(table, name if "_" in name else f"{name}_hz")
+        for name in names
+        if name not in ("mode", "dof", "force")
+    }
+    cells = {name: [cell(name, one) for one in column] for name, column in columns.items()}
+    rows: list[dict[str, Any]] = [
+        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
+    ]
+    if isinstance(table, ModalTable):
         for row, mode in zip(rows, table.mode, strict=True):
             row.update(mode=mode, group=mode == table.mode[0])
         return rows
-    last, names = None, table.dof_names
+    last, called = None, table.dof_names
     for row, dof, force in zip(rows, table.dof.tolist(), table.excitation.tolist(), strict=True):
-        row.update(group=(dof, force) != last, dof=names.get(dof, dof), force=names.get(force, force))
+        row.update(group=(dof, force) != last, dof=called.get(dof, dof), force=called.get(force, force))
         last = (dof, force)
     return rows
 
