@@ -53,7 +53,7 @@ class Page:
     @property
     def zeros(self) -> Any:
         """The set as it is now, with all edits; None for a page that shows a result."""
-        return self._session and self._session.zeros
+        return None if self._session is None else self._session.zeros
 
     @property
     def running(self) -> bool:
@@ -85,7 +85,7 @@ class Page:
 
     def keep_unsaved(self) -> Path | None:
         """Write edits that were not saved beside where they belong, so that closing loses nothing."""
-        return self._session and self._session.keep_unsaved()
+        return None if self._session is None else self._session.keep_unsaved()
 
     def _warm(self) -> None:
         """Make the first figure, with what has to be imported for it, while the browser begins."""

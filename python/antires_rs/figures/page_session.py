@@ -483,7 +483,11 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
         words = doubts_of(dof, table, zeros.cross_check)
         grades = table.scores.get("grade", np.full(len(table), ""))
         for i, by_hand in enumerate(table.by_hand):
-            row = {"dof": at, "freq_hz": float(table.freq_hz[i]), "std_hz": _known(table.std_hz[i])}
+            row: dict[str, Any] = {
+                "dof": at,
+                "freq_hz": float(table.freq_hz[i]),
+                "std_hz": _known(table.std_hz[i]),
+            }
             row |= {"damping_percent": _known(100.0 * table.damping_ratio[i])}
             row |= {"grade": "by hand" if by_hand else str(grades[i])}
             rows.append(row | {"doubts": "" if by_hand else ", ".join(words[i])})

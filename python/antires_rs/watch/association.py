@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import insort
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,11 +67,12 @@ class Values:
     looked: NDArray[np.bool_]
     strange: tuple[tuple[tuple[Any, float], ...], ...]
 
-    def without(self, faulty: Mapping[int, Collection[Any]], places: Places) -> Values:
-        """Without some responses of some tests, {test: dofs}."""
+    def without(self, faults: Mapping[int, Sequence[Any]], places: Places) -> Values:
+        """Without the responses at fault, by test."""
         log_hz, looked, strange = self.log_hz.copy(), self.looked.copy(), list(self.strange)
-        for test, dofs in faulty.items():
-            gone = np.isin(places.dof, list(dofs)) if dofs else np.zeros(places.dof.size, dtype=bool)
+        for test, here in faults.items():
+            dofs = [fault.dof for fault in here]
+            gone = np.isin(places.dof, dofs)
             log_hz[test, gone], looked[test, gone] = np.nan, False
             strange[test] = tuple(one for one in strange[test] if one[0] not in dofs)
         return Values(log_hz, self.std, looked, tuple(strange))
