@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -60,8 +60,13 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     draw(losses(result, truth, not fit_across(ax, names)), ax)
     if result.has_baseline:
         ax.set_title("Probability that it is damaged (%)", fontsize="small", loc="left", pad=18)
-        if not result.damaged:
-            ax.text(0.5, 0.6, verdict(result), transform=ax.transAxes, ha="center", fontsize="medium")
+        if not result.damaged:  # why there is no bar
+            elsewhere = _percent(result.probability_elsewhere)
+            why = f"something has changed that no candidate explains\n(probability {elsewhere} %)"
+            if result.assessment.best.candidate:
+                changed = _percent(result.probability_of_damage)
+                why = f"no damage declared\n(probability that anything has changed: {changed} %)"
+            ax.text(0.5, 0.6, why, transform=ax.transAxes, ha="center", fontsize="medium")
     return ax
 
 
@@ -70,12 +75,14 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
     names, x = element_names(result), np.arange(len(result.x), dtype=np.float64)
     found, visible = 100.0 * np.asarray(result.x), 100.0 * np.array(list(result.detectable.values()))
     truths = _truths(result, truth)
-    nowhere = np.full(x.size, np.nan)
-    judged = _judged(result) if result.has_baseline else {}
-    low, high = judged.get("low_percent", nowhere), judged.get("high_percent", nowhere)
-    instead = judged.get("instead_percent", nowhere)
-    shown = (found, truths, high, instead, np.minimum(visible, MOST_VISIBLE))
-    axis = percent_axis(np.concatenate(shown), upright)
+    low = high = instead = np.full(x.size, np.nan)
+    judged: dict[str, Any] = {}
+    if result.has_baseline:
+        low, high = 100.0 * np.array(list(result.interval.values())).T
+        instead = _alternatives(result.assessment, result.elements)
+        judged = {"low_percent": low, "high_percent": high}
+        judged |= {"probability": np.array([*result.probability.values()]), "instead_percent": instead}
+    axis = _percent_axis([found, truths, high, instead, np.minimum(visible, MOST_VISIBLE)], upright)
     top = axis.limits[1] if axis.limits else 100.0
     says = {"Element": "@name", "Stiffness loss": "@loss{0.0} %"}
     more = {"name": names, "loss": found, "truth": truths}
@@ -85,56 +92,43 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
         more["interval"] = [f"{span(a, b)} %" if b > 0.0 else "-" for a, b in result.interval.values()]
         more["probability"] = [percent(p) for p in result.probability.values()]
     says |= {"Smallest that would be seen": "@seen"} | ({"Truth": "@truth{0.0} %"} if truth else {})
-    whole = Bars(x, np.full(x.size, top), 1.0, face="none", edge=None, only="page", says=says, more=more)
-    marks: list[Mark] = [whole]
-    some = np.isfinite(instead)
-    if some.any():
+    marks: list[Mark] = [
+        Bars(x, np.full(x.size, top), 1.0, face="none", edge=None, only="page", says=says, more=more)
+    ]
+    if (some := np.isfinite(instead)).any():
         marks.append(Bars(x[some], instead[some], face="none", dash="--", label="what else it may be"))
     marks += [Bars(x, found, label="found"), *_smallest_seen(x, visible, top)]
-    some = high > 0.0
-    if some.any():
+    if (some := high > 0.0).any():
         marks.append(Whiskers(x[some], low[some], high[some], label="90 % interval"))
     if truth is not None:
         marks.append(_diamonds(x, truths))
     if judged:
         heads = [_percent(p) for p in judged["probability"]]
         marks.append(Heads(x, heads, judged["probability"] >= 0.5, only="picture"))
-    marks += _numbers(found, (found, truths, visible, high), truths, top, upright)
+    for i in np.flatnonzero(found > 0.0):
+        # Over the bar, and over marks close above, which would strike the number out.
+        close = (found[i], truths[i], visible[i], high[i])
+        over = max(level for level in close if found[i] <= level <= found[i] + 0.12 * top)
+        away = 8.0 if abs(over - truths[i]) < 0.05 * top else 3.0  # over a diamond
+        marks.append(Words([i], [over], [f"{found[i]:.1f} %"], away=away, turned=upright, only="picture"))
     bars = {"element": result.elements, "name": names, "loss_percent": found}
     bars |= ({} if truth is None else {"truth_percent": truths}) | judged | {"smallest_seen_percent": visible}
     title, first = "" if found.any() or judged else "no damage found", ("found", "90 % interval", "truth")
-    x_axis, tables = element_axis(names, upright), {"bars": bars}
-    return Panel("damage", x_axis, axis, marks, title=title, grid="y", first=first, tables=tables)
+    look: dict[str, Any] = {"title": title, "grid": "y", "first": first, "tables": {"bars": bars}}
+    return Panel("damage", _element_axis(names, upright), axis, marks, **look)
 
 
-def _judged(result: DamageResult) -> dict[str, Any]:
-    """Columns beside the losses: 90 % intervals, probabilities, losses of what may be damaged instead."""
-    low, high = 100.0 * np.array(list(result.interval.values())).T
-    columns = {"low_percent": low, "high_percent": high}
-    columns |= {"probability": np.array([*result.probability.values()])}
-    return columns | {"instead_percent": alternatives(result.assessment, result.elements)}
-
-
-def alternatives(found: Assessment, elements: list[int]) -> FloatArray:
+def _alternatives(found: Assessment, elements: list[int]) -> FloatArray:
     """Losses in % of elements that may be the damaged ones instead, NaN elsewhere."""
     losses = np.full(len(elements), np.nan)
-    for one in found.hypotheses:
-        if not one.candidate or one.probability < _WORTH_A_BAR:
-            continue
-        for element, severity in zip(one.elements, one.severities, strict=True):
-            at = elements.index(element)
-            if element not in found.declared and np.isnan(losses[at]):
-                losses[at] = 100.0 * severity
+    likely = [one for one in found.hypotheses if one.candidate and one.probability >= _WORTH_A_BAR]
+    for element, severity in (
+        each for one in likely for each in zip(one.elements, one.severities, strict=True)
+    ):
+        at = elements.index(element)
+        if element not in found.declared and np.isnan(losses[at]):
+            losses[at] = 100.0 * severity
     return losses
-
-
-def verdict(result: DamageResult) -> str:
-    """Why there is no bar."""
-    elsewhere = result.probability_elsewhere
-    if not result.assessment.best.candidate:
-        return f"something has changed that no candidate explains\n(probability {_percent(elsewhere)} %)"
-    changed = _percent(result.probability_of_damage)
-    return f"no damage declared\n(probability that anything has changed: {changed} %)"
 
 
 def _percent(p: float) -> str:
@@ -147,16 +141,9 @@ def _truths(result: DamageResult, truth: Mapping[int, float] | None) -> FloatArr
     return 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
 
 
-def _numbers(
-    found: FloatArray, marks: tuple[FloatArray, ...], truths: FloatArray, top: float, upright: bool
-) -> list[Mark]:
-    """Losses over their bars, and over marks close above, which would strike them out."""
-    words: list[Mark] = []
-    for i in np.flatnonzero(found > 0.0):
-        over = max(mark[i] for mark in marks if found[i] <= mark[i] <= found[i] + 0.12 * top)
-        away = 8.0 if abs(over - truths[i]) < 0.05 * top else 3.0  # over a diamond
-        words.append(Words([i], [over], [f"{found[i]:.1f} %"], away=away, turned=upright, only="picture"))
-    return words
+def _diamonds(x: Any, truths: FloatArray) -> Mark:
+    """Known losses, so that the bars stay visible."""
+    return Points(x, truths, "D", 8.0, face="none", stroke=1.3, spill=True, label="truth")
 
 
 def _smallest_seen(x: FloatArray, visible: FloatArray, top: float) -> list[Mark]:
@@ -178,26 +165,21 @@ def _smallest_seen(x: FloatArray, visible: FloatArray, top: float) -> list[Mark]
     return marks
 
 
-def _diamonds(x: Any, truths: FloatArray) -> Mark:
-    """Known losses, so that the bars stay visible."""
-    return Points(x, truths, "D", 8.0, face="none", stroke=1.3, spill=True, label="truth")
-
-
 def element_names(result: DamageResult) -> list[str]:
     """What the candidate elements are called."""
     label = result.problem.model.element_label
     return [", ".join(label(term) for term in p.terms) for p in result.problem.parameters]
 
 
-def percent_axis(shown: FloatArray, upright: bool) -> Axis:
+def _percent_axis(shown: Sequence[FloatArray], upright: bool) -> Axis:
     """Scale of the losses, with room for the numbers over the bars; there is none above 100 %."""
-    room = 1.36 if upright else 1.16
-    top = max(LEAST_PERCENT, room * float(np.max(shown[np.isfinite(shown)], initial=0.0)))
+    losses = np.concatenate(shown)
+    highest = float(np.max(losses[np.isfinite(losses)], initial=0.0))
+    top = max(LEAST_PERCENT, (1.36 if upright else 1.16) * highest)
     return Axis("Stiffness loss (%)", (0.0, top), at=range(0, 101, 20) if top > 100.0 else None)
 
 
-def element_axis(names: list[str], upright: bool) -> Axis:
-    """Names of the elements across."""
+def _element_axis(names: list[str], upright: bool) -> Axis:
     spare = max(0.6, 0.5 * (4 - len(names)))  # one or two bars are bars, not blocks
     label = "Candidate element (no bar: exactly 0)"
     return Axis(label, (-spare, len(names) - 1 + spare), names=names, upright=upright)
@@ -252,30 +234,25 @@ def plot_damages(
     first, *others = results.values()
     if any(other.elements != first.elements for other in others):
         reject("results", "different candidate elements", "the same in all", "Pass a dict of name to result.")
-    names = element_names(first)
+    names, truths = element_names(first), _truths(first, truth)
     ax = new_axes(ax, (max(7.0, 0.4 * len(names) + 1.5), 4.4))
     x, width = np.arange(len(names)), 0.8 / len(results)
     upright = not fit_across(ax, names)
-    truths = _truths(first, truth)
-    found = {name: 100.0 * np.asarray(result.x) for name, result in results.items()}
-    # Under bars as narrow as this numbers stand upright.
-    narrow = len(names) * len(results) > 24
+    bars: dict[str, Any] = {"element": first.elements, "name": names}
     marks: list[Mark] = []
-    for k, (name, percents) in enumerate(found.items()):
+    for k, (name, result) in enumerate(results.items()):
+        bars[f"{name}_percent"] = percents = 100.0 * np.asarray(result.x)
         at, some = x + (k - 0.5 * (len(results) - 1)) * width, percents > 0.0
-        texts = [f"{value:.1f}" for value in percents[some]]
         marks.append(Bars(at, percents, 0.92 * width, label=name, **LOOKS[k]))
         # A number beside its bar's middle: the diamond of the truth stands between the bars.
-        marks.append(Words(at[some], percents[some], texts, away=4.0, size=6.94, turned=narrow))
+        look: dict[str, Any] = {"away": 4.0, "size": 6.94, "turned": len(names) * len(results) > 24}
+        marks.append(Words(at[some], percents[some], [f"{value:.1f}" for value in percents[some]], **look))
+    y_axis = _percent_axis([truths, *list(bars.values())[2:]], upright)
     if truth is not None:
         marks.append(_diamonds(x, truths))
-    bars = {"element": first.elements, "name": names}
-    bars |= {f"{name}_percent": one for name, one in found.items()}
-    bars |= {} if truth is None else {"truth_percent": truths}
-    y_axis = percent_axis(np.concatenate([truths, *found.values()]), upright)
-    x_axis, first_ones = element_axis(names, upright), tuple(results)
-    panel = Panel("damages", x_axis, y_axis, marks, grid="y", first=first_ones, tables={"bars": bars})
-    return draw(panel, ax)
+        bars["truth_percent"] = truths
+    look = {"grid": "y", "first": tuple(results), "tables": {"bars": bars}}
+    return draw(Panel("damages", _element_axis(names, upright), y_axis, marks, **look), ax)
 
 
 # -- Hypotheses: bars of their probabilities
@@ -333,13 +310,15 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     """One bar a hypothesis, the most probable on top, and one for the others."""
     rows = worth_a_row(hypotheses, most)
     names, values = [hypotheses.called(one) for one in rows], [one.probability for one in rows]
-    looks, losses = (
-        [_look(one) for one in rows],
-        [[*zip(one.severities, one.low, one.high, strict=True)] for one in rows],
-    )
+    losses = [[*zip(one.severities, one.low, one.high, strict=True)] for one in rows]
     said = [", ".join(loss(*each, " %") for each in of) or "-" for of in losses]
     under = [", ".join(f"{100 * s:.1f} % ({span(low, high)})" for s, low, high in of) for of in losses]
     labels = [f"{name}\n{text}" if text else name for name, text in zip(names, under, strict=True)]
+    # Damage of candidates, no damage, what none of them explains.
+    looks: list[dict[str, Any]] = [
+        {"face": "blue" if one.elements else "white"} if one.candidate else {"face": "white", "hatch": "////"}
+        for one in rows
+    ]
     others = len(hypotheses) - len(rows)
     if others:
         names.append(f"{others} other{'s' if others > 1 else ''} together")
@@ -358,10 +337,3 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     y = Axis("", (len(names) - 0.4, -0.6), names=labels)
     table = {"name": names, "probability": values}
     return Panel("hypotheses", x, y, marks, grid="x", tables={"hypotheses": table})
-
-
-def _look(one: Hypothesis) -> dict[str, Any]:
-    """Damage of candidates, no damage, what none of them explains."""
-    if not one.candidate:
-        return {"face": "white", "hatch": "////"}
-    return {"face": "blue" if one.elements else "white"}
