@@ -265,9 +265,9 @@ def data_of(ax: Any) -> dict[str, Table]:
     Returns
     -------
     dict of str to dict of str to ndarray
-        Tables by name and their columns, all columns of a table of one length. The names of columns end in
-        their unit (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or
-        ratios. The arrays are read-only. ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
+        Tables by name and their columns, all of one length, read-only. The names of columns end in their unit
+        (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or ratios.
+        ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
 
     Raises
     ------
@@ -277,14 +277,12 @@ def data_of(ax: Any) -> dict[str, Table]:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs import figures
     >>> from matplotlib.figure import Figure
     >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
     >>> ax = ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots())
-    >>> bars = figures.data_of(ax)["bars"]
-    >>> bars["element"].tolist(), list(bars)
-    ([0, 1], ['element', 'name', 'loss_percent', 'smallest_seen_percent'])
+    >>> list(ar.figures.data_of(ax)["bars"])
+    ['element', 'name', 'loss_percent', 'smallest_seen_percent']
     """
     try:
         return {name: dict(table) for name, table in _offered[ax].items()}

@@ -25,16 +25,14 @@ MOST_VISIBLE = 25.0  # smallest visible losses above this do not lengthen the ax
 def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
     """Draw the stiffness loss of each candidate element in %, with what could have been seen.
 
-    One bar an element. The ticks across are ``result.detectable``: damage below would come out as none; a
-    triangle at the upper edge gives those that lie above the axis. A hatched background marks elements
-    whose damage no value could show. Against a baseline bars have their 90 % intervals, the row above
-    them is the probability of each element, and empty bars are losses of elements that may be the damaged
-    ones instead.
+    The ticks across are ``result.detectable``: damage below would come out as none; a triangle at the upper
+    edge gives those above the axis. A hatched background marks elements whose damage no value could show.
+    Against a baseline bars have their 90 % intervals, the row above them is the probability of each element,
+    and empty bars are losses of elements that may be the damaged ones instead.
 
     Parameters
     ----------
     result : DamageResult
-        From :func:`~antires_rs.assess_damage`.
     truth : mapping of int to float, optional
         True loss by zero-based element, where it is known; drawn as diamonds.
 
@@ -49,8 +47,7 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     >>> from matplotlib.figure import Figure
     >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ax = ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots())
-    >>> ax.get_ylabel()
+    >>> ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots()).get_ylabel()
     'Stiffness loss (%)'
     """
     if truth is not None and not isinstance(truth, Mapping):
@@ -201,22 +198,19 @@ def plot_damages(
 ) -> Any:
     """Draw the stiffness loss of each candidate element in % as found by several approaches.
 
+    As Fig. 8 of V. Meruane, J. Sound Vib. 332 (2013) 807-820.
+
     Parameters
     ----------
     results : mapping of str to DamageResult
         By the name of the approach, two to four, all with the same candidate elements.
     truth : mapping of int to float, optional
-        True loss by zero-based element, where it is known; drawn as diamonds.
+        As in :func:`plot_damage`.
 
     Raises
     ------
     InvalidInputError
         Fewer than two results or more than four, or different candidate elements.
-
-    Notes
-    -----
-    As Fig. 8 of V. Meruane, J. Sound Vib. 332 (2013) 807-820, for antiresonances beside resonances with mode
-    shapes.
 
     Examples
     --------
@@ -270,16 +264,15 @@ def worth_a_row(hypotheses: Hypotheses, most: int = MOST_ROWS) -> list[Hypothesi
 def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> Any:
     """Draw the probabilities of hypotheses of damage, the most probable on top.
 
-    One bar a hypothesis, with its stiffness losses and their 90 % intervals, each in %, under its name.
-    Blue bars are damage of candidates, white ones no damage, hatched ones what none of them explains.
+    Each with its stiffness losses and their 90 % intervals, in %, under its name. Blue bars are damage of
+    candidates, white ones no damage, hatched ones what none of them explains.
 
     Parameters
     ----------
     hypotheses : Hypotheses
         ``result.hypotheses`` of :func:`~antires_rs.assess_damage`.
     most : int
-        Hypotheses with a bar of their own at most: the first three, and those above 0.005. The others share
-        one.
+        Bars at most: of the first three hypotheses, and of those above 0.005. The others share one.
 
     Raises
     ------
@@ -290,12 +283,11 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
     --------
     >>> import antires_rs as ar
     >>> from matplotlib.figure import Figure
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 300.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> ax = ar.assess_damage(intact, now, baseline=before).hypotheses.plot(ax=Figure().subplots())
-    >>> ax.get_xlabel()
+    >>> before, now = (ar.MassSpringChain([1.0] * 4, [500.0, k, 500.0]) for k in (500.0, 300.0))
+    >>> exact = (dict(enumerate(model.antiresonances([0, 1, 2, 3], 0))) for model in (before, now))
+    >>> intact, damaged = (ar.AntiresonanceSet(0, each) for each in exact)
+    >>> found = ar.assess_damage(before, damaged, baseline=intact)
+    >>> found.hypotheses.plot(ax=Figure().subplots()).get_xlabel()
     'Probability'
     """
     integer("most", most, low=1)

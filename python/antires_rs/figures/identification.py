@@ -46,8 +46,7 @@ def plot_stabilization(
     diagram : StabilizationDiagram
         From :func:`~antires_rs.stabilization`, or ``AntiresonanceSet.diagrams[dof]``.
     dropped, added : sequence of float, optional
-        Values in Hz that were taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows
-        them.
+        Values in Hz taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows them.
 
     Examples
     --------
@@ -156,18 +155,14 @@ def plot_damping_clusters(
 
     The poles of an antiresonance gather in one spot over many orders; spurious poles scatter everywhere.
     A cluster elongated upwards has an uncertain damping; one elongated sideways, an uncertain frequency.
-    Squares are the accepted antiresonances. They may lie beside their cluster: near the noise the poles of
-    the sweep are biased, while the antiresonances are taken from the likeliest fit.
+    Squares are the accepted antiresonances, taken from the likeliest fit: near the noise they may lie beside
+    their cluster. The damping axis is logarithmic; poles with less than 0.01 %, or right of the imaginary
+    axis, stand as triangles on its foot.
 
     Parameters
     ----------
     diagram, dropped, added
         As in :func:`plot_stabilization`.
-
-    Notes
-    -----
-    The damping axis is logarithmic. Poles with less than 0.01 %, or right of the imaginary axis, stand as
-    triangles on its foot.
 
     Examples
     --------
@@ -261,9 +256,9 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
 def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     """Draw the singular values of the responses' spectral matrix, and what one force would make the second.
 
-    Under one force the first stands out, and the second lies where noise and leakage put it. A second force
-    lifts the second everywhere but at the resonances. Channels are scaled to equal noise, so 0 dB is the
-    noise (on exact data: 60 dB below the mean power).
+    Under one force the first stands out, and the second lies where noise and leakage put it; a second force
+    lifts it everywhere but at the resonances. Channels are scaled to equal noise, so 0 dB is the noise (on
+    exact data: 60 dB below the mean power).
 
     Parameters
     ----------
@@ -278,10 +273,9 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.signals import check_data
     >>> from matplotlib.figure import Figure
     >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
+    >>> ar.signals.check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
     'Singular value (dB re noise power)'
     """
     if getattr(check, "eigenvalues", None) is None:

@@ -84,8 +84,8 @@ _REACHED = 0.995  # a curve as high as this has reached the top
 def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     """Draw the probability of detection of each element against its stiffness loss, both in %.
 
-    A curve an element; of more than seven, all in grey but those that are seen best, worst and in
-    between. Simulated tests are ticks, above the curves where the damage was found, below where not.
+    Of more than seven elements all are in grey but those seen best, worst and in between. Simulated tests
+    are ticks, above the curves where the damage was found, below where not.
 
     Parameters
     ----------

@@ -47,10 +47,8 @@ def plot_responses(
     ----------
     measured : FrequencyResponse
         Of ``kind="frf"``, its dofs being dofs of the models.
-    before : StructuralModel
-        The nominal model.
-    after : StructuralModel, optional
-        The updated model.
+    before, after : StructuralModel
+        The nominal and the updated model; ``after`` may be None.
     excitation : int
         Dof of the force.
     dofs : sequence of int, optional

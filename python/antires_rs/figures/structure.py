@@ -60,9 +60,7 @@ def plot_chain(
     excitation: int | None = None,
     label: str = "Value by spring",
 ) -> Any:
-    """Draw a chain with its springs numbered and coloured by a value of each.
-
-    Masses and springs with their numbers from 0, as tables have them.
+    """Draw a chain with its springs numbered from 0, as tables have them, and coloured by a value of each.
 
     Parameters
     ----------
@@ -197,8 +195,7 @@ def plot_frame(
     ----------
     model : FrameModel
     values : array_like, (n_elements,), or mapping of int to float, optional
-        Value of each element, for example ``DamageResult.severity``: light grey at 0, dark blue at the
-        largest; elements without one are thin. By default the colours tell the sections apart.
+        As in :func:`plot_chain`, of each element. By default the colours tell the sections apart.
     sensors, excitation, label
         As in :func:`plot_chain`; arrows along their direction.
     numbers : bool, optional
@@ -216,8 +213,7 @@ def plot_frame(
     >>> from matplotlib.figure import Figure
     >>> pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
     >>> frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], pipe, fixed=[0])
-    >>> ax = frame.plot({1: 0.4}, ax=Figure().subplots(), excitation=frame.dof(2, "u"))
-    >>> ax.get_xlabel()
+    >>> frame.plot({1: 0.4}, ax=Figure().subplots(), excitation=frame.dof(2, "u")).get_xlabel()
     'x (m)'
     """
     ax = new_axes(ax, (9.0, 4.6))

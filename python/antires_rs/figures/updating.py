@@ -51,8 +51,7 @@ def plot_differences(
     >>> import numpy as np, antires_rs as ar
     >>> from matplotlib.figure import Figure
     >>> columns = [0, 0], [0, 0], [10.0, 20.0], [10.4, 19.0], [10.01, 20.0]
-    >>> table = ar.FrequencyTable(*map(np.array, columns))
-    >>> ax = ar.figures.plot_differences(table, ax=Figure().subplots())
+    >>> ax = ar.figures.plot_differences(ar.FrequencyTable(*map(np.array, columns)), ax=Figure().subplots())
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['before updating, largest 5.00 %', 'after updating, largest 0.10 %']
     """
@@ -259,8 +258,7 @@ def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
     --------
     >>> import antires_rs as ar
     >>> from matplotlib.figure import Figure
-    >>> problem = ar.cases.chain8().updating_problem()
-    >>> found = ar.identifiability(problem, points=4, forces=[], sensors=[])
+    >>> found = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
     >>> ax = ar.figures.plot_identifiability(found, ax=Figure().subplots())
     >>> round(max(bar.get_width() for bar in ax.patches))
     100

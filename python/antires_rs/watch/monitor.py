@@ -111,12 +111,9 @@ class Watched(ReadOnly, Viewed):
         Its tests that have a set.
     names, times, conditions, failed
         Of the tests, as in the :class:`~antires_rs.Series`.
-    used : tuple of str
-        Conditions that the antiresonances were found to depend on.
-    bends : dict of str to float
-        Where the line over a condition bends, of those whose line does.
-    clocks : tuple of str
-        Conditions that only grow or only fall from test to test, and are not used.
+    used, bends, clocks : tuple of str, dict of str to float, tuple of str
+        Conditions that the antiresonances were found to depend on, where the lines over them bend, and those
+        that are not used since they only grow or only fall from test to test.
     outside : (n,) bool
         Tests at conditions that the baseline does not have.
     faults : dict of int to tuple of Fault
@@ -135,10 +132,9 @@ class Watched(ReadOnly, Viewed):
 
     Examples
     --------
-    >>> import antires_rs as ar
-    >>> import numpy as np
+    >>> import antires_rs as ar, numpy as np
     >>> rng = np.random.default_rng(0)
-    >>> sets = [ar.AntiresonanceSet(0, {0: [8.7, 23.9] + 0.01 * rng.standard_normal(2)}) for _ in range(60)]
+    >>> sets = [ar.AntiresonanceSet(0, {0: rng.normal([8.7, 23.9], 0.01)}) for _ in range(60)]
     >>> ar.monitor(sets, baseline=50)
     Watched(60 tests, 0 alarms outside the baseline, rate 0.01)
     """

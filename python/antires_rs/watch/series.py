@@ -223,7 +223,7 @@ class Series(ReadOnly):
     def tracks(
         self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
     ) -> Tracks:
-        """Every antiresonance followed over the tests that have a set.
+        """Every antiresonance followed over the tests that have a set; a missing response tells nothing.
 
         Parameters
         ----------
