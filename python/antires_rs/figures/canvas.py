@@ -60,8 +60,14 @@ def picture(draw: Callable[..., Any], size_in: tuple[float, float], rows: int = 
 def draw(panel: marks.Panel, ax: Any, *, drop_pt: float | None = None, legend: bool = True) -> Any:
     """Draw a panel; its legend stands ``drop_pt`` points under the axes."""
     draw_marks(ax, panel.marks)
-    _set_axis(ax, "x", panel.x)
-    _set_axis(ax, "y", panel.y)
+    for which, axis in (("x", panel.x), ("y", panel.y)):
+        ax.set(**{f"{which}label": axis.label} | ({f"{which}scale": "log"} if axis.log else {}))
+        if axis.at is not None or axis.names is not None:
+            look = {"rotation": 90} if axis.upright else {}
+            getattr(ax, f"set_{which}ticks")(axis.places, axis.names, **look)
+            ax.tick_params(axis="x", pad=7)  # clear of what stands at 0
+        if axis.limits is not None:
+            ax.set(**{f"{which}lim": axis.limits})
     if panel.grid:
         ax.grid(axis=panel.grid, alpha=0.25)
         ax.set_axisbelow(True)
@@ -85,18 +91,6 @@ def draw_marks(ax: Any, drawn: Sequence[marks.Mark], zorder: float = 2.0) -> Non
     for nth, mark in enumerate(drawn):
         if mark.only != "page":
             _draw(mark, ax, zorder + 0.05 * nth)
-
-
-def _set_axis(ax: Any, which: str, axis: marks.Axis) -> None:
-    ax.set(**{f"{which}label": axis.label})
-    if axis.log:
-        ax.set(**{f"{which}scale": "log"})
-    if axis.at is not None or axis.names is not None:
-        look = {"rotation": 90} if axis.upright else {}
-        getattr(ax, f"set_{which}ticks")(axis.places, axis.names, **look)
-        ax.tick_params(axis="x", pad=7)  # clear of what stands at 0
-    if axis.limits is not None:
-        ax.set(**{f"{which}lim": axis.limits})
 
 
 def _draw_behind(ax: Any, axis: marks.Axis, curve: marks.Line) -> None:
@@ -319,15 +313,6 @@ def fit_across(ax: Any, names: Sequence[str], size_pt: float = 10.0) -> bool:
     return len(names) * (longest + 8.0) <= width_pt(ax)
 
 
-def _columns(widths: FloatArray, room: float) -> int:
-    """Columns of a legend that fits into the room in as few rows as can be."""
-    for rows in range(1, widths.size):
-        count = -(-widths.size // rows)
-        if sum(column.max() for column in np.array_split(widths, count)) <= room:
-            return count
-    return 1
-
-
 def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
     """Legend ``drop_pt`` points under the axes, in as many columns as fit; ``first`` leads in that order."""
     from matplotlib.transforms import ScaledTranslation
@@ -338,9 +323,12 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
     under = ax.transAxes + ScaledTranslation(0.0, -drop_pt / 72.0, ax.figure.dpi_scale_trans)
     handles, labels = [entry[0] for entry in entries], [entry[1] for entry in entries]
     widths = np.array([text_width_pt(label) + 45.0 for label in labels])  # with the handle and its gaps
+    counts = [-(-widths.size // rows) for rows in range(1, widths.size)]  # in as few rows as can be
+    fits = (sum(each.max() for each in np.array_split(widths, n)) <= 1.05 * width_pt(ax) for n in counts)
+    columns = next((n for n, fit in zip(counts, fits, strict=True) if fit), 1)
     place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": under}
     look = {"frameon": False, "borderaxespad": 0.0, "fontsize": "small"}
-    ax.legend(handles, labels, ncols=_columns(widths, 1.05 * width_pt(ax)), **place, **look)
+    ax.legend(handles, labels, ncols=columns, **place, **look)
 
 
 def plain_log(axis: Any, *, narrow: bool) -> None:

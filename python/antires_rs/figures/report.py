@@ -181,9 +181,15 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
         notes.append(f"failed, not judged: {len(watched.failed)} tests")
     # The style of the other reports; the charts are explored where bokeh is installed.
     style = _asset("report.html").split("<style>")[1].split("</style>")[0]
-    block, library = parts.packed(lambda: watched_figure(watched)), parts.library()
-    live = _packed('class="packed"', block, '<div class="live" id="figure-charts"></div>')
-    draw = _packed('id="library"', library) + (f"<script>{parts.script()}</script>" if library else "")
+    live = draw = ""
+    if library := parts.library():
+        packed = '<script type="text/plain" {}>{}</script>'
+        block = packed.format('class="packed"', parts.packed(lambda: watched_figure(watched)))
+        live = f'<div class="live" id="figure-charts"></div>{block}'
+        draw = packed.format('id="library"', library) + f"<script>{parts.script()}</script>"
+    # Indented lines belong to the one above.
+    text = escape("\n".join(line.rstrip() for line in alarm_lines(watched))).replace("\n  ", "<br>")
+    told = "".join(f"<p>{line}</p>" for line in text.splitlines())
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="{parts.policy()}">
@@ -199,7 +205,7 @@ src="data:image/png;base64,{image}">{live}
 <figcaption>Each chart over its limit: crosses above 1 are alarms. The baseline is shaded; its tests are
 judged by the others.</figcaption></figure>
 <h2>Alarms</h2>
-{_paragraphs(alarm_lines(watched)) or "<p>None.</p>"}
+{told or "<p>None.</p>"}
 {_table(watched)}
 <h2>Rate and conditions</h2>
 <ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
@@ -207,22 +213,6 @@ judged by the others.</figcaption></figure>
 {draw}</body></html>
 """
     write_atomically(path, page.encode())
-
-
-def _packed(name: str, block: str, place: str = "") -> str:
-    """A block that a script unpacks, behind its place; nothing for nothing."""
-    return f'{place}<script type="text/plain" {name}>{block}</script>' if block else ""
-
-
-def _paragraphs(lines: list[str]) -> str:
-    """Indented lines belong to the one above."""
-    made: list[str] = []
-    for line in lines:
-        if line.startswith("  ") and made:
-            made[-1] += "<br>" + escape(line.strip())
-        else:
-            made.append(escape(line))
-    return "".join(f"<p>{line}</p>" for line in made)
 
 
 def _table(watched: Watched) -> str:

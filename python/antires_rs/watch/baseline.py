@@ -358,9 +358,7 @@ class Learned:
             value = float(conditions[one.name][test])
             if np.isnan(value):
                 columns.append(self._slopes(one, True) * _UNKNOWN * one.std)
-                continue
-            away = max(one.low - value, value - one.high, 0.0)
-            if away > 0.0:
+            elif (away := max(one.low - value, value - one.high)) > 0.0:
                 unsure = _SLOPE * away + self.attenuation[one.name] * abs(value - one.middle)
                 columns.append(self._slopes(one, value > one.high) * unsure)
         if free:
