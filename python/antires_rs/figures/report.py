@@ -9,28 +9,25 @@ from datetime import UTC, datetime
 from html import escape
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .._core import __version__
 from ..damage.assess import DamageResult
 from ..exceptions import MissingDependencyError, reject
+from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import versions
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..updating.result import UpdateResult
-from ..watch.monitor import alarm_lines, fault_lines, rate_lines
+from ..watch.monitor import Watched, alarm_lines, fault_lines, rate_lines
 from . import report_parts as parts
 from .canvas import picture
 from .report_parts import Drawings, Facts
 from .responses import dof_name
 from .sets import draw_monitor, panels, size_in, watched_figure
-
-if TYPE_CHECKING:
-    from ..identification.stabilization import StabilizationDiagram
-    from ..watch.monitor import Watched
 
 #: What one measured set may be described by.
 Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]

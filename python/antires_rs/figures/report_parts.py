@@ -14,7 +14,7 @@ from hashlib import sha256
 from importlib.resources import files
 from importlib.util import find_spec
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,13 +22,16 @@ from ..damage.assess import DamageResult
 from ..damage.hypotheses import Assessment, loss, span
 from ..damage.words import without_idle
 from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
+from ..identification.stabilization import StabilizationDiagram
 from ..identification.windows import HIGHEST_ORDER
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
+from ..support.checks import FloatArray
 from ..updating.result import UpdateResult
 from ..updating.targets import ModalTable, signed
 from . import responses
@@ -40,11 +43,6 @@ from .marks import Axis, Line, Panel
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
-
-if TYPE_CHECKING:
-    from ..identification.stabilization import StabilizationDiagram
-    from ..measured.modal_set import ModalSet
-    from ..support.checks import FloatArray
 
 Facts = dict[str, list[str]]
 

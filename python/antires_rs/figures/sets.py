@@ -39,7 +39,7 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['no change seen', 'changed']
     """
-    dof = [str(each) for each in compared.dof]
+    dof = list(map(str, compared.dof))
     starts = np.array([i > 0 and dof[i] != dof[i - 1] for i in range(len(dof))], dtype=bool)
     x = np.arange(len(dof)) + 0.8 * np.cumsum(starts)
     interval = 1.645 * np.nan_to_num(compared.std_percent)
@@ -199,9 +199,7 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
     """
     choice("panel", panel, PANELS)
     if ax is not None or panel != "charts":
-        ax = new_axes(ax, (9.0, 3.0))
-        _one(ax, watched, "T2" if panel == "charts" else panel, last=True)
-        return ax
+        return _one(new_axes(ax, (9.0, 3.0)), watched, "T2" if panel == "charts" else panel, last=True)
     top = new_axes(None, size_in(watched))
     figure = top.figure
     top.remove()
@@ -212,12 +210,8 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
 
 def panels(watched: Watched) -> list[str]:
     """What there is to draw; the chart of lost and new values where it has anything to say."""
-    names = ["T2", "EWMA"]
-    if np.any(watched.charts["events"].ratio > 1.0):
-        names.append("events")
-    if watched.conditions:
-        names.append("condition")
-    return names
+    events, condition = np.any(watched.charts["events"].ratio > 1.0), bool(watched.conditions)
+    return ["T2", "EWMA", *(["events"] if events else []), *(["condition"] if condition else [])]
 
 
 def size_in(watched: Watched) -> tuple[float, float]:
@@ -227,18 +221,23 @@ def size_in(watched: Watched) -> tuple[float, float]:
 
 def draw_monitor(axes: Any, watched: Watched) -> None:
     """All panels into as many axes, top to bottom."""
-    names = panels(watched)
-    for ax, name in zip(axes, names, strict=False):
-        _one(ax, watched, name, last=ax is axes[len(names) - 1])
+    for ax, name in zip(axes, panels(watched), strict=True):
+        _one(ax, watched, name, last=ax is axes[-1])
 
 
-def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> None:
-    draw(chart(watched, name), ax, drop_pt=34.0 if last else 8.0, legend=last or name == "T2")
+def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> Any:
+    draw(
+        _chart(watched, name, np.arange(len(watched))),
+        ax,
+        drop_pt=34.0 if last else 8.0,
+        legend=last or name == "T2",
+    )
     ax.margins(x=0.01)
     ax.spines[["top", "right"]].set_visible(False)
     ax.tick_params(labelbottom=last)
     if not last:
         ax.set_xlabel("")
+    return ax
 
 
 def watched_figure(watched: Watched) -> Any:
@@ -250,15 +249,13 @@ def watched_figure(watched: Watched) -> Any:
     figures: list[Any] = []
     for name in panels(watched):
         x_range = figures[0].x_range if figures else None
-        figures.append(explored(chart(watched, name, kept), height=240, x_range=x_range))
+        figures.append(explored(_chart(watched, name, kept), height=240, x_range=x_range))
     return stacked(figures)
 
 
-def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
+def _chart(watched: Watched, name: str, kept: Any) -> Panel:
     """One of the panels, of the tests that are ``kept``."""
-    count = len(watched)
-    kept = np.arange(count) if kept is None else kept
-    times = watched.times
+    count, times = len(watched), watched.times
     dated = times is not None and not np.isnat(times).any()
     x = times if times is not None and dated else np.arange(count, dtype=np.float64)
     size = float(np.clip(160.0 / np.sqrt(max(count, 1)), 2.0, 6.0))
@@ -268,7 +265,6 @@ def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
     first, last = x[own[np.r_[0, breaks + 1]]], x[own[np.r_[breaks, own.size - 1]]]
     marks: list[Mark] = [Bands(first, last, "#EDEDED", label="baseline")]
     axis = Axis("Time" if dated else "Test", dated=dated)
-    tables: dict[str, dict[str, Any]]
 
     def hovered(some: Any, **says: str) -> dict[str, Any]:
         names = [watched.names[i] for i in some]
@@ -284,8 +280,8 @@ def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
             if which.any():
                 look = {"label": label, "colour": colour} | hovered(some, **{called: "@y{0.00}"})
                 marks.append(Points(x[some], column[some], ".", size, **look))
-        tables = {name: {"test": np.arange(count), called: column}}
-        return Panel("chart_condition", axis, Axis(called), marks, grid="y", tables=tables)
+        values = {"test": np.arange(count), called: column}
+        return Panel("chart_condition", axis, Axis(called), marks, grid="y", tables={name: values})
     of = watched.charts[name]
     ratio = np.where(np.isnan(of.statistic), np.nan, np.clip(of.ratio, LOWEST, HIGHEST))
     above = np.asarray(of.ratio > 1.0)
@@ -304,6 +300,6 @@ def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
             foot = np.full(at.size, LOWEST * 1.15)
             marks.append(Points(x[at], foot, marker, 5.0, face="none", spill=True, label=label))
     limits = LOWEST, max(3.0, 1.3 * float(np.nanmax(ratio, initial=1.0)))
-    tables = {name: {"test": np.arange(count), "statistic": of.statistic, "limit": of.limit}}
+    table = {"test": np.arange(count), "statistic": of.statistic, "limit": of.limit}
     y_axis = Axis(f"{LABELS[name]} / limit", limits, log=True)
-    return Panel(f"chart_{name}", axis, y_axis, marks, grid="y", tables=tables)
+    return Panel(f"chart_{name}", axis, y_axis, marks, grid="y", tables={name: table})

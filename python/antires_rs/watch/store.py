@@ -148,8 +148,6 @@ def read_series(path: Path) -> tuple[list[Row], bool]:
 
 
 def _is_database(path: Path) -> bool:
-    if not path.is_file():
-        return False
     with open(path, "rb") as file:
         return file.read(len(_SIGNATURE)) == _SIGNATURE
 
@@ -223,7 +221,7 @@ class Store:
     def _opened(self) -> tuple[sqlite3.Connection, list[Row]]:
         """The database, begun if it is not there, and its tests."""
         file = self._file
-        if file.exists() and file.stat().st_size and not _is_database(file) and file != self.path:
+        if file != self.path and file.exists() and file.stat().st_size and not _is_database(file):
             write_series(file, *_journal(file), finished=False)
         db = sqlite3.connect(file, timeout=_BUSY_S, isolation_level=None)
         try:
