@@ -84,22 +84,26 @@ def write_report(
         warnings = [line for check in checks if check is not None for line in check.warnings]
     made = ", ".join(f"{name} {version}" for name, version in versions().items())
     when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    said: dict[str, Any] = {
-        "answer": parts.answer_of(result),
-        "lead": _lead(result),
-        "warnings": list(warnings),
-    }
-    said["title"] = title or f"{'Damage assessment' if damage else 'Model updating'} with {values}"
-    facts = {"measured": measured, "intact": [_lines(each) for each in baseline or ()]}
-    run = parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]}
-    figures: dict[str, Any] = {"figures": drawn.figures, "diagrams": shown, "left_out": left_out}
-    figures |= {"library": parts.library(), "script": parts.script(), "policy": parts.policy()}
-    blocks: dict[str, Any] = {"trim_blocks": True, "lstrip_blocks": True}
-    template = Environment(autoescape=True, undefined=StrictUndefined, **blocks).from_string(
-        _asset("report.html")
+    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    html = template.from_string(_asset("report.html")).render(
+        title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
+        answer=parts.answer_of(result),
+        lead=_lead(result),
+        warnings=list(warnings),
+        result=result,
+        tables=parts.tables_of(result, truth),
+        modal=modal,
+        measured=measured,
+        intact=[_lines(each) for each in baseline or ()],
+        figures=drawn.figures,
+        diagrams=shown,
+        left_out=left_out,
+        model=parts.of_model(problem.model),
+        run=parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]},
+        library=parts.library(),
+        script=parts.script(),
+        policy=parts.policy(),
     )
-    found = {"result": result, "tables": parts.tables_of(result, truth), "damage": damage, "modal": modal}
-    html = template.render(**said, **found, **facts, **figures, model=parts.of_model(problem.model), run=run)
     return write_atomically(path, html.encode("utf-8"))
 
 
@@ -122,11 +126,11 @@ def _lead(result: UpdateResult) -> str:
     if not isinstance(result, DamageResult):
         return f"{given}; {len(result.x)} parameters."
     if result.has_baseline:
-        seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
-        would = " Smallest loss that nine of ten such tests would show: " if seen else ""
-        would += f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element." if seen else ""
-        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
-        return f"{given}, compared with those of the intact structure; {among}.{would}"
+        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}."
+        if seen := [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]:
+            span = f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element."
+            among += f" Smallest loss that nine of ten such tests would show: {span}"
+        return f"{given}, compared with those of the intact structure; {among}"
     before, after = parts.largest(result)
     change = f"Largest {what} difference {before} without damage, {after} with the damage found."
     return f"{given}; {len(result.x)} candidate elements. {change}"
@@ -135,20 +139,20 @@ def _lead(result: UpdateResult) -> str:
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     """Facts about each measured set; what was given leads."""
     sets = result.problem.measured
-    one = measurement is None or isinstance(measurement, Recording | FrequencyResponse | Mapping)
-    given = ([] if measurement is None else [measurement]) if one else list(measurement)
-    if given and len(given) != len(sets):
+    if isinstance(measurement, Recording | FrequencyResponse | Mapping):
+        measurement = [measurement]
+    given = list(measurement or [None] * len(sets))
+    if len(given) != len(sets):
         wanted = f"{len(sets)}, one for each measured set"
         remedy = "Pass a list with one for each, None where there is none."
         reject("measurement", f"{len(given)} of them", wanted, remedy)
-    for one in given:
+    facts: list[Facts] = []
+    for one, found in zip(given, sets, strict=True):
         if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):
             wanted = "a Recording, a FrequencyResponse or facts by name"
             reject("measurement", type(one).__name__, wanted, "Pass what was read from the file, or None.")
-    facts: list[Facts] = [parts.of_set(each, result.problem.model) for each in sets]
-    for i, one in enumerate(given):
-        if one is not None:
-            facts[i] = (_lines(one) if isinstance(one, Mapping) else parts.of_signal(one)) | facts[i]
+        own = {} if one is None else _lines(one) if isinstance(one, Mapping) else parts.of_signal(one)
+        facts.append(own | parts.of_set(found, result.problem.model))
     return facts
 
 
@@ -168,10 +172,8 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
     image = base64.b64encode(drawn).decode()
     rest = watched.outside_baseline
     count, alarms = int(rest.sum()), int(watched.alarm[rest].sum())
-    last = np.flatnonzero(~np.isnan(watched.statistic))
     state = "no test"
-    if last.size:
-        now = int(last[-1])
+    for now in np.flatnonzero(~np.isnan(watched.statistic))[-1:]:
         state = f"test {watched.names[now]}, the latest: {'ALARM' if watched.alarm[now] else 'no alarm'}"
     notes = [*rate_lines(watched), *fault_lines(watched)]
     if watched.failed:

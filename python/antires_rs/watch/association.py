@@ -162,13 +162,12 @@ def _matched(
     """What of a test is where, and the logarithm of the shift that all values have in common."""
     tables = {dof: table for dof, table in one.tables.items() if dof in where}
     if places is not None and places.followed and one.followed:
-        at = {dof: {f: k for k, f in enumerate(own.tolist())} for dof, own in where.items()}
-        known = {dof: table.scores[KNOWN].tolist() for dof, table in tables.items()}
-        sure = {
-            dof: [(at[dof][f], r) for r, f in enumerate(own) if f in at[dof]] for dof, own in known.items()
-        }
-        new = {dof: [r for r, f in enumerate(own) if f not in at[dof]] for dof, own in known.items()}
-        return {dof: (sure[dof], new[dof]) for dof in known}, 0.0
+        found: Matches = {}
+        for dof, table in tables.items():
+            at = {f: k for k, f in enumerate(where[dof].tolist())}
+            known = list(enumerate(table.scores[KNOWN].tolist()))
+            found[dof] = [(at[f], r) for r, f in known if f in at], [r for r, f in known if f not in at]
+        return found, 0.0
     pairs = {dof: _pairs(where[dof], table, max_shift) for dof, table in tables.items()}
     moved = [
         np.log(tables[dof].freq_hz[row] / where[dof][place])
@@ -179,11 +178,8 @@ def _matched(
     shift = float(np.median(moved)) if len(moved) >= FEWEST else 0.0
     if len(moved) >= FEWEST:
         pairs = {dof: _pairs(where[dof] * np.exp(shift), table, max_shift) for dof, table in tables.items()}
-    taken = {dof: {row for _, row in own} for dof, own in pairs.items()}
-    return {
-        dof: (own, [row for row in range(len(tables[dof])) if row not in taken[dof]])
-        for dof, own in pairs.items()
-    }, shift
+    rest = {dof: set(range(len(tables[dof]))) - {row for _, row in own} for dof, own in pairs.items()}
+    return {dof: (own, sorted(rest[dof])) for dof, own in pairs.items()}, shift
 
 
 def _pairs(where_hz: FloatArray, table: ResponseTable, max_shift: float) -> list[tuple[int, int]]:

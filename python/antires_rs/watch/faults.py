@@ -54,7 +54,16 @@ def obvious(
     sets: Sequence[AntiresonanceSet | None], values: Values, places: Places, baseline: Sequence[int]
 ) -> dict[int, list[Fault]]:
     """Faults that need no chart, by test."""
-    findings = [{} if one is None else _findings(one) for one in sets]
+    checks = [None if one is None else one.data_check for one in sets]
+    findings = [
+        {  # what the data check says of single channels
+            (dof, finding.name): f"data check: {finding.name.replace('_', ' ')}"
+            for finding in (() if check is None else check.findings)
+            if finding.severity != "note" and finding.name in SENSOR
+            for dof in finding.where
+        }
+        for check in checks
+    ]
     usual = Counter(key for i in baseline for key in findings[i])
     found: dict[int, list[Fault]] = {}
     for i, one in enumerate(sets):
@@ -107,13 +116,3 @@ def _lost(
     moved = sum(bool(one == dof) for one, _ in values.strange[test]) > _ELSEWHERE * lost
     in_place = others.any() and np.mean(there[others]) >= _OTHERS
     return count, lost if count >= 2 and in_place and not moved else 0
-
-
-def _findings(one: AntiresonanceSet) -> dict[tuple[Any, str], str]:
-    """What the data check says of single channels, by (dof, name)."""
-    return {
-        (dof, finding.name): f"data check: {finding.name.replace('_', ' ')}"
-        for finding in (one.data_check.findings if one.data_check is not None else ())
-        if finding.severity != "note" and finding.name in SENSOR
-        for dof in finding.where
-    }

@@ -367,7 +367,12 @@ class _Run:
                 row = self._rows[number] = self._store.keep(entry, outcome)
                 self._failed += row.failed is not None
                 done += 1
-                step(_progress(number + 1, self._sources.count, self._failed, monotonic() - start, done))
+                at, count = number + 1, self._sources.count
+                text = f"test {at:,}" + ("" if count is None else f" of {count:,}")
+                text += f", {self._failed:,} failed" if self._failed else ""
+                if count is not None and at < count:  # at this pace
+                    text += f", about {span((count - at) * (monotonic() - start) / done)} left"
+                step(text)
         except KeyboardInterrupt:
             return True
         if not self._rows:
@@ -446,15 +451,6 @@ class _Run:
 def _raised(exc: BaseException) -> Iterator[Source]:
     raise exc
     yield
-
-
-def _progress(at: int, count: int | None, failed: int, seconds: float, done: int) -> str:
-    """How far it is, and how long the rest takes at this pace."""
-    text = f"test {at:,}" + ("" if count is None else f" of {count:,}")
-    text += f", {failed:,} failed" if failed else ""
-    if count is None or at >= count:
-        return text
-    return f"{text}, about {span((count - at) * seconds / done)} left"
 
 
 def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
