@@ -309,8 +309,7 @@ def text_width_pt(text: str, size_pt: float = 8.33) -> float:
 
 def fit_across(ax: Any, names: Sequence[str], size_pt: float = 10.0) -> bool:
     """Whether evenly spaced labels fit side by side under the axes."""
-    longest = text_width_pt(max(names, key=len, default=""), size_pt)
-    return len(names) * (longest + 8.0) <= width_pt(ax)
+    return len(names) * (text_width_pt(max(names, key=len, default=""), size_pt) + 8.0) <= width_pt(ax)
 
 
 def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:

@@ -189,8 +189,7 @@ def plot_damping_clusters(
         marks.append(Points(diagram.identified, found, "s", 9.0, "black", "none", 1.4, True, label=label))
     top = HEADROOM * max(float(percent.max(initial=0.0)), 1.0)
     x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True)
-    tables = _diagram_tables(diagram, dropped, added)
-    panel = Panel("damping_clusters", x, y, marks, grid="y", tables=tables)
+    panel = Panel("damping_clusters", x, y, marks, grid="y", tables=_diagram_tables(diagram, dropped, added))
     ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
     _mark_values(ax, diagram, dropped, added)
     plain_log(ax.yaxis, narrow=False)
@@ -325,8 +324,7 @@ def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]
     """The marks of a response by kind: a row a value, ascending, dropped ones included."""
     now, before = zeros.tables[dof], zeros.original().tables[dof]
     gone = before.take(~np.isin(before.freq_hz, now.freq_hz))
-    how = now.scores.get("how", np.full(len(now), "chain"))
-    unsteady = np.isin(how, ["persistent", "likeliest order"])
+    unsteady = np.isin(now.scores.get("how", np.full(len(now), "chain")), ["persistent", "likeliest order"])
     kinds = np.where(now.by_hand, ADDED, np.where(unsteady, UNSTABLE, STABLE)).tolist()
     rows = [
         *zip(now.freq_hz.tolist(), kinds, now.std_hz.tolist(), strict=True),

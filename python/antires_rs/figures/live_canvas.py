@@ -299,5 +299,4 @@ def script_files() -> list[Path]:
     require_bokeh()
     from bokeh.resources import Resources
 
-    made = Resources(mode="absolute", components=["bokeh"], minified=True)
-    return [Path(file) for file in made.js_files]
+    return [Path(file) for file in Resources(mode="absolute", components=["bokeh"], minified=True).js_files]

@@ -230,8 +230,7 @@ def reach(values: Any) -> float:
     """Largest absolute value an axis shows, infinite for all: few that a gap sets apart are cut off."""
     size = np.abs(np.asarray(values, dtype=np.float64).ravel())
     size = np.sort(size[np.isfinite(size)])[::-1]
-    most = min(max(1, int(MOST_CUT * size.size)), size.size - 1)
-    for cut in range(most, 0, -1):
+    for cut in range(min(max(1, int(MOST_CUT * size.size)), size.size - 1), 0, -1):
         if size[cut] > LEAST and size[cut - 1] > APART * size[cut]:
             return float(1.25 * size[cut])
     return float("inf")

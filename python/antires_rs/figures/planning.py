@@ -106,8 +106,7 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     named = elements if len(elements) <= _MOST else [order[0], order[len(order) // 2], order[-1]]
     percent = {e: (100.0 * curves.severity[e], 100.0 * curves.pod[e]) for e in elements}
     others = [e for e in elements if e not in named]
-    names = [None if i else "the other elements" for i in range(len(others))]
-    rest = zip(others, names, strict=True)
+    rest = zip(others, [None if i else "the other elements" for i in range(len(others))], strict=True)
     marks: list[Mark] = [Line(*percent[e], "pale", width=0.9, label=name) for e, name in rest]
     marks.append(Rules(_LEVEL, colour="grey", dash=(4, 2), width=1.0))
     for nth, e in enumerate(named):

@@ -122,8 +122,7 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
         error, marker, look = np.nan_to_num(std[rank, i]), MARKERS[n % len(MARKERS)], turn(n)
         more = {"error": error, "link": look["dash"], "label": name}
         marks.append(Points(x[rank], y[rank, i], marker, 4.5, look["colour"], **more))
-    long = np.repeat(np.arange(x.size), some.size)
-    table: dict[str, Any] = {"test": long, "track": np.tile(some, x.size)}
+    table: dict[str, Any] = {"test": np.repeat(np.arange(x.size), some.size), "track": np.tile(some, x.size)}
     for name, column in (("freq_hz", tracks.freq_hz), ("std_hz", tracks.std_hz), ("change_percent", change)):
         table[name] = column[:, some].ravel()
     x_axis = Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions)

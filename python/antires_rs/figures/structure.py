@@ -147,8 +147,7 @@ def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
     """A spring as it is drawn from a to b, (n, 2): straight ends and a zigzag."""
     share = np.array([0.0, 0.25, *np.linspace(0.29, 0.71, 8), 0.75, 1.0])
     off = amplitude * np.array([0.0, 0.0, *np.tile([1.0, -1.0], 4), 0.0, 0.0])
-    across = np.array([a[1] - b[1], b[0] - a[0]])
-    return np.asarray(a + share[:, None] * (b - a) + off[:, None] * across)
+    return np.asarray(a + share[:, None] * (b - a) + off[:, None] * np.array([a[1] - b[1], b[0] - a[0]]))
 
 
 def _spring_paths(model: MassSpringChain) -> dict[int, FloatArray]:

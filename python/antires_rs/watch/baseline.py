@@ -151,8 +151,7 @@ def basis_of(y: FloatArray, conditions: Mapping[str, FloatArray]) -> Basis:
         known = values[~np.isnan(values)]
         if known.size < _SIDE or np.std(known) <= _STILL * max(np.abs(known).max(), 1e-300):
             continue
-        numbers = map(float, (known.mean(), known.std(), known.min(), known.max()))
-        line = Column(name, None, *numbers)
+        line = Column(name, None, *map(float, (known.mean(), known.std(), known.min(), known.max())))
         best = Basis((*basis.columns, line))
         best_error = _left_out(y, best, conditions)
         if np.nanmean(best_error) >= np.nanmean(error):
@@ -177,8 +176,7 @@ def _left_out(y: FloatArray, basis: Basis, conditions: Mapping[str, FloatArray])
     for fold in range(int(folds.max()) + 1):
         out = folds == fold
         rest[out] = y[out] - fitted(y[~out], x[~out]).at(x[out])
-    middle = np.nanmedian(y, axis=0)
-    size = np.nanmedian(np.abs(y - middle), axis=0)
+    size = np.nanmedian(np.abs(y - np.nanmedian(y, axis=0)), axis=0)
     # Wild values would decide; they tell nothing of conditions.
     bounded = np.minimum((rest / np.maximum(size, 1e-12)) ** 2, 9.0)
     count = np.sum(~np.isnan(bounded), axis=1)

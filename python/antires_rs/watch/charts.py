@@ -440,8 +440,7 @@ def charts_of(
     for fold in range(int(folds.max()) + 1):
         out, kept = baseline[folds == fold], baseline[folds != fold]
         others, there = ({name: column[at] for name, column in conditions.items()} for at in (kept, out))
-        part = learned(y[kept], std[kept], others, basis, degrees)
-        seen = distances(part, y[out], std[out], there)
+        seen = distances(learned(y[kept], std[kept], others, basis, degrees), y[out], std[out], there)
         z[out], t2[out] = seen.z, seen.t2
     rates = {name: share * rate for name, share in SHARES.items()}
     limit = _chi_square(upper_limit(wilson_hilferty(t2[baseline], count[baseline]), rates["T2"]), count)

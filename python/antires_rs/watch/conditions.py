@@ -265,8 +265,7 @@ def _columns(given: Any) -> dict[Any, Any]:
         wanted = "a mapping of name to array, a DataFrame, a structured array, a list of dicts, or a CSV or "
         wanted += "Parquet file"
         reject("conditions", type(given).__name__, wanted, "As in conditions={'temperature_c': [...]}.")
-    keys = dict.fromkeys(key for row in rows for key in row)
-    return {key: [row.get(key) for row in rows] for key in keys}
+    return {key: [row.get(key) for row in rows] for key in dict.fromkeys(key for row in rows for key in row)}
 
 
 def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
@@ -342,8 +341,7 @@ def _times(values: Any) -> Any:
         return array.astype("datetime64[ms]")
     try:
         instants = [datetime.fromisoformat(v) if isinstance(v, str) and v else v for v in array.tolist()]
-        zoned = [getattr(instant, "tzinfo", None) is not None for instant in instants]
-        for i in np.flatnonzero(zoned):
+        for i in np.flatnonzero([getattr(instant, "tzinfo", None) is not None for instant in instants]):
             instants[i] = instants[i].astimezone(UTC).replace(tzinfo=None)
         return np.array([np.datetime64(instant or "NaT", "ms") for instant in instants])
     except (TypeError, ValueError):

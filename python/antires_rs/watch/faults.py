@@ -54,7 +54,6 @@ def obvious(
     sets: Sequence[AntiresonanceSet | None], values: Values, places: Places, baseline: Sequence[int]
 ) -> dict[int, list[Fault]]:
     """Faults that need no chart, by test."""
-    checks = [None if one is None else one.data_check for one in sets]
     findings = [
         {  # what the data check says of single channels
             (dof, finding.name): f"data check: {finding.name.replace('_', ' ')}"
@@ -62,7 +61,7 @@ def obvious(
             if finding.severity != "note" and finding.name in SENSOR
             for dof in finding.where
         }
-        for check in checks
+        for check in [None if one is None else one.data_check for one in sets]
     ]
     usual = Counter(key for i in baseline for key in findings[i])
     found: dict[int, list[Fault]] = {}

@@ -315,8 +315,7 @@ def identify_series(
     given = {"excitation": excitation, "band_hz": band, **chosen}
     followed = near.to_json() if isinstance(near, AntiresonanceSet) else near
     known = given | ({} if near is None else {"near": followed}) | {"reading": read}
-    config = json.loads(json.dumps(known, default=_plain))
-    opened = Store(store, config)
+    opened = Store(store, json.loads(json.dumps(known, default=_plain)))
     run = _Run(found, table, opened)
     try:
         with waiting("identifying a series", progress):

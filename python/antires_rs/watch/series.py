@@ -215,8 +215,7 @@ class Series(ReadOnly):
             table, _ = condition_table(conditions)
             if names is None and table.names is not None and len(table.names) == len(sets):
                 names = table.names
-            order = list(map(str, range(len(sets)) if names is None else names))
-            conditions, dated = table.in_order(order)
+            conditions, dated = table.in_order(list(map(str, range(len(sets)) if names is None else names)))
             times = dated if times is None else times
         return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=failed)
 
