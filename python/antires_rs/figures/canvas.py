@@ -75,8 +75,15 @@ def draw(panel: marks.Panel, ax: Any, *, drop_pt: float | None = None, legend: b
         ax.set_aspect("equal", adjustable="datalim")
     if panel.title:
         ax.set_title(panel.title, fontsize="medium")
-    if panel.behind is not None:
-        _draw_behind(ax, *panel.behind)
+    if panel.behind is not None:  # on a twin axis, but in the legend of the front one
+        axis, curve = panel.behind
+        behind = ax.twinx()
+        behind.plot(curve.x, curve.y, color=curve.colour, lw=curve.width)
+        behind.set_yscale("log" if np.isfinite(curve.y).any() else "linear")
+        behind.set_ylabel(axis.label, color="#595959")
+        ax.set_zorder(behind.get_zorder() + 1)
+        ax.patch.set_visible(False)
+        ax.plot([], [], color=curve.colour, lw=curve.width, label=curve.label)
     if drop_pt is None:
         names = panel.x.names or [""]
         drop_pt = 34.0 + text_width_pt(max(names, key=len), 10.0) if panel.x.upright else 42.0
@@ -91,18 +98,6 @@ def draw_marks(ax: Any, drawn: Sequence[marks.Mark], zorder: float = 2.0) -> Non
     for nth, mark in enumerate(drawn):
         if mark.only != "page":
             _draw(mark, ax, zorder + 0.05 * nth)
-
-
-def _draw_behind(ax: Any, axis: marks.Axis, curve: marks.Line) -> None:
-    """On a twin axis, but in the legend of the front one."""
-    behind = ax.twinx()
-    behind.plot(curve.x, curve.y, color=curve.colour, lw=curve.width)
-    if np.isfinite(curve.y).any():
-        behind.set_yscale("log")
-    behind.set_ylabel(axis.label, color="#595959")
-    ax.set_zorder(behind.get_zorder() + 1)
-    ax.patch.set_visible(False)
-    ax.plot([], [], color=curve.colour, lw=curve.width, label=curve.label)
 
 
 def dash_of(dash: Any) -> Any:

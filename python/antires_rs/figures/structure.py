@@ -104,7 +104,14 @@ def chain(
     every: int,
 ) -> Panel:
     """A chain in a figure ``wide_pt`` points wide, each so-manyth mass numbered."""
-    n, springs = model.n_dof, _spring_paths(model)
+    n, stiffness = model.n_dof, model.stiffness()
+    # The springs that there are, by element: those between masses, then those to ground.
+    between = {i: (i, i + 1) for i in range(n - 1)}
+    for element, mass, wall in ((n - 1, 0, -1), (n, n - 1, n)):
+        if stiffness[mass].sum() > ROUNDING * stiffness[mass, mass]:
+            between[element] = (mass, wall)
+    high = HEIGHT if n <= MOST_COILS else 0.0
+    springs = {e: _coil(np.array([a, 0.0]), np.array([b, 0.0]), high) for e, (a, b) in between.items()}
     dofs = [model._dof("sensors", dof) for dof in sensors]
     force = [] if excitation is None else [model._dof("excitation", excitation)]
     given = _value_by_element(values, n + 1 if values is None or isinstance(values, Mapping) else n - 1)
@@ -148,17 +155,6 @@ def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
     share = np.array([0.0, 0.25, *np.linspace(0.29, 0.71, 8), 0.75, 1.0])
     off = amplitude * np.array([0.0, 0.0, *np.tile([1.0, -1.0], 4), 0.0, 0.0])
     return np.asarray(a + share[:, None] * (b - a) + off[:, None] * np.array([a[1] - b[1], b[0] - a[0]]))
-
-
-def _spring_paths(model: MassSpringChain) -> dict[int, FloatArray]:
-    """The springs that there are, by element: those between masses, then those to ground."""
-    n, stiffness = model.n_dof, model.stiffness()
-    ends = {i: (i, i + 1) for i in range(n - 1)}
-    for element, mass, wall in ((n - 1, 0, -1), (n, n - 1, n)):
-        if stiffness[mass].sum() > ROUNDING * stiffness[mass, mass]:
-            ends[element] = (mass, wall)
-    high = HEIGHT if n <= MOST_COILS else 0.0
-    return {element: _coil(np.array([a, 0.0]), np.array([b, 0.0]), high) for element, (a, b) in ends.items()}
 
 
 # -- Frames, coloured by section or by any value

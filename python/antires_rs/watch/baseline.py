@@ -32,10 +32,6 @@ class Regression:
         """Values (n, m) at rows (n, q)."""
         return np.asarray(x @ self.coefficients)
 
-    def leverage(self, x: FloatArray) -> FloatArray:
-        """Variance of the fitted value over that of a single one, (n,)."""
-        return np.asarray(np.einsum("ij,jk,ik->i", x, self.inverse, x))
-
 
 def fitted(y: FloatArray, x: FloatArray) -> Regression:
     """Each column of y (n, m), NaN where there is no value, on the rows of x (n, q)."""
@@ -326,7 +322,8 @@ class Learned:
         """Standard deviations of tests about that, with what is not known of it, (n, m)."""
         n = len(std)
         excess = np.nan_to_num(np.maximum(std**2 - (_POOR * self.usual) ** 2, 0.0))
-        unsure = 1.0 + self.regression.leverage(self.basis.rows(conditions, n))
+        x = self.basis.rows(conditions, n)
+        unsure = 1.0 + np.einsum("ij,jk,ik->i", x, self.regression.inverse, x)  # of the line, and of one test
         bent = self.beyond(conditions, n) ** 2
         return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess + bent))
 

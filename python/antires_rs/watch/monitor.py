@@ -249,13 +249,6 @@ _SAME = 0.01  # strange values of several tests are one if they are this near
 _COMMON = 5e-4  # what moves all values alike between two tests, relative, at least; as for ``assess_damage``
 
 
-def _runs_of(alarm: NDArray[np.bool_], judged: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last test of each run of alarms; tests that could not be judged do not end one."""
-    at, order = np.flatnonzero(alarm), np.cumsum(judged | alarm)
-    runs = np.split(at, np.flatnonzero(np.diff(order[at]) > _QUIET + 1) + 1) if at.size else []
-    return [(int(run[0]), int(run[-1])) for run in runs]
-
-
 def _assessed(
     by: StructuralModel | Assessor,
     run: tuple[int, int],
@@ -542,7 +535,11 @@ def monitor(
     judged = ~np.isnan(charts.charts["T2"].statistic) | (charts.charts["events"].ratio > 1.0)
     statistic = np.where(judged, np.max([chart.ratio for chart in charts.charts.values()], axis=0), np.nan)
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
-    learned, runs, assessments = charts.learned, _runs_of(alarm, judged), {}
+    # Runs of alarms, which tests that could not be judged do not end.
+    at = np.flatnonzero(alarm)
+    gaps = np.flatnonzero(np.diff(np.cumsum(judged)[at]) > _QUIET + 1)
+    runs = [(int(run[0]), int(run[-1])) for run in np.split(at, gaps + 1) if run.size]
+    learned, assessments = charts.learned, {}
     by = model if assessor is None else assessor
     for run in runs:
         if by is not None and run[1] not in own:

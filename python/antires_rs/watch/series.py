@@ -243,7 +243,17 @@ class Series(ReadOnly):
             Fewer than two sets, or no such condition.
         """
         kept = [(i, one) for i, one in enumerate(self.sets) if one is not None]
-        labels = self._labels(conditions)
+        labels: Any = range(len(self)) if conditions is None else conditions
+        if isinstance(conditions, str):
+            known: dict[str, Any] = {"names": self.names, **self.conditions}
+            known |= {} if self.times is None else {"times": np.datetime_as_string(self.times)}
+            if conditions not in known:
+                wanted, remedy = f"one of {tuple(known)}", "Name a condition of the series."
+                reject("conditions", conditions, wanted, remedy)
+            labels = known[conditions]
+        if len(labels) != len(self):
+            wanted = f"{len(self)}, one for each test"
+            reject("conditions", f"{len(labels)} of them", wanted, "Give those of failed tests too.")
         sets, named = [one for _, one in kept], [labels[i] for i, _ in kept]
         return followed(sets, named, self.dofs, max_shift, std_between)
 
@@ -403,21 +413,6 @@ class Series(ReadOnly):
         title += f", {len(self.dofs):,} response{'s' * (len(self.dofs) != 1)}" if self.dofs else ""
         title += "; interrupted, more tests are to come" * self.interrupted
         return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in rows)])
-
-    def _labels(self, conditions: Any) -> Any:
-        if conditions is None:
-            return range(len(self))
-        if not isinstance(conditions, str):
-            if len(conditions) != len(self):
-                wanted = f"{len(self)}, one for each test"
-                reject("conditions", f"{len(conditions)} of them", wanted, "Give those of failed tests too.")
-            return conditions
-        known: dict[str, Any] = {"names": self.names, **self.conditions}
-        if self.times is not None:
-            known["times"] = np.datetime_as_string(self.times)
-        if conditions not in known:
-            reject("conditions", conditions, f"one of {tuple(known)}", "Name a condition of the series.")
-        return known[conditions]
 
     def _set(self, name: str, at: int) -> AntiresonanceSet:
         if not -len(self) <= at < len(self):

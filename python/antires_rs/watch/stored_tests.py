@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache, partial
 from pathlib import Path
@@ -258,12 +258,22 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
     with written_beside(path) as beside:
         if path.suffix.lower() == ".csv":
             with open(beside, "w", encoding="utf-8", newline="") as file:
-                table = csv.writer(file, lineterminator="\n")
-                table.writerow(fields)
+                lines = csv.writer(file, lineterminator="\n")
+                lines.writerow(fields)
                 for columns in groups:
-                    table.writerows(zip(*columns.values(), strict=True))
+                    lines.writerows(zip(*columns.values(), strict=True))
         else:
-            _write_parquet(beside, fields, facts, groups)
+            arrow = pyarrow()
+            schema = arrow.schema(
+                [(name, arrow.type_for_alias(_ARROW[kind])) for name, kind in fields.items()]
+            )
+            schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
+            write = arrow.parquet.ParquetWriter
+            with open(beside, "wb") as binary, write(binary, schema, compression="zstd") as writer:
+                for columns in groups:
+                    arrays = [arrow.array(columns[field.name], field.type) for field in schema]
+                    table = arrow.Table.from_arrays(arrays, schema=schema)
+                    writer.write_table(table, row_group_size=max(table.num_rows, 1))
         with open(beside, "rb+") as written:
             os.fsync(written.fileno())
 
@@ -298,17 +308,6 @@ def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions:
             given = own.get(name, [])
             column += given + [None] * (many - len(given))
     return columns
-
-
-def _write_parquet(path: Path, fields: dict[str, str], facts: Any, groups: Iterator[Columns]) -> None:
-    arrow = pyarrow()
-    schema = arrow.schema([(name, arrow.type_for_alias(_ARROW[kind])) for name, kind in fields.items()])
-    schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
-    with open(path, "wb") as file, arrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
-        for columns in groups:
-            arrays = [arrow.array(columns[field.name], field.type) for field in schema]
-            table = arrow.Table.from_arrays(arrays, schema=schema)
-            writer.write_table(table, row_group_size=max(table.num_rows, 1))
 
 
 # -- A series out of Parquet: what is known of all tests at once, their sets when they are asked for
