@@ -254,7 +254,7 @@ def _known(value: Any) -> float | None:
 
 
 class Session:
-    """A set, what it was identified from, and what may be done, by several threads."""
+    """A set, what it was identified from, and what may be done; threads that change it take its ``lock``."""
 
     def __init__(
         self,

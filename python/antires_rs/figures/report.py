@@ -167,14 +167,26 @@ _LATEST = 50  # so many of the latest alarms are in the table
 
 def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:
     """Write the page, whole or not at all."""
-    rows, size = len(panels(watched)), size_in(watched)
-    drawn = picture(lambda axes: draw_monitor(np.atleast_1d(axes), watched), size, rows=rows, dpi=130)
+    count, size = len(panels(watched)), size_in(watched)
+    drawn = picture(lambda axes: draw_monitor(np.atleast_1d(axes), watched), size, rows=count, dpi=130)
     image = base64.b64encode(drawn).decode()
     rest = watched.outside_baseline
     count, alarms = int(rest.sum()), int(watched.alarm[rest].sum())
     state = "no test"
     for now in np.flatnonzero(~np.isnan(watched.statistic))[-1:]:
         state = f"test {watched.names[now]}, the latest: {'ALARM' if watched.alarm[now] else 'no alarm'}"
+    loud, table = np.flatnonzero(watched.alarm & rest)[::-1], ""
+    if loud.size:
+        rows = "".join(
+            f"<tr><th scope='row' class='name'>{escape(watched.names[i])}</th>"
+            f"<td>{watched.statistic[i]:.2f}</td><td>{escape(', '.join(watched.why(i)))}</td></tr>"
+            for i in loud[:_LATEST].tolist()
+        )
+        what = f"The latest {_LATEST} of {loud.size:,} alarms" if loud.size > _LATEST else "All alarms"
+        table = (
+            f"<div class='scroll'><table><caption>{what}</caption><thead><tr><th class='name'>test</th>"
+            f"<th>statistic / limit</th><th>charts</th></tr></thead><tbody>{rows}</tbody></table></div>"
+        )
     notes = [*rate_lines(watched), *fault_lines(watched)]
     if watched.failed:
         notes.append(f"failed, not judged: {len(watched.failed)} tests")
@@ -205,27 +217,10 @@ src="data:image/png;base64,{image}">{live}
 judged by the others.</figcaption></figure>
 <h2>Alarms</h2>
 {told or "<p>None.</p>"}
-{_table(watched)}
+{table}
 <h2>Rate and conditions</h2>
 <ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
 <p class="lead">antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC</p>
 {draw}</body></html>
 """
     write_atomically(path, page.encode())
-
-
-def _table(watched: Watched) -> str:
-    """The latest alarms outside the baseline."""
-    at = np.flatnonzero(watched.alarm & watched.outside_baseline)[::-1]
-    if not at.size:
-        return ""
-    rows = "".join(
-        f"<tr><th scope='row' class='name'>{escape(watched.names[i])}</th>"
-        f"<td>{watched.statistic[i]:.2f}</td><td>{escape(', '.join(watched.why(i)))}</td></tr>"
-        for i in at[:_LATEST].tolist()
-    )
-    what = f"The latest {min(at.size, _LATEST)} of {at.size:,} alarms" if at.size > _LATEST else "All alarms"
-    return (
-        f"<div class='scroll'><table><caption>{what}</caption><thead><tr><th class='name'>test</th>"
-        f"<th>statistic / limit</th><th>charts</th></tr></thead><tbody>{rows}</tbody></table></div>"
-    )
