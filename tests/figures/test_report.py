@@ -335,7 +335,7 @@ def test_every_figure_has_its_numbers_in_the_page_and_asks_for_nothing(judged, r
 
 
 def test_without_the_library_pictures_are_all_there_is(judged, tmp_path, monkeypatch):
-    monkeypatch.setattr(parts, "there", lambda: False)
+    monkeypatch.setattr(parts, "find_spec", lambda name: None)
     parts.library.cache_clear()
     page = read(write_report(judged, tmp_path / "r.html"))
     parts.library.cache_clear()

@@ -60,8 +60,14 @@ def picture(draw: Callable[..., Any], size_in: tuple[float, float], rows: int = 
 def draw(panel: marks.Panel, ax: Any, *, drop_pt: float | None = None, legend: bool = True) -> Any:
     """Draw a panel; its legend stands ``drop_pt`` points under the axes."""
     draw_marks(ax, panel.marks)
-    _set_axis(ax, "x", panel.x)
-    _set_axis(ax, "y", panel.y)
+    for which, axis in (("x", panel.x), ("y", panel.y)):
+        ax.set(**{f"{which}label": axis.label} | ({f"{which}scale": "log"} if axis.log else {}))
+        if axis.at is not None or axis.names is not None:
+            look = {"rotation": 90} if axis.upright else {}
+            getattr(ax, f"set_{which}ticks")(axis.places, axis.names, **look)
+            ax.tick_params(axis="x", pad=7)  # clear of what stands at 0
+        if axis.limits is not None:
+            ax.set(**{f"{which}lim": axis.limits})
     if panel.grid:
         ax.grid(axis=panel.grid, alpha=0.25)
         ax.set_axisbelow(True)
@@ -69,8 +75,15 @@ def draw(panel: marks.Panel, ax: Any, *, drop_pt: float | None = None, legend: b
         ax.set_aspect("equal", adjustable="datalim")
     if panel.title:
         ax.set_title(panel.title, fontsize="medium")
-    if panel.behind is not None:
-        _draw_behind(ax, *panel.behind)
+    if panel.behind is not None:  # on a twin axis, but in the legend of the front one
+        axis, curve = panel.behind
+        behind = ax.twinx()
+        behind.plot(curve.x, curve.y, color=curve.colour, lw=curve.width)
+        behind.set_yscale("log" if np.isfinite(curve.y).any() else "linear")
+        behind.set_ylabel(axis.label, color="#595959")
+        ax.set_zorder(behind.get_zorder() + 1)
+        ax.patch.set_visible(False)
+        ax.plot([], [], color=curve.colour, lw=curve.width, label=curve.label)
     if drop_pt is None:
         names = panel.x.names or [""]
         drop_pt = 34.0 + text_width_pt(max(names, key=len), 10.0) if panel.x.upright else 42.0
@@ -85,30 +98,6 @@ def draw_marks(ax: Any, drawn: Sequence[marks.Mark], zorder: float = 2.0) -> Non
     for nth, mark in enumerate(drawn):
         if mark.only != "page":
             _draw(mark, ax, zorder + 0.05 * nth)
-
-
-def _set_axis(ax: Any, which: str, axis: marks.Axis) -> None:
-    ax.set(**{f"{which}label": axis.label})
-    if axis.log:
-        ax.set(**{f"{which}scale": "log"})
-    if axis.at is not None or axis.names is not None:
-        look = {"rotation": 90} if axis.upright else {}
-        getattr(ax, f"set_{which}ticks")(axis.places, axis.names, **look)
-        ax.tick_params(axis="x", pad=7)  # clear of what stands at 0
-    if axis.limits is not None:
-        ax.set(**{f"{which}lim": axis.limits})
-
-
-def _draw_behind(ax: Any, axis: marks.Axis, curve: marks.Line) -> None:
-    """On a twin axis, but in the legend of the front one."""
-    behind = ax.twinx()
-    behind.plot(curve.x, curve.y, color=curve.colour, lw=curve.width)
-    if np.isfinite(curve.y).any():
-        behind.set_yscale("log")
-    behind.set_ylabel(axis.label, color="#595959")
-    ax.set_zorder(behind.get_zorder() + 1)
-    ax.patch.set_visible(False)
-    ax.plot([], [], color=curve.colour, lw=curve.width, label=curve.label)
 
 
 def dash_of(dash: Any) -> Any:
@@ -265,9 +254,9 @@ def data_of(ax: Any) -> dict[str, Table]:
     Returns
     -------
     dict of str to dict of str to ndarray
-        Tables by name and their columns, all columns of a table of one length. The names of columns end in
-        their unit (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or
-        ratios. The arrays are read-only. ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
+        Tables by name and their columns, all of one length, read-only. The names of columns end in their unit
+        (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or ratios.
+        ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
 
     Raises
     ------
@@ -277,14 +266,12 @@ def data_of(ax: Any) -> dict[str, Table]:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs import figures
     >>> from matplotlib.figure import Figure
     >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
     >>> ax = ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots())
-    >>> bars = figures.data_of(ax)["bars"]
-    >>> bars["element"].tolist(), list(bars)
-    ([0, 1], ['element', 'name', 'loss_percent', 'smallest_seen_percent'])
+    >>> list(ar.figures.data_of(ax)["bars"])
+    ['element', 'name', 'loss_percent', 'smallest_seen_percent']
     """
     try:
         return {name: dict(table) for name, table in _offered[ax].items()}
@@ -317,17 +304,7 @@ def text_width_pt(text: str, size_pt: float = 8.33) -> float:
 
 def fit_across(ax: Any, names: Sequence[str], size_pt: float = 10.0) -> bool:
     """Whether evenly spaced labels fit side by side under the axes."""
-    longest = text_width_pt(max(names, key=len, default=""), size_pt)
-    return len(names) * (longest + 8.0) <= width_pt(ax)
-
-
-def _columns(widths: FloatArray, room: float) -> int:
-    """Columns of a legend that fits into the room in as few rows as can be."""
-    for rows in range(1, widths.size):
-        count = -(-widths.size // rows)
-        if sum(column.max() for column in np.array_split(widths, count)) <= room:
-            return count
-    return 1
+    return len(names) * (text_width_pt(max(names, key=len, default=""), size_pt) + 8.0) <= width_pt(ax)
 
 
 def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
@@ -340,9 +317,12 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
     under = ax.transAxes + ScaledTranslation(0.0, -drop_pt / 72.0, ax.figure.dpi_scale_trans)
     handles, labels = [entry[0] for entry in entries], [entry[1] for entry in entries]
     widths = np.array([text_width_pt(label) + 45.0 for label in labels])  # with the handle and its gaps
+    counts = [-(-widths.size // rows) for rows in range(1, widths.size)]  # in as few rows as can be
+    fits = (sum(each.max() for each in np.array_split(widths, n)) <= 1.05 * width_pt(ax) for n in counts)
+    columns = next((n for n, fit in zip(counts, fits, strict=True) if fit), 1)
     place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": under}
     look = {"frameon": False, "borderaxespad": 0.0, "fontsize": "small"}
-    ax.legend(handles, labels, ncols=_columns(widths, 1.05 * width_pt(ax)), **place, **look)
+    ax.legend(handles, labels, ncols=columns, **place, **look)
 
 
 def plain_log(axis: Any, *, narrow: bool) -> None:

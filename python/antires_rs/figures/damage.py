@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,27 +17,22 @@ if TYPE_CHECKING:
     from ..damage.assess import DamageResult
     from ..damage.hypotheses import Assessment, Hypotheses, Hypothesis
 
-#: From this probability on an element that was not declared has a bar of its own.
-_WORTH_A_BAR = 0.02
-#: The axis shows at least this much: on a finer scale nothing would look like something.
-LEAST_PERCENT = 10.0
-#: Smallest visible losses above this do not lengthen the axis, or small bars would vanish.
-MOST_VISIBLE = 25.0
+_WORTH_A_BAR = 0.02  # from this probability on an element that was not declared has a bar of its own
+LEAST_PERCENT = 10.0  # the axis shows at least this much: on a finer scale nothing would look like something
+MOST_VISIBLE = 25.0  # smallest visible losses above this do not lengthen the axis, or small bars would vanish
 
 
 def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
     """Draw the stiffness loss of each candidate element in %, with what could have been seen.
 
-    One bar an element. The ticks across are ``result.detectable``: damage below would come out as none; a
-    triangle at the upper edge gives those that lie above the axis. A hatched background marks elements
-    whose damage no value could show. Against a baseline bars have their 90 % intervals, the row above
-    them is the probability of each element, and empty bars are losses of elements that may be the damaged
-    ones instead.
+    The ticks across are ``result.detectable``: damage below would come out as none; a triangle at the upper
+    edge gives those above the axis. A hatched background marks elements whose damage no value could show.
+    Against a baseline bars have their 90 % intervals, the row above them is the probability of each element,
+    and empty bars are losses of elements that may be the damaged ones instead.
 
     Parameters
     ----------
     result : DamageResult
-        From :func:`~antires_rs.assess_damage`.
     truth : mapping of int to float, optional
         True loss by zero-based element, where it is known; drawn as diamonds.
 
@@ -52,8 +47,7 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     >>> from matplotlib.figure import Figure
     >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ax = ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots())
-    >>> ax.get_ylabel()
+    >>> ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots()).get_ylabel()
     'Stiffness loss (%)'
     """
     if truth is not None and not isinstance(truth, Mapping):
@@ -63,8 +57,13 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     draw(losses(result, truth, not fit_across(ax, names)), ax)
     if result.has_baseline:
         ax.set_title("Probability that it is damaged (%)", fontsize="small", loc="left", pad=18)
-        if not result.damaged:
-            ax.text(0.5, 0.6, verdict(result), transform=ax.transAxes, ha="center", fontsize="medium")
+        if not result.damaged:  # why there is no bar
+            elsewhere = _percent(result.probability_elsewhere)
+            why = f"something has changed that no candidate explains\n(probability {elsewhere} %)"
+            if result.assessment.best.candidate:
+                changed = _percent(result.probability_of_damage)
+                why = f"no damage declared\n(probability that anything has changed: {changed} %)"
+            ax.text(0.5, 0.6, why, transform=ax.transAxes, ha="center", fontsize="medium")
     return ax
 
 
@@ -73,12 +72,14 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
     names, x = element_names(result), np.arange(len(result.x), dtype=np.float64)
     found, visible = 100.0 * np.asarray(result.x), 100.0 * np.array(list(result.detectable.values()))
     truths = _truths(result, truth)
-    nowhere = np.full(x.size, np.nan)
-    judged = _judged(result) if result.has_baseline else {}
-    low, high = judged.get("low_percent", nowhere), judged.get("high_percent", nowhere)
-    instead = judged.get("instead_percent", nowhere)
-    shown = (found, truths, high, instead, np.minimum(visible, MOST_VISIBLE))
-    axis = percent_axis(np.concatenate(shown), upright)
+    low = high = instead = np.full(x.size, np.nan)
+    judged: dict[str, Any] = {}
+    if result.has_baseline:
+        low, high = 100.0 * np.array(list(result.interval.values())).T
+        instead = _alternatives(result.assessment, result.elements)
+        judged = {"low_percent": low, "high_percent": high}
+        judged |= {"probability": np.array([*result.probability.values()]), "instead_percent": instead}
+    axis = _percent_axis([found, truths, high, instead, np.minimum(visible, MOST_VISIBLE)], upright)
     top = axis.limits[1] if axis.limits else 100.0
     says = {"Element": "@name", "Stiffness loss": "@loss{0.0} %"}
     more = {"name": names, "loss": found, "truth": truths}
@@ -88,56 +89,43 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
         more["interval"] = [f"{span(a, b)} %" if b > 0.0 else "-" for a, b in result.interval.values()]
         more["probability"] = [percent(p) for p in result.probability.values()]
     says |= {"Smallest that would be seen": "@seen"} | ({"Truth": "@truth{0.0} %"} if truth else {})
-    whole = Bars(x, np.full(x.size, top), 1.0, face="none", edge=None, only="page", says=says, more=more)
-    marks: list[Mark] = [whole]
-    some = np.isfinite(instead)
-    if some.any():
+    marks: list[Mark] = [
+        Bars(x, np.full(x.size, top), 1.0, face="none", edge=None, only="page", says=says, more=more)
+    ]
+    if (some := np.isfinite(instead)).any():
         marks.append(Bars(x[some], instead[some], face="none", dash="--", label="what else it may be"))
     marks += [Bars(x, found, label="found"), *_smallest_seen(x, visible, top)]
-    some = high > 0.0
-    if some.any():
+    if (some := high > 0.0).any():
         marks.append(Whiskers(x[some], low[some], high[some], label="90 % interval"))
     if truth is not None:
         marks.append(_diamonds(x, truths))
     if judged:
         heads = [_percent(p) for p in judged["probability"]]
         marks.append(Heads(x, heads, judged["probability"] >= 0.5, only="picture"))
-    marks += _numbers(found, (found, truths, visible, high), truths, top, upright)
+    for i in np.flatnonzero(found > 0.0):
+        # Over the bar, and over marks close above, which would strike the number out.
+        close = (found[i], truths[i], visible[i], high[i])
+        over = max(level for level in close if found[i] <= level <= found[i] + 0.12 * top)
+        away = 8.0 if abs(over - truths[i]) < 0.05 * top else 3.0  # over a diamond
+        marks.append(Words([i], [over], [f"{found[i]:.1f} %"], away=away, turned=upright, only="picture"))
     bars = {"element": result.elements, "name": names, "loss_percent": found}
     bars |= ({} if truth is None else {"truth_percent": truths}) | judged | {"smallest_seen_percent": visible}
     title, first = "" if found.any() or judged else "no damage found", ("found", "90 % interval", "truth")
-    x_axis, tables = element_axis(names, upright), {"bars": bars}
-    return Panel("damage", x_axis, axis, marks, title=title, grid="y", first=first, tables=tables)
+    look: dict[str, Any] = {"title": title, "grid": "y", "first": first, "tables": {"bars": bars}}
+    return Panel("damage", _element_axis(names, upright), axis, marks, **look)
 
 
-def _judged(result: DamageResult) -> dict[str, Any]:
-    """Columns beside the losses: 90 % intervals, probabilities, losses of what may be damaged instead."""
-    low, high = 100.0 * np.array(list(result.interval.values())).T
-    columns = {"low_percent": low, "high_percent": high}
-    columns |= {"probability": np.array([*result.probability.values()])}
-    return columns | {"instead_percent": alternatives(result.assessment, result.elements)}
-
-
-def alternatives(found: Assessment, elements: list[int]) -> FloatArray:
+def _alternatives(found: Assessment, elements: list[int]) -> FloatArray:
     """Losses in % of elements that may be the damaged ones instead, NaN elsewhere."""
     losses = np.full(len(elements), np.nan)
-    for one in found.hypotheses:
-        if not one.candidate or one.probability < _WORTH_A_BAR:
-            continue
-        for element, severity in zip(one.elements, one.severities, strict=True):
-            at = elements.index(element)
-            if element not in found.declared and np.isnan(losses[at]):
-                losses[at] = 100.0 * severity
+    likely = [one for one in found.hypotheses if one.candidate and one.probability >= _WORTH_A_BAR]
+    for element, severity in (
+        each for one in likely for each in zip(one.elements, one.severities, strict=True)
+    ):
+        at = elements.index(element)
+        if element not in found.declared and np.isnan(losses[at]):
+            losses[at] = 100.0 * severity
     return losses
-
-
-def verdict(result: DamageResult) -> str:
-    """Why there is no bar."""
-    elsewhere = result.probability_elsewhere
-    if not result.assessment.best.candidate:
-        return f"something has changed that no candidate explains\n(probability {_percent(elsewhere)} %)"
-    changed = _percent(result.probability_of_damage)
-    return f"no damage declared\n(probability that anything has changed: {changed} %)"
 
 
 def _percent(p: float) -> str:
@@ -150,16 +138,9 @@ def _truths(result: DamageResult, truth: Mapping[int, float] | None) -> FloatArr
     return 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
 
 
-def _numbers(
-    found: FloatArray, marks: tuple[FloatArray, ...], truths: FloatArray, top: float, upright: bool
-) -> list[Mark]:
-    """Losses over their bars, and over marks close above, which would strike them out."""
-    words: list[Mark] = []
-    for i in np.flatnonzero(found > 0.0):
-        over = max(mark[i] for mark in marks if found[i] <= mark[i] <= found[i] + 0.12 * top)
-        away = 8.0 if abs(over - truths[i]) < 0.05 * top else 3.0  # over a diamond
-        words.append(Words([i], [over], [f"{found[i]:.1f} %"], away=away, turned=upright, only="picture"))
-    return words
+def _diamonds(x: Any, truths: FloatArray) -> Mark:
+    """Known losses, so that the bars stay visible."""
+    return Points(x, truths, "D", 8.0, face="none", stroke=1.3, spill=True, label="truth")
 
 
 def _smallest_seen(x: FloatArray, visible: FloatArray, top: float) -> list[Mark]:
@@ -181,26 +162,21 @@ def _smallest_seen(x: FloatArray, visible: FloatArray, top: float) -> list[Mark]
     return marks
 
 
-def _diamonds(x: Any, truths: FloatArray) -> Mark:
-    """Known losses, so that the bars stay visible."""
-    return Points(x, truths, "D", 8.0, face="none", stroke=1.3, spill=True, label="truth")
-
-
 def element_names(result: DamageResult) -> list[str]:
     """What the candidate elements are called."""
     label = result.problem.model.element_label
     return [", ".join(label(term) for term in p.terms) for p in result.problem.parameters]
 
 
-def percent_axis(shown: FloatArray, upright: bool) -> Axis:
+def _percent_axis(shown: Sequence[FloatArray], upright: bool) -> Axis:
     """Scale of the losses, with room for the numbers over the bars; there is none above 100 %."""
-    room = 1.36 if upright else 1.16
-    top = max(LEAST_PERCENT, room * float(np.max(shown[np.isfinite(shown)], initial=0.0)))
+    losses = np.concatenate(shown)
+    highest = float(np.max(losses[np.isfinite(losses)], initial=0.0))
+    top = max(LEAST_PERCENT, (1.36 if upright else 1.16) * highest)
     return Axis("Stiffness loss (%)", (0.0, top), at=range(0, 101, 20) if top > 100.0 else None)
 
 
-def element_axis(names: list[str], upright: bool) -> Axis:
-    """Names of the elements across."""
+def _element_axis(names: list[str], upright: bool) -> Axis:
     spare = max(0.6, 0.5 * (4 - len(names)))  # one or two bars are bars, not blocks
     label = "Candidate element (no bar: exactly 0)"
     return Axis(label, (-spare, len(names) - 1 + spare), names=names, upright=upright)
@@ -222,22 +198,19 @@ def plot_damages(
 ) -> Any:
     """Draw the stiffness loss of each candidate element in % as found by several approaches.
 
+    As Fig. 8 of V. Meruane, J. Sound Vib. 332 (2013) 807-820.
+
     Parameters
     ----------
     results : mapping of str to DamageResult
         By the name of the approach, two to four, all with the same candidate elements.
     truth : mapping of int to float, optional
-        True loss by zero-based element, where it is known; drawn as diamonds.
+        As in :func:`plot_damage`.
 
     Raises
     ------
     InvalidInputError
         Fewer than two results or more than four, or different candidate elements.
-
-    Notes
-    -----
-    As Fig. 8 of V. Meruane, J. Sound Vib. 332 (2013) 807-820, for antiresonances beside resonances with mode
-    shapes.
 
     Examples
     --------
@@ -255,30 +228,25 @@ def plot_damages(
     first, *others = results.values()
     if any(other.elements != first.elements for other in others):
         reject("results", "different candidate elements", "the same in all", "Pass a dict of name to result.")
-    names = element_names(first)
+    names, truths = element_names(first), _truths(first, truth)
     ax = new_axes(ax, (max(7.0, 0.4 * len(names) + 1.5), 4.4))
     x, width = np.arange(len(names)), 0.8 / len(results)
     upright = not fit_across(ax, names)
-    truths = _truths(first, truth)
-    found = {name: 100.0 * np.asarray(result.x) for name, result in results.items()}
-    # Under bars as narrow as this numbers stand upright.
-    narrow = len(names) * len(results) > 24
+    bars: dict[str, Any] = {"element": first.elements, "name": names}
     marks: list[Mark] = []
-    for k, (name, percents) in enumerate(found.items()):
+    for k, (name, result) in enumerate(results.items()):
+        bars[f"{name}_percent"] = percents = 100.0 * np.asarray(result.x)
         at, some = x + (k - 0.5 * (len(results) - 1)) * width, percents > 0.0
-        texts = [f"{value:.1f}" for value in percents[some]]
         marks.append(Bars(at, percents, 0.92 * width, label=name, **LOOKS[k]))
         # A number beside its bar's middle: the diamond of the truth stands between the bars.
-        marks.append(Words(at[some], percents[some], texts, away=4.0, size=6.94, turned=narrow))
+        look: dict[str, Any] = {"away": 4.0, "size": 6.94, "turned": len(names) * len(results) > 24}
+        marks.append(Words(at[some], percents[some], [f"{value:.1f}" for value in percents[some]], **look))
+    y_axis = _percent_axis([truths, *list(bars.values())[2:]], upright)
     if truth is not None:
         marks.append(_diamonds(x, truths))
-    bars = {"element": first.elements, "name": names}
-    bars |= {f"{name}_percent": one for name, one in found.items()}
-    bars |= {} if truth is None else {"truth_percent": truths}
-    y_axis = percent_axis(np.concatenate([truths, *found.values()]), upright)
-    x_axis, first_ones = element_axis(names, upright), tuple(results)
-    panel = Panel("damages", x_axis, y_axis, marks, grid="y", first=first_ones, tables={"bars": bars})
-    return draw(panel, ax)
+        bars["truth_percent"] = truths
+    look = {"grid": "y", "first": tuple(results), "tables": {"bars": bars}}
+    return draw(Panel("damages", _element_axis(names, upright), y_axis, marks, **look), ax)
 
 
 # -- Hypotheses: bars of their probabilities
@@ -296,16 +264,15 @@ def worth_a_row(hypotheses: Hypotheses, most: int = MOST_ROWS) -> list[Hypothesi
 def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> Any:
     """Draw the probabilities of hypotheses of damage, the most probable on top.
 
-    One bar a hypothesis, with its stiffness losses and their 90 % intervals, each in %, under its name.
-    Blue bars are damage of candidates, white ones no damage, hatched ones what none of them explains.
+    Each with its stiffness losses and their 90 % intervals, in %, under its name. Blue bars are damage of
+    candidates, white ones no damage, hatched ones what none of them explains.
 
     Parameters
     ----------
     hypotheses : Hypotheses
         ``result.hypotheses`` of :func:`~antires_rs.assess_damage`.
     most : int
-        Hypotheses with a bar of their own at most: the first three, and those above 0.005. The others share
-        one.
+        Bars at most: of the first three hypotheses, and of those above 0.005. The others share one.
 
     Raises
     ------
@@ -316,12 +283,11 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
     --------
     >>> import antires_rs as ar
     >>> from matplotlib.figure import Figure
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 300.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> ax = ar.assess_damage(intact, now, baseline=before).hypotheses.plot(ax=Figure().subplots())
-    >>> ax.get_xlabel()
+    >>> before, now = (ar.MassSpringChain([1.0] * 4, [500.0, k, 500.0]) for k in (500.0, 300.0))
+    >>> exact = (dict(enumerate(model.antiresonances([0, 1, 2, 3], 0))) for model in (before, now))
+    >>> intact, damaged = (ar.AntiresonanceSet(0, each) for each in exact)
+    >>> found = ar.assess_damage(before, damaged, baseline=intact)
+    >>> found.hypotheses.plot(ax=Figure().subplots()).get_xlabel()
     'Probability'
     """
     integer("most", most, low=1)
@@ -336,13 +302,15 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     """One bar a hypothesis, the most probable on top, and one for the others."""
     rows = worth_a_row(hypotheses, most)
     names, values = [hypotheses.called(one) for one in rows], [one.probability for one in rows]
-    looks, losses = (
-        [_look(one) for one in rows],
-        [[*zip(one.severities, one.low, one.high, strict=True)] for one in rows],
-    )
+    losses = [[*zip(one.severities, one.low, one.high, strict=True)] for one in rows]
     said = [", ".join(loss(*each, " %") for each in of) or "-" for of in losses]
     under = [", ".join(f"{100 * s:.1f} % ({span(low, high)})" for s, low, high in of) for of in losses]
     labels = [f"{name}\n{text}" if text else name for name, text in zip(names, under, strict=True)]
+    # Damage of candidates, no damage, what none of them explains.
+    looks: list[dict[str, Any]] = [
+        {"face": "blue" if one.elements else "white"} if one.candidate else {"face": "white", "hatch": "////"}
+        for one in rows
+    ]
     others = len(hypotheses) - len(rows)
     if others:
         names.append(f"{others} other{'s' if others > 1 else ''} together")
@@ -361,10 +329,3 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     y = Axis("", (len(names) - 0.4, -0.6), names=labels)
     table = {"name": names, "probability": values}
     return Panel("hypotheses", x, y, marks, grid="x", tables={"hypotheses": table})
-
-
-def _look(one: Hypothesis) -> dict[str, Any]:
-    """Damage of candidates, no damage, what none of them explains."""
-    if not one.candidate:
-        return {"face": "white", "hatch": "////"}
-    return {"face": "blue" if one.elements else "white"}

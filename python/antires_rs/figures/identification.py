@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..signals.one_force import DataCheck
 
+Edited = Sequence[float] | FloatArray  # values in Hz
 #: Lighter than every mark, also where colours are lost.
 CURVE = "#B8B8B8"
 #: Colour and dash of each kind of value.
@@ -36,11 +37,7 @@ STABLE, UNSTABLE, ADDED, DROPPED = LOOKS
 
 
 def plot_stabilization(
-    diagram: StabilizationDiagram,
-    ax: Any = None,
-    *,
-    dropped: Sequence[float] | FloatArray = (),
-    added: Sequence[float] | FloatArray = (),
+    diagram: StabilizationDiagram, ax: Any = None, *, dropped: Edited = (), added: Edited = ()
 ) -> Any:
     """Draw the poles of every order, the stable ones, and the accepted antiresonances.
 
@@ -49,8 +46,7 @@ def plot_stabilization(
     diagram : StabilizationDiagram
         From :func:`~antires_rs.stabilization`, or ``AntiresonanceSet.diagrams[dof]``.
     dropped, added : sequence of float, optional
-        Values in Hz that were taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows
-        them.
+        Values in Hz taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows them.
 
     Examples
     --------
@@ -63,12 +59,18 @@ def plot_stabilization(
     'Frequency (Hz)'
     """
     ax = new_axes(ax, (9.0, 5.2))
-    offer(ax, **diagram_tables(diagram, dropped, added))
+    offer(ax, **_diagram_tables(diagram, dropped, added))
     draw(stabilization(diagram), ax, legend=False)
-    mark_values(ax, diagram, dropped, added)
+    _mark_values(ax, diagram, dropped, added)
     ax.yaxis.get_major_locator().set_params(integer=True)
     below(ax)
     return ax
+
+
+#: Looks of poles.
+_POLE: dict[str, Any] = {"marker": "x", "stroke": 0.7, "colour": "orange", "label": "pole, not stable"}
+_STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stable pole"}
+SEEN_ABOVE = 0.2  # orders above the highest at which what was seen and not accepted stands
 
 
 def stabilization(diagram: StabilizationDiagram) -> Panel:
@@ -83,29 +85,21 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     left = diagram.left_out
     if len(left):
         more = {"why": left.scores.get("why", np.full(len(left), "")).tolist()}
-        edge = np.full(len(left), last + SEEN_ABOVE)
         says = {"Seen, not accepted": "@x{0.000} Hz", "Why": "@why"}
-        look = {"face": "white", "only": "page", "label": "seen, not accepted"}
-        marks.append(Points(left.freq_hz, edge, "v", says=says, more=more, **look))
+        look = {"face": "white", "only": "page", "label": "seen, not accepted", "says": says, "more": more}
+        marks.append(Points(left.freq_hz, np.full(len(left), last + SEEN_ABOVE), "v", **look))
     size = np.asarray(diagram.background, dtype=np.float64)
-    size = np.where(size > 0.0, size, np.nan)
     label = "summed curves, peaks at poles (right axis)"
-    curve = Line(diagram.background_freq_hz, size, CURVE, width=1.0, label=label)
+    shown = np.where(size > 0.0, size, np.nan)
+    curve = Line(diagram.background_freq_hz, shown, CURVE, width=1.0, label=label)
     x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Model order (-)", (first - 1.5, last + 1.0))
     behind = (Axis("Summed curves (unit of the data)"), curve)
     table = {"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background}
     return Panel("stabilization", x, y, marks, behind=behind, tables={"curve": table})
 
 
-#: Looks of poles.
-_POLE: dict[str, Any] = {"marker": "x", "stroke": 0.7, "colour": "orange", "label": "pole, not stable"}
-_STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stable pole"}
-#: Orders above the highest at which what was seen and not accepted stands.
-SEEN_ABOVE = 0.2
-
-
-def diagram_tables(
-    diagram: StabilizationDiagram, dropped: Sequence[float] | FloatArray, added: Sequence[float] | FloatArray
+def _diagram_tables(
+    diagram: StabilizationDiagram, dropped: Edited, added: Edited
 ) -> dict[str, dict[str, Any]]:
     """The poles and the values of a diagram, as pictures of it offer them."""
     order, freq, damping, stable = pole_table(diagram)
@@ -122,24 +116,17 @@ def diagram_tables(
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
     """Order, frequency in Hz, damping ratio and stability of all poles, (n_poles,) each."""
     order = np.repeat(np.asarray(diagram.orders), [len(f) for f in diagram.freq_hz])
-    freq = np.concatenate([np.empty(0), *diagram.freq_hz])
-    damping = np.concatenate([np.empty(0), *diagram.damping_ratio])
+    freq, damping = (np.concatenate([[], *rows]) for rows in (diagram.freq_hz, diagram.damping_ratio))
     return order, freq, damping, np.concatenate([np.empty(0, dtype=bool), *diagram.stable])
 
 
-def mark_values(
-    ax: Any,
-    diagram: StabilizationDiagram,
-    dropped: Sequence[float] | FloatArray,
-    added: Sequence[float] | FloatArray,
-) -> None:
+def _mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Edited, added: Edited) -> None:
     """Vertical lines, their frequencies above pushed apart; of what was dropped in parentheses."""
     low, high = diagram.band_hz
-    gone = np.asarray(dropped, dtype=np.float64)
     marks = [(float(f), ADDED) for f in added]
     for f, how in zip(diagram.identified, diagram.accepted.how, strict=True):
         kind = UNSTABLE if how in ("persistent", "likeliest order") else STABLE
-        marks.append((float(f), DROPPED if f in gone else kind))
+        marks.append((float(f), DROPPED if f in np.asarray(dropped, dtype=np.float64) else kind))
     marks.sort()
     transform = ax.get_xaxis_transform()
     look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small", "annotation_clip": False}
@@ -157,35 +144,25 @@ def mark_values(
 
 # -- Damping against frequency: the poles of all orders, clustered where something physical is
 
-#: Foot of the logarithmic axis, percent; what lies below, or has none, stands on it.
-LEAST_PERCENT = 0.01
-#: Room above the highest pole.
-HEADROOM = 1.3
+LEAST_PERCENT = 0.01  # foot of the logarithmic axis, percent; what lies below, or has none, stands on it
+HEADROOM = 1.3  # room above the highest pole
 
 
 def plot_damping_clusters(
-    diagram: StabilizationDiagram,
-    ax: Any = None,
-    *,
-    dropped: Sequence[float] | FloatArray = (),
-    added: Sequence[float] | FloatArray = (),
+    diagram: StabilizationDiagram, ax: Any = None, *, dropped: Edited = (), added: Edited = ()
 ) -> Any:
     """Draw the damping ratio of all poles of all orders against their frequency.
 
     The poles of an antiresonance gather in one spot over many orders; spurious poles scatter everywhere.
     A cluster elongated upwards has an uncertain damping; one elongated sideways, an uncertain frequency.
-    Squares are the accepted antiresonances. They may lie beside their cluster: near the noise the poles of
-    the sweep are biased, while the antiresonances are taken from the likeliest fit.
+    Squares are the accepted antiresonances, taken from the likeliest fit: near the noise they may lie beside
+    their cluster. The damping axis is logarithmic; poles with less than 0.01 %, or right of the imaginary
+    axis, stand as triangles on its foot.
 
     Parameters
     ----------
     diagram, dropped, added
         As in :func:`plot_stabilization`.
-
-    Notes
-    -----
-    The damping axis is logarithmic. Poles with less than 0.01 %, or right of the imaginary axis, stand as
-    triangles on its foot.
 
     Examples
     --------
@@ -212,10 +189,9 @@ def plot_damping_clusters(
         marks.append(Points(diagram.identified, found, "s", 9.0, "black", "none", 1.4, True, label=label))
     top = HEADROOM * max(float(percent.max(initial=0.0)), 1.0)
     x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True)
-    tables = diagram_tables(diagram, dropped, added)
-    panel = Panel("damping_clusters", x, y, marks, grid="y", tables=tables)
+    panel = Panel("damping_clusters", x, y, marks, grid="y", tables=_diagram_tables(diagram, dropped, added))
     ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
-    mark_values(ax, diagram, dropped, added)
+    _mark_values(ax, diagram, dropped, added)
     plain_log(ax.yaxis, narrow=False)
     below(ax)
     return ax
@@ -223,8 +199,7 @@ def plot_damping_clusters(
 
 # -- What stands behind an identification: coherence, and whether one force is enough
 
-#: With more curves than this each one is drawn thin and pale, and their median on top.
-FEW = 5
+FEW = 5  # with more curves than this each one is drawn thin and pale, and their median on top
 
 
 def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence[float] | None = None) -> Any:
@@ -259,9 +234,8 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
     curves = {dof: row for dof, row in zip(resp.dofs, resp.coherence, strict=True) if dof != resp.reference}
     rows = np.array(list(curves.values()))
     if len(curves) <= FEW:
-        marks: list[Mark] = [
-            Line(freq, row, label=f"dof {dof}", **turn(i)) for i, (dof, row) in enumerate(curves.items())
-        ]
+        each = enumerate(curves.items())
+        marks: list[Mark] = [Line(freq, row, label=f"dof {dof}", **turn(i)) for i, (dof, row) in each]
     else:
         names = ["each dof", *[None] * (len(rows) - 1)]
         marks = [Line(freq, row, CURVE, width=0.7, label=name) for row, name in zip(rows, names, strict=True)]
@@ -281,9 +255,9 @@ def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence
 def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     """Draw the singular values of the responses' spectral matrix, and what one force would make the second.
 
-    Under one force the first stands out, and the second lies where noise and leakage put it. A second force
-    lifts the second everywhere but at the resonances. Channels are scaled to equal noise, so 0 dB is the
-    noise (on exact data: 60 dB below the mean power).
+    Under one force the first stands out, and the second lies where noise and leakage put it; a second force
+    lifts it everywhere but at the resonances. Channels are scaled to equal noise, so 0 dB is the noise (on
+    exact data: 60 dB below the mean power).
 
     Parameters
     ----------
@@ -298,10 +272,9 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.signals import check_data
     >>> from matplotlib.figure import Figure
     >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
+    >>> ar.signals.check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
     'Singular value (dB re noise power)'
     """
     if getattr(check, "eigenvalues", None) is None:
@@ -340,10 +313,10 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
 
 # -- The values of a response as marks in its figures: found, added and dropped
 
-#: Before the name of a kind: its entry in a legend, which a page shows while there are such values.
-ENTRY = "entry of "
-#: Labels nearer to each other than this share of the band are left out; hover and table have them.
-LABEL_GAP = 0.03
+ENTRY = (
+    "entry of "  # before the name of a kind: its entry in a legend, which a page shows while there are any
+)
+LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and table have them
 Marks = dict[str, dict[str, list[Any]]]
 
 
@@ -351,12 +324,12 @@ def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]
     """The marks of a response by kind: a row a value, ascending, dropped ones included."""
     now, before = zeros.tables[dof], zeros.original().tables[dof]
     gone = before.take(~np.isin(before.freq_hz, now.freq_hz))
-    how = now.scores.get("how", np.full(len(now), "chain"))
-    unsteady = np.isin(how, ["persistent", "likeliest order"])
-    kinds = np.where(now.by_hand, ADDED, np.where(unsteady, UNSTABLE, STABLE))
-    rows = list(zip(now.freq_hz.tolist(), kinds.tolist(), now.std_hz.tolist(), strict=True))
-    left = zip(gone.freq_hz.tolist(), gone.std_hz.tolist(), strict=True)
-    rows += [(freq, DROPPED, std) for freq, std in left]
+    unsteady = np.isin(now.scores.get("how", np.full(len(now), "chain")), ["persistent", "likeliest order"])
+    kinds = np.where(now.by_hand, ADDED, np.where(unsteady, UNSTABLE, STABLE)).tolist()
+    rows = [
+        *zip(now.freq_hz.tolist(), kinds, now.std_hz.tolist(), strict=True),
+        *zip(gone.freq_hz.tolist(), [DROPPED] * len(gone), gone.std_hz.tolist(), strict=True),
+    ]
     marks: Marks = {kind: {"x": [], "label": [], "error": []} for kind in LOOKS}
     last = -np.inf
     for freq, kind, std in sorted(rows):
@@ -369,7 +342,7 @@ def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]
     return marks
 
 
-def mark_lines(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool = False) -> None:
+def _mark_lines(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool = False) -> None:
     """Lines at the values, in tables that a page may rewrite, for which ``every_kind`` has its place."""
     for kind, (colour, dash) in LOOKS.items():
         if not every_kind and not marks[kind]["x"]:
@@ -387,18 +360,13 @@ def mark_lines(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool
 
 
 def stabilization_figure(
-    diagram: Any,
-    zeros: AntiresonanceSet | None = None,
-    dof: Any = 0,
-    *,
-    x_range: Any = None,
-    every_kind: bool = False,
+    diagram: Any, zeros: AntiresonanceSet | None = None, dof: Any = 0, *, x_range: Any = None, **options: Any
 ) -> Any:
     """Poles of every order, the values, and the summed curve behind them."""
     if zeros is None:
         zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
     fig = live.explored(stabilization(diagram), height=400, x_range=x_range)
-    mark_lines(fig, mark_columns(zeros, dof, diagram.band_hz), labels=True, every_kind=every_kind)
+    _mark_lines(fig, mark_columns(zeros, dof, diagram.band_hz), labels=True, **options)
     return fig
 
 
@@ -428,23 +396,20 @@ def curve_of(source: Recording | FrequencyResponse, averages: Averages | None, d
         return Curve(source.freq_hz, size, what, coherence, over)
     assert averages is not None
     spectra = averages.spectra
-    auto = np.sqrt(spectra.matrix[:, row, row].real)
     unit = "unit of the data x s" if averages.nperseg is None else "unit of the data/√Hz"
-    coherence, name = None, ""
+    auto, what = np.sqrt(spectra.matrix[:, row, row].real), f"Spectrum of dof {dof} ({unit})"
     if spectra.n_averages > 1:
         _, all_of_them = two_channel(spectra.matrix, row, "h1")
         others = [p for p in range(all_of_them.shape[0]) if p != row]
         if averages.has_force:
-            best, name = len(all_of_them) - 1, "the force"
-        elif others:
+            return Curve(spectra.freq_hz, auto, what, all_of_them[-1], "the force")
+        if others:
             best = max(others, key=lambda p: float(np.median(all_of_them[p])))
-            name = f"dof {source.dofs[best]}"
-        coherence = all_of_them[best] if name else None
-    return Curve(spectra.freq_hz, auto, f"Spectrum of dof {dof} ({unit})", coherence, name)
+            return Curve(spectra.freq_hz, auto, what, all_of_them[best], f"dof {source.dofs[best]}")
+    return Curve(spectra.freq_hz, auto, what)
 
 
-#: Singular values up to so many are drawn; further ones lie in the noise with them.
-MOST_VALUES = 6
+MOST_VALUES = 6  # singular values that are drawn at most; further ones lie in the noise with them
 
 
 def evidence_figure(
@@ -461,56 +426,55 @@ def evidence_figure(
     from bokeh.models import Range1d
 
     diagram, check = zeros.diagrams.get(dof), zeros.data_check
-    band = band_hz or (diagram.band_hz if diagram is not None else _around(zeros, dof))
+    band = band_hz or (diagram.band_hz if diagram is not None else _around(zeros))
     x = Range1d(*band, bounds=None)
     marks = mark_columns(zeros, dof, band)
-    figures = []
+    figures: list[Any] = []
+
+    def curve_figure(
+        name: str,
+        freq_hz: FloatArray,
+        y: FloatArray,
+        axis: Axis,
+        says: dict[str, str],
+        height: int,
+        **look: Any,
+    ) -> None:
+        shown = (freq_hz >= band[0]) & (freq_hz <= band[1])
+        line = Line(freq_hz[shown], y[shown], says={"Frequency": "@x{0.000} Hz"} | says, **look)
+        panel = Panel(name, Axis("Frequency (Hz)"), axis, [line])
+        figures.append(live.explored(panel, height=height, x_range=x))
+
     if diagram is not None:
         figures.append(stabilization_figure(diagram, zeros, dof, x_range=x, every_kind=every_kind))
     if curve is not None:
-        size = np.where(curve.size > 0.0, curve.size, np.nan)
-        y, look = Axis(curve.what, log=True), {"colour": "blue", "label": "measured"}
-        panel = _one_line("curve", curve.freq_hz, size, band, y, {"Size": "@y{0.000e+0}"}, **look)
-        figures.append(live.explored(panel, height=300, x_range=x))
-        mark_lines(figures[-1], marks, every_kind=every_kind)
+        size, says = np.where(curve.size > 0.0, curve.size, np.nan), {"Size": "@y{0.000e+0}"}
+        look = {"colour": "blue", "label": "measured"}
+        curve_figure("curve", curve.freq_hz, size, Axis(curve.what, log=True), says, 300, **look)
+        _mark_lines(figures[-1], marks, every_kind=every_kind)
         figures[-1].legend.visible = diagram is None
         if curve.coherence is not None:
-            y = Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04))
-            says = {"Coherence": "@y{0.000}"}
-            panel = _one_line("coherence", curve.freq_hz, curve.coherence, band, y, says, width=0.9)
-            figures.append(live.explored(panel, height=180, x_range=x))
-    if diagram is None and curve is None:  # the set was made by hand or loaded
+            axis, says = (
+                Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04)),
+                {"Coherence": "@y{0.000}"},
+            )
+            curve_figure("coherence", curve.freq_hz, curve.coherence, axis, says, 180, width=0.9)
+    if not figures:  # the set was made by hand or loaded
         alone = Panel("values_alone", Axis("Frequency (Hz)"), Axis("", (0.0, 1.0), at=[]), [])
         figures.append(live.explored(alone, height=240, x_range=x))
-        mark_lines(figures[0], marks, labels=True, every_kind=every_kind)
+        _mark_lines(figures[0], marks, labels=True, every_kind=every_kind)
         live.below(figures[0])
     elif check is not None and check.eigenvalues is not None:
         figures.append(live.explored(singular_values(check, MOST_VALUES), height=270, x_range=x))
     elif response is not None:  # of responses to one force there is no other value
         level = 20.0 * np.log10(np.maximum(np.linalg.norm(response.values, axis=0), 1e-150))
-        y, says = Axis("Singular value (dB re 1)"), {"Level": "@y{0.0} dB"}
+        axis, says = Axis("Singular value (dB re 1)"), {"Level": "@y{0.0} dB"}
         look = {"colour": "blue", "label": "first, the only one for one force"}
-        panel = _one_line("singular_values", response.freq_hz, level, band, y, says, **look)
-        figures.append(live.explored(panel, height=270, x_range=x))
+        curve_figure("singular_values", response.freq_hz, level, axis, says, 270, **look)
     return live.stacked(figures)
 
 
-def _one_line(
-    name: str,
-    freq_hz: FloatArray,
-    y: FloatArray,
-    band_hz: tuple[float, float],
-    axis: Axis,
-    says: dict[str, str],
-    **look: Any,
-) -> Panel:
-    """A curve in the band."""
-    shown = (freq_hz >= band_hz[0]) & (freq_hz <= band_hz[1])
-    line = Line(freq_hz[shown], y[shown], says={"Frequency": "@x{0.000} Hz"} | says, **look)
-    return Panel(name, Axis("Frequency (Hz)"), axis, [line])
-
-
-def _around(zeros: AntiresonanceSet, dof: Any) -> tuple[float, float]:
+def _around(zeros: AntiresonanceSet) -> tuple[float, float]:
     """A band that shows all values of the set, so that it is the same for every response."""
     values = [freq for one in (zeros, zeros.original()) for each in one.values() for freq in each]
     if not values:

@@ -22,12 +22,9 @@ from . import marks
 INK, GRID = "#222222", "#E3E3E3"
 FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
 LEGEND: dict[str, Any] = {"location": "left", "border_line_color": None, "padding": 0, "margin": 0}
-LEGEND |= {"spacing": 5}
-LEGEND |= {"label_text_font": FONT, "label_text_font_size": "12px"}
-#: Along an upright axis.
-PX_A_LETTER = 6
-#: Of a text above a figure.
-MOST_LETTERS = 40
+LEGEND |= {"spacing": 5, "label_text_font": FONT, "label_text_font_size": "12px"}
+PX_A_LETTER = 6  # along an upright axis
+MOST_LETTERS = 40  # of a text above a figure
 #: Room left of and right of the plotted area in pixels, the same for figures that stand on each other.
 LEFT_PX, RIGHT_PX = 64, 58
 
@@ -71,8 +68,7 @@ def below(fig: Any, *, side_by_side: int = 2) -> None:
         legend.update(ncols=side_by_side, click_policy="hide", label_text_color=INK, **LEGEND)
 
 
-#: Pixels for a point of a line, and of a marker.
-LINE_PX, MARKER_PX = 1.25, 1.6
+LINE_PX, MARKER_PX = 1.25, 1.6  # pixels for a point of a line, and of a marker
 #: Names of dashes, markers and hatches, by those of the marks.
 _DASHES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 _MARKERS = {"o": "circle", ".": "circle", "x": "x", "s": "square", "D": "diamond"}
@@ -172,18 +168,16 @@ def _points(mark: marks.Points, fig: Any, label: dict[str, Any]) -> list[Any]:
 def _line(mark: marks.Line, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(x=mark.x, y=mark.y, **mark.more)
     look = {"color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
-    if mark.steps:
-        return [fig.step("x", "y", source=table, mode="after", **look, **label)]
-    return [fig.line("x", "y", source=table, **look, **label)]
+    draw, how = (fig.step, {"mode": "after"}) if mark.steps else (fig.line, {})
+    return [draw("x", "y", source=table, **how, **look, **label)]
 
 
 @_draw.register
 def _bars(mark: marks.Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(x=mark.at, y=mark.length, **mark.more)
-    look = {"line_color": mark.edge, "line_dash": dash_of(mark.dash)}
-    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]]}
+    look = {"line_color": mark.edge, "line_dash": dash_of(mark.dash), "hatch_scale": 8}
+    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]], "hatch_color": mark.edge}
     look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
-    look |= {"hatch_color": mark.edge, "hatch_scale": 8}
     if mark.sideways:
         return [fig.hbar(y="x", right="y", height=mark.width, source=table, **look, **label)]
     return [fig.vbar(x="x", top="y", width=mark.width, source=table, **look, **label)]
@@ -200,9 +194,8 @@ def _whiskers(mark: marks.Whiskers, fig: Any, label: dict[str, Any]) -> list[Any
 def _rules(mark: marks.Rules, fig: Any, label: dict[str, Any]) -> list[Any]:
     table = columns(at=np.atleast_1d(mark.at), **mark.more)
     look = {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
-    if mark.upright:
-        return [fig.vspan(x="at", source=table, **look, **label)]
-    return [fig.hspan(y="at", source=table, **look, **label)]
+    draw, which = (fig.vspan, "x") if mark.upright else (fig.hspan, "y")
+    return [draw(**{which: "at"}, source=table, **look, **label)]
 
 
 @_draw.register
@@ -306,5 +299,4 @@ def script_files() -> list[Path]:
     require_bokeh()
     from bokeh.resources import Resources
 
-    made = Resources(mode="absolute", components=["bokeh"], minified=True)
-    return [Path(file) for file in made.js_files]
+    return [Path(file) for file in Resources(mode="absolute", components=["bokeh"], minified=True).js_files]

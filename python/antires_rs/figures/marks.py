@@ -7,7 +7,7 @@ Kinds of things differ by marker, dash or hatch as well as by colour, so that th
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -221,8 +221,7 @@ class Panel:
 
 # -- Where an axis ends when a few values are so far off that they would flatten all others
 
-#: A value this many times the next smaller one stands apart.
-APART = 2.5
+APART = 2.5  # a value this many times the next smaller one stands apart
 #: At most this share of the values is cut off, one in any case, unless the others are next to nothing.
 MOST_CUT, LEAST = 0.15, 0.01
 
@@ -231,8 +230,7 @@ def reach(values: Any) -> float:
     """Largest absolute value an axis shows, infinite for all: few that a gap sets apart are cut off."""
     size = np.abs(np.asarray(values, dtype=np.float64).ravel())
     size = np.sort(size[np.isfinite(size)])[::-1]
-    most = min(max(1, int(MOST_CUT * size.size)), size.size - 1)
-    for cut in range(most, 0, -1):
+    for cut in range(min(max(1, int(MOST_CUT * size.size)), size.size - 1), 0, -1):
         if size[cut] > LEAST and size[cut - 1] > APART * size[cut]:
             return float(1.25 * size[cut])
     return float("inf")
@@ -256,39 +254,38 @@ def spread(positions: Sequence[float] | FloatArray, least: float, low: float, hi
 
 #: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
 AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
-#: Shares of the element's length at which a number may stand.
-ALONG = (0.5, 0.3, 0.7)
+ALONG = (0.5, 0.3, 0.7)  # shares of the element's length at which a number may stand
 
 
 def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
     """Places of the numbers, (n, 2), of elements (n, 2, 2), by default left of the middle; all in points."""
-    placed = np.empty((0, 2))
     sides = [(share, side * away) for share in ALONG for away in AWAY for side in (1.0, -1.0)]
-    for i, (a, b) in enumerate(ends):
+    options = []
+    for a, b in ends:
         across = np.array([a[1] - b[1], b[0] - a[0]])
         across = across / max(float(np.linalg.norm(across)), 1e-300)
-        options = np.array([a + share * (b - a) + away * across for share, away in sides])
-        placed = _clearest(options, np.concatenate([lines, np.delete(ends, i, axis=0)]), placed, ROOM)
-    return placed
+        options.append(np.array([a + share * (b - a) + away * across for share, away in sides]))
+    others = (np.concatenate([lines, np.delete(ends, i, axis=0)]) for i in range(len(ends)))
+    return _clearest(zip(options, others, strict=True), ROOM)
 
 
 def around(points: FloatArray, lines: FloatArray) -> FloatArray:
     """Places of the numbers of points (n, 2), by default below to the right; all in points."""
     angles = np.radians([-45.0, 135.0, 45.0, -135.0, -90.0, 90.0, 180.0, 0.0])
     ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    places = np.concatenate([away * ways for away in (8.0, 11.0, 15.0)])
+    return _clearest(((point + places, lines) for point in points), 0.8 * ROOM)
+
+
+def _clearest(choices: Iterable[tuple[FloatArray, FloatArray]], room: float) -> FloatArray:
+    """Of each choice the first place that is clear of its lines and of those before, or else the clearest."""
     placed = np.empty((0, 2))
-    for point in points:
-        options = np.concatenate([point + away * ways for away in (8.0, 11.0, 15.0)])
-        placed = _clearest(options, lines, placed, 0.8 * ROOM)
+    for options, lines in choices:
+        others = np.concatenate([lines, np.stack([placed, placed], axis=1)])
+        start, span = others[:, 0], others[:, 1] - others[:, 0]
+        square = np.maximum(np.sum(span**2, axis=1), 1e-300)
+        off = options[:, None] - start
+        share = np.clip(np.sum(off * span, axis=2) / square, 0.0, 1.0)
+        clear = np.linalg.norm(off - share[:, :, None] * span, axis=2).min(axis=1, initial=np.inf)
+        placed = np.vstack([placed, options[int(np.argmax(np.minimum(clear, room)))]])
     return placed
-
-
-def _clearest(options: FloatArray, lines: FloatArray, placed: FloatArray, room: float) -> FloatArray:
-    """``placed`` with the first option that is clear of all, or else the one that is clearest."""
-    others = np.concatenate([lines, np.stack([placed, placed], axis=1)])
-    start, span = others[:, 0], others[:, 1] - others[:, 0]
-    square = np.maximum(np.sum(span**2, axis=1), 1e-300)
-    off = options[:, None] - start
-    share = np.clip(np.sum(off * span, axis=2) / square, 0.0, 1.0)
-    clear = np.linalg.norm(off - share[:, :, None] * span, axis=2).min(axis=1, initial=np.inf)
-    return np.vstack([placed, options[int(np.argmax(np.minimum(clear, room)))]])

@@ -22,10 +22,8 @@ from .page_session import Session, SetView, View
 if TYPE_CHECKING:
     from .report_parts import Figure, Table
 
-#: A page that is loaded again is gone for less.
-GRACE_S = 3.0
-#: Of what a page may send.
-MOST_BYTES = 100_000
+GRACE_S = 3.0  # a page that is loaded again is gone for less
+MOST_BYTES = 100_000  # of what a page may send
 
 
 class Page:
@@ -48,13 +46,8 @@ class Page:
         if not self._view.done():
             self._view.set_result(view)
 
-    def _warm(self) -> None:
-        """Make the first figure, with what has to be imported for it, while the browser begins."""
-        with suppress(AntiresError):  # told when the page asks for it
-            self._view.result().figure(0)
-
     @property
-    def _session(self) -> Any:
+    def _session(self) -> Session | None:
         return getattr(self._view.result(), "session", None) if self._view.done() else None
 
     @property
@@ -94,6 +87,11 @@ class Page:
         """Write edits that were not saved beside where they belong, so that closing loses nothing."""
         return None if self._session is None else self._session.keep_unsaved()
 
+    def _warm(self) -> None:
+        """Make the first figure, with what has to be imported for it, while the browser begins."""
+        with suppress(AntiresError):  # told when the page asks for it
+            self._view.result().figure(0)
+
     def _run(self) -> None:
         try:
             asyncio.run(self._serve())
@@ -124,19 +122,10 @@ class Page:
         await server.close_all_connections()
 
 
-def in_notebook() -> bool:
-    """Whether this is the kernel of a notebook."""
-    shell = sys.modules.get("IPython")
-    found = None if shell is None else shell.get_ipython()
-    return found is not None and "IPKernelApp" in getattr(found, "config", {})
-
-
 # -- Opening it: in the browser of this computer, or inside a notebook
 
-#: Height of the page in a notebook, in pixels.
-INLINE_PX = 820
-#: For the page to say why there is nothing to see.
-LAST_WORD_S = 0.5
+INLINE_PX = 820  # height of the page in a notebook, in pixels
+LAST_WORD_S = 0.5  # for the page to say why there is nothing to see
 
 
 def opened(
@@ -148,7 +137,8 @@ def opened(
     say: Callable[[str], Any] = print,
 ) -> Page:
     """Serve a view and show it."""
-    inline = in_notebook()
+    shell = "IPython" in sys.modules and sys.modules["IPython"].get_ipython()
+    inline = "IPKernelApp" in getattr(shell, "config", {})  # the kernel of a notebook
     wait = not inline if wait is None else wait
     page = Page(ends_with_page=wait or not inline)
     page.start()

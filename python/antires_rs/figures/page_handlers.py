@@ -22,17 +22,15 @@ from ..exceptions import AntiresError, InvalidInputError
 from .live_canvas import script_files
 from .page_session import TAKEN, View
 
-ASSETS = Path(__file__).with_name("assets")
-KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
+#: Files of the page, and their kinds.
+FILES = dict.fromkeys(("bokeh.js", "page.js", "tables.js"), "text/javascript") | {"page.css": "text/css"}
 Work = Callable[[], dict[str, Any]]
 
 
 # -- Who is answered: this computer's own browser, on the page that was opened for it
 
-#: Where the page is served; no other computer reaches it.
-ADDRESS = "127.0.0.1"
-#: Of the token.
-BYTES = 24
+ADDRESS = "127.0.0.1"  # where the page is served; no other computer reaches it
+BYTES = 24  # of the token
 #: A page of this computer may frame ours: notebooks do.
 FRAMED_BY = "http://127.0.0.1:* http://localhost:* vscode-webview:"
 
@@ -102,16 +100,13 @@ class Presence:
 
 def application(view: Future[View], guard: Guard, presence: Presence) -> Application:
     """What shows a view, which may have to be waited for."""
-    handlers = [(r"/", _Home), (r"/state", _State), (r"/figure", _Figure), (r"/do/(\w+)", _Do)]
-    handlers += [(r"/(bokeh\.js|page\.js|tables\.js|page\.css)", _Asset)]
-    handlers += [(r"/download", _Download), (r"/alive", _Alive)]
     own = {"view": view, "guard": guard, "presence": presence, "turn": Lock()}  # the turn of what takes long
     quiet = {"log_function": lambda handler: None, "websocket_ping_interval": 5}
-    return Application(handlers, default_handler_class=_Missing, **quiet, **own)
+    return Application([(r"/alive", _Alive), (r"/(.*)", _Page)], **quiet, **own)
 
 
 class _Guarded(RequestHandler):  # type: ignore[misc]
-    """What all handlers begin with: who is asking?"""
+    """What both handlers begin with: who is asking? Who has no token does not learn what there is."""
 
     def prepare(self) -> None:
         asked = self.request
@@ -127,16 +122,60 @@ class _Guarded(RequestHandler):  # type: ignore[misc]
 
     def write_error(self, status_code: int, **kwargs: Any) -> None:
         exc = kwargs.get("exc_info", (None, None))[1]
-        self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish(f"{status_code}: {getattr(exc, 'log_message', None) or 'not done'}\n")
+        self.send(f"{status_code}: {getattr(exc, 'log_message', None) or 'not done'}\n", "text/plain")
 
     def log_exception(self, *what: Any) -> None:
         if not isinstance(what[1], HTTPError):
             super().log_exception(*what)
 
-    def plain(self, data: Any) -> None:
-        self.set_header("Content-Type", "application/json; charset=utf-8")
-        self.finish(json.dumps(data, allow_nan=False))
+    def send(self, data: Any, kind: str = "application/json") -> None:
+        self.set_header("Content-Type", f"{kind}; charset=utf-8")
+        self.finish(data if isinstance(data, str | bytes) else json.dumps(data, allow_nan=False))
+
+
+class _Page(_Guarded):
+    """The page, its files, and what it asks: the view's state, a figure, a command."""
+
+    async def get(self, path: str) -> None:
+        if not path:
+            self.send(
+                asset("page.html").decode().replace("{{token}}", self.settings["guard"].token), "text/html"
+            )
+        elif path in FILES:
+            self.send(asset(path), FILES[path])
+        elif path == "state":
+            shown, view = await self.shown()
+            self.send({"title": view.title, **kindly(lambda: view.state(shown))})
+        elif path == "figure":
+            shown, view = await self.shown()
+            # In a thread: the first figure waits for imports, and the socket must go on being answered.
+            await self.aside(lambda: view.figure(shown))
+        elif path == "download" and (found := (await self.shown())[1].file()) is not None:
+            name = "".join(c if c.isascii() and (c.isalnum() or c in "._- ") else "_" for c in found[0])
+            self.set_header("Content-Disposition", f'attachment; filename="{name}"')
+            self.send(found[1])
+        else:
+            raise HTTPError(404)
+
+    async def post(self, path: str) -> None:
+        place, _, command = path.partition("/")
+        if place != "do" or not command.isidentifier():
+            raise HTTPError(404)
+        shown, view = await self.shown()
+        try:
+            sent = json.loads(self.request.body or b"{}")
+        except (ValueError, RecursionError):
+            sent = None
+        if not isinstance(sent, dict):
+            raise HTTPError(400, log_message="that is no JSON object")
+
+        def done() -> dict[str, Any]:
+            return {"said": view.do(command, sent), **view.state(shown)}
+
+        if command in view.slow:
+            await self.aside(done, self.settings["turn"])
+        else:
+            self.send(kindly(done))
 
     async def shown(self) -> tuple[int, View]:
         """What the page shows, when it is there: its number among all, and the view."""
@@ -160,68 +199,7 @@ class _Guarded(RequestHandler):  # type: ignore[misc]
                 loop.call_soon_threadsafe(tell, made)
 
         Thread(target=run, daemon=True, name="antires-look").start()
-        self.plain(await answer)
-
-
-class _Home(_Guarded):
-    def get(self) -> None:
-        self.finish(asset("page.html").decode().replace("{{token}}", self.settings["guard"].token))
-
-
-class _Asset(_Guarded):
-    def get(self, name: str) -> None:
-        self.set_header("Content-Type", f"{KINDS[Path(name).suffix]}; charset=utf-8")
-        self.finish(asset(name))
-
-
-class _Missing(_Guarded):
-    """What is not there; guarded too: who has no token does not learn what there is."""
-
-    def get(self) -> None:
-        raise HTTPError(404)
-
-
-class _State(_Guarded):
-    async def get(self) -> None:
-        shown, view = await self.shown()
-        self.plain({"title": view.title, **kindly(lambda: view.state(shown))})
-
-
-class _Figure(_Guarded):
-    async def get(self) -> None:
-        shown, view = await self.shown()
-        # In a thread: the first figure waits for imports, and the socket must go on being answered.
-        await self.aside(lambda: view.figure(shown))
-
-
-class _Download(_Guarded):
-    async def get(self) -> None:
-        found = (await self.shown())[1].file()
-        if found is None:
-            raise HTTPError(404, log_message="nothing to download")
-        name = "".join(c if c.isascii() and (c.isalnum() or c in "._- ") else "_" for c in found[0])
-        self.set_header("Content-Type", "application/json; charset=utf-8")
-        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
-        self.finish(found[1])
-
-
-class _Do(_Guarded):
-    async def post(self, command: str) -> None:
-        shown, view = await self.shown()
-        try:
-            sent = json.loads(self.request.body or b"{}")
-        except (ValueError, RecursionError):
-            sent = None
-        if not isinstance(sent, dict):
-            raise HTTPError(400, log_message="that is no JSON object")
-
-        def done() -> dict[str, Any]:
-            return {"said": view.do(command, sent), **view.state(shown)}
-
-        if command in view.slow:
-            await self.aside(done, self.settings["turn"])
-        else:
-            self.plain(kindly(done))
+        self.send(await answer)
 
 
 class _Alive(_Guarded, WebSocketHandler):  # type: ignore[misc]
@@ -245,7 +223,7 @@ class _Alive(_Guarded, WebSocketHandler):  # type: ignore[misc]
 def asset(name: str) -> bytes:
     """A file of the page, or BokehJS."""
     if name != "bokeh.js":
-        return (ASSETS / name).read_bytes()
+        return Path(__file__).with_name("assets").joinpath(name).read_bytes()
     # Where it is can be told without importing bokeh, which takes longer than a browser to begin.
     found = find_spec("bokeh")
     guessed = Path(str(found.origin if found else "")).parent / "server/static/js/bokeh.min.js"

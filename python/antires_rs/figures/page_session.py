@@ -7,7 +7,7 @@ import os
 import tempfile
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Lock, RLock
@@ -18,6 +18,7 @@ import numpy as np
 from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
 from ..identification.options import sorted_out
+from ..identification.stabilization import StabilizationDiagram
 from ..measured.antiresonance_set import AntiresonanceSet, doubts_of
 from ..measured.edits import NAMED_WITHIN
 from ..measured.replay import Asked, asked_of, replayed, to_json
@@ -62,13 +63,13 @@ class SessionFile:
 
     def opened(self) -> None:
         """Say that what stands in the file now is known to the session, which may replace it."""
-        self._own = None if self.path is None else _mark(self.path)
+        self._own = self._there()
 
     def write(self, text: str, *, replace_file: bool = False) -> str:
         """Write the text; the name of the file."""
         if self.path is None:
             reject("path", None, "a file to write", "Download the set instead.")
-        found = _mark(self.path)
+        found = self._there()
         if found is not None and found != self._own and not replace_file:
             how = "is there already" if self._own is None else "something else has changed meanwhile"
             wanted = "a file that is not there yet, or as this page left it"
@@ -92,26 +93,21 @@ class SessionFile:
         got = f"{self.path.parent} and {tempfile.gettempdir()}, in neither of which a file can be written"
         reject("path", got, "a folder for edits that were not saved", "Make room there.")
 
+    def _there(self) -> tuple[int, int, int] | None:
+        """What tells a version of the file from another; None for no file."""
+        with suppress(OSError):
+            found = self.path.stat() if self.path else None
+            return found and (found.st_mtime_ns, found.st_size, found.st_ino)
+        return None
+
 
 def _write(path: Path, text: str) -> None:
     try:
         write_atomically(path, text.encode())
     except OSError as exc:
-        raise InvalidInputError(
-            "path",
-            f"{path}, which cannot be written ({exc.strerror or exc})",
-            "a file in a folder in which you may write, on a disk with room",
-            "Download the set to another place.",
-        ) from exc
-
-
-def _mark(path: Path) -> tuple[int, int, int] | None:
-    """Tells a version of a file from another; None for no file."""
-    try:
-        found = path.stat()
-    except OSError:
-        return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+        got = f"{path}, which cannot be written ({exc.strerror or exc})"
+        wanted = "a file in a folder in which you may write, on a disk with room"
+        raise InvalidInputError("path", got, wanted, "Download the set to another place.") from exc
 
 
 # -- What a set on the desk was identified from, and can be again
@@ -129,28 +125,24 @@ class OneMeasurement:
         self.covered_hz = covered_hz(signal)
         self.response = signal if isinstance(signal, FrequencyResponse) else None
         if isinstance(signal, FrequencyResponse):
-            positive = signal.freq_hz[signal.freq_hz > 0.0]
-            self.whole_band = float(positive[0]), float(signal.freq_hz[-1])
+            self.whole_band = float(signal.freq_hz[signal.freq_hz > 0.0][0]), float(signal.freq_hz[-1])
         else:
             self.whole_band = 0.005 * signal.fs_hz, 0.4 * signal.fs_hz
 
     def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
         """As :func:`~antires_rs.identify_antiresonances`."""
-        return identify_antiresonances(
-            self._signal, excitation=excitation, band_hz=band_hz, progress=False, **sorted_out(options)
-        )
+        given = {"excitation": excitation, "band_hz": band_hz, "progress": False}
+        return identify_antiresonances(self._signal, **given, **sorted_out(options))
 
     def curve(self, dof: Any, band_hz: Band, options: Mapping[str, Any]) -> Curve | None:
         """That of the channel."""
-        signal, averages = self._signal, None
-        if isinstance(signal, Recording):
-            if band_hz not in self._averages:
-                names = ("nperseg", "noverlap", "window", "method")
-                chosen = Averaging(**{name: options[name] for name in names if name in options})
-                with_force = signal.force is not None
-                self._averages = {band_hz: average(signal, band_hz, chosen, include_force=with_force)}
-            averages = self._averages[band_hz]
-        return curve_of(signal, averages, dof)
+        signal = self._signal
+        if isinstance(signal, Recording) and band_hz not in self._averages:
+            names = ("nperseg", "noverlap", "window", "method")
+            chosen = Averaging(**{name: options[name] for name in names if name in options})
+            with_force = signal.force is not None
+            self._averages = {band_hz: average(signal, band_hz, chosen, include_force=with_force)}
+        return curve_of(signal, self._averages.get(band_hz), dof)
 
 
 class RovingHammer:
@@ -191,8 +183,7 @@ Source = OneMeasurement | RovingHammer
 
 # -- What a click means: the value, pole or dip that is nearest to it
 
-#: How far from a thing a click may be, in pixels.
-REACH_PX = 9.0
+REACH_PX = 9.0  # how far from a thing a click may be, in pixels
 
 
 @dataclass(frozen=True)
@@ -204,6 +195,12 @@ class Click:
     y: float
     x_per_px: float
     y_per_px: float
+
+    def nearest(self, values: FloatArray) -> int | None:
+        """Which of some places across was hit, if any."""
+        off = np.abs(values - self.x)
+        at = int(np.argmin(off)) if off.size else None
+        return at if at is not None and off[at] <= REACH_PX * self.x_per_px else None
 
 
 @dataclass(frozen=True)
@@ -220,42 +217,35 @@ def picked(zeros: AntiresonanceSet, dof: Any, click: Click, curve: Curve | None 
     """What a click asks for: the line of a value goes before what lies beside it. None: nothing is near."""
     now, before = zeros[dof], zeros.original()[dof]
     for values, action in ((now, "drop"), (before[~np.isin(before, now)], "restore")):
-        at = _nearest(values, click)
-        if at is not None:
+        if (at := click.nearest(values)) is not None:
             return Pick(action, float(values[at]))
     if click.figure == "stabilization" and dof in zeros.diagrams:
-        return _seen(zeros, dof, click) or _pole(zeros, dof, click)
-    if click.figure == "curve" and curve is not None:
-        return _dip(curve, click)
-    return None
+        return _pole(zeros.diagrams[dof], click)
+    return _dip(curve, click) if click.figure == "curve" and curve is not None else None
 
 
-def _nearest(values: FloatArray, click: Click) -> int | None:
-    if not values.size:
-        return None
-    off = np.abs(values - click.x)
-    at = int(np.argmin(off))
-    return at if off[at] <= REACH_PX * click.x_per_px else None
-
-
-def _pole(zeros: AntiresonanceSet, dof: Any, click: Click) -> Pick | None:
-    order, freq, damping, stable = pole_table(zeros.diagrams[dof])
-    if not freq.size:
-        return None
+def _pole(diagram: StabilizationDiagram, click: Click) -> Pick | None:
+    """What fits saw and did not accept, whose marks stand above the poles; or the nearest pole."""
+    table, at = diagram.left_out, click.nearest(diagram.left_out.freq_hz)
+    above = float(diagram.orders[-1]) + SEEN_ABOVE - REACH_PX * click.y_per_px
+    if at is not None and click.y >= above:
+        return Pick(
+            "add", float(table.freq_hz[at]), _known(table.damping_ratio[at]), _known(table.std_hz[at])
+        )
+    order, freq, damping, stable = pole_table(diagram)
     off = np.hypot((freq - click.x) / click.x_per_px, (order - click.y) / click.y_per_px)
     # Of two that are nearly as near, the stable one is meant.
-    at = int(np.argmin(off + np.where(stable, 0.0, 0.3 * REACH_PX)))
-    return Pick("add", float(freq[at]), float(damping[at])) if off[at] <= REACH_PX else None
+    at = int(np.argmin(off + np.where(stable, 0.0, 0.3 * REACH_PX))) if off.size else None
+    return None if at is None or off[at] > REACH_PX else Pick("add", float(freq[at]), float(damping[at]))
 
 
-def _seen(zeros: AntiresonanceSet, dof: Any, click: Click) -> Pick | None:
-    """What fits saw and did not accept; its marks stand above the poles."""
-    diagram = zeros.diagrams[dof]
-    table = diagram.left_out
-    at = _nearest(table.freq_hz, click)
-    if at is None or click.y < float(diagram.orders[-1]) + SEEN_ABOVE - REACH_PX * click.y_per_px:
-        return None
-    return Pick("add", float(table.freq_hz[at]), _known(table.damping_ratio[at]), _known(table.std_hz[at]))
+def _dip(curve: Curve, click: Click) -> Pick | None:
+    """The lowest line near the click, if it is lower than its neighbours on both sides."""
+    off = np.abs(curve.freq_hz - click.x)
+    near = np.flatnonzero(off <= max(REACH_PX * click.x_per_px, off.min()))
+    at, size = int(near[np.argmin(curve.size[near])]), curve.size
+    dip = 0 < at < size.size - 1 and size[at] <= min(size[at - 1], size[at + 1])
+    return Pick("add", float(curve.freq_hz[at])) if dip else None
 
 
 def _known(value: Any) -> float | None:
@@ -263,19 +253,8 @@ def _known(value: Any) -> float | None:
     return None if np.isnan(value) else float(value)
 
 
-def _dip(curve: Curve, click: Click) -> Pick | None:
-    """The lowest line near the click, if it is lower than its neighbours on both sides."""
-    near = np.flatnonzero(np.abs(curve.freq_hz - click.x) <= REACH_PX * click.x_per_px)
-    if not near.size:
-        near = np.array([int(np.argmin(np.abs(curve.freq_hz - click.x)))])
-    at = int(near[np.argmin(curve.size[near])])
-    if at in (0, curve.size.size - 1) or curve.size[at] > min(curve.size[at - 1], curve.size[at + 1]):
-        return None
-    return Pick("add", float(curve.freq_hz[at]))
-
-
 class Session:
-    """A set, what it was identified from, and what may be done, by several threads."""
+    """A set, what it was identified from, and what may be done; threads that change it take its ``lock``."""
 
     def __init__(
         self,
@@ -304,14 +283,12 @@ class Session:
         asked = asked_of(zeros)
         band = None if band_hz is None else (band_hz[0], band_hz[1])
         self.now = Sight(zeros, asked, (None,) * len(asked), band, max_order)
-        #: What undo and redo go to.
-        self.past: list[Sight] = []
+        self.past: list[Sight] = []  # what undo and redo go to
         self.future: list[Sight] = []
         self._saved: tuple[AntiresonanceSet | None, tuple[Asked, ...]] = (None, asked)
         self.file = SessionFile(None if save_to is None else Path(save_to))
-        self._lock = RLock()
-        #: Grows with every change, of what is saved too.
-        self.turn = 0
+        self.lock = RLock()  # of what reads and then changes the set
+        self.turn = 0  # grows with every change, of what is saved too
 
     @property
     def zeros(self) -> AntiresonanceSet:
@@ -329,29 +306,25 @@ class Session:
     def text(self) -> str:
         """What the file is to hold: the set, and the edits that wait."""
         now = self.now
-        waiting = [each for each, why in zip(now.asked, now.waits, strict=True) if why is not None]
-        return to_json(now.zeros, waiting)
+        return to_json(now.zeros, [each for each, why in zip(now.asked, now.waits, strict=True) if why])
 
     def click(self, dof: Any, click: Click, reason: str = "") -> str | None:
         """Do what a click means; what was done, in words, None where it hit nothing."""
-        with self._lock:
-            pick = picked(self.zeros, dof, click, self.curve(dof))
-            if pick is None:
-                return None
-            if pick.action == "drop":
-                return self.drop(dof, pick.freq_hz, reason)
-            if pick.action == "restore":
-                return self.restore(dof, pick.freq_hz)
-            return self.add(dof, pick.freq_hz, reason, pick.damping_ratio, pick.std_hz)
+        pick = picked(self.zeros, dof, click, self.curve(dof))
+        if pick is None:
+            return None
+        if pick.action == "restore":
+            return self.restore(dof, pick.freq_hz)
+        if pick.action == "drop":
+            return self.drop(dof, pick.freq_hz, reason)
+        return self.add(dof, pick.freq_hz, reason, pick.damping_ratio, pick.std_hz)
 
     def drop(self, dof: Any, freq_hz: float, reason: str = "") -> str:
         """Drop a value; one that was added by hand is taken back instead."""
-        with self._lock:
-            for i, each in enumerate(self.now.asked):
-                same = each.edit.dof == dof and each.edit.freq_hz == freq_hz
-                if same and each.edit.action == "add" and self.now.waits[i] is None:
-                    return self.take_back(i)
-            return self._edited(self.zeros.drop(dof, freq_hz, reason=reason))
+        for i in self._made("add", dof):
+            if self.now.asked[i].edit.freq_hz == freq_hz:
+                return self.take_back(i)
+        return self._edited(self.zeros.drop(dof, freq_hz, reason=reason))
 
     def add(
         self,
@@ -361,73 +334,63 @@ class Session:
         damping_ratio: float | None = None,
         std_hz: float | None = None,
     ) -> str:
-        """Add a value; one outside the band is told, one that the measurement cannot reach is refused."""
-        with self._lock:
-            added = self.zeros.add(dof, freq_hz, damping_ratio=damping_ratio, std_hz=std_hz, reason=reason)
-            low, high = (0.0, math.inf) if self.source is None else self.source.covered_hz
-            if not low <= freq_hz <= high:
-                wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
-                reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")
-            band = self.now.band_hz
-            outside = band is not None and not band[0] <= freq_hz <= band[1]
-            seen = f", outside of the band of {band[0]:g} to {band[1]:g} Hz" if band and outside else ""
-            return f"{self._edited(added)}{seen}"
+        """Add a value."""
+        added = self.zeros.add(dof, freq_hz, reason=reason, damping_ratio=damping_ratio, std_hz=std_hz)
+        low, high = (0.0, math.inf) if self.source is None else self.source.covered_hz
+        if not low <= freq_hz <= high:
+            wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
+            reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")
+        band, said = self.now.band_hz, self._edited(added)
+        if band is None or band[0] <= freq_hz <= band[1]:
+            return said
+        return f"{said}, outside of the band of {band[0]:g} to {band[1]:g} Hz"
 
     def restore(self, dof: Any, freq_hz: float) -> str:
         """Bring back a value that was dropped, as it was."""
-        with self._lock:
-            off = {}
-            for i, (each, waits) in enumerate(zip(self.now.asked, self.now.waits, strict=True)):
-                if (each.edit.dof, each.edit.action, waits) == (dof, "drop", None):
-                    off[i] = abs(each.edit.freq_hz / freq_hz - 1.0)
-            nearest = min(off, key=off.__getitem__, default=None)
-            if nearest is not None and off[nearest] < NAMED_WITHIN:
-                return self.take_back(nearest)
+        off = {i: abs(self.now.asked[i].edit.freq_hz / freq_hz - 1.0) for i in self._made("drop", dof)}
+        nearest = min(off, key=off.__getitem__, default=None)
+        if nearest is None or off[nearest] >= NAMED_WITHIN:
             reject("freq_hz", f"{freq_hz:g} Hz at dof {dof!r}", "a value that was dropped", "Name another.")
+        return self.take_back(nearest)
 
     def take_back(self, number: int) -> str:
         """Take an edit back, by its place in the list; the others stay."""
-        with self._lock:
-            asked = self._edits(number)
-            undone = asked[number].edit
-            rest = [each for i, each in enumerate(asked) if i != number]
-            self._step(self.now.on(self.zeros.original(), rest))
-            verb = "brought back" if undone.action == "drop" else "took back"
-            return f"{verb} {undone.freq_hz:.2f} Hz at dof {undone.dof}"
+        asked = self._edits(number)
+        undone = asked[number].edit
+        self._step(self.now.on(self.zeros.original(), asked[:number] + asked[number + 1 :]))
+        verb = "brought back" if undone.action == "drop" else "took back"
+        return f"{verb} {undone.freq_hz:.2f} Hz at dof {undone.dof}"
 
     def reword(self, number: int, reason: str) -> str:
         """Give an edit another reason."""
-        with self._lock:
-            asked = list(self._edits(number))
-            if asked[number].edit.reason == reason:
-                return ""
-            asked[number] = asked[number].reworded(reason)
-            self._step(self.now.on(self.zeros.original(), asked))
-            return "reason kept"
+        asked = list(self._edits(number))
+        if asked[number].edit.reason == reason:
+            return ""
+        asked[number] = asked[number].reworded(reason)
+        self._step(self.now.on(self.zeros.original(), asked))
+        return "reason kept"
 
     def identify(self, band_hz: Sequence[float] | None = None, max_order: int | None = None) -> str:
         """Identify again and make all edits again; until that is done the set stays as it was."""
         if self.source is None:
             reject("source", "a set alone", "the measurement too", "Open the measurement to identify again.")
-        band = self.now.band_hz if band_hz is None else band_hz
-        band = _inside(self.source, band)
+        band = _inside(self.source, self.now.band_hz if band_hz is None else band_hz)
+        options = self.options
         if max_order is not None:
             max_order = integer("max_order", max_order, low=2)
-        options = {**self.options, **({} if max_order is None else {"max_order": max_order})}
+            options = {**options, "max_order": max_order}
         with warnings.catch_warnings(record=True) as heard:
             warnings.simplefilter("always", AntiresWarning)
             made = self.source.identify(self.zeros.excitation, band, options)
-        with self._lock:
-            said = tuple(line for each in heard for line in str(each.message).splitlines())
-            seen = replace(self.now, band_hz=(band[0], band[1]), max_order=max_order, warned=said)
-            seen = seen.on(made, self.now.asked)
+        said = tuple(line for each in heard for line in str(each.message).splitlines())
+        with self.lock:
+            seen = replace(self.now, band_hz=band, max_order=max_order, warned=said).on(made, self.now.asked)
             if self.identified:
                 self._step(seen)
             else:  # the first one is where undo ends
                 self.identified = True
                 self._show(seen)
-            count = sum(len(each) for each in made.values())
-            return f"identified {count} values in {band[0]:g} to {band[1]:g} Hz"
+        return f"identified {sum(map(len, made.values()))} values in {band[0]:g} to {band[1]:g} Hz"
 
     def undo(self) -> str:
         """Go back to what was before the last change, of edits, band or orders."""
@@ -439,17 +402,15 @@ class Session:
 
     def save(self, *, replace_file: bool = False) -> str:
         """Write the set, and the edits that wait, where it belongs."""
-        with self._lock:
-            name = self.file.write(self.text, replace_file=replace_file)
-            self._saved = (self.zeros, self.now.asked)
-            self.turn += 1
-            waiting = sum(why is not None for why in self.now.waits)
-            kept = f"; of its edits {waiting} still wait{'s' * (waiting == 1)}" if waiting else ""
-            return f"saved {name}{kept}"
+        name = self.file.write(self.text, replace_file=replace_file)
+        self._saved = (self.zeros, self.now.asked)
+        self.turn += 1
+        waiting = sum(why is not None for why in self.now.waits)
+        return f"saved {name}" + f"; of its edits {waiting} still wait{'s' * (waiting == 1)}" * bool(waiting)
 
     def keep_unsaved(self) -> Path | None:
         """Write what was not saved beside the file; where it is, None if there was nothing or no file."""
-        with self._lock:
+        with self.lock:
             return self.file.write_beside(self.text) if self.unsaved else None
 
     def opened(self, asked: Sequence[Asked], path: Path | None = None) -> None:
@@ -474,12 +435,16 @@ class Session:
         source, band = self.source, self.now.band_hz
         return None if source is None or band is None else source.curve(dof, band, self.options)
 
+    def _made(self, action: str, dof: Any) -> list[int]:
+        """Numbers of the edits of a kind that were made at a response."""
+        each = enumerate(zip(self.now.asked, self.now.waits, strict=True))
+        return [i for i, (one, why) in each if (one.edit.action, one.edit.dof, why) == (action, dof, None)]
+
     def _edits(self, number: int) -> tuple[Asked, ...]:
         asked = self.now.asked
         if not 0 <= number < len(asked):
-            reject(
-                "number", number, f"an edit from 0 to {len(asked) - 1}", "Look again: the list has changed."
-            )
+            wanted = f"an edit from 0 to {len(asked) - 1}"
+            reject("number", number, wanted, "Look again: the list has changed.")
         return asked
 
     def _edited(self, zeros: AntiresonanceSet) -> str:
@@ -498,12 +463,11 @@ class Session:
         self.turn += 1
 
     def _moved(self, source: list[Sight], target: list[Sight], said: str) -> str:
-        with self._lock:
-            if not source:
-                return f"nothing to be {said}"
-            target.append(self.now)
-            self._show(source.pop())
-            return said
+        if not source:
+            return f"nothing to be {said}"
+        target.append(self.now)
+        self._show(source.pop())
+        return said
 
 
 def _inside(source: Source, band_hz: Any) -> Band:
@@ -518,11 +482,15 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
     for at, (dof, table) in enumerate(zeros.tables.items()):
         words = doubts_of(dof, table, zeros.cross_check)
         grades = table.scores.get("grade", np.full(len(table), ""))
-        for i, freq in enumerate(table.freq_hz.tolist()):
-            row = {"dof": at, "freq_hz": freq, "std_hz": _known(table.std_hz[i])}
+        for i, by_hand in enumerate(table.by_hand):
+            row: dict[str, Any] = {
+                "dof": at,
+                "freq_hz": float(table.freq_hz[i]),
+                "std_hz": _known(table.std_hz[i]),
+            }
             row |= {"damping_percent": _known(100.0 * table.damping_ratio[i])}
-            row |= {"grade": "by hand" if table.by_hand[i] else str(grades[i])}
-            rows.append(row | {"doubts": "" if table.by_hand[i] else ", ".join(words[i])})
+            row |= {"grade": "by hand" if by_hand else str(grades[i])}
+            rows.append(row | {"doubts": "" if by_hand else ", ".join(words[i])})
     return rows
 
 
@@ -534,8 +502,7 @@ Arguments = Mapping[str, Any]
 class View:
     """What the server shows: a set that is edited, a result, or as it is the reason why there is neither."""
 
-    #: Commands that take long; the others are answered at once.
-    slow: frozenset[str] = frozenset()
+    slow: frozenset[str] = frozenset()  # commands that take long; the others are answered at once
 
     def __init__(self, title: str, why: Exception | None = None) -> None:
         self.title, self._why = title, why
@@ -561,8 +528,7 @@ class View:
 
 # -- What the page may ask for: each command by name, its arguments checked, in plain data both ways
 
-#: No number of a response, an edit or an order is larger.
-MOST = 1_000_000
+MOST = 1_000_000  # no number of a response, an edit or an order is larger
 
 
 class SetView(View):
@@ -599,38 +565,44 @@ class SetView(View):
             text = f"{verb} {each.edit.freq_hz:.2f} Hz at dof {each.edit.dof}"
             edits.append({"text": text, "reason": each.edit.reason, "waits": why})
         checked = () if zeros.data_check is None else zeros.data_check.warnings
-        around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band
-        state: dict[str, Any] = {"kind": "set", "turn": turn, "excitation": str(zeros.excitation)}
-        state |= {"dofs": [str(each) for each in zeros], "dof": list(zeros).index(dof), "edits": edits}
-        state |= {"rows": rows_of(zeros), "marks": mark_columns(zeros, dof, around or (0.0, 1.0))}
-        state |= {"band_hz": None if band is None else list(band), "max_order": now.max_order}
-        state |= {"identified": session.identified, "can_identify": session.source is not None}
-        state |= {
+        around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band or (0.0, 1.0)
+        return {
+            "kind": "set",
+            "turn": turn,
+            "excitation": str(zeros.excitation),
+            "dofs": [str(each) for each in zeros],
+            "dof": shown,
+            "edits": edits,
+            "rows": rows_of(zeros),
+            "marks": mark_columns(zeros, dof, around),
+            "band_hz": None if band is None else list(band),
+            "max_order": now.max_order,
+            "identified": session.identified,
+            "can_identify": session.source is not None,
             "can_undo": bool(session.past),
             "can_redo": bool(session.future),
             "unsaved": session.unsaved,
+            "file": None if session.file.path is None else str(session.file.path),
+            "warnings": list(now.warned) or [f"data check: {line}" for line in checked],
         }
-        state["file"] = None if session.file.path is None else str(session.file.path)
-        state["warnings"] = list(now.warned) or [f"data check: {line}" for line in checked]
-        return state
 
     def figure(self, shown: int) -> dict[str, Any]:
         """Everything that speaks for the values of a response."""
         with self._drawing:
-            now = self.session.now
+            session, now = self.session, self.session.now
             if self._drawn is None or self._drawn[0] is not now or self._drawn[1] != shown:
-                session, dof = self.session, self._at(shown)
-                response = None if session.source is None else session.source.response
-                curve, band = session.curve(dof), now.band_hz
-                made = evidence_figure(session.zeros, dof, curve, response, band, every_kind=True)
+                dof, response = self._at(shown), None if session.source is None else session.source.response
+                around = (session.curve(dof), response, now.band_hz)
+                made = evidence_figure(session.zeros, dof, *around, every_kind=True)
                 self._drawn = (now, shown, item(made))
             return self._drawn[2]
 
     def do(self, command: str, arguments: Arguments) -> str:
-        """One of the commands above."""
+        """One of the commands above; the slow ones wait for no other and hold up none."""
         if command not in self._commands:
             reject("command", command, f"one of {', '.join(self._commands)}", "Load the page again.")
-        return self._commands[command](arguments) or ""
+        with nullcontext() if command in self.slow else self.session.lock:
+            return self._commands[command](arguments) or ""
 
     def file(self) -> tuple[str, str]:
         """What :meth:`~antires_rs.figures.page_session.Session.save` writes."""
@@ -638,15 +610,14 @@ class SetView(View):
         return "antiresonances.json" if path is None else path.name, self.session.text
 
     def _click(self, a: Arguments) -> str:
-        names = ("x", "y", "x_per_px", "y_per_px")
-        click = Click(_text(a, "figure"), *(_number(a, name) for name in names))
-        said = self.session.click(self._dof(a), click, _text(a, "reason"))
+        place = (_number(a, name) for name in ("x", "y", "x_per_px", "y_per_px"))
+        said = self.session.click(self._dof(a), Click(_text(a, "figure"), *place), _text(a, "reason"))
         return said or "nothing there: click a pole, a dip or the line of a value"
 
     def _identify(self, a: Arguments) -> str:
-        order = a.get("max_order")
         band = None if a.get("low_hz") is None else (_number(a, "low_hz"), _number(a, "high_hz"))
-        return self.session.identify(band, None if order is None else _whole(a, "max_order"))
+        order = None if a.get("max_order") is None else _whole(a, "max_order")
+        return self.session.identify(band, order)
 
     def _dof(self, a: Arguments) -> Any:
         return self._at(_whole(a, "dof"))

@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from ..planning.detection_curves import DetectionCurves
     from ..planning.plan import SensorPlan
 
-#: Data of less than this ratio have numbers between the decades too.
-_NARROW = 30.0
+_NARROW = 30.0  # data of less than this ratio have numbers between the decades too
 
 
 def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
@@ -77,18 +76,16 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
 
 # -- Probability of detection against severity
 
-#: Above so many elements only three curves are told apart.
-_MOST = 7
+_MOST = 7  # above so many elements only three curves are told apart
 _LEVEL = 90.0
-#: A curve as high as this has reached the top.
-_REACHED = 0.995
+_REACHED = 0.995  # a curve as high as this has reached the top
 
 
 def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     """Draw the probability of detection of each element against its stiffness loss, both in %.
 
-    A curve an element; of more than seven, all in grey but those that are seen best, worst and in
-    between. Simulated tests are ticks, above the curves where the damage was found, below where not.
+    Of more than seven elements all are in grey but those seen best, worst and in between. Simulated tests
+    are ticks, above the curves where the damage was found, below where not.
 
     Parameters
     ----------
@@ -109,8 +106,7 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     named = elements if len(elements) <= _MOST else [order[0], order[len(order) // 2], order[-1]]
     percent = {e: (100.0 * curves.severity[e], 100.0 * curves.pod[e]) for e in elements}
     others = [e for e in elements if e not in named]
-    names = [None if i else "the other elements" for i in range(len(others))]
-    rest = zip(others, names, strict=True)
+    rest = zip(others, [None if i else "the other elements" for i in range(len(others))], strict=True)
     marks: list[Mark] = [Line(*percent[e], "pale", width=0.9, label=name) for e, name in rest]
     marks.append(Rules(_LEVEL, colour="grey", dash=(4, 2), width=1.0))
     for nth, e in enumerate(named):

@@ -9,28 +9,25 @@ from datetime import UTC, datetime
 from html import escape
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .._core import __version__
 from ..damage.assess import DamageResult
 from ..exceptions import MissingDependencyError, reject
+from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import versions
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
 from ..updating.result import UpdateResult
-from ..watch.monitor import alarm_lines, fault_lines, rate_lines
+from ..watch.monitor import Watched, alarm_lines, fault_lines, rate_lines
 from . import report_parts as parts
 from .canvas import picture
 from .report_parts import Drawings, Facts
 from .responses import dof_name
 from .sets import draw_monitor, panels, size_in, watched_figure
-
-if TYPE_CHECKING:
-    from ..identification.stabilization import StabilizationDiagram
-    from ..watch.monitor import Watched
 
 #: What one measured set may be described by.
 Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]
@@ -87,22 +84,26 @@ def write_report(
         warnings = [line for check in checks if check is not None for line in check.warnings]
     made = ", ".join(f"{name} {version}" for name, version in versions().items())
     when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    said: dict[str, Any] = {
-        "answer": parts.answer_of(result),
-        "lead": _lead(result),
-        "warnings": list(warnings),
-    }
-    said["title"] = title or f"{'Damage assessment' if damage else 'Model updating'} with {values}"
-    facts = {"measured": measured, "intact": [_lines(each) for each in baseline or ()]}
-    run = parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]}
-    figures: dict[str, Any] = {"figures": drawn.figures, "diagrams": shown, "left_out": left_out}
-    figures |= {"library": parts.library(), "script": parts.script(), "policy": parts.policy()}
-    blocks: dict[str, Any] = {"trim_blocks": True, "lstrip_blocks": True}
-    template = Environment(autoescape=True, undefined=StrictUndefined, **blocks).from_string(
-        _asset("report.html")
+    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    html = template.from_string(_asset("report.html")).render(
+        title=title or f"{'Damage assessment' if damage else 'Model updating'} with {values}",
+        answer=parts.answer_of(result),
+        lead=_lead(result),
+        warnings=list(warnings),
+        result=result,
+        tables=parts.tables_of(result, truth),
+        modal=modal,
+        measured=measured,
+        intact=[_lines(each) for each in baseline or ()],
+        figures=drawn.figures,
+        diagrams=shown,
+        left_out=left_out,
+        model=parts.of_model(problem.model),
+        run=parts.of_search(result) | _lines(origin or {}) | {"Report made with": [made, when]},
+        library=parts.library(),
+        script=parts.script(),
+        policy=parts.policy(),
     )
-    found = {"result": result, "tables": parts.tables_of(result, truth), "damage": damage, "modal": modal}
-    html = template.render(**said, **found, **facts, **figures, model=parts.of_model(problem.model), run=run)
     return write_atomically(path, html.encode("utf-8"))
 
 
@@ -125,11 +126,11 @@ def _lead(result: UpdateResult) -> str:
     if not isinstance(result, DamageResult):
         return f"{given}; {len(result.x)} parameters."
     if result.has_baseline:
-        seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
-        would = " Smallest loss that nine of ten such tests would show: " if seen else ""
-        would += f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element." if seen else ""
-        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}"
-        return f"{given}, compared with those of the intact structure; {among}.{would}"
+        among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}."
+        if seen := [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]:
+            span = f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element."
+            among += f" Smallest loss that nine of ten such tests would show: {span}"
+        return f"{given}, compared with those of the intact structure; {among}"
     before, after = parts.largest(result)
     change = f"Largest {what} difference {before} without damage, {after} with the damage found."
     return f"{given}; {len(result.x)} candidate elements. {change}"
@@ -138,20 +139,20 @@ def _lead(result: UpdateResult) -> str:
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     """Facts about each measured set; what was given leads."""
     sets = result.problem.measured
-    one = measurement is None or isinstance(measurement, Recording | FrequencyResponse | Mapping)
-    given = ([] if measurement is None else [measurement]) if one else list(measurement)
-    if given and len(given) != len(sets):
+    if isinstance(measurement, Recording | FrequencyResponse | Mapping):
+        measurement = [measurement]
+    given = list(measurement or [None] * len(sets))
+    if len(given) != len(sets):
         wanted = f"{len(sets)}, one for each measured set"
         remedy = "Pass a list with one for each, None where there is none."
         reject("measurement", f"{len(given)} of them", wanted, remedy)
-    for one in given:
+    facts: list[Facts] = []
+    for one, found in zip(given, sets, strict=True):
         if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):
             wanted = "a Recording, a FrequencyResponse or facts by name"
             reject("measurement", type(one).__name__, wanted, "Pass what was read from the file, or None.")
-    facts: list[Facts] = [parts.of_set(each, result.problem.model) for each in sets]
-    for i, one in enumerate(given):
-        if one is not None:
-            facts[i] = (_lines(one) if isinstance(one, Mapping) else parts.of_signal(one)) | facts[i]
+        own = {} if one is None else _lines(one) if isinstance(one, Mapping) else parts.of_signal(one)
+        facts.append(own | parts.of_set(found, result.problem.model))
     return facts
 
 
@@ -161,30 +162,45 @@ def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
 
 # -- The page of a watch: what it found, its charts, its alarms; small enough to be written after every test
 
-#: So many of the latest alarms are in the table.
-_LATEST = 50
+_LATEST = 50  # so many of the latest alarms are in the table
 
 
 def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:
     """Write the page, whole or not at all."""
-    rows, size = len(panels(watched)), size_in(watched)
-    drawn = picture(lambda axes: draw_monitor(np.atleast_1d(axes), watched), size, rows=rows, dpi=130)
+    count, size = len(panels(watched)), size_in(watched)
+    drawn = picture(lambda axes: draw_monitor(np.atleast_1d(axes), watched), size, rows=count, dpi=130)
     image = base64.b64encode(drawn).decode()
     rest = watched.outside_baseline
     count, alarms = int(rest.sum()), int(watched.alarm[rest].sum())
-    last = np.flatnonzero(~np.isnan(watched.statistic))
     state = "no test"
-    if last.size:
-        now = int(last[-1])
+    for now in np.flatnonzero(~np.isnan(watched.statistic))[-1:]:
         state = f"test {watched.names[now]}, the latest: {'ALARM' if watched.alarm[now] else 'no alarm'}"
+    loud, table = np.flatnonzero(watched.alarm & rest)[::-1], ""
+    if loud.size:
+        rows = "".join(
+            f"<tr><th scope='row' class='name'>{escape(watched.names[i])}</th>"
+            f"<td>{watched.statistic[i]:.2f}</td><td>{escape(', '.join(watched.why(i)))}</td></tr>"
+            for i in loud[:_LATEST].tolist()
+        )
+        what = f"The latest {_LATEST} of {loud.size:,} alarms" if loud.size > _LATEST else "All alarms"
+        table = (
+            f"<div class='scroll'><table><caption>{what}</caption><thead><tr><th class='name'>test</th>"
+            f"<th>statistic / limit</th><th>charts</th></tr></thead><tbody>{rows}</tbody></table></div>"
+        )
     notes = [*rate_lines(watched), *fault_lines(watched)]
     if watched.failed:
         notes.append(f"failed, not judged: {len(watched.failed)} tests")
     # The style of the other reports; the charts are explored where bokeh is installed.
     style = _asset("report.html").split("<style>")[1].split("</style>")[0]
-    block, library = parts.packed(lambda: watched_figure(watched)), parts.library()
-    live = _packed('class="packed"', block, '<div class="live" id="figure-charts"></div>')
-    draw = _packed('id="library"', library) + (f"<script>{parts.script()}</script>" if library else "")
+    live = draw = ""
+    if library := parts.library():
+        packed = '<script type="text/plain" {}>{}</script>'
+        block = packed.format('class="packed"', parts.packed(lambda: watched_figure(watched)))
+        live = f'<div class="live" id="figure-charts"></div>{block}'
+        draw = packed.format('id="library"', library) + f"<script>{parts.script()}</script>"
+    # Indented lines belong to the one above.
+    text = escape("\n".join(line.rstrip() for line in alarm_lines(watched))).replace("\n  ", "<br>")
+    told = "".join(f"<p>{line}</p>" for line in text.splitlines())
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="{parts.policy()}">
@@ -200,44 +216,11 @@ src="data:image/png;base64,{image}">{live}
 <figcaption>Each chart over its limit: crosses above 1 are alarms. The baseline is shaded; its tests are
 judged by the others.</figcaption></figure>
 <h2>Alarms</h2>
-{_paragraphs(alarm_lines(watched)) or "<p>None.</p>"}
-{_table(watched)}
+{told or "<p>None.</p>"}
+{table}
 <h2>Rate and conditions</h2>
 <ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
 <p class="lead">antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC</p>
 {draw}</body></html>
 """
     write_atomically(path, page.encode())
-
-
-def _packed(name: str, block: str, place: str = "") -> str:
-    """A block that a script unpacks, behind its place; nothing for nothing."""
-    return f'{place}<script type="text/plain" {name}>{block}</script>' if block else ""
-
-
-def _paragraphs(lines: list[str]) -> str:
-    """Indented lines belong to the one above."""
-    made: list[str] = []
-    for line in lines:
-        if line.startswith("  ") and made:
-            made[-1] += "<br>" + escape(line.strip())
-        else:
-            made.append(escape(line))
-    return "".join(f"<p>{line}</p>" for line in made)
-
-
-def _table(watched: Watched) -> str:
-    """The latest alarms outside the baseline."""
-    at = np.flatnonzero(watched.alarm & watched.outside_baseline)[::-1]
-    if not at.size:
-        return ""
-    rows = "".join(
-        f"<tr><th scope='row' class='name'>{escape(watched.names[i])}</th>"
-        f"<td>{watched.statistic[i]:.2f}</td><td>{escape(', '.join(watched.why(i)))}</td></tr>"
-        for i in at[:_LATEST].tolist()
-    )
-    what = f"The latest {min(at.size, _LATEST)} of {at.size:,} alarms" if at.size > _LATEST else "All alarms"
-    return (
-        f"<div class='scroll'><table><caption>{what}</caption><thead><tr><th class='name'>test</th>"
-        f"<th>statistic / limit</th><th>charts</th></tr></thead><tbody>{rows}</tbody></table></div>"
-    )

@@ -6,26 +6,32 @@ import gzip
 import json
 import re
 from base64 import b64encode
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache, cached_property, partial
 from hashlib import sha256
 from importlib.resources import files
 from importlib.util import find_spec
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..damage.assess import DamageResult
 from ..damage.hypotheses import Assessment, loss, span
 from ..damage.words import without_idle
+from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
+from ..identification.stabilization import StabilizationDiagram
+from ..identification.windows import HIGHEST_ORDER
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.structural_model import StructuralModel
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording, parts_of
+from ..support.checks import FloatArray
 from ..updating.result import UpdateResult
 from ..updating.targets import ModalTable, signed
 from . import responses
@@ -38,15 +44,7 @@ from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
 
-if TYPE_CHECKING:
-    from ..identification.stabilization import StabilizationDiagram
-    from ..measured.modal_set import ModalSet
-    from ..support.checks import FloatArray
-
 Facts = dict[str, list[str]]
-
-#: More names than this are shortened.
-MOST_NAMES = 40
 
 
 def named_diagrams(
@@ -62,88 +60,73 @@ def named_diagrams(
 
 def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     """Channels, and how long or fine they were measured."""
-    count = len(signal.dofs)
-    facts = {"Channels": [f"{count} responses: {_names(signal.dofs)}"]}
+    facts = {"Channels": [f"{len(signal.dofs)} responses: {_names(signal.dofs)}"]}
     if isinstance(signal, Recording):
         parts = len(parts_of(signal))
         several = f"{parts} records of one test, together " if parts > 1 else ""
-        facts["Record"] = [
-            f"{several}{signal.duration_s:g} s at {signal.fs_hz:g} Hz, "
-            f"{signal.n_samples:,} samples a channel",
-            "force recorded" if signal.force is not None else "force not recorded",
-        ]
-        return facts
+        length = f"{signal.duration_s:g} s at {signal.fs_hz:g} Hz, {signal.n_samples:,} samples a channel"
+        force = f"force {'not ' if signal.force is None else ''}recorded"
+        return facts | {"Record": [f"{several}{length}", force]}
     low, high = signal.freq_hz[[0, -1]]
+    kind = "frequency responses" if signal.kind == "frf" else "transmissibilities"
     over = "" if signal.reference is None else f" over dof {signal.reference}"
-    kinds = {"frf": "frequency responses", "transmissibility": "transmissibilities"}
-    lines = f"{signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"
-    facts["Curves"] = [f"{kinds[signal.kind]}{over}, {lines}"]
-    if signal.n_averages is not None:
-        facts["Averages"] = [f"{signal.n_averages:.1f}"]
-    return facts
+    facts["Curves"] = [f"{kind}{over}, {signal.freq_hz.size:,} lines from {low:g} to {high:g} Hz"]
+    return facts | ({} if signal.n_averages is None else {"Averages": [f"{signal.n_averages:.1f}"]})
 
 
 def of_identification(signal: Recording | FrequencyResponse, found: AntiresonanceSet) -> Facts:
     """Every choice of an identification, defaults among them, as the set keeps them."""
-    from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
-    from ..identification.windows import HIGHEST_ORDER
-
-    used = found.options
+    used, checked = found.options, found.data_check
     if not used:
         return {}
-    formulation, fitted, max_order = used["formulation"], used["fitted"], used["max_order"]
-    if formulation == "auto":
-        formulation = f"auto, here {fitted}"
-    if fitted in ("windows", "directions"):
+    windows = used["fitted"] in ("windows", "directions")
+    formulation = used["formulation"] if used["formulation"] != "auto" else f"auto, here {used['fitted']}"
+    max_order = used["max_order"]
+    if windows:
         max_order = min(max_order, HIGHEST_ORDER)
     elif found.diagrams:
         max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
-    others = OF_SWEEP if fitted in ("windows", "directions") else OF_WINDOWS
-    kinds = {
-        name: one.kind for name, one in FitOptions.declared().items() if name not in (*others, "min_order")
-    }
-    thresholds = [f"{name} {used[name]}" for name, of in kinds.items() if of in ("number", "whole", "switch")]
-    preset = [] if used["preset"] is None else [f"preset {used['preset']}"]
+    hidden = (*(OF_SWEEP if windows else OF_WINDOWS), "min_order")
+    kinds = {name: one.kind for name, one in FitOptions.declared().items() if name not in hidden}
+    thresholds = [] if used["preset"] is None else [f"preset {used['preset']}"]
+    thresholds += [
+        f"{name} {used[name]}" for name, kind in kinds.items() if kind in ("number", "whole", "switch")
+    ]
     low, high = used["band_hz"]
     method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
     facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
     if isinstance(signal, Recording):
-        facts["Spectra"] = [_spectra(signal, found, used)]
-    facts["Orders"] = [f"{used['min_order']} to {max_order}"]
-    facts["Thresholds"] = [", ".join([*preset, *thresholds])]
-    return facts
-
-
-def _spectra(signal: Recording, found: AntiresonanceSet, used: Mapping[str, Any]) -> str:
-    checked = found.data_check
-    length = used["nperseg"] or (None if checked is None else checked.nperseg)
-    if length is None:
-        return f"method {used['method']}"
-    overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
-    known = checked is not None and checked.n_averages is not None
-    averages = f", {checked.n_averages:.1f} independent averages" if checked and known else ""
-    cut = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
-    return f"{cut}, window {used['window']}{averages}"
+        spectra, length = (
+            f"method {used['method']}",
+            used["nperseg"] or (None if checked is None else checked.nperseg),
+        )
+        if length is not None:
+            overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
+            spectra = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
+            spectra += f", window {used['window']}"
+            if checked is not None and checked.n_averages is not None:
+                spectra += f", {checked.n_averages:.1f} independent averages"
+        facts["Spectra"] = [spectra]
+    return facts | {"Orders": [f"{used['min_order']} to {max_order}"], "Thresholds": [", ".join(thresholds)]}
 
 
 def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     """What a measured set knows of itself."""
     if not isinstance(found, AntiresonanceSet):
         return {"Modes": [f"{len(found)} with shapes at {len(found.dofs)} dofs: {_names(found.dofs)}"]}
-    force = found.excitation
     counts = ", ".join(f"{len(found[dof])} at {dof_name(model, dof)}" for dof in found)
-    facts = {"Force": [dof_name(model, force)], "Antiresonances": [counts]}
+    facts = {"Force": [dof_name(model, found.excitation)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    ways = (np.asarray(scores["how"]) for scores in found.scores.values() if "how" in scores)
-    how = np.concatenate([np.empty(0, dtype=str), *ways])
-    if how.size:
+    how = Counter(
+        way for scores in found.scores.values() for way in np.asarray(scores.get("how", ())).tolist()
+    )
+    if how["windows"] or how["directions"]:
+        facts["Accepted"] = [f"{how['windows']} seen by most fits over windows"]
+    elif how:
         facts["Accepted"] = [
-            f"{np.sum(how == 'windows')} seen by most fits over windows"
-            if np.isin(how, ("windows", "directions")).any()
-            else f"{np.sum(how == 'chain')} stable over consecutive orders, "
-            f"{np.sum(how == 'persistent')} in most orders without standing still, "
-            f"{np.sum(how == 'likeliest order')} from the likeliest order alone"
+            f"{how['chain']} stable over consecutive orders, {how['persistent']} in most orders without "
+            f"standing still, {how['likeliest order']} from the likeliest order alone"
         ]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
@@ -156,33 +139,32 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
     facts: Facts = {}
     for name, values in (("Left out", left), ("Unexplained peaks", found.unexplained_hz)):
         some = {dof: ", ".join(f"{f:.2f}" for f in freq) for dof, freq in values.items() if len(freq)}
-        if some:
-            facts[name] = [f"dof {dof}: {freq} Hz" for dof, freq in some.items()]
-    if found.diagrams:
-        one = next(iter(found.diagrams.values()))
+        facts |= {name: [f"dof {dof}: {freq} Hz" for dof, freq in some.items()]} if some else {}
+    for one in list(found.diagrams.values())[:1]:
         low, high = one.band_hz
         facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
-    if found.cross_check is not None:
-        facts["Cross-check"] = [repr(found.cross_check)]
-    return facts
+    return facts | ({} if found.cross_check is None else {"Cross-check": [repr(found.cross_check)]})
 
 
 def of_model(model: StructuralModel) -> Facts:
     """What the nominal model is made of."""
     facts = {"Model": [repr(model)]}
     if isinstance(model, MassSpringChain):
-        stiffness = model.stiffness()
+        stiffness, mass = model.stiffness(), model.mass()
         springs = -np.diag(stiffness, 1)
-        facts["Masses"] = [f"{_span(np.diag(model.mass()), 'kg')}, {model.mass().sum():.4g} kg in all"]
+        facts["Masses"] = [f"{_span(np.diag(mass), 'kg')}, {mass.sum():.4g} kg in all"]
         facts["Springs"] = [_span(springs, "N/m")] if springs.size else ["none"]
         held = zip(("first", "last"), stiffness.sum(axis=1)[[0, -1]], strict=True)
         ends = [f"{name} mass {k:.4g} N/m" for name, k in held if k > 1e-9 * stiffness.max()]
         facts["To ground"] = ends or ["none, free at both ends"]
     elif isinstance(model, FrameModel):
-        sections = enumerate(model.sections.values())
-        facts["Sections"] = [f"{model.section_label(i)}: {_section(section)}" for i, section in sections]
+        facts["Sections"] = []
+        for i, section in enumerate(model.sections.values()):
+            values = {name: value for name, value in asdict(section).items() if value is not None}
+            said = [f"{name} {f'{v:.6g}' if isinstance(v, float) else v}" for name, v in values.items()]
+            facts["Sections"].append(f"{model.section_label(i)}: {type(section).__name__}, {', '.join(said)}")
         carried = (
             (len(model.point_masses), "point mass", "point masses"),
             (len(model.ground_springs), "spring to ground", "springs to ground"),
@@ -190,56 +172,41 @@ def of_model(model: StructuralModel) -> Facts:
         )
         facts["Carried"] = [f"{n or 'no'} {one if n == 1 else many}" for n, one, many in carried]
         facts["Fixed nodes"] = [_names(sorted({node for node, _ in model.fixed})) or "none"]
-    facts["Numbers"] = ["all from 0, as in Python and in job files"]
-    return facts
+    return facts | {"Numbers": ["all from 0, as in Python and in job files"]}
 
 
 def of_search(result: UpdateResult) -> Facts:
-    """The objective, the options of the search and where it ended."""
-    problem, history = result.problem, result.history
-    ended = {"Ended": [f"{result.status}: {result.message}"]}
+    """The objective, the options of the search and where it ended; or how hypotheses were judged."""
+    ended, seed = {"Ended": [f"{result.status}: {result.message}"]}, {"Seed": [f"{result.seed}"]}
     if isinstance(result, DamageResult) and result.has_baseline:
-        return ended | _of_assessment(result.assessment) | {"Seed": [f"{result.seed}"]}
-    penalty = problem.penalty
-    price = "" if penalty is None else (f", {penalty.text}, snap {penalty.snap:g}")
+        found, rule = result.assessment, "where it is more probable than none"
+        if found.threshold is not None:
+            rule = f"from log odds of {found.threshold:.2f} on, for the rate of false alarms"
+        learned = (
+            f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
+            f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
+        )
+        values = f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
+        judged = {"Model errors": [learned], "Values": [values], "Rule": [f"damage is declared {rule}"]}
+        return ended | judged | seed
+    problem, penalty = result.problem, result.problem.penalty
+    price = "" if penalty is None else f", {penalty.text}, snap {penalty.snap:g}"
+    weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
+    objective = f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"
     given = {name: value for name, value in result.search.options.items() if value is not None}
     options = [f"{name} {', '.join(v) if isinstance(v, list) else v}" for name, v in given.items()]
-    weights = "none" if problem.weights is None else _span(problem.weights, "").strip()
-    count = history.cost.shape[1]
-    objective = f"J = {result.fun:.6g}; misfit {problem.misfit}{price}, weights {weights}"
-    search = [f"{result.search.effort}, {count} islands", "; ".join(options)]
-    return ended | {"Objective": [objective], "Search": search, "Seed": [f"{result.seed}"]}
+    search = [f"{result.search.effort}, {result.history.cost.shape[1]} islands", "; ".join(options)]
+    return ended | {"Objective": [objective], "Search": search} | seed
 
 
-def _of_assessment(found: Assessment) -> Facts:
-    """How hypotheses were judged against a baseline."""
-    rule = "where it is more probable than none"
-    if found.threshold is not None:
-        rule = f"from log odds of {found.threshold:.2f} on, for the rate of false alarms"
-    learned = (
-        f"learned from the baseline: stiffnesses and masses off by {100 * found.factor_std:.2g} %, "
-        f"{100 * found.root_std:.2g} % of a frequency beyond them, {100 * found.kappa:.2g} % of a change"
-    )
-    values = f"{found.n_matched} of {found.n_values} compared, reduced chi-square {found.chi_square:.2f}"
-    return {"Model errors": [learned], "Values": [values], "Rule": [f"damage is declared {rule}"]}
-
-
-def _names(dofs: Any) -> str:
+def _names(dofs: Iterable[Any], most: int = 40) -> str:
     names = [str(dof) for dof in dofs]
-    if len(names) > MOST_NAMES:
-        names = [*names[: MOST_NAMES - 1], f"… {names[-1]}"]
-    return ", ".join(names)
+    return ", ".join(names if len(names) <= most else [*names[: most - 1], f"… {names[-1]}"])
 
 
 def _span(values: Any, unit: str) -> str:
     low, high = float(np.min(values)), float(np.max(values))
     return f"{len(values)} of {low:.6g}{'' if low == high else f' to {high:.6g}'} {unit}"
-
-
-def _section(section: Any) -> str:
-    values = {name: value for name, value in asdict(section).items() if value is not None}
-    said = [f"{name} {f'{v:.6g}' if isinstance(v, float) else v}" for name, v in values.items()]
-    return f"{type(section).__name__}, {', '.join(said)}"
 
 
 # -- Figures to be explored inside a page: packed, unpacked by the browser when they come into sight
@@ -248,50 +215,35 @@ def _section(section: Any) -> str:
 # stays small, holds no address, and nothing in it can be taken for markup. Where the library is not
 # installed, scripts are switched off or the page is printed, the pictures stand there instead.
 
-#: Where the data of a figure name one of its parts.
-_NAMED = re.compile(r'("(?:root_)?id":")([^"]*)')
-
-
-def there() -> bool:
-    """Whether figures can be made."""
-    return find_spec("bokeh") is not None
+_NAMED = re.compile(r'("(?:root_)?id":")([^"]*)')  # where the data of a figure name one of its parts
 
 
 def packed(figure: Callable[[], Any]) -> str:
     """A figure as it stands in a page; empty where there is none, or nothing that makes it."""
-    made = figure() if there() else None
-    return "" if made is None else _packed(_with_own_names(item(made)))
-
-
-def _with_own_names(figure: dict[str, Any]) -> str:
-    """A figure whose parts are named by what it shows: the same report is the same bytes."""
+    made = figure() if find_spec("bokeh") else None
+    if made is None:
+        return ""
+    # Its parts are named by what it shows: the same report is the same bytes.
     names: dict[str, str] = {}
-    text = json.dumps(figure, separators=(",", ":"))
+    text = json.dumps(item(made), separators=(",", ":"))
     counted = _NAMED.sub(lambda m: m[1] + names.setdefault(m[2], f"p{len(names)}"), text)
     mark = sha256(counted.encode("utf-8")).hexdigest()[:8]
-    return _NAMED.sub(rf"\g<1>{mark}\2", counted)
+    return _packed(_NAMED.sub(rf"\g<1>{mark}\2", counted))
+
+
+def _packed(text: str) -> str:
+    # Without a time the same text is the same bytes.
+    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+
+
+def _drawer() -> str:
+    return "\n".join(file.read_text(encoding="utf-8") for file in script_files())
 
 
 @cache
 def library() -> str:
     """What draws the figures; empty where it is not installed."""
-    return _packed(_drawer()) if there() else ""
-
-
-def policy() -> str:
-    """What a browser lets the page do: run these two scripts, and load nothing."""
-    own = "'none'"
-    if there():
-        digests = [sha256(text.encode("utf-8")).digest() for text in (script(), _drawer())]
-        own = " ".join(f"'sha256-{b64encode(each).decode('ascii')}'" for each in digests)
-    return (
-        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
-        "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
-    )
-
-
-def _drawer() -> str:
-    return "\n".join(file.read_text(encoding="utf-8") for file in script_files())
+    return _packed(_drawer()) if find_spec("bokeh") else ""
 
 
 @cache
@@ -300,17 +252,21 @@ def script() -> str:
     return files(__package__).joinpath("assets", "live.js").read_text(encoding="utf-8")
 
 
-def _packed(text: str) -> str:
-    # Without a time the same figure is the same bytes.
-    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+def policy() -> str:
+    """What a browser lets the page do: run these two scripts, and load nothing."""
+    texts = (script(), _drawer()) if find_spec("bokeh") else ()
+    digests = [b64encode(sha256(text.encode("utf-8")).digest()).decode("ascii") for text in texts]
+    own = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
+    return (
+        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'"
+    )
 
 
 # -- The figures of a result, each made once, with the sentences that stand under it and in place of it
 
-#: Colours kept of a picture: lines and their soft edges need no more, and a third of the bytes is left.
-COLOURS_KEPT = 128
-#: Pictures and figures together, so that a report stays below 3 MB: diagrams beyond are left out.
-MOST_BYTES = 2_750_000
+COLOURS_KEPT = 128  # of a picture: lines and their soft edges need no more, and a third of the bytes is left
+MOST_BYTES = 2_750_000  # pictures and figures: a report stays below 3 MB, diagrams beyond are left out
 #: Of a figure to be explored: elements from which on names stand upright, masses that are numbered, width in
 #: points, roughly, and lines of a curve, more than a screen has pixels.
 UPRIGHT, MOST_NUMBERS, WIDE_PT, MOST_LINES = 7, 24, 600.0, 2500
@@ -367,23 +323,23 @@ def drawings_of(
     what = "resonance" if modal else "antiresonance"
     figures = _damage(result, truth) if isinstance(result, DamageResult) else {}
     figures |= _model(result)
+    most = " and ".join(map(" ".join, zip(largest(result), names, strict=True)))
     figures["differences"] = Figure(
         partial(plot_differences, table, names=names),
         (9.5, 4.6),
         f"Difference of each {what} to the measured one, {names[0]} and {names[1]}.",
-        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is "
-        + " and ".join(map(" ".join, zip(largest(result), names, strict=True))),
+        f"Bar chart of {table.measured_hz.size} differences, given in the table above: the largest is {most}",
         lambda: explored(differences(table, names), height=360, side_by_side=1),  # entries are long
     )
     if response is not None:
         figures["response"] = _response(result, response, names)
     if history.cost.size:  # nothing is searched against a baseline
+        best = f"from {history.cost[0].min():.4g} to {history.cost[-1].min():.4g}"
         figures["convergence"] = Figure(
             partial(plot_convergence, result),
             (9.0, 4.2),
             "The search: best objective of each island.",
-            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, from "
-            f"{history.cost[0].min():.4g} to {history.cost[-1].min():.4g}",
+            f"Curves by evaluations of the best objective of {history.cost.shape[1]} islands, {best}",
             lambda: explored(convergence(result), height=340),
         )
     if diagrams is None and modal:
@@ -405,24 +361,26 @@ def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure,
         kept.append(one)
     shown = []
     for one in kept:
-        fits = room > 0 and len(one.live) <= room
-        room -= len(one.live) if fits else 0
-        shown.append((one, one.live if fits else ""))
+        live = one.live if 0 < room >= len(one.live) else ""
+        room -= len(live)
+        shown.append((one, live))
     return shown, len(drawn.diagrams) - len(kept)
 
 
 def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
     """Losses by element, and where they were judged the hypotheses."""
     label, judged = result.problem.model.element_label, result.has_baseline
-    more = ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead"
+    more = (
+        ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead" * judged
+    )
     found = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
     upright = len(result.elements) > UPRIGHT
     figures = {
         "damage": Figure(
             partial(plot_damage, result, truth=truth),
             (max(7.0, 0.32 * len(result.x) + 1.5), 4.7 if judged else 4.4),
-            f"Stiffness loss by element{more if judged else ''}. Ticks: the smallest that would be seen.",
-            "Bar chart: " + (found or "no damage in any element"),
+            f"Stiffness loss by element{more}. Ticks: the smallest that would be seen.",
+            f"Bar chart: {found or 'no damage in any element'}",
             lambda: explored(losses(result, truth, upright), height=400 if upright else 360),
         )
     }
@@ -440,80 +398,79 @@ def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str
 
 def _model(result: UpdateResult) -> dict[str, Figure]:
     """The model with its losses, sensors and force; none of matrices, which have no shape."""
-    model, first = result.problem.model, result.problem.measured[0]
-    seen = first if isinstance(first, AntiresonanceSet) else None
-    sensors, force = ([], None) if seen is None else (list(seen), seen.excitation)
-    label, loss, caption = "Stiffness loss (%)", None, "The model"
+    model, seen = result.problem.model, result.problem.measured[0]
+    loss, caption = None, "The model"
     if isinstance(result, DamageResult):
         loss = {e: 100.0 * beta for e, beta in result.severity.items()}
         caption = "The model with the stiffness losses found"
-    caption += "." if seen is None else "; sensors as arrows, the force as a heavier one."
-    at: dict[str, Any] = {"sensors": sensors, "excitation": force, "label": label}
+    at: dict[str, Any] = {"sensors": [], "excitation": None, "label": "Stiffness loss (%)"}
+    if isinstance(seen, AntiresonanceSet):
+        at |= {"sensors": list(seen), "excitation": seen.excitation}
+        caption += "; sensors as arrows, the force as a heavier one"
     if isinstance(model, MassSpringChain):
-        every = -(-model.n_dof // MOST_NUMBERS)
-        alt, draw = f"Drawing of a chain of {model.n_dof} masses", partial(plot_chain, model, loss, **at)
-        panel = partial(chain, model, loss, sensors, force, label, WIDE_PT, every)
-        return {"model": Figure(draw, (9.0, 2.9), caption, alt, lambda: explored(panel(), height=260))}
-    if not isinstance(model, FrameModel):
+        size, height, alt = (9.0, 2.9), 260, f"Drawing of a chain of {model.n_dof} masses"
+        draw, every = partial(plot_chain, model, loss, **at), -(-model.n_dof // MOST_NUMBERS)
+        panel = partial(chain, model, loss, **at, wide_pt=WIDE_PT, every=every)
+    elif isinstance(model, FrameModel):
+        loss = loss and {e: beta for e, beta in loss.items() if e < len(model.elements)}
+        extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
+        size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
+        height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
+        caption += ". Numbers upright are of elements, slanted ones of nodes"
+        alt, draw = (
+            f"Drawing of a frame of {len(model.elements)} elements",
+            partial(plot_frame, model, loss, **at),
+        )
+        panel = partial(frame, model, loss, **at, room_pt=np.array([WIDE_PT, 0.7 * height]))
+    else:
         return {}
-    beams = None if loss is None else {e: beta for e, beta in loss.items() if e < len(model.elements)}
-    extent, (wide, high) = np.ptp(model.nodes_m, axis=0), np.ptp(seen_points(model), axis=0)
-    height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
-    room = np.array([WIDE_PT, 0.7 * height])
-    size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
-    caption += " Numbers upright are of elements, slanted ones of nodes."
-    alt = f"Drawing of a frame of {len(model.elements)} elements"
-    panel = partial(frame, model, beams, sensors, force, label, room)
-    draw = partial(plot_frame, model, beams, **at)
-    return {"model": Figure(draw, size, caption, alt, lambda: explored(panel(), height=height))}
+    return {"model": Figure(draw, size, f"{caption}.", alt, lambda: explored(panel(), height=height))}
 
 
 def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
     of = "all responses" if modal or name is None else f"dof {name}" if isinstance(name, int) else str(name)
     found = ", ".join(f"{f:.2f}" for f in diagram.identified)
+    accepted = f"accepted at {found} Hz" if found else "no antiresonance accepted"
     return Figure(
         diagram.plot,
         (9.0, 5.0),
         f"Stabilization diagram of {of}: poles of rational fits of rising order; those that stay are "
         f"{'the resonances' if modal else 'its antiresonances'}.",
-        f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: "
-        + (f"accepted at {found} Hz" if found else "no antiresonance accepted"),
+        f"Stabilization diagram of {of}, {diagram.band_hz[0]:g} to {diagram.band_hz[1]:g} Hz: {accepted}",
         partial(stabilization_figure, diagram, dof=name),
     )
 
 
 def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
     """Measured curves beside those of the models."""
-    model, after, force = result.problem.model, result.model, result.problem.measured[0].excitation
-    explore = partial(_explored_response, result, response, names)
-    given: dict[str, Any] = {"excitation": force, "names": names}
+    model, own = result.problem.model, result.problem.measured[0]
+    given: dict[str, Any] = {"excitation": own.excitation, "names": names}
     damping = "in the models follows from an assumed damping of 1 %."
+    which = f"measured, and of the model {names[0]} and {names[1]}"
     if response.kind == "frf":
-        dofs = [dof for dof in response.dofs if dof in result.problem.measured[0]] or list(response.dofs)
+        dofs = [dof for dof in response.dofs if dof in own] or list(response.dofs)
         shown = dofs[: responses.MOST_RESPONSES]
         some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
-        return Figure(
-            partial(responses.plot_responses, response, model, after, dofs=shown, **given),
-            (9.0, 2.0 + 1.2 * len(shown)),
-            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}",
-            f"Curves by frequency of {len(shown)} FRFs: measured, and of the model {names[0]} and {names[1]}",
-            explore,
+        draw, size = partial(responses.plot_responses, dofs=shown), (9.0, 2.0 + 1.2 * len(shown))
+        caption = (
+            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}"
         )
-    over = dof_name(model, response.reference)
-    return Figure(
-        partial(responses.plot_transmissibility, response, model, after, dof=None, **given),
-        (9.0, 4.4),
-        f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
-        f"height {damping}",
-        f"Curves by frequency of the transmissibilities over {over}: measured, and of the model "
-        f"{names[0]} and {names[1]}",
-        explore,
-    )
+        alt = f"Curves by frequency of {len(shown)} FRFs: {which}"
+    else:
+        over = dof_name(model, response.reference)
+        draw, size = partial(responses.plot_transmissibility, dof=None), (9.0, 4.4)
+        caption = (
+            f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
+        )
+        caption += f"height {damping}"
+        alt = f"Curves by frequency of the transmissibilities over {over}: {which}"
+    drawn = partial(draw, response, model, result.model, **given)
+    return Figure(drawn, size, caption, alt, partial(_explored_response, result, response, names))
 
 
 def _explored_response(result: UpdateResult, measured: FrequencyResponse, names: tuple[str, str]) -> Any:
     """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
-    from bokeh.models import ColumnDataSource
+    from bokeh.models import ColumnDataSource, Legend, LegendItem
 
     before, after, excitation = result.problem.model, result.model, result.problem.measured[0].excitation
     if measured.kind == "transmissibility":
@@ -524,10 +481,9 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
     called = responses.curve_names(names, both=True)
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
     marks = []
-    for row in range(len(measured.dofs)):
-        lines = [Line(freq, level[row], **look) for level, look in zip(levels, responses.LOOKS, strict=True)]
-        more = {f"level_{i}": level[row] for i, level in enumerate(levels)}
-        lines[0] = replace(lines[0], says=says, more=more)
+    for rows in zip(*levels, strict=True):
+        lines = [Line(freq, row, **look) for row, look in zip(rows, responses.LOOKS, strict=True)]
+        lines[0] = replace(lines[0], says=says, more={f"level_{i}": row for i, row in enumerate(rows)})
         marks += [_thinned(line, np.min) for line in lines]  # the dip counts
     x, y = Axis("Frequency (Hz)", (freq[0], freq[-1])), Axis("FRF (dB re unit of the data)")
     fig = explored(Panel("response", x, y, marks), height=380)
@@ -535,10 +491,16 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
     for line in fig.renderers[3:]:
         line.visible = False
     empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
-    samples = [fig.add_glyph(empty, line.glyph.clone()) for line in drawn[0]]
-    _legend(fig, dict(zip(called, ([one] for one in samples), strict=True)), ncols=2)
-    by_dof = dict(zip(map(before.dof_label, measured.dofs), drawn, strict=True))
-    _legend(fig, by_dof, ncols=4, click_policy="hide", title="click to show or hide")
+    samples = [[fig.add_glyph(empty, line.glyph.clone())] for line in drawn[0]]
+    for entries, look in (  # each may stand for several lines
+        (zip(called, samples, strict=True), {"ncols": 2}),
+        (
+            zip(map(before.dof_label, measured.dofs), drawn, strict=True),
+            {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"},
+        ),
+    ):
+        items = [LegendItem(label=name, renderers=lines) for name, lines in entries]
+        fig.add_layout(Legend(items=items, **LEGEND | look), "below")
     return fig
 
 
@@ -551,14 +513,6 @@ def _thinned(line: Any, how: Any) -> Any:
 
     more = {name: few(column, how) for name, column in line.more.items()}
     return replace(line, x=few(line.x, np.mean), y=few(line.y, how), more=more)
-
-
-def _legend(fig: Any, entries: Mapping[str, list[Any]], **look: Any) -> None:
-    """A legend whose entries stand for several lines each."""
-    from bokeh.models import Legend, LegendItem
-
-    items = [LegendItem(label=name, renderers=lines) for name, lines in entries.items()]
-    fig.add_layout(Legend(items=items, **LEGEND | look), "below")
 
 
 def states(result: UpdateResult) -> tuple[str, str]:
@@ -612,18 +566,25 @@ def tables_of(
             heads = {"probability": "probability (%)", "name": "explanation"}
             heads |= {"losses": "stiffness loss (%), 90 % interval"}
             tables["hypotheses"] = Table("Hypotheses", heads, rows, "hit", others)
-        certain = {"value": "found (%)", "std": "standard deviation (%)"}
-        likely = {"probability": "probability of damage (%)", "value": "found (%)"}
-        heads = {"name": "element"} | (likely | {"interval": "90 % interval (%)"} if judged else certain)
-        heads |= ({} if truth is None else {"truth": "truth (%)"}) | {
-            "visible": "smallest that would be seen (%)"
-        }
-        heads |= {} if judged else {"bounds": "bounds (%)"}
+        heads = {"name": "element"}
+        if judged:
+            heads |= {"probability": "probability of damage (%)", "value": "found (%)"}
+            heads |= {"interval": "90 % interval (%)"}
+        else:
+            heads |= {"value": "found (%)", "std": "standard deviation (%)"}
+        heads |= {} if truth is None else {"truth": "truth (%)"}
+        heads |= {"visible": "smallest that would be seen (%)"} | ({} if judged else {"bounds": "bounds (%)"})
         tables["found"] = Table("Stiffness loss by element", heads, damage_rows(result, truth), "damaged")
     else:
         heads = {"name": "parameter", "nominal": "before", "value": "found", "std": "standard deviation"}
         heads |= {"change": "change (%)", "bounds": "bounds"}
-        tables["found"] = Table("Parameters", heads, parameter_rows(result), "on_bound")
+        problem, rows = result.problem, []
+        columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
+        for name, value, std, nominal, (low, high) in columns:
+            change = f"{100 * (value / nominal - 1):+.2f}" if nominal else ""
+            cells = (name, f"{nominal:.5g}", f"{value:#.5g}", _deviation(std), change, f"{low:g} to {high:g}")
+            rows.append(dict(zip(heads, cells, strict=True)) | {"on_bound": name in result.at_bound})
+        tables["found"] = Table("Parameters", heads, rows, "on_bound")
     modal = result.problem.objective == "modal"
     heads = {"mode": "mode"} if modal else {"dof": "response dof", "force": "force dof"}
     heads["measured"] = f"measured{', corrected by the baseline' if judged else ''} (Hz)"
@@ -631,20 +592,7 @@ def tables_of(
         heads |= {state: f"{name} (Hz)", f"{state}_percent": "difference (%)"}
         heads |= {f"{state}_mac": "MAC"} if modal else {}
     title = "Resonances" if modal else "Antiresonances"
-    return tables | {"frequencies": Table(title, heads, frequency_rows(result), "group")}
-
-
-def parameter_rows(result: UpdateResult) -> list[dict[str, Any]]:
-    """Value, standard deviation, change and bounds of each parameter."""
-    on_bound = set(result.at_bound)
-    problem = result.problem
-    columns = zip(problem.names, result.x, result.std, problem.nominal, problem.bounds, strict=True)
-    rows = []
-    for name, value, std, nominal, (low, high) in columns:
-        row = {"name": name, "value": f"{value:#.5g}", "std": _deviation(std), "nominal": f"{nominal:.5g}"}
-        row |= {"change": f"{100 * (value / nominal - 1):+.2f}" if nominal else ""}
-        rows.append(row | {"bounds": f"{low:g} to {high:g}", "on_bound": name in on_bound})
-    return rows
+    return tables | {"frequencies": Table(title, heads, _frequency_rows(result, list(heads)), "group")}
 
 
 def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list[dict[str, Any]]:
@@ -655,47 +603,42 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
             return "" if value is None else "0"
         return f"{100 * value:.{1 if value >= 9.5e-4 else 2}f}" if np.isfinite(value) else "none"
 
-    label, judged = result.problem.model.element_label, result.has_baseline
+    label, judged, truth = result.problem.model.element_label, result.has_baseline, truth or {}
     on_bound = set() if judged else set(result.at_bound)
     chance, limits = (result.probability, result.interval) if judged else ({}, {})
-    instead = _instead(result) if judged else {}
+    found, instead = (result.assessment, {}) if judged else (None, {})
+    # Single elements that the values cannot tell from the one declared damaged.
+    if found is not None and found.declared in [one.elements for one in found.group]:
+        alike = [one for one in found.group if len(one.elements) == 1 == len(found.declared)]
+        instead = {one.elements[0]: one for one in alike if one.elements != found.declared}
+    rows: list[dict[str, Any]] = []
     columns = zip(result.elements, result.problem.names, result.std, result.problem.bounds, strict=True)
-    rows = []
     for e, name, std, (low, high) in columns:
         lost, other = result.severity[e], instead.get(e)
+        interval = limits.get(e, (0.0, 0.0)) if other is None else (other.low[0], other.high[0])
         row: dict[str, Any] = {
             "name": label(e),
-            "value": percent(lost) if other is None else f"or {percent(other[0])}",
-        }
-        row |= {
+            "value": percent(lost),
             "std": _deviation(100.0 * std) if lost > 0.0 else "",
-            "bounds": f"{100 * low:g} to {100 * high:g}",
         }
-        row |= {"interval": _interval(*(limits.get(e, (0.0, 0.0)) if other is None else other[1:]))}
-        row |= {"probability": _probability(chance.get(e, 0.0)), "visible": percent(result.detectable[e])}
-        row |= {"truth": percent((truth or {}).get(e)), "damaged": lost > 0.0 or other is not None}
+        row |= {} if other is None else {"value": f"or {percent(other.severities[0])}"}
+        row |= {"bounds": f"{100 * low:g} to {100 * high:g}", "visible": percent(result.detectable[e])}
+        row |= {"interval": _interval(*interval), "probability": _probability(chance.get(e, 0.0))}
+        row |= {"truth": percent(truth.get(e)), "damaged": lost > 0.0 or other is not None}
         rows.append(row | {"on_bound": name in on_bound})
     # Elements that were no candidates, and would explain the change.
     for one in result.hypotheses if judged else ():
-        if one.candidate or not one.elements or one.unknown or one.probability < WORTH_A_ROW:
-            continue
-        row = dict.fromkeys(("std", "visible", "bounds"), "") | {"on_bound": False}
-        row |= {"name": f"{label(one.elements[0])}, no candidate", "value": percent(one.severities[0])}
-        row |= {"interval": _interval(one.low[0], one.high[0]), "probability": _probability(one.probability)}
-        row |= {"truth": percent((truth or {}).get(one.elements[0])), "damaged": one is result.hypotheses[0]}
-        rows.append(row)
+        if not one.candidate and one.elements and not one.unknown and one.probability >= WORTH_A_ROW:
+            e = one.elements[0]
+            row = {"name": f"{label(e)}, no candidate", "value": percent(one.severities[0]), "std": ""}
+            row |= {
+                "interval": _interval(one.low[0], one.high[0]),
+                "truth": percent(truth.get(e)),
+                "visible": "",
+            }
+            row |= {"probability": _probability(one.probability), "damaged": one is result.hypotheses[0]}
+            rows.append(row | {"bounds": "", "on_bound": False})
     return rows
-
-
-def _instead(result: DamageResult) -> dict[int, tuple[float, float, float]]:
-    """Loss and interval of single elements that the values cannot tell from the one declared damaged."""
-    found = result.assessment
-    alike = found.group if found.declared in [one.elements for one in found.group] else ()
-    return {
-        one.elements[0]: (one.severities[0], one.low[0], one.high[0])
-        for one in alike
-        if len(one.elements) == 1 == len(found.declared) and one.elements != found.declared
-    }
 
 
 def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
@@ -712,30 +655,31 @@ def hypothesis_rows(found: Assessment) -> tuple[list[dict[str, Any]], str]:
     return rows, f"{others} others, together {_probability(rest)} %." if others else ""
 
 
-def frequency_rows(result: UpdateResult) -> list[dict[str, Any]]:
+def _frequency_rows(result: UpdateResult, names: list[str]) -> list[dict[str, Any]]:
     """Each measured value with the model's before and after; the response is named once."""
     table: Any = result.table
-
-    modal = isinstance(table, ModalTable)
-    columns = {"measured": "measured_hz", "before": "before_hz", "after": "after_hz"}
-    columns |= {name: name for name in ("before_percent", "after_percent")}
-    columns |= {name: name for name in ("before_mac", "after_mac")} if modal else {}
 
     def cell(name: str, value: float) -> str:
         if not np.isfinite(value):
             return "no partner"
         return signed(value) if name.endswith("percent") else f"{value:.3f}"
 
-    cells = {name: [cell(name, one) for one in getattr(table, of)] for name, of in columns.items()}
-    each = zip(*cells.values(), strict=True)
-    rows: list[dict[str, Any]] = [dict(zip(cells, row, strict=True)) for row in each]
-    if modal:
+    columns = {
+        name: getattr(table, name if "_" in name else f"{name}_hz")
+        for name in names
+        if name not in ("mode", "dof", "force")
+    }
+    cells = {name: [cell(name, one) for one in column] for name, column in columns.items()}
+    rows: list[dict[str, Any]] = [
+        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
+    ]
+    if isinstance(table, ModalTable):
         for row, mode in zip(rows, table.mode, strict=True):
             row.update(mode=mode, group=mode == table.mode[0])
         return rows
-    last, names = None, table.dof_names
+    last, called = None, table.dof_names
     for row, dof, force in zip(rows, table.dof.tolist(), table.excitation.tolist(), strict=True):
-        row.update(group=(dof, force) != last, dof=names.get(dof, dof), force=names.get(force, force))
+        row.update(group=(dof, force) != last, dof=called.get(dof, dof), force=called.get(force, force))
         last = (dof, force)
     return rows
 

@@ -18,8 +18,7 @@ from .marks import Axis, Line, Mark, Panel, Rules
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
-#: Responses that a picture has room for.
-MOST_RESPONSES = 6
+MOST_RESPONSES = 6  # responses that a picture has room for
 KINDS = ("accelerance", "mobility", "receptance")
 #: Of the measured curve, and of the model before and after.
 LOOKS: tuple[dict[str, Any], ...] = ({"colour": "#BDBDBD", "width": 3.2},)
@@ -48,10 +47,8 @@ def plot_responses(
     ----------
     measured : FrequencyResponse
         Of ``kind="frf"``, its dofs being dofs of the models.
-    before : StructuralModel
-        The nominal model.
-    after : StructuralModel, optional
-        The updated model.
+    before, after : StructuralModel
+        The nominal and the updated model; ``after`` may be None.
     excitation : int
         Dof of the force.
     dofs : sequence of int, optional
@@ -101,10 +98,9 @@ def plot_responses(
             table[f"{name.replace(' ', '_')}_{dof}_db"] = level
         top = low + shift - 12.0
     rules = Rules(np.arange(0.0, top, -20.0), colour="#EBEBEB", width=0.6)
-    names_of = [before.dof_label(dof) for dof in chosen]
     x, y = (
         Axis("Frequency (Hz)", (freq[0], freq[-1])),
-        Axis("FRF, each shifted (dB)", names=names_of, at=places),
+        Axis("FRF, each shifted (dB)", names=[before.dof_label(dof) for dof in chosen], at=places),
     )
     panel = Panel("response", x, y, [rules, *marks], grid="x", tables={"responses": table})
     ax = draw(panel, new_axes(ax, (9.0, 2.0 + 1.2 * len(chosen))))
@@ -145,8 +141,7 @@ def _of_kind(measured: Any, kind: str) -> None:
     """Refuse anything but responses of a kind."""
     if not isinstance(measured, FrequencyResponse) or measured.kind != kind:
         got = getattr(measured, "kind", type(measured).__name__)
-        wanted = f"a FrequencyResponse of kind {kind!r}"
-        reject("measured", got, wanted, f"Estimate it by antires_rs.{kind}.")
+        reject("measured", got, f"a FrequencyResponse of kind {kind!r}", f"Estimate it by antires_rs.{kind}.")
 
 
 def _level(values: Any) -> FloatArray:

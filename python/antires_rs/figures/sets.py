@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from ..measured.track import Tracks
     from ..watch.monitor import Watched
 
-#: Above so many pairs their frequencies do not fit under the axis.
-MOST_LABELS = 64
+MOST_LABELS = 64  # above so many pairs their frequencies do not fit under the axis
 
 
 def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
@@ -40,7 +39,7 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['no change seen', 'changed']
     """
-    dof = [str(each) for each in compared.dof]
+    dof = list(map(str, compared.dof))
     starts = np.array([i > 0 and dof[i] != dof[i - 1] for i in range(len(dof))], dtype=bool)
     x = np.arange(len(dof)) + 0.8 * np.cumsum(starts)
     interval = 1.645 * np.nan_to_num(compared.std_percent)
@@ -73,8 +72,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Sign of each kind of event, and what the legend calls it.
 SIGNS = {"new": ("o", "new"), "back": ("s", "back"), "lost": ("x", "lost")}
 SIGNS |= {"merged": ("1", "merged with its neighbour")}
-#: Texts of conditions longer than this, all together, are turned.
-ROOM = 60
+ROOM = 60  # texts of conditions longer than this, all together, are turned
 
 
 def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
@@ -101,9 +99,8 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     >>> import antires_rs as ar
     >>> from matplotlib.figure import Figure
     >>> tests = [ar.AntiresonanceSet(0, {0: values}) for values in ([8.7, 23.9], [8.6, 23.8])]
-    >>> ax = ar.figures.plot_tracks(ar.track(tests), ax=Figure().subplots())
-    >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['8.70 Hz', '23.90 Hz']
+    >>> ar.figures.plot_tracks(ar.track(tests), ax=Figure().subplots()).get_xlabel()
+    'Test'
     """
     choice("kind", kind, KINDS)
     if dof is None and len(tracks):
@@ -125,8 +122,7 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
         error, marker, look = np.nan_to_num(std[rank, i]), MARKERS[n % len(MARKERS)], turn(n)
         more = {"error": error, "link": look["dash"], "label": name}
         marks.append(Points(x[rank], y[rank, i], marker, 4.5, look["colour"], **more))
-    long = np.repeat(np.arange(x.size), some.size)
-    table: dict[str, Any] = {"test": long, "track": np.tile(some, x.size)}
+    table: dict[str, Any] = {"test": np.repeat(np.arange(x.size), some.size), "track": np.tile(some, x.size)}
     for name, column in (("freq_hz", tracks.freq_hz), ("std_hz", tracks.std_hz), ("change_percent", change)):
         table[name] = column[:, some].ravel()
     x_axis = Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions)
@@ -166,18 +162,16 @@ def _events(tracks: Tracks, some: set[int], x: Any, y: Any) -> list[Mark]:
 # -- Charts of a watch: single tests, the slow mean, and the condition that they were corrected for
 
 PANELS = ("charts", "T2", "EWMA", "events", "condition")
-#: Tests above the limit by more than this are drawn at the top.
-HIGHEST, LOWEST = 100.0, 0.05
+HIGHEST, LOWEST = 100.0, 0.05  # tests above the limit by more than this are drawn at the top
 LABELS = {"T2": "Single tests", "EWMA": "Mean of tests", "events": "Lost and new"}
-#: So many tests at most are on a page: of more, the alarms and the latest of the others.
-MOST_TESTS = 20_000
+MOST_TESTS = 20_000  # so many tests at most are on a page: of more, the alarms and the latest of the others
 
 
 def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> Any:
     """Draw the charts of a watch over its tests, each over its limit, and the first condition.
 
-    The topmost; the others are in ``.figure.axes``. Alarms are crosses, the baseline is shaded, tests
-    with a sensor at fault are triangles at the lower edge, failed ones ticks there.
+    Alarms are crosses, the baseline is shaded, tests with a sensor at fault are triangles at the lower edge,
+    failed ones ticks there. The topmost axes are returned; the others are in ``.figure.axes``.
 
     Parameters
     ----------
@@ -195,19 +189,16 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
 
     Examples
     --------
-    >>> import antires_rs as ar
-    >>> import numpy as np
+    >>> import antires_rs as ar, numpy as np
     >>> from matplotlib.figure import Figure
     >>> rng = np.random.default_rng(0)
-    >>> sets = [ar.AntiresonanceSet(0, {0: [8.7, 23.9] + 0.01 * rng.standard_normal(2)}) for _ in range(60)]
+    >>> sets = [ar.AntiresonanceSet(0, {0: rng.normal([8.7, 23.9], 0.01)}) for _ in range(60)]
     >>> ar.monitor(sets, baseline=50).plot(ax=Figure().subplots()).get_ylabel()
     'Single tests / limit'
     """
     choice("panel", panel, PANELS)
     if ax is not None or panel != "charts":
-        ax = new_axes(ax, (9.0, 3.0))
-        _one(ax, watched, "T2" if panel == "charts" else panel, last=True)
-        return ax
+        return _one(new_axes(ax, (9.0, 3.0)), watched, "T2" if panel == "charts" else panel, last=True)
     top = new_axes(None, size_in(watched))
     figure = top.figure
     top.remove()
@@ -218,12 +209,8 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
 
 def panels(watched: Watched) -> list[str]:
     """What there is to draw; the chart of lost and new values where it has anything to say."""
-    names = ["T2", "EWMA"]
-    if np.any(watched.charts["events"].ratio > 1.0):
-        names.append("events")
-    if watched.conditions:
-        names.append("condition")
-    return names
+    events, condition = np.any(watched.charts["events"].ratio > 1.0), bool(watched.conditions)
+    return ["T2", "EWMA", *(["events"] if events else []), *(["condition"] if condition else [])]
 
 
 def size_in(watched: Watched) -> tuple[float, float]:
@@ -233,18 +220,23 @@ def size_in(watched: Watched) -> tuple[float, float]:
 
 def draw_monitor(axes: Any, watched: Watched) -> None:
     """All panels into as many axes, top to bottom."""
-    names = panels(watched)
-    for ax, name in zip(axes, names, strict=False):
-        _one(ax, watched, name, last=ax is axes[len(names) - 1])
+    for ax, name in zip(axes, panels(watched), strict=True):
+        _one(ax, watched, name, last=ax is axes[-1])
 
 
-def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> None:
-    draw(chart(watched, name), ax, drop_pt=34.0 if last else 8.0, legend=last or name == "T2")
+def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> Any:
+    draw(
+        _chart(watched, name, np.arange(len(watched))),
+        ax,
+        drop_pt=34.0 if last else 8.0,
+        legend=last or name == "T2",
+    )
     ax.margins(x=0.01)
     ax.spines[["top", "right"]].set_visible(False)
     ax.tick_params(labelbottom=last)
     if not last:
         ax.set_xlabel("")
+    return ax
 
 
 def watched_figure(watched: Watched) -> Any:
@@ -256,15 +248,13 @@ def watched_figure(watched: Watched) -> Any:
     figures: list[Any] = []
     for name in panels(watched):
         x_range = figures[0].x_range if figures else None
-        figures.append(explored(chart(watched, name, kept), height=240, x_range=x_range))
+        figures.append(explored(_chart(watched, name, kept), height=240, x_range=x_range))
     return stacked(figures)
 
 
-def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
+def _chart(watched: Watched, name: str, kept: Any) -> Panel:
     """One of the panels, of the tests that are ``kept``."""
-    count = len(watched)
-    kept = np.arange(count) if kept is None else kept
-    times = watched.times
+    count, times = len(watched), watched.times
     dated = times is not None and not np.isnat(times).any()
     x = times if times is not None and dated else np.arange(count, dtype=np.float64)
     size = float(np.clip(160.0 / np.sqrt(max(count, 1)), 2.0, 6.0))
@@ -274,7 +264,6 @@ def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
     first, last = x[own[np.r_[0, breaks + 1]]], x[own[np.r_[breaks, own.size - 1]]]
     marks: list[Mark] = [Bands(first, last, "#EDEDED", label="baseline")]
     axis = Axis("Time" if dated else "Test", dated=dated)
-    tables: dict[str, dict[str, Any]]
 
     def hovered(some: Any, **says: str) -> dict[str, Any]:
         names = [watched.names[i] for i in some]
@@ -290,8 +279,8 @@ def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
             if which.any():
                 look = {"label": label, "colour": colour} | hovered(some, **{called: "@y{0.00}"})
                 marks.append(Points(x[some], column[some], ".", size, **look))
-        tables = {name: {"test": np.arange(count), called: column}}
-        return Panel("chart_condition", axis, Axis(called), marks, grid="y", tables=tables)
+        values = {"test": np.arange(count), called: column}
+        return Panel("chart_condition", axis, Axis(called), marks, grid="y", tables={name: values})
     of = watched.charts[name]
     ratio = np.where(np.isnan(of.statistic), np.nan, np.clip(of.ratio, LOWEST, HIGHEST))
     above = np.asarray(of.ratio > 1.0)
@@ -310,6 +299,6 @@ def chart(watched: Watched, name: str, kept: Any = None) -> Panel:
             foot = np.full(at.size, LOWEST * 1.15)
             marks.append(Points(x[at], foot, marker, 5.0, face="none", spill=True, label=label))
     limits = LOWEST, max(3.0, 1.3 * float(np.nanmax(ratio, initial=1.0)))
-    tables = {name: {"test": np.arange(count), "statistic": of.statistic, "limit": of.limit}}
+    table = {"test": np.arange(count), "statistic": of.statistic, "limit": of.limit}
     y_axis = Axis(f"{LABELS[name]} / limit", limits, log=True)
-    return Panel(f"chart_{name}", axis, y_axis, marks, grid="y", tables=tables)
+    return Panel(f"chart_{name}", axis, y_axis, marks, grid="y", tables={name: table})

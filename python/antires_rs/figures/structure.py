@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..models.frame import FrameModel
 
 
-def value_by_element(values: Any, count: int) -> FloatArray | None:
+def _value_by_element(values: Any, count: int) -> FloatArray | None:
     """A value for each of ``count`` elements, NaN where there is none; None if there are no values at all."""
     if values is None:
         return None
@@ -35,8 +35,10 @@ def value_by_element(values: Any, count: int) -> FloatArray | None:
 
 def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dict[str, Any]:
     """What hovering over elements tells."""
-    says, more = {"": "@name"}, {"name": names} | columns
-    says |= {name.capitalize(): f"@{name}" for name in columns}
+    says, more = (
+        {"": "@name"} | {name.capitalize(): f"@{name}" for name in columns},
+        {"name": names} | columns,
+    )
     if values is not None:
         says |= {"Stiffness loss": "@loss"}
         more["loss"] = ["no candidate" if np.isnan(v) else f"{v:.1f} %" for v in values]
@@ -45,10 +47,8 @@ def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dic
 
 # -- Chains of masses and springs, coloured by any value
 
-#: Share of a free end's stiffness that rounding may leave.
-ROUNDING = 1e-9
-#: Up to this many masses the springs are drawn as coils, so high.
-MOST_COILS, HEIGHT = 20, 0.16
+ROUNDING = 1e-9  # share of a free end's stiffness that rounding may leave
+MOST_COILS, HEIGHT = 20, 0.16  # up to this many masses the springs are drawn as coils, so high
 
 
 def plot_chain(
@@ -60,9 +60,7 @@ def plot_chain(
     excitation: int | None = None,
     label: str = "Value by spring",
 ) -> Any:
-    """Draw a chain with its springs numbered and coloured by a value of each.
-
-    Masses and springs with their numbers from 0, as tables have them.
+    """Draw a chain with its springs numbered from 0, as tables have them, and coloured by a value of each.
 
     Parameters
     ----------
@@ -106,10 +104,17 @@ def chain(
     every: int,
 ) -> Panel:
     """A chain in a figure ``wide_pt`` points wide, each so-manyth mass numbered."""
-    n, springs = model.n_dof, spring_paths(model)
+    n, stiffness = model.n_dof, model.stiffness()
+    # The springs that there are, by element: those between masses, then those to ground.
+    between = {i: (i, i + 1) for i in range(n - 1)}
+    for element, mass, wall in ((n - 1, 0, -1), (n, n - 1, n)):
+        if stiffness[mass].sum() > ROUNDING * stiffness[mass, mass]:
+            between[element] = (mass, wall)
+    high = HEIGHT if n <= MOST_COILS else 0.0
+    springs = {e: _coil(np.array([a, 0.0]), np.array([b, 0.0]), high) for e, (a, b) in between.items()}
     dofs = [model._dof("sensors", dof) for dof in sensors]
     force = [] if excitation is None else [model._dof("excitation", excitation)]
-    given = value_by_element(values, n + 1 if values is None or isinstance(values, Mapping) else n - 1)
+    given = _value_by_element(values, n + 1 if values is None or isinstance(values, Mapping) else n - 1)
     paths, names = list(springs.values()), [model.element_label(element) for element in springs]
     width = 1.6
     if given is not None:
@@ -145,31 +150,18 @@ def chain(
     return Panel("model", x_axis, Axis("", (-0.8, 0.8), at=[]), marks, tables={"springs": table})
 
 
-def coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
+def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
     """A spring as it is drawn from a to b, (n, 2): straight ends and a zigzag."""
     share = np.array([0.0, 0.25, *np.linspace(0.29, 0.71, 8), 0.75, 1.0])
     off = amplitude * np.array([0.0, 0.0, *np.tile([1.0, -1.0], 4), 0.0, 0.0])
-    across = np.array([a[1] - b[1], b[0] - a[0]])
-    return np.asarray(a + share[:, None] * (b - a) + off[:, None] * across)
-
-
-def spring_paths(model: MassSpringChain) -> dict[int, FloatArray]:
-    """The springs that there are, by element: those between masses, then those to ground."""
-    n, stiffness = model.n_dof, model.stiffness()
-    ends = {i: (i, i + 1) for i in range(n - 1)}
-    for element, mass, wall in ((n - 1, 0, -1), (n, n - 1, n)):
-        if stiffness[mass].sum() > ROUNDING * stiffness[mass, mass]:
-            ends[element] = (mass, wall)
-    high = HEIGHT if n <= MOST_COILS else 0.0
-    return {element: coil(np.array([a, 0.0]), np.array([b, 0.0]), high) for element, (a, b) in ends.items()}
+    return np.asarray(a + share[:, None] * (b - a) + off[:, None] * np.array([a[1] - b[1], b[0] - a[0]]))
 
 
 # -- Frames, coloured by section or by any value
 
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
-#: Up to this many elements are numbered unless told otherwise.
-MOST_NUMBERS, MOST_NODES = 120, 60
+MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many elements are numbered unless told otherwise
 #: Length of an arrow in points, and the room around the frame as a share of its extent.
 ARROW, MARGIN = 26.0, 0.08
 #: Looks of sections; vermillion and black are those of the arrows. Dashes are close: a section may be short.
@@ -198,8 +190,7 @@ def plot_frame(
     ----------
     model : FrameModel
     values : array_like, (n_elements,), or mapping of int to float, optional
-        Value of each element, for example ``DamageResult.severity``: light grey at 0, dark blue at the
-        largest; elements without one are thin. By default the colours tell the sections apart.
+        As in :func:`plot_chain`, of each element. By default the colours tell the sections apart.
     sensors, excitation, label
         As in :func:`plot_chain`; arrows along their direction.
     numbers : bool, optional
@@ -217,8 +208,7 @@ def plot_frame(
     >>> from matplotlib.figure import Figure
     >>> pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
     >>> frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], pipe, fixed=[0])
-    >>> ax = frame.plot({1: 0.4}, ax=Figure().subplots(), excitation=frame.dof(2, "u"))
-    >>> ax.get_xlabel()
+    >>> frame.plot({1: 0.4}, ax=Figure().subplots(), excitation=frame.dof(2, "u")).get_xlabel()
     'x (m)'
     """
     ax = new_axes(ax, (9.0, 4.6))
@@ -245,7 +235,7 @@ def frame(
     numbers: bool | None = None,
 ) -> Panel:
     """A frame in axes as wide and high as ``room_pt``."""
-    given = value_by_element(values, len(model.elements))
+    given = _value_by_element(values, len(model.elements))
     space, points = model.nodes_m.shape[1] == 3, seen_points(model)
     # Points that one unit of the data will take, with equal scales.
     scale = float((room_pt / np.maximum(np.ptp(points, axis=0) * (1.0 + 2.0 * MARGIN), 1e-300)).min())
@@ -288,21 +278,21 @@ def frame(
 
 def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, label: str) -> list[Mark]:
     """In the colours of their values, or by section."""
-    names = np.array([model.element_label(i) for i in range(len(ends))], dtype=object)
-    joined = np.array([" to ".join(map(str, pair)) for pair in model.elements], dtype=object)
-    section = np.array([str(name) for name in model.element_sections], dtype=object)
+    names = [model.element_label(i) for i in range(len(ends))]
+    joined = [" to ".join(map(str, pair)) for pair in model.elements]
+    section = [str(name) for name in model.element_sections]
     if values is not None:
-        hovered = _hovered(names.tolist(), values, nodes=joined.tolist(), section=section.tolist())
+        hovered = _hovered(names, values, nodes=joined, section=section)
         return [Paths(list(ends), values=values, scale=label, width=5.0, **hovered)]
     of = np.array([model.section_index(name) for name in model.element_sections])
     marks: list[Mark] = []
     for i in range(len(model.sections)):
-        own = of == i
-        of_these = {"nodes": joined[own].tolist(), "section": section[own].tolist()}
-        hovered = _hovered(names[own].tolist(), None, **of_these)
+        own = np.flatnonzero(of == i).tolist()
+        columns = ([column[e] for e in own] for column in (names, joined, section))
+        hovered = _hovered(next(columns), None, nodes=next(columns), section=next(columns))
         called = model.section_label(i) if len(model.sections) > 1 else None
         look = {"colour": SHADES[i % len(SHADES)], "dash": DASHES[i % len(DASHES)]}
-        marks.append(Paths(list(ends[own]), label=called, **look, **hovered))
+        marks.append(Paths([ends[e] for e in own], label=called, **look, **hovered))
     return marks
 
 
@@ -315,7 +305,7 @@ def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
     marks: list[Mark] = []
     for nth, spring in enumerate(model.node_springs):
         a, b = points[spring.node], points[spring.other]
-        marks.append(Paths([coil(a, b, 0.03)], "black", width=1.0, label=None if nth else "node spring"))
+        marks.append(Paths([_coil(a, b, 0.03)], "black", width=1.0, label=None if nth else "node spring"))
         marks.append(Points(*xy([a, b]), "D", 3.5))
     whole = 6 if space else 3
     partly = [(node, direction) for node, of in held.items() if len(of) < whole for direction in of]

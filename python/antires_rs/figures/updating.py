@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,12 +18,9 @@ if TYPE_CHECKING:
     from ..updating.result import UpdateResult
     from ..updating.targets import FrequencyTable, ModalTable
 
-#: Above this many antiresonances their frequencies no longer fit under the bars.
-MOST_LABELS = 64
-#: Space between two responses, in widths of an antiresonance.
-GAP = 0.8
-#: A picture has room for so many at least: a single bar is a bar, not a block.
-LEAST_WIDTH = 8.0
+MOST_LABELS = 64  # above this many antiresonances their frequencies no longer fit under the bars
+GAP = 0.8  # space between two responses, in widths of an antiresonance
+LEAST_WIDTH = 8.0  # a picture has room for so many at least: a single bar is a bar, not a block
 #: Vermillion, pale.
 PALE_VERMILLION = "#F2B48A"
 #: What is offered, as far as the table has it.
@@ -53,8 +51,7 @@ def plot_differences(
     >>> import numpy as np, antires_rs as ar
     >>> from matplotlib.figure import Figure
     >>> columns = [0, 0], [0, 0], [10.0, 20.0], [10.4, 19.0], [10.01, 20.0]
-    >>> table = ar.FrequencyTable(*map(np.array, columns))
-    >>> ax = ar.figures.plot_differences(table, ax=Figure().subplots())
+    >>> ax = ar.figures.plot_differences(ar.FrequencyTable(*map(np.array, columns)), ax=Figure().subplots())
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['before updating, largest 5.00 %', 'after updating, largest 0.10 %']
     """
@@ -75,10 +72,10 @@ def differences(
     x = np.arange(count) + GAP * (np.cumsum(starts) - 1)
     labelled = count <= MOST_LABELS and wide_pt is not None
     most = max(x[-1] - x[0] + 1.0 + GAP, LEAST_WIDTH) if count else 1.0
-    if not labelled:
-        across = across.replace(" (Hz)", "s, ascending")
     if wide_pt is None:
         across = f"{'Resonances, by test' if modal else 'Antiresonances, by response'}, ascending"
+    elif not labelled:
+        across = across.replace(" (Hz)", "s, ascending")
     both = np.concatenate([table.before_percent, table.after_percent])
     both = both[np.isfinite(both)]
     low, high = np.clip([both.min(initial=0.0), both.max(initial=0.0)], -reach(both), reach(both)).tolist()
@@ -91,19 +88,18 @@ def differences(
     marks: list[Mark] = []
     for state, name, look, off in zip(("before", "after"), names, looks, (-0.2, 0.2), strict=True):
         marks += _bars(table, state, name, look, x + off, limits, of)
+    first = [str(mark.label) for mark in marks if isinstance(mark, Bars)]
     firsts = np.flatnonzero(starts)
     marks += [Rules(0.0), Rules(x[firsts[1:]] - 0.5 - GAP / 2, upright=True, colour="pale", width=0.7)]
-    centres = [x[first:end].mean() for first, end, _ in named]
-    texts = [name for _, _, name in named]
     if wide_pt is not None:
         # A name that would run into the one before it is left out.
         free, kept = -np.inf, []
-        for i, (centre, text) in enumerate(zip(centres, texts, strict=True)):
-            half = 0.5 * most * (text_width_pt(text) + 2.0) / wide_pt
+        for begin, end, text in named:
+            centre, half = x[begin:end].mean(), 0.5 * most * (text_width_pt(text) + 2.0) / wide_pt
             if centre - half >= free:
                 free = centre + half
-                kept.append(i)
-        marks.append(Heads([centres[i] for i in kept], [texts[i] for i in kept]))
+                kept.append((centre, text))
+        marks.append(Heads([centre for centre, _ in kept], [text for _, text in kept]))
     elif not modal:
         marks.append(Heads(x[firsts] - 0.3, [of[first] for first in firsts]))
     middle = 0.5 * (x[0] + x[-1]) if count else 0.5
@@ -111,7 +107,6 @@ def differences(
     wide = (middle - most / 2, middle + most / 2)
     x_axis = Axis(across, wide, names=ticks, at=x if labelled else [], upright=labelled)
     y_axis = Axis("Difference to the measurement (%)", limits)
-    first = [str(mark.label) for mark in marks if isinstance(mark, Bars)]
     tables = {"bars": {name: getattr(table, name) for name in COLUMNS if hasattr(table, name)}}
     return Panel("differences", x_axis, y_axis, marks, grid="y", first=first, tables=tables)
 
@@ -138,9 +133,8 @@ def _bars(
     marks: list[Mark] = [Bars(x[found], percent[found], 0.4, label=label, **look, **hovered(found))]
     if not found.all():
         zero = np.zeros(int(np.sum(~found)))
-        label = f"{name}: no partner ({zero.size})"
-        cross: dict[str, Any] = {"colour": colour, "stroke": 1.6, "spill": True}
-        marks.append(Points(x[~found], zero, "x", 6.0, label=label, **cross, **hovered(~found)))
+        cross: dict[str, Any] = {"label": f"{name}: no partner ({zero.size})", "stroke": 1.6, "spill": True}
+        marks.append(Points(x[~found], zero, "x", 6.0, colour, **cross, **hovered(~found)))
     for end, marker, where in ((limits[1], "^", "below"), (limits[0], "v", "above")):
         beyond = found & ((percent > end) if marker == "^" else (percent < end))
         if beyond.any():
@@ -156,23 +150,16 @@ def _responses(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], 
     dof, force, names = np.asarray(table.dof), np.asarray(table.excitation), table.dof_names
     several = np.unique(force).size > 1
     starts = np.r_[True, (dof[1:] != dof[:-1]) | (force[1:] != force[:-1])][: dof.size]
-    firsts = np.flatnonzero(starts)
     # "mass" or "dof" once: beside it there is no room over a response with a single antiresonance.
     masses = bool(names) and all(str(each).startswith("mass ") for each in names.values())
     title = "mass " if masses else "" if names else "dof "
     pairs = list(zip(dof.tolist(), force.tolist(), strict=True))
-
-    def short(which: int) -> str:
-        return str(names.get(which, which)).removeprefix("mass ")
-
-    def whole(which: int) -> str:
-        return str(names.get(which, f"dof {which}"))
-
-    named = []
-    for first, end in zip(firsts.tolist(), [*firsts[1:].tolist(), dof.size], strict=True):
-        alone = f"{title * (first == 0)}{short(dof[first])}"
-        named.append((first, end, ", ".join(map(short, pairs[first])) if several else alone))
-    of = [f"{whole(p)}, force at {whole(k)}" if several else whole(p) for p, k in pairs]
+    ends, named = [*np.flatnonzero(starts).tolist(), dof.size], []
+    for first, end in pairwise(ends):
+        short = [str(names.get(which, which)).removeprefix("mass ") for which in pairs[first]]
+        named.append((first, end, ", ".join(short) if several else f"{title * (first == 0)}{short[0]}"))
+    whole = [[str(names.get(which, f"dof {which}")) for which in pair] for pair in pairs]
+    of = [f"{p}, force at {k}" if several else p for p, k in whole]
     groups = "response and force dof" if several else "response dof"
     return starts, named, of, f"Measured antiresonance (Hz), by {groups} (above)"
 
@@ -190,8 +177,7 @@ def _modes(table: Any) -> tuple[Any, list[tuple[int, int, str]], list[str], str]
 
 # -- How a search went: best cost of each island
 
-#: Points that a curve is drawn with at most.
-MOST_POINTS = 1500
+MOST_POINTS = 1500  # points that a curve is drawn with at most
 
 
 def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> Any:
@@ -254,8 +240,7 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
 
 # -- What a test leaves open of each parameter, within its bounds
 
-#: Names longer than this are cut: the whole ones are among the numbers.
-_LONGEST = 48
+_LONGEST = 48  # names longer than this are cut: the whole ones are among the numbers
 
 
 def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
@@ -273,8 +258,7 @@ def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
     --------
     >>> import antires_rs as ar
     >>> from matplotlib.figure import Figure
-    >>> problem = ar.cases.chain8().updating_problem()
-    >>> found = ar.identifiability(problem, points=4, forces=[], sensors=[])
+    >>> found = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
     >>> ax = ar.figures.plot_identifiability(found, ax=Figure().subplots())
     >>> round(max(bar.get_width() for bar in ax.patches))
     100

@@ -44,9 +44,9 @@ def to_dataframe(source: Recording | FrequencyResponse | AntiresonanceSet) -> An
     return frame
 
 
-def frame_of(rows: list[dict[str, Any]], names: list[str]) -> Any:
-    """A pandas.DataFrame of rows with some of these columns."""
-    return _pandas().DataFrame(rows, columns=names)
+def frame_of(table: list[dict[str, Any]] | dict[str, Any], names: list[str]) -> Any:
+    """A pandas.DataFrame of rows with some of these columns, or of the columns."""
+    return _pandas().DataFrame(table, columns=names)
 
 
 def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import insort
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,11 +23,9 @@ from ..support.checks import FloatArray
 
 #: A value that so large a part of the baseline's tests has is followed; the others are told as clutter.
 REGULAR = 0.5
-#: What a smaller part has is no place: it is strange wherever it appears.
-RARE = 0.1
+RARE = 0.1  # what a smaller part has is no place: it is strange wherever it appears
 _PRUNE = 50
-#: A common shift is that of so many values at least.
-FEWEST = 3
+FEWEST = 3  # a common shift is that of so many values at least
 
 
 @dataclass(frozen=True)
@@ -69,11 +67,12 @@ class Values:
     looked: NDArray[np.bool_]
     strange: tuple[tuple[tuple[Any, float], ...], ...]
 
-    def without(self, faulty: Mapping[int, Collection[Any]], places: Places) -> Values:
-        """Without some responses of some tests, {test: dofs}."""
+    def without(self, faults: Mapping[int, Sequence[Any]], places: Places) -> Values:
+        """Without the responses at fault, by test."""
         log_hz, looked, strange = self.log_hz.copy(), self.looked.copy(), list(self.strange)
-        for test, dofs in faulty.items():
-            gone = np.isin(places.dof, list(dofs)) if dofs else np.zeros(places.dof.size, dtype=bool)
+        for test, here in faults.items():
+            dofs = [fault.dof for fault in here]
+            gone = np.isin(places.dof, dofs)
             log_hz[test, gone], looked[test, gone] = np.nan, False
             strange[test] = tuple(one for one in strange[test] if one[0] not in dofs)
         return Values(log_hz, self.std, looked, tuple(strange))
@@ -163,13 +162,12 @@ def _matched(
     """What of a test is where, and the logarithm of the shift that all values have in common."""
     tables = {dof: table for dof, table in one.tables.items() if dof in where}
     if places is not None and places.followed and one.followed:
-        at = {dof: {f: k for k, f in enumerate(own.tolist())} for dof, own in where.items()}
-        known = {dof: table.scores[KNOWN].tolist() for dof, table in tables.items()}
-        sure = {
-            dof: [(at[dof][f], r) for r, f in enumerate(own) if f in at[dof]] for dof, own in known.items()
-        }
-        new = {dof: [r for r, f in enumerate(own) if f not in at[dof]] for dof, own in known.items()}
-        return {dof: (sure[dof], new[dof]) for dof in known}, 0.0
+        found: Matches = {}
+        for dof, table in tables.items():
+            at = {f: k for k, f in enumerate(where[dof].tolist())}
+            known = list(enumerate(table.scores[KNOWN].tolist()))
+            found[dof] = [(at[f], r) for r, f in known if f in at], [r for r, f in known if f not in at]
+        return found, 0.0
     pairs = {dof: _pairs(where[dof], table, max_shift) for dof, table in tables.items()}
     moved = [
         np.log(tables[dof].freq_hz[row] / where[dof][place])
@@ -180,11 +178,8 @@ def _matched(
     shift = float(np.median(moved)) if len(moved) >= FEWEST else 0.0
     if len(moved) >= FEWEST:
         pairs = {dof: _pairs(where[dof] * np.exp(shift), table, max_shift) for dof, table in tables.items()}
-    taken = {dof: {row for _, row in own} for dof, own in pairs.items()}
-    return {
-        dof: (own, [row for row in range(len(tables[dof])) if row not in taken[dof]])
-        for dof, own in pairs.items()
-    }, shift
+    rest = {dof: set(range(len(tables[dof]))) - {row for _, row in own} for dof, own in pairs.items()}
+    return {dof: (own, sorted(rest[dof])) for dof, own in pairs.items()}, shift
 
 
 def _pairs(where_hz: FloatArray, table: ResponseTable, max_shift: float) -> list[tuple[int, int]]:

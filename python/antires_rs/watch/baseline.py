@@ -15,13 +15,10 @@ from ..support.checks import FloatArray
 #
 # Reference: P. J. Huber, Robust Statistics, 1981, chapter 7.
 
-#: Residuals beyond so many standard deviations count less, with 95 % efficiency for normal ones.
-HUBER = 1.345
+HUBER = 1.345  # residuals beyond so many standard deviations count less, with 95 % efficiency for normal ones
 ROUNDS = 12
-#: The median of the absolute values of a standard normal variable.
-_MAD = 0.6745
-#: Ridge relative to the mean diagonal: where the rows do not tell a coefficient, it is 0.
-_RIDGE = 1e-9
+_MAD = 0.6745  # the median of the absolute values of a standard normal variable
+_RIDGE = 1e-9  # ridge relative to the mean diagonal: where the rows do not tell a coefficient, it is 0
 
 
 @dataclass(frozen=True)
@@ -34,10 +31,6 @@ class Regression:
     def at(self, x: FloatArray) -> FloatArray:
         """Values (n, m) at rows (n, q)."""
         return np.asarray(x @ self.coefficients)
-
-    def leverage(self, x: FloatArray) -> FloatArray:
-        """Variance of the fitted value over that of a single one, (n,)."""
-        return np.asarray(np.einsum("ij,jk,ik->i", x, self.inverse, x))
 
 
 def fitted(y: FloatArray, x: FloatArray) -> Regression:
@@ -83,14 +76,10 @@ def _median(values: FloatArray) -> FloatArray:
 # predicts them better again by more than its standard error. Beyond the baseline's range the line goes on,
 # with what is not known of it as a standard deviation.
 
-#: Parts in which the baseline is left out in turn, at most.
-FOLDS = 20
-#: Where a line may bend: these shares of the baseline are below.
-BENDS = (0.25, 0.5, 0.75)
-#: Tests on either side of a bend, at least.
-_SIDE = 10
-#: A condition that varies less than this share of its own size does not vary.
-_STILL = 1e-9
+FOLDS = 20  # parts in which the baseline is left out in turn, at most
+BENDS = (0.25, 0.5, 0.75)  # where a line may bend: these shares of the baseline are below
+_SIDE = 10  # tests on either side of a bend, at least
+_STILL = 1e-9  # a condition that varies less than this share of its own size does not vary
 
 
 @dataclass(frozen=True)
@@ -158,8 +147,7 @@ def basis_of(y: FloatArray, conditions: Mapping[str, FloatArray]) -> Basis:
         known = values[~np.isnan(values)]
         if known.size < _SIDE or np.std(known) <= _STILL * max(np.abs(known).max(), 1e-300):
             continue
-        numbers = map(float, (known.mean(), known.std(), known.min(), known.max()))
-        line = Column(name, None, *numbers)
+        line = Column(name, None, *map(float, (known.mean(), known.std(), known.min(), known.max())))
         best = Basis((*basis.columns, line))
         best_error = _left_out(y, best, conditions)
         if np.nanmean(best_error) >= np.nanmean(error):
@@ -184,8 +172,7 @@ def _left_out(y: FloatArray, basis: Basis, conditions: Mapping[str, FloatArray])
     for fold in range(int(folds.max()) + 1):
         out = folds == fold
         rest[out] = y[out] - fitted(y[~out], x[~out]).at(x[out])
-    middle = np.nanmedian(y, axis=0)
-    size = np.nanmedian(np.abs(y - middle), axis=0)
+    size = np.nanmedian(np.abs(y - np.nanmedian(y, axis=0)), axis=0)
     # Wild values would decide; they tell nothing of conditions.
     bounded = np.minimum((rest / np.maximum(size, 1e-12)) ** 2, 9.0)
     count = np.sum(~np.isnan(bounded), axis=1)
@@ -202,8 +189,7 @@ def _left_out(y: FloatArray, basis: Basis, conditions: Mapping[str, FloatArray])
 
 #: Degrees of freedom that are tried, from heavy tails to the normal law.
 DEGREES = (2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, np.inf)
-#: What is told by a stated standard deviation counts as so many tests.
-STATED = 5.0
+STATED = 5.0  # what is told by a stated standard deviation counts as so many tests
 ROUNDS_NORMAL = 30
 _LARGEST = 30.0
 
@@ -267,8 +253,7 @@ def scores(scaled: FloatArray, degrees: float) -> FloatArray:
 # References: V. A. Marchenko, L. A. Pastur, Math. USSR-Sbornik 1 (1967) 457-483; J. Schaefer, K. Strimmer,
 # Stat. Appl. Genet. Mol. Biol. 4 (2005) 32.
 
-#: Eigenvalues this much above the edge of noise are factors; at most so many of them.
-_ABOVE, _MOST = 1.3, 4
+_ABOVE, _MOST = 1.3, 4  # eigenvalues this much above the edge of noise are factors; at most so many of them
 _LEAST = 0.05
 
 
@@ -304,12 +289,9 @@ def correlations(z: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 # -- What is learned, and what may move values without damage: conditions not known, or out of range
 
-#: A stated deviation above the usual by this factor is that of a poor test: the excess is added.
-_POOR = 1.5
-#: Beyond the baseline's range the slope of each value may differ from its line's by this share.
-_CURVED = 0.01
-#: Beyond it the slope of all values together is known to so large a share.
-_SLOPE = 0.3
+_POOR = 1.5  # a stated deviation above the usual by this factor is that of a poor test: the excess is added
+_CURVED = 0.01  # beyond the baseline's range the slope of each value may differ from its line's by this share
+_SLOPE = 0.3  # beyond it the slope of all values together is known to so large a share
 #: Standard deviation of a condition that is not known, and of a shared factor, in units of the baseline's.
 _UNKNOWN, _FACTOR = 2.0, 5.0
 
@@ -340,7 +322,8 @@ class Learned:
         """Standard deviations of tests about that, with what is not known of it, (n, m)."""
         n = len(std)
         excess = np.nan_to_num(np.maximum(std**2 - (_POOR * self.usual) ** 2, 0.0))
-        unsure = 1.0 + self.regression.leverage(self.basis.rows(conditions, n))
+        x = self.basis.rows(conditions, n)
+        unsure = 1.0 + np.einsum("ij,jk,ik->i", x, self.regression.inverse, x)  # of the line, and of one test
         bent = self.beyond(conditions, n) ** 2
         return np.asarray(np.sqrt(self.variance * unsure[:, None] + excess + bent))
 
@@ -370,9 +353,7 @@ class Learned:
             value = float(conditions[one.name][test])
             if np.isnan(value):
                 columns.append(self._slopes(one, True) * _UNKNOWN * one.std)
-                continue
-            away = max(one.low - value, value - one.high, 0.0)
-            if away > 0.0:
+            elif (away := max(one.low - value, value - one.high)) > 0.0:
                 unsure = _SLOPE * away + self.attenuation[one.name] * abs(value - one.middle)
                 columns.append(self._slopes(one, value > one.high) * unsure)
         if free:

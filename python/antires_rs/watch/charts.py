@@ -39,16 +39,15 @@ class Inverses:
     """R^-1 of the values that are there, kept for patterns that come again."""
 
     def __init__(self, correlation: FloatArray) -> None:
-        self._correlation = correlation
-        self._kept = lru_cache(200)(self._made)
+        def of(mask: bytes) -> FloatArray:
+            there = np.frombuffer(mask, dtype=np.bool_)
+            return np.asarray(np.linalg.inv(correlation[np.ix_(there, there)]), dtype=np.float64)
+
+        self._kept = lru_cache(200)(of)
 
     def of(self, there: NDArray[np.bool_]) -> FloatArray:
         """The inverse of the part of R that belongs to a mask (m,)."""
         return self._kept(there.tobytes())
-
-    def _made(self, mask: bytes) -> FloatArray:
-        there = np.frombuffer(mask, dtype=np.bool_)
-        return np.asarray(np.linalg.inv(self._correlation[np.ix_(there, there)]), dtype=np.float64)
 
     def t2(self, z: FloatArray) -> float:
         """z' R^-1 z of the values that are not NaN; 0 without any."""
@@ -99,8 +98,7 @@ def distances(
 # References: E. B. Wilson, M. M. Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684-688; J. R. M. Hosking,
 # J. R. Wallis, Technometrics 29 (1987) 339-349.
 
-#: The tail is fitted to so large a part.
-TAIL = 0.2
+TAIL = 0.2  # the tail is fitted to so large a part
 #: The shape of a normal tail there, and for how many tests of the tail it counts.
 NORMAL_SHAPE, PRIOR = -0.12, 30.0
 _STEEPEST, _HEAVIEST = -0.25, 0.5
@@ -108,20 +106,19 @@ _STEEPEST, _HEAVIEST = -0.25, 0.5
 _SHARE, _BESIDE = 0.5, 20
 
 
+@np.errstate(divide="ignore", invalid="ignore")
 def wilson_hilferty(t2: FloatArray, p: FloatArray) -> FloatArray:
     """w of the module; NaN without any value."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        spread = 2.0 / (9.0 * p)
-        return np.asarray(
-            np.where(p > 0, ((t2 / p) ** (1.0 / 3.0) - (1.0 - spread)) / np.sqrt(spread), np.nan)
-        )
+    spread = 2.0 / (9.0 * p)
+    w = ((t2 / p) ** (1.0 / 3.0) - (1.0 - spread)) / np.sqrt(spread)
+    return np.asarray(np.where(p > 0, w, np.nan))
 
 
-def chi_square(w: float, p: FloatArray) -> FloatArray:
+@np.errstate(divide="ignore", invalid="ignore")
+def _chi_square(w: float, p: FloatArray) -> FloatArray:
     """T^2 of a given w."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        spread = 2.0 / (9.0 * p)
-        return np.asarray(np.where(p > 0, p * (1.0 - spread + w * np.sqrt(spread)) ** 3, np.nan))
+    spread = 2.0 / (9.0 * p)
+    return np.asarray(np.where(p > 0, p * (1.0 - spread + w * np.sqrt(spread)) ** 3, np.nan))
 
 
 def upper_limit(w: FloatArray, rate: float) -> float:
@@ -163,16 +160,11 @@ def needed(rate: float, coefficients: int) -> int:
 #
 # Reference: C. A. Lowry, W. H. Woodall, C. W. Champ, S. E. Rigdon, Technometrics 34 (1992) 46-53.
 
-#: lambda: a mean over some twenty tests.
-WEIGHT = 0.1
-#: A value whose mean holds less than this part of what it would of complete tests is left out.
-_FILLED = 0.2
-#: Draws of the chart from baseline tests, and tests that each of them reaches back.
-_DRAWS, _BACK = 3000, 45
-#: Of the change that the mean shows, a test may lack so many standard deviations by chance.
-_BY_CHANCE = 1.645
-#: So many alarms of single tests of late are a change, not chance.
-_ALARMS = 1.5
+WEIGHT = 0.1  # lambda: a mean over some twenty tests
+_FILLED = 0.2  # a value whose mean holds less than this part of what it would of complete tests is left out
+_DRAWS, _BACK = 3000, 45  # draws of the chart from baseline tests, and tests that each of them reaches back
+_BY_CHANCE = 1.645  # of the change that the mean shows, a test may lack so many standard deviations by chance
+_ALARMS = 1.5  # so many alarms of single tests of late are a change, not chance
 
 
 def means(
@@ -275,12 +267,11 @@ def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
     Tests that follow each other may be off together (weather that no condition tells): a part beyond what
     chance makes is taken off the chart.
     """
-    settled = slice(int(2 / WEIGHT), None)
-    if t2[settled].size < 2 / WEIGHT:
+    settled, count = t2[int(2 / WEIGHT) :], count[int(2 / WEIGHT) :]
+    if settled.size < 2 / WEIGHT:
         return 1.0
-    ratio = float(np.mean(t2[settled])) / usual
-    independent = t2[settled].size * WEIGHT / 2.0
-    chance = np.sqrt(2.0 / (float(np.mean(count[settled])) * independent))
+    ratio = float(np.mean(settled)) / usual
+    chance = np.sqrt(2.0 / (float(np.mean(count)) * (settled.size * WEIGHT / 2.0)))
     return ratio if ratio > 1.0 + 2.0 * chance else 1.0
 
 
@@ -302,8 +293,7 @@ def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
 #
 # References: E. S. Page, Biometrika 41 (1954) 100-115; G. Lorden, Ann. Math. Stat. 42 (1971) 1897-1908.
 
-#: Strange values of two tests are one if they are this near.
-_SAME = 0.01
+_SAME = 0.01  # strange values of two tests are one if they are this near
 #: Share of the tests that lack what has vanished, or have what is new, at least; part of the rate of sums.
 _GONE, _SUMS = 0.8, 0.5
 
@@ -329,12 +319,14 @@ def events(
     values: Values, baseline: NDArray[np.intp], folds: NDArray[np.intp], rate: float
 ) -> tuple[FloatArray, float]:
     """The chart of tests, (n,), and its limit; each of ``folds`` of the baseline is judged by the others."""
-    whole = _Costs(values.take(baseline))
+    own, tests = values.take(baseline), baseline.size
+    whole = _Costs(own)
     chart = _chart(values, [whole] * len(values.strange))
-    own = values.take(baseline)
     parts = [_Costs(own.take(np.flatnonzero(folds != fold))) for fold in range(int(folds.max()) + 1)]
     chart[baseline] = _chart(own, [parts[fold] for fold in folds.tolist()])
-    limit = event_limit(chart[baseline], baseline.size, rate)
+    top = np.quantile(chart[baseline], 1.0 - rate) if tests * rate > 3.0 else np.max(chart[baseline])
+    scale = max(np.log(tests + 1.0), float(np.std(chart[baseline])))
+    limit = float(top + scale * max(0.25, float(np.log(1.0 / (tests * rate)))))
     highest = float(np.log((whole.usual.size + 1) / (_SUMS * rate)))
     highest = max(highest, float(_sums(own, whole, np.inf).max()) + 0.5 * highest)
     return np.maximum(chart, _sums(values, whole, highest) / highest * limit), limit
@@ -355,9 +347,8 @@ def _sums(values: Values, costs: _Costs, limit: float) -> FloatArray:
             same = [key for key in before if key[0] == dof and abs(key[1] / freq - 1.0) < _SAME]
             new[dof, freq] = min(costs.strange - 1.0 + sum(before.pop(key) for key in same), 2.0 * limit)
             found[i] = max(found[i], new[dof, freq])
-        new |= {
-            key: total + np.log(1.0 - _GONE) for key, total in before.items() if total > -np.log(1.0 - _GONE)
-        }
+        fall = np.log(1.0 - _GONE)
+        new |= {key: total + fall for key, total in before.items() if total > -fall}
     return found
 
 
@@ -370,25 +361,13 @@ def _chart(values: Values, costs: Sequence[_Costs]) -> FloatArray:
         place = np.where(values.looked[i], np.where(there, cost.present, cost.absent) - cost.usual, 0.0)
         chart[i] = float(place.sum()) + cost.strange * len(strange)
         chart[i] += float(np.minimum(np.maximum(place, 0.0), np.maximum(before, 0.0)).sum())
-        chart[i] += cost.strange * sum(
-            any(dof == d and abs(f / g - 1.0) < _SAME for d, g in strange_before) for dof, f in strange
-        )
+        again = (any(dof == d and abs(f / g - 1.0) < _SAME for d, g in strange_before) for dof, f in strange)
+        chart[i] += cost.strange * sum(again)
         before, strange_before = place, strange
     return chart
 
 
-def event_limit(chart: FloatArray, tests: int, rate: float) -> float:
-    """What a further test exceeds with at most ``rate``."""
-    one = np.log(tests + 1.0)
-    highest = float(np.max(chart))
-    if tests * rate > 3.0:
-        highest = float(np.quantile(chart, 1.0 - rate))
-    scale = max(one, float(np.std(chart)))
-    return float(highest + scale * max(0.25, float(np.log(1.0 / (tests * rate)))))
-
-
-#: How the rate of false alarms is shared out.
-SHARES = {"T2": 0.6, "EWMA": 0.2, "events": 0.2}
+SHARES = {"T2": 0.6, "EWMA": 0.2, "events": 0.2}  # how the rate of false alarms is shared out
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -406,8 +385,7 @@ class Chart(ReadOnly):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import antires_rs as ar
+    >>> import antires_rs as ar, numpy as np
     >>> ar.Chart(np.array([12.0, 31.0]), np.array([25.0, 25.0]), 0.006)
     Chart(1 of 2 above the limit, rate 0.006)
     """
@@ -417,15 +395,14 @@ class Chart(ReadOnly):
     rate: float
 
     @property
+    @np.errstate(invalid="ignore", divide="ignore")
     def ratio(self) -> FloatArray:
         """Statistic over limit, 0 where there is none, (n,)."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(np.nan_to_num(self.statistic / self.limit))
+        return np.asarray(np.nan_to_num(self.statistic / self.limit))
 
     def __repr__(self) -> str:
-        return (
-            f"Chart({np.sum(self.ratio > 1.0)} of {self.statistic.size} above the limit, rate {self.rate:g})"
-        )
+        above = f"{np.sum(self.ratio > 1.0)} of {self.statistic.size} above the limit"
+        return f"Chart({above}, rate {self.rate:g})"
 
 
 @dataclass(frozen=True)
@@ -463,11 +440,10 @@ def charts_of(
     for fold in range(int(folds.max()) + 1):
         out, kept = baseline[folds == fold], baseline[folds != fold]
         others, there = ({name: column[at] for name, column in conditions.items()} for at in (kept, out))
-        part = learned(y[kept], std[kept], others, basis, degrees)
-        seen = distances(part, y[out], std[out], there)
+        seen = distances(learned(y[kept], std[kept], others, basis, degrees), y[out], std[out], there)
         z[out], t2[out] = seen.z, seen.t2
     rates = {name: share * rate for name, share in SHARES.items()}
-    limit = chi_square(upper_limit(wilson_hilferty(t2[baseline], count[baseline]), rates["T2"]), count)
+    limit = _chi_square(upper_limit(wilson_hilferty(t2[baseline], count[baseline]), rates["T2"]), count)
     single = _chart_over(t2, limit, count > 0, rates["T2"])
     # Slow changes.
     bounds = np.sqrt(1.0 / np.maximum(single.ratio, 1.0))
@@ -476,13 +452,12 @@ def charts_of(
     limit_w, usual = drawn(z[baseline], whole.correlation, basis.size / baseline.size, rates["EWMA"])
     first = np.sort(baseline)
     slow = slow / autocorrelation(slow[first], values_behind[first], usual)
-    limit = chi_square(limit_w, values_behind)
+    limit = _chi_square(limit_w, values_behind)
     slow = np.where(agrees, slow, np.minimum(slow, limit))
     mean = _chart_over(slow, limit, (count > 0) & (values_behind > 0), rates["EWMA"])
     chart, highest = events(values, baseline, folds, rates["events"])
-    vanished = _chart_over(
-        chart, np.full(chart.size, highest), np.any(values.looked, axis=1), rates["events"]
-    )
+    looked = np.any(values.looked, axis=1)
+    vanished = _chart_over(chart, np.full(chart.size, highest), looked, rates["events"])
     return Charts({"T2": single, "EWMA": mean, "events": vanished}, whole, z, inverses)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from numbers import Real
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import part, reject
+from ..exceptions import Argument, part, reject
 from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..support.values import FrozenDict, frozen
@@ -39,21 +40,16 @@ def _number(value: Any) -> float:
     return float(value)
 
 
-def _check_name(argument: str, key: Any) -> None:
+def _check_name(argument: str | Argument, key: Any) -> None:
     if not isinstance(key, str) or not key:
         reject(argument, key, "a text as the name of each condition", "As in {'temperature_c': [...]}.")
+    if key in _RESERVED or key.startswith("score_"):
+        reject(argument, key, "a name that no column of a series has", "Rename it, as in 'outside_c'.")
 
 
-def _check_free(argument: str, name: str) -> None:
-    if name in _RESERVED or name.startswith("score_"):
-        reject(argument, name, "a name that no column of a series has", "Rename it, as in 'outside_c'.")
-
-
-def _check_finite(name: str, column: FloatArray) -> None:
-    at = np.flatnonzero(np.isinf(column))
-    if at.size:
-        where = part(name, int(at[0]))
-        reject(where, f"{column[at[0]]:g}", _FINITE, "Give NaN for what was not measured.")
+def _check_finite(name: Argument, column: FloatArray) -> None:
+    for at in np.flatnonzero(np.isinf(column)).tolist():
+        reject(part(name, at), f"{column[at]:g}", _FINITE, "Give NaN for what was not measured.")
 
 
 # -- What a series is made with
@@ -66,7 +62,6 @@ def checked_conditions(given: Any, count: int) -> FrozenDict[str, FloatArray]:
         reject("conditions", type(given).__name__, "a mapping of name to array", "Pass a dict of columns.")
     for key, values in (given or {}).items():
         _check_name("conditions", key)
-        _check_free("conditions", key)
         name = part("conditions", key)
         try:
             column = np.asarray(values, dtype=np.float64)
@@ -83,16 +78,14 @@ def checked_conditions(given: Any, count: int) -> FrozenDict[str, FloatArray]:
 
 def checked_names(given: Any, count: int) -> tuple[str, ...]:
     """Distinct texts; by default the numbers of the tests."""
-    if given is None:
-        return tuple(map(str, range(count)))
     wanted = f"{count} distinct names, one for each test"
     if isinstance(given, str | bytes):
         reject("names", given, wanted, "Put them in a list.")
-    names = tuple(map(str, given))
+    names = tuple(map(str, range(count) if given is None else given))
     if len(names) != count:
         reject("names", f"{len(names)} of them", wanted, "Give one for each test.")
     if len(set(names)) != count:
-        twice = next(name for i, name in enumerate(names) if name in names[:i])
+        (twice, _), *_ = Counter(names).most_common(1)
         reject("names", f"{twice!r} more than once", wanted, "Rename one of the two.")
     return names
 
@@ -118,12 +111,17 @@ def _read_table(path: Path) -> dict[str, Any]:
     """Columns by name."""
     suffix = path.suffix.lower()
     if suffix == ".parquet":
-        table = pyarrow("conditions from Parquet").parquet.read_table(path)
-        return {name: table.column(name).to_pylist() for name in table.column_names}
+        return dict(pyarrow("conditions from Parquet").parquet.read_table(path).to_pydict())
     if suffix not in (".csv", ".tsv", ".txt"):
         wanted = "a file that ends in .csv, .tsv, .txt or .parquet"
         reject("conditions", repr(str(path)), wanted, "Export the table as CSV.")
-    text = _text(path)
+    data = path.read_bytes()
+    # In UTF-8, in UTF-16 where it is marked so, or as older spreadsheets write it.
+    coding = "utf-16" if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) else "utf-8-sig"
+    try:
+        text = data.decode(coding)
+    except UnicodeDecodeError:
+        text = data.decode("utf-16" if coding == "utf-16" else "cp1252", errors="replace")
     delimiter = max(("\t", ";", ","), key=text.partition("\n")[0].count)
     rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if row]
     while rows and not any(map(str.strip, rows[-1])):  # within, nothing is known of a test
@@ -131,35 +129,22 @@ def _read_table(path: Path) -> dict[str, Any]:
     if len(rows) < 2:
         reject("conditions", f"{str(path)!r} without rows", "a line of names and a line a test", "Fill it.")
     names = [name.strip() for name in rows[0]]
-    twice = next((name for name in names if name and names.count(name) > 1), None)
-    if twice is not None:
-        got = f"two columns {twice!r} in {str(path)!r}"
-        reject("conditions", got, "columns of different names", "Rename or remove one.")
+    for name, times in Counter(filter(None, names)).items():
+        if times > 1:
+            got = f"two columns {name!r} in {str(path)!r}"
+            reject("conditions", got, "columns of different names", "Rename or remove one.")
     for i, row in enumerate(rows[1:], start=2):
         if len(row) != len(names):
             got, wanted = f"{len(row)} cells in row {i} of {str(path)!r}", f"{len(names)} as in its first row"
             reject("conditions", got, wanted, "Correct that row.")
-    columns = {}
-    for name, cells in zip(names, zip(*rows[1:], strict=True), strict=True):
-        read = str.strip if _is_one_of(name, NAMES) else _cell  # the names of tests stay texts
-        columns[name] = list(map(read, cells))
-    return columns
-
-
-def _text(path: Path) -> str:
-    """What the file says: in UTF-8, in UTF-16 where it is marked so, or as older spreadsheets write it."""
-    data = path.read_bytes()
-    if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
-        return data.decode("utf-16", errors="replace")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("cp1252", errors="replace")
+    cells = ([cell.strip() for cell in column] for column in zip(*rows[1:], strict=True))
+    # The names of tests stay texts.
+    own = ((name, column, _is_one_of(name, NAMES)) for name, column in zip(names, cells, strict=True))
+    return {name: column if texts else list(map(_cell, column)) for name, column, texts in own}
 
 
 def _cell(cell: str) -> Any:
     """A number, with a decimal comma too, None where it is not known; else the text."""
-    cell = cell.strip()
     try:
         value = _number(cell.replace(",", "."))
     except ValueError:
@@ -183,12 +168,12 @@ class ConditionTable:
         self._numbered, self._used = numbered, False
         lengths = [len(column) for column in (*columns.values(), times) if column is not None]
         self._given, self.count = bool(lengths), max(lengths, default=0)
-        self._row: dict[str, int] = {}
-        for i, name in enumerate(names or ()):
-            if name in self._row:
-                got = f"test {name!r} more than once"
-                reject("conditions", got, "each test once", "Remove one of the rows.")
-            self._row[name] = i
+        self._row = {name: i for i, name in enumerate(names or ())}
+        if len(self._row) < len(names or ()):
+            (twice, _), *_ = Counter(names).most_common(1)
+            reject(
+                "conditions", f"test {twice!r} more than once", "each test once", "Remove one of the rows."
+            )
         for i, name in enumerate(names or ()):  # under its shorter names too, where no other has them
             for key in _keys_of(name):
                 self._row.setdefault(key, i)
@@ -234,13 +219,12 @@ class ConditionTable:
 
 def condition_table(given: Any) -> tuple[ConditionTable, tuple[Path, ...]]:
     """The table, and the file that it was read from, if any."""
-    if given is None:
-        return ConditionTable({}, None, None), ()
     if isinstance(given, ConditionTable):
         return given, ()
-    if isinstance(given, str | PathLike):
-        return _of_columns(_read_table(Path(given))), (Path(given),)
-    return _of_columns(_columns(given)), ()
+    files = (Path(given),) if isinstance(given, str | PathLike) else ()
+    if given is None:
+        return ConditionTable({}, None, None), ()
+    return _of_columns(_read_table(*files) if files else _columns(given)), files
 
 
 def of_source(nth: int, given: Mapping[str, Any]) -> tuple[dict[str, float], Any]:
@@ -252,7 +236,6 @@ def of_source(nth: int, given: Mapping[str, Any]) -> tuple[dict[str, float], Any
             time = found[0]
             continue
         _check_name(name, key)
-        _check_free(name, key)
         try:
             values[key] = _number(value)
         except (TypeError, ValueError):
@@ -282,8 +265,7 @@ def _columns(given: Any) -> dict[Any, Any]:
         wanted = "a mapping of name to array, a DataFrame, a structured array, a list of dicts, or a CSV or "
         wanted += "Parquet file"
         reject("conditions", type(given).__name__, wanted, "As in conditions={'temperature_c': [...]}.")
-    keys = dict.fromkeys(key for row in rows for key in row)
-    return {key: [row.get(key) for row in rows] for key in keys}
+    return {key: [row.get(key) for row in rows] for key in dict.fromkeys(key for row in rows for key in row)}
 
 
 def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
@@ -291,7 +273,6 @@ def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
     names = times = None
     naming, numbered = _naming(given)
     for key, values in given.items():
-        _check_name("conditions", key)
         if isinstance(values, str) or not hasattr(values, "__len__"):
             reject(part("conditions", key), values, "a list or an array, one for each test", "Give a list.")
         if key == naming:
@@ -304,7 +285,7 @@ def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
         got = ", ".join(f"{len(column)} of {key!r}" for key, column in given.items())
         reject("conditions", got, "columns of one length", "Give NaN where one is not known.")
     for key in columns:
-        _check_free("conditions", key)
+        _check_name("conditions", key)
     return ConditionTable(columns, times, names, numbered)
 
 
@@ -315,8 +296,8 @@ def _naming(table: Mapping[Any, Any]) -> tuple[str | None, bool]:
         if all(isinstance(value, str | PurePath) for value in table[key]):
             return key, False
     for key in possible:
-        whole = (isinstance(value, Real) and float(value).is_integer() for value in table[key])
-        if all(whole) and not any(isinstance(value, bool) for value in table[key]):
+        kinds = (isinstance(value, Real) and not isinstance(value, bool) for value in table[key])
+        if all(kinds) and all(float(value).is_integer() for value in table[key]):
             return key, True
     return None, False
 
@@ -352,24 +333,16 @@ def _numbers(key: str, values: Any) -> Any:
 
 
 def _times(values: Any) -> Any:
-    """Instants, if these are any."""
+    """Instants without their time zone, which numpy does not know, as UTC; None if these are none."""
     array = np.asarray(values)
     if array.dtype.kind in "fiub":
         return None
+    if array.dtype.kind == "M":
+        return array.astype("datetime64[ms]")
     try:
-        if array.dtype.kind == "M":
-            return array.astype("datetime64[ms]")
-        return np.array(list(map(_instant, array.tolist())), dtype="datetime64[ms]")
+        instants = [datetime.fromisoformat(v) if isinstance(v, str) and v else v for v in array.tolist()]
+        for i in np.flatnonzero([getattr(instant, "tzinfo", None) is not None for instant in instants]):
+            instants[i] = instants[i].astimezone(UTC).replace(tzinfo=None)
+        return np.array([np.datetime64(instant or "NaT", "ms") for instant in instants])
     except (TypeError, ValueError):
         return None
-
-
-def _instant(value: Any) -> Any:
-    """Without its time zone, which numpy does not know: as UTC."""
-    if value is None or value == "":
-        return np.datetime64("NaT")
-    if isinstance(value, str):
-        value = datetime.fromisoformat(value)
-    if getattr(value, "tzinfo", None) is not None:
-        value = value.astimezone(UTC).replace(tzinfo=None)
-    return np.datetime64(value, "ms")

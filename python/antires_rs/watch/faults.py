@@ -21,14 +21,12 @@ from .association import Places, Values
 #: Findings of the data check that tell of a channel, not of the structure.
 SENSOR = {"dead_channel", "clipped_channel", "duplicated_channels", "dropouts", "spikes", "time_shift"}
 SENSOR |= {"quadrature", "signal_to_noise"}
-#: A finding that so large a part of the baseline has as well says nothing new.
-_USUAL = 0.1
+_USUAL = 0.1  # a finding that so large a part of the baseline has as well says nothing new
 #: A place that is nearly always there; a response has lost its antiresonances if fewer than so many remain.
 _SURE, _LEFT = 0.8, 0.34
 #: Of the antiresonances that are not in their places, so many may be new values of the response, at most.
 _ELSEWHERE = 0.5
-#: The other responses are in place if so many of theirs are there.
-_OTHERS = 0.7
+_OTHERS = 0.7  # the other responses are in place if so many of theirs are there
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,15 @@ def obvious(
     sets: Sequence[AntiresonanceSet | None], values: Values, places: Places, baseline: Sequence[int]
 ) -> dict[int, list[Fault]]:
     """Faults that need no chart, by test."""
-    findings = [{} if one is None else _findings(one) for one in sets]
+    findings = [
+        {  # what the data check says of single channels
+            (dof, finding.name): f"data check: {finding.name.replace('_', ' ')}"
+            for finding in (() if check is None else check.findings)
+            if finding.severity != "note" and finding.name in SENSOR
+            for dof in finding.where
+        }
+        for check in [None if one is None else one.data_check for one in sets]
+    ]
     usual = Counter(key for i in baseline for key in findings[i])
     found: dict[int, list[Fault]] = {}
     for i, one in enumerate(sets):
@@ -109,13 +115,3 @@ def _lost(
     moved = sum(bool(one == dof) for one, _ in values.strange[test]) > _ELSEWHERE * lost
     in_place = others.any() and np.mean(there[others]) >= _OTHERS
     return count, lost if count >= 2 and in_place and not moved else 0
-
-
-def _findings(one: AntiresonanceSet) -> dict[tuple[Any, str], str]:
-    """What the data check says of single channels, by (dof, name)."""
-    return {
-        (dof, finding.name): f"data check: {finding.name.replace('_', ' ')}"
-        for finding in (one.data_check.findings if one.data_check is not None else ())
-        if finding.severity != "note" and finding.name in SENSOR
-        for dof in finding.where
-    }

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..exceptions import AntiresError, InvalidInputError, MissingDependencyError, reject
+from ..exceptions import InvalidInputError, MissingDependencyError, reject
 from ..identification.identify import of_same_force
 from ..identification.options import declared, flat
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -28,25 +28,11 @@ from ..support.checks import FloatArray, frequency_band, integer
 from ..support.messages import unheard, warn
 from ..support.progress import apart, span, step, waiting
 from ..support.workers import Failed, in_order
+from . import sources as one_test
 from .association import places_in
 from .conditions import ConditionTable, condition_table, of_source
 from .series import Series
-from .sources import (
-    Instructions,
-    Outcome,
-    Source,
-    Sources,
-    Unread,
-    checked_reading,
-    fingerprint,
-    identified,
-    listed,
-    living,
-    loaded,
-    set_of,
-    tried,
-    why_not,
-)
+from .sources import Instructions, Outcome, Source, Sources, Unread
 from .store import Store
 from .stored_tests import Entry, Row, StoredSets, parts_of
 
@@ -56,16 +42,10 @@ Task = TypeVar("Task")
 Read = TypeVar("Read")
 
 
-def read_ahead(read: Callable[[Task], Read], tasks: Iterable[Task]) -> Iterator[Read]:
+def _read_ahead(read: Callable[[Task], Read], tasks: Iterable[Task]) -> Iterator[Read]:
     """``read(task)`` of every task in order, the next one read by a thread meanwhile.
 
     Tasks are taken in the caller's thread, since a generator of theirs may be anything.
-
-    Examples
-    --------
-    >>> from antires_rs.watch.identify_series import read_ahead
-    >>> list(read_ahead(len, ["a", "bc"]))
-    [1, 2]
     """
     pool = ThreadPoolExecutor(1)
     before: Future[Read] | None = None
@@ -82,40 +62,38 @@ def read_ahead(read: Callable[[Task], Read], tasks: Iterable[Task]) -> Iterator[
         pool.shutdown(wait=False, cancel_futures=True)
 
 
-def computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> Iterator[Outcome]:
+def _computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> Iterator[Outcome]:
     """The outcome of each source.
 
     In this process the next one is read while one is computed, and each is given as soon as it is there.
     Workers read files themselves, a second's worth of tests at a time.
     """
     if workers is None or (type(workers) is int and workers == 1):
-        for signal in read_ahead(partial(loaded, instructions), tasks):
-            yield identified(instructions, signal)
+        for signal in _read_ahead(partial(one_test.loaded, instructions), tasks):
+            yield one_test.identified(instructions, signal)
         return
-    for outcome in in_order(identified, tasks, workers, shared=instructions, errors="return"):
+    for outcome in in_order(one_test.identified, tasks, workers, shared=instructions, errors="return"):
         if not isinstance(outcome, Failed):
             yield outcome
             continue
         of_all = isinstance(outcome.error, MissingDependencyError | MemoryError | InvalidInputError)
         if of_all or not isinstance(outcome.error, Exception):
             raise outcome.error
-        yield why_not(outcome.error)  # a test failed together with its worker
+        yield one_test.why_not(outcome.error)  # a test failed together with its worker
 
 
 # -- What is followed: values of the first tests together, with the scatter that they have from test to test
 
-#: So many of the first tests are identified together, where nothing else is asked for.
-FIRST = 20
-#: Fits that tell single tests less than what is known already.
-LOCAL = ("directions", "followed")
-#: A value is followed if so large a part of these tests shows it, within this share of where most do.
-RECURS, PLACE = 0.7, 0.03
+FIRST = 20  # so many of the first tests are identified together, where nothing else is asked for
+LOCAL = ("directions", "followed")  # fits that tell single tests less than what is known already
+RECURS = 0.7  # a value is followed if so large a part of these tests shows it,
+PLACE = 0.03  # within this share of where most do
 
 
-def known_of(instructions: Instructions, sources: Sequence[Source]) -> AntiresonanceSet | str:
+def _known_of(instructions: Instructions, sources: Sequence[Source]) -> AntiresonanceSet | str:
     """What the tests have together and most of them show, with the scatter of single tests; else why not."""
     with unheard(), apart():
-        given = {one.name: loaded(instructions, one.given) for one in sources}
+        given = {one.name: one_test.loaded(instructions, one.given) for one in sources}
         odd = {name: str(signal) for name, signal in given.items() if isinstance(signal, Unread)}
         read = {name: signal for name, signal in given.items() if name not in odd}
         pooled = _together(read, instructions.options, odd)
@@ -126,7 +104,7 @@ def known_of(instructions: Instructions, sources: Sequence[Source]) -> Antireson
         sight["options"] = pooled.options
         tests: list[AntiresonanceSet] = []
         for name, signal in read.items():
-            one = tried(set_of, signal, {**options, "near": pooled})
+            one = one_test.tried(one_test.set_of, signal, {**options, "near": pooled})
             if isinstance(one, Unread):  # it is told with the other tests why it has no values
                 odd.setdefault(name, str(one))
                 continue
@@ -157,6 +135,12 @@ def known_of(instructions: Instructions, sources: Sequence[Source]) -> Antireson
     return AntiresonanceSet.from_tables(pooled.excitation, tables, **sight)
 
 
+def _middle(values: FloatArray) -> FloatArray:
+    """Median of each column without NaN; NaN where there is nothing else."""
+    known = [own[~np.isnan(own)] for own in values.T]
+    return np.array([np.median(own) if own.size else np.nan for own in known])
+
+
 def _because(why: str, odd: Mapping[str, str]) -> str:
     """Why nothing is followed, and of the tests that do not suit the first."""
     for name, reason in odd.items():
@@ -171,7 +155,7 @@ def _together(
     parts: list[tuple[str, Any, Any]] = []
     for name, signal in read.items():
         for one in signal if isinstance(signal, list) else [signal]:
-            kind = tried(_kind, one)
+            kind = one_test.tried(_kind, one)
             if isinstance(kind, Unread):
                 odd.setdefault(name, str(kind))
             else:
@@ -188,63 +172,36 @@ def _together(
         least = 0.5 * float(np.median([one.n_samples for _, one in same]))
         odd |= {name: f"{one.n_samples} samples" for name, one in same if one.n_samples < least}
         same = [(name, one) for name, one in same if one.n_samples >= least]
-    try:
-        return _pooled(same, options)
-    except InvalidInputError as exc:  # one of them by itself may be the cause
-        unfit = [_unfit(one, options) for _, one in same]
-        odd |= {name: why for (name, _), why in zip(same, unfit, strict=True) if why}
-        same = [one for one, why in zip(same, unfit, strict=True) if not why]
-        if not same or not any(unfit):
-            return why_not(exc)
-    except (AntiresError, ValueError) as exc:
-        return why_not(exc)
-    try:
-        return _pooled(same, options)
-    except (AntiresError, ValueError) as exc:
-        return why_not(exc)
 
+    def pooled(each: list[Any]) -> Any:
+        return one_test.tried(one_test.set_of, each if len(each) > 1 else each[0], options)
 
-def _pooled(same: Sequence[tuple[str, Any]], options: Mapping[str, Any]) -> AntiresonanceSet:
-    each = [one for _, one in same]
-    return set_of(each if len(each) > 1 else each[0], options)
-
-
-def _unfit(signal: Any, options: Mapping[str, Any]) -> str:
-    """Why a record can not be identified, such as a missed hit; empty where it can, or nothing is found."""
-    try:
-        set_of(signal, options)
-    except InvalidInputError as exc:
-        return why_not(exc)
-    except (AntiresError, ValueError):
-        pass
-    return ""
+    found = pooled([one for _, one in same])
+    if isinstance(found, Unread) and found.unsuitable:  # one of them by itself may be the cause
+        alone = [(name, one, one_test.tried(one_test.set_of, one, options)) for name, one in same]
+        fit = [one for _, one, got in alone if not (isinstance(got, Unread) and got.unsuitable)]
+        odd |= {name: str(got) for name, _, got in alone if isinstance(got, Unread) and got.unsuitable}
+        found = pooled(fit) if 0 < len(fit) < len(same) else found
+    return str(found) if isinstance(found, Unread) else found
 
 
 def _kind(signal: Any) -> tuple[Any, ...]:
     """What records that are pooled have in common."""
     dofs = frozenset(signal.dofs)
     if isinstance(signal, Recording):
-        return dofs, frozenset(living(signal)[1]), signal.fs_hz, is_transient(signal)
+        return dofs, frozenset(one_test.living(signal)[1]), signal.fs_hz, is_transient(signal)
     ends = (float(f"{freq:.9g}") for freq in signal.freq_hz[[0, -1]])
     return dofs, signal.kind, signal.reference, signal.n_freq, *ends
 
 
 def _told(signal: Any) -> str:
     """What may be of another kind in a record, in words."""
-    dofs = ", ".join([*map(str, signal.dofs[:6]), *(["..."] if len(signal.dofs) > 6 else [])])
+    dofs = "dofs " + ", ".join([*map(str, signal.dofs[:6]), *(["..."] if len(signal.dofs) > 6 else [])])
     if not isinstance(signal, Recording):
-        return f"dofs {dofs}, {signal.n_freq} lines of {signal.kind}"
-    dead = living(signal)[1]
-    return f"dofs {dofs}{f', {len(dead)} of them constant,' * bool(dead)} at {signal.fs_hz:g} Hz, " + (
-        "impacts" if is_transient(signal) else "no impacts"
-    )
-
-
-def _middle(values: FloatArray) -> FloatArray:
-    """Median of each column without NaN; NaN where there is nothing else."""
-    return np.array(
-        [np.median(own[~np.isnan(own)]) if not np.isnan(own).all() else np.nan for own in values.T]
-    )
+        return f"{dofs}, {signal.n_freq} lines of {signal.kind}"
+    dead = len(one_test.living(signal)[1])
+    dofs += f", {dead} of them constant," * bool(dead)
+    return f"{dofs} at {signal.fs_hz:g} Hz, {'impacts' if is_transient(signal) else 'no impacts'}"
 
 
 def identify_series(
@@ -268,7 +225,7 @@ def identify_series(
         A folder, whose measurements are taken by their names (``test_2`` before ``test_10``), a pattern such
         as ``"year/*.uff"``, or a list or generator of: files, folders of one FRF a file, Recordings,
         FrequencyResponses, functions without arguments that give one, and lists of these, which are repeats
-        of one test. A mapping gives them names; so does a tuple ``(name, source)``. A tuple
+        of one test. Names are given by a mapping or by tuples ``(name, source)``; a tuple
         ``(name, source, conditions)`` also says what was measured beside.
     excitation, band_hz
         As for :func:`~antires_rs.identify_antiresonances`.
@@ -322,12 +279,9 @@ def identify_series(
     Notes
     -----
     Memory does not grow with the records: this process holds two at most, but all of the first tests at once
-    (``near``, 20 by default) while they are identified together for values to follow. A result is some
-    kilobytes. What the data check says of a test is ``series[i].data_check``, without its curves; its
-    warnings are not raised.
-
-    An exception that ends a series, one of a generator of sources or of conditions that do not fit, has the
-    tests so far as ``error.series``.
+    while they are identified together for values to follow. What the data check says of a test is
+    ``series[i].data_check``, without its curves; its warnings are not raised. An exception that ends a series
+    has the tests so far as ``error.series``.
 
     A store ``.parquet`` that runs has its results in ``<store>.part`` beside it, a database of SQLite. What
     was done is recognised by the name of the source and its content (of long files: size and three parts).
@@ -338,15 +292,11 @@ def identify_series(
     >>> import antires_rs as ar
     >>> case = ar.cases.chain8()
     >>> tests = (case.experiment(noise=0.01, duration_s=32.0, rng=seed) for seed in range(3))
-    >>> series = ar.identify_series(
-    ...     tests, excitation=0, band_hz=(3, 130), conditions={"temperature_c": [18.0, 21.5, 19.0]}
-    ... )
-    >>> print(series)
+    >>> beside = {"temperature_c": [18.0, 21.5, 19.0]}
+    >>> print(ar.identify_series(tests, excitation=0, band_hz=(3, 130), conditions=beside))
     series of 3 tests, force at 0, 8 responses
       identified     3, with 28 antiresonances
       temperature_c  18 to 21.5
-    >>> series.tracks("temperature_c").freq_hz.shape
-    (3, 28)
     """
     excitation = label("excitation", excitation)
     if isinstance(near, AntiresonanceSet):
@@ -359,15 +309,13 @@ def identify_series(
     band = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=np.inf)
     chosen = _checked(options)
     table, beside = condition_table(conditions)
-    found = listed(sources, beside)
+    found = one_test.listed(sources, beside)
     table.expect(found.count)
-    read = checked_reading(reading, found.files)
+    read = one_test.checked_reading(reading, found.files)
     given = {"excitation": excitation, "band_hz": band, **chosen}
-    followed = (
-        {} if near is None else {"near": near.to_json() if isinstance(near, AntiresonanceSet) else near}
-    )
-    config = json.loads(json.dumps(given | followed | {"reading": read}, default=_plain))
-    opened = Store(store, config)
+    followed = near.to_json() if isinstance(near, AntiresonanceSet) else near
+    known = given | ({} if near is None else {"near": followed}) | {"reading": read}
+    opened = Store(store, json.loads(json.dumps(known, default=_plain)))
     run = _Run(found, table, opened)
     try:
         with waiting("identifying a series", progress):
@@ -398,8 +346,7 @@ class _Run:
     def __init__(self, sources: Sources, table: ConditionTable, store: Store) -> None:
         self._sources, self._table, self._store = sources, table, store
         self._rows: list[Row | None] = []
-        #: What is being computed, by its number.
-        self._pending: deque[tuple[int, Entry]] = deque()
+        self._pending: deque[tuple[int, Entry]] = deque()  # what is being computed, by its number
         self._failed = 0
         self._near: AntiresonanceSet | None = None
 
@@ -419,7 +366,12 @@ class _Run:
                 row = self._rows[number] = self._store.keep(entry, outcome)
                 self._failed += row.failed is not None
                 done += 1
-                step(_progress(number + 1, self._sources.count, self._failed, monotonic() - start, done))
+                at, count = number + 1, self._sources.count
+                text = f"test {at:,}" + ("" if count is None else f" of {count:,}")
+                text += f", {self._failed:,} failed" if self._failed else ""
+                if count is not None and at < count:  # at this pace
+                    text += f", about {span((count - at) * (monotonic() - start) / done)} left"
+                step(text)
         except KeyboardInterrupt:
             return True
         if not self._rows:
@@ -441,7 +393,7 @@ class _Run:
                     row = self._store.known(source.name, self._content(source))
                     outcome: Outcome | None = None if row is None else row.failed or row.plain()
                     if outcome is None:
-                        (outcome,) = computed(instructions, [source.given], workers)
+                        (outcome,) = _computed(instructions, [source.given], workers)
                         done.append(outcome)
                     if not isinstance(outcome, str):
                         local = outcome["facts"]["options"].get("fitted") in LOCAL
@@ -462,7 +414,7 @@ class _Run:
         else:
             for outcome, _ in zip(done, tasks, strict=False):  # the first, which are done
                 yield outcome
-        yield from computed(instructions, tasks, workers)
+        yield from _computed(instructions, tasks, workers)
 
     def _known(self, instructions: Instructions, first: Sequence[Source]) -> AntiresonanceSet | str:
         """What is followed, or why nothing; kept of the same files: a watch calls for each new one."""
@@ -470,26 +422,23 @@ class _Run:
         key = json.dumps([contents, instructions.options], default=_plain)
         if not all(contents) or key not in _KEPT:
             _KEPT.clear()
-            _KEPT[key] = known_of(instructions, first)
+            _KEPT[key] = _known_of(instructions, first)
         return _KEPT[key]
 
     def _content(self, source: Source) -> str:
-        return "" if self._store.path is None else fingerprint(source.given)
+        return "" if self._store.path is None else one_test.fingerprint(source.given)
 
     def _tasks(self) -> Iterator[Any]:
         for number, source in enumerate(self._sources.each):
             conditions, time = self._table.at(number, source.name)
-            own, own_time = of_source(number, source.conditions)
-            conditions, time = conditions | own, time if own_time is None else own_time
+            beside, own_time = of_source(number, source.conditions)
+            conditions, time = conditions | beside, time if own_time is None else own_time
             content = self._content(source)
             row = self._store.known(source.name, content)
-            if (
-                row is not None
-                and row.failed is None
-                and self._near is not None
-                and not _follows(row, self._near)
-            ):
-                row = None  # of other values
+            if row is not None and row.failed is None and self._near is not None:
+                own, near = StoredSets([row])[0], self._near
+                same = all(np.isin(places_in(own, dof), near.get(dof, ())).all() for dof in own)
+                row = row if same and own.followed else None  # of other values
             self._rows.append(None if row is None else replace(row, conditions=conditions, time=time))
             if row is None:
                 self._pending.append((number, Entry(source.name, conditions, time, content)))
@@ -503,21 +452,6 @@ def _raised(exc: BaseException) -> Iterator[Source]:
     yield
 
 
-def _follows(row: Row, near: AntiresonanceSet) -> bool:
-    """Whether a result is of these values."""
-    own = StoredSets([row])[0]
-    return all(np.isin(places_in(own, dof), near.get(dof, ())).all() for dof in own) and bool(own.followed)
-
-
-def _progress(at: int, count: int | None, failed: int, seconds: float, done: int) -> str:
-    """How far it is, and how long the rest takes at this pace."""
-    text = f"test {at:,}" + ("" if count is None else f" of {count:,}")
-    text += f", {failed:,} failed" if failed else ""
-    if count is None or at >= count:
-        return text
-    return f"{text}, about {span((count - at) * seconds / done)} left"
-
-
 def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options of the identification that are not the default; a wrong one is not kept as a failed test."""
     for name in options:
@@ -525,9 +459,8 @@ def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
             raise TypeError(f"identify_series() got an unexpected keyword argument {name!r}")
     chosen = flat(options)
     dofs = chosen.pop("dofs", None)
-    if dofs is None:
-        return chosen
-    return chosen | {"dofs": list(dofs) if isinstance(dofs, Iterable) and not isinstance(dofs, str) else dofs}
+    listed = isinstance(dofs, Iterable) and not isinstance(dofs, str)
+    return chosen if dofs is None else chosen | {"dofs": list(dofs) if listed else dofs}
 
 
 def _plain(value: Any) -> Any:

@@ -35,29 +35,23 @@ from .series import Series
 
 # -- A watch as text: the rate and how it was checked, alarms, damage, faults
 
-#: So many runs and faults are listed; the others are counted.
-_LISTED = 8
+_LISTED = 8  # so many runs and faults are listed; the others are counted
 
 
 def rate_lines(watched: Watched) -> list[str]:
     """The rate, how it was checked, and what it was learned on."""
     rate, base = 100.0 * watched.false_alarm_rate, watched.baseline
     hits = int(watched.alarm[base].sum())
-    lines = [
-        f"false alarms: {rate:g} % of intact tests stated; {hits} of {base.size} baseline tests "
-        f"({100.0 * hits / base.size:.1f} %) alarm when left out"
-    ]
+    checked = f"{hits} of {base.size} baseline tests ({100.0 * hits / base.size:.1f} %) alarm when left out"
+    lines = [f"false alarms: {rate:g} % of intact tests stated; {checked}"]
     if base.size < watched.needed:
-        text = f"the baseline is short for this rate: {base.size} tests, {watched.needed} are needed"
-        lines.append(f"{text} to rely on it")
-    if watched.used:
-        bends = {name: f" (bent at {at:.3g})" for name, at in watched.bends.items()}
-        lines.append(f"corrected for {', '.join(name + bends.get(name, '') for name in watched.used)}")
-    else:
-        text = "corrected for what the baseline's antiresonances do together"
-        lines.append(f"{text}, no condition being of use")
-    out = int(np.sum(watched.outside & watched.outside_baseline))
-    if out:
+        short = f"{base.size} tests, {watched.needed} are needed to rely on it"
+        lines.append(f"the baseline is short for this rate: {short}")
+    bends = {name: f" (bent at {at:.3g})" for name, at in watched.bends.items()}
+    used = ", ".join(name + bends.get(name, "") for name in watched.used)
+    used = used or "what the baseline's antiresonances do together, no condition being of use"
+    lines.append(f"corrected for {used}")
+    if out := int(np.sum(watched.outside & watched.outside_baseline)):
         text = f"{out:,} tests at conditions that the baseline does not have: lines go on"
         lines.append(f"{text}, their uncertainty counted")
     if watched.clocks:
@@ -69,10 +63,9 @@ def alarm_lines(watched: Watched) -> list[str]:
     """Runs of alarms outside the baseline, with their damage."""
     inside = set(watched.baseline.tolist())
     runs = [run for run in watched.runs if run[1] not in inside]
-    # Those that say most first to be listed, then in order.
-    longest = sorted(sorted(runs, key=lambda run: run[0] - run[1])[:_LISTED])
     lines = []
-    for first, last in longest:
+    # Those that say most first to be listed, then in order.
+    for first, last in sorted(sorted(runs, key=lambda run: run[0] - run[1])[:_LISTED]):
         hits = np.flatnonzero(watched.alarm[first : last + 1]) + first
         why = Counter(name for i in hits.tolist() for name in watched.why(i))
         tests = f"test {watched.names[first]}"
@@ -81,8 +74,8 @@ def alarm_lines(watched: Watched) -> list[str]:
         lines.append(f"alarm: {tests}, {', '.join(name for name, _ in why.most_common())}")
         if first in watched.assessments:
             lines.append("  " + watched.assessments[first].headline.replace("\n", "\n  "))
-    if len(runs) > len(longest):
-        lines.append(f"and {len(runs) - len(longest)} shorter runs of alarms, see .runs")
+    if len(runs) > _LISTED:
+        lines.append(f"and {len(runs) - _LISTED} shorter runs of alarms, see .runs")
     return lines
 
 
@@ -90,7 +83,7 @@ def fault_lines(watched: Watched) -> list[str]:
     """Responses at fault, counted."""
     counts = Counter((str(f.dof), f.text) for here in watched.faults.values() for f in here)
     lines = [
-        f"sensor fault: dof {dof}, {text}" + (f" ({count} tests)" if count > 1 else "")
+        f"sensor fault: dof {dof}, {text}" + f" ({count} tests)" * (count > 1)
         for (dof, text), count in counts.most_common(_LISTED)
     ]
     if len(counts) > _LISTED:
@@ -118,12 +111,9 @@ class Watched(ReadOnly, Viewed):
         Its tests that have a set.
     names, times, conditions, failed
         Of the tests, as in the :class:`~antires_rs.Series`.
-    used : tuple of str
-        Conditions that the antiresonances were found to depend on.
-    bends : dict of str to float
-        Where the line over a condition bends, of those whose line does.
-    clocks : tuple of str
-        Conditions that only grow or only fall from test to test, and are not used.
+    used, bends, clocks : tuple of str, dict of str to float, tuple of str
+        Conditions that the antiresonances were found to depend on, where the lines over them bend, and those
+        that are not used since they only grow or only fall from test to test.
     outside : (n,) bool
         Tests at conditions that the baseline does not have.
     faults : dict of int to tuple of Fault
@@ -142,10 +132,9 @@ class Watched(ReadOnly, Viewed):
 
     Examples
     --------
-    >>> import antires_rs as ar
-    >>> import numpy as np
+    >>> import antires_rs as ar, numpy as np
     >>> rng = np.random.default_rng(0)
-    >>> sets = [ar.AntiresonanceSet(0, {0: [8.7, 23.9] + 0.01 * rng.standard_normal(2)}) for _ in range(60)]
+    >>> sets = [ar.AntiresonanceSet(0, {0: rng.normal([8.7, 23.9], 0.01)}) for _ in range(60)]
     >>> ar.monitor(sets, baseline=50)
     Watched(60 tests, 0 alarms outside the baseline, rate 0.01)
     """
@@ -209,15 +198,10 @@ class Watched(ReadOnly, Viewed):
     def __str__(self) -> str:
         rest = self.outside_baseline
         count, alarms = int(rest.sum()), int(self.alarm[rest].sum())
-        title = f"{len(self):,} tests watched, {self.baseline.size} of them the baseline"
+        base = f"{self.baseline.size} of them the baseline, by {self.dof.size} antiresonances"
         answer = f"{alarms} of {count:,} tests outside the baseline alarm"
-        lines = [
-            f"{title}, by {self.dof.size} antiresonances",
-            answer if count else "no test outside the baseline",
-            *rate_lines(self),
-            *alarm_lines(self),
-            *fault_lines(self),
-        ]
+        lines = [f"{len(self):,} tests watched, {base}", answer if count else "no test outside the baseline"]
+        lines += [*rate_lines(self), *alarm_lines(self), *fault_lines(self)]
         if self.unjudged.any():
             why = "none of these antiresonances seen, or most responses at fault"
             lines.append(f"cannot judge {self.unjudged.sum()} tests: {why}, see .unjudged")
@@ -234,26 +218,20 @@ class Watched(ReadOnly, Viewed):
 
         A ``pandas.DataFrame``; needs pandas.
         """
-        inside = set(self.baseline.tolist())
-        columns = {} if self.times is None else {"time": list(self.times)}
-        columns |= {key: column.tolist() for key, column in self.conditions.items()}
-        columns["baseline"] = [i in inside for i in range(len(self))]
-        columns |= {"alarm": self.alarm.tolist(), "judged": (~np.isnan(self.statistic)).tolist()}
-        columns["statistic"] = self.statistic.tolist()
+        tests = range(len(self))
+        columns: dict[str, Any] = {"test": tests, "name": self.names}
+        columns |= {} if self.times is None else {"time": list(self.times)}
+        columns |= dict(self.conditions)
+        columns |= {"baseline": np.isin(tests, self.baseline), "alarm": self.alarm}
+        columns |= {"judged": ~np.isnan(self.statistic), "statistic": self.statistic}
         for key, chart in self.charts.items():
-            columns |= {key: chart.statistic.tolist(), f"{key}_limit": chart.limit.tolist()}
-        rows = [
-            {"test": i, "name": name}
-            | {key: column[i] for key, column in columns.items()}
-            | {
-                "why": ", ".join(self.why(i)) if self.alarm[i] else "",
-                "outside_range": bool(self.outside[i]),
-                "faults": "; ".join(f"{fault.dof}: {fault.text}" for fault in self.faults.get(i, ())),
-                "failed": self.failed.get(i, ""),
-            }
-            for i, name in enumerate(self.names)
-        ]
-        return frame_of(rows, list(rows[0]))
+            columns |= {key: chart.statistic, f"{key}_limit": chart.limit}
+        columns["why"] = [", ".join(self.why(i)) if self.alarm[i] else "" for i in tests]
+        faults = [self.faults.get(i, ()) for i in tests]
+        columns |= {"outside_range": self.outside}
+        columns["faults"] = ["; ".join(f"{fault.dof}: {fault.text}" for fault in here) for here in faults]
+        columns["failed"] = [self.failed.get(i, "") for i in tests]
+        return frame_of(columns, list(columns))
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write one page of HTML: summary, charts, alarms, faults and damage; needs matplotlib.
@@ -265,29 +243,13 @@ class Watched(ReadOnly, Viewed):
 
 # -- Damage assessed where alarms stand together: tests of a run against the baseline, at one condition
 
-#: Alarms with so many quiet tests between them, at most, are of one run.
-_QUIET = 5
-#: Tests of a run that are put together, the latest.
-_MOST = 50
-#: Strange values of several tests are one if they are this near.
-_SAME = 0.01
-#: What moves all values alike between two tests, relative, at least; as for ``assess_damage``.
-_COMMON = 5e-4
+_QUIET = 5  # alarms with so many quiet tests between them, at most, are of one run
+_MOST = 50  # tests of a run that are put together, the latest
+_SAME = 0.01  # strange values of several tests are one if they are this near
+_COMMON = 5e-4  # what moves all values alike between two tests, relative, at least; as for ``assess_damage``
 
 
-def runs_of(alarm: NDArray[np.bool_], judged: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last test of each run of alarms; tests that could not be judged do not end one."""
-    found: list[tuple[int, int]] = []
-    order = np.cumsum(judged | alarm)
-    for i in np.flatnonzero(alarm).tolist():
-        if found and order[i] - order[found[-1][1]] - 1 <= _QUIET:
-            found[-1] = (found[-1][0], i)
-        else:
-            found.append((i, i))
-    return found
-
-
-def assessed(
+def _assessed(
     by: StructuralModel | Assessor,
     run: tuple[int, int],
     learned: Learned,
@@ -311,15 +273,23 @@ def assessed(
     kept = count >= np.maximum(1, 0.5 * looked.sum(axis=0))
     std = np.sqrt(learned.variance * np.pi / 2.0 / np.maximum(count, 1))  # of a median
     usual = float(np.median(np.sqrt(learned.variance))) / np.sqrt(len(tests))
-    new = _again([values.strange[i] for i in tests.tolist()])
+    # Values at no place that at least half of the tests have.
+    groups: list[tuple[Any, list[float]]] = []
+    for dof, freq in (one for i in tests.tolist() for one in values.strange[i]):
+        near = [g for d, g in groups if d == dof and abs(freq / float(np.median(g)) - 1.0) < _SAME]
+        if near:
+            near[0].append(freq)
+        else:
+            groups.append((dof, [freq]))
+    new = [(dof, float(np.median(group))) for dof, group in groups if 2 * len(group) >= len(tests)]
     at = {dof: places.dof[regular] == dof for dof in places.dofs}
-    at = {dof: rows for dof, rows in at.items() if looked[:, rows].any() or dof in new}
-    now: dict[Any, list[tuple[float, float]]] = {dof: [] for dof in at}
+    at = {dof: rows for dof, rows in at.items() if looked[:, rows].any() or dof in dict(new)}
+    now: dict[Any, list[tuple[float, float]]] = {}
     for dof, rows in at.items():
-        for k in np.flatnonzero(kept & rows).tolist():
-            freq = float(np.exp(reference[k] + np.median(rest[seen[:, k], k])))
-            now[dof].append((freq, freq * float(std[k])))
-        now[dof] += [(freq, freq * usual) for freq in new.get(dof, ())]
+        medians = {k: float(np.median(rest[seen[:, k], k])) for k in np.flatnonzero(kept & rows).tolist()}
+        freqs = {k: float(np.exp(reference[k] + median)) for k, median in medians.items()}
+        now[dof] = [(freq, freq * float(std[k])) for k, freq in freqs.items()]
+        now[dof] += [(freq, freq * usual) for d, freq in new if d == dof]
     if not any(now.values()):
         return None
     sight: dict[str, Any] = {"sees": first.sees, "channels": first.channels or None}
@@ -341,36 +311,15 @@ def assessed(
     return assess_damage(by, set_of(now), baseline=set_of(baseline), **given)
 
 
-def _again(strange: Sequence[Sequence[tuple[Any, float]]]) -> dict[Any, list[float]]:
-    """Values at no place that at least half of the tests have, by response."""
-    groups: list[tuple[Any, list[float]]] = []
-    for own in strange:
-        for dof, freq in own:
-            near = [g for d, g in groups if d == dof and abs(freq / float(np.median(g)) - 1.0) < _SAME]
-            if near:
-                near[0].append(freq)
-            else:
-                groups.append((dof, [freq]))
-    found: dict[Any, list[float]] = {}
-    for dof, group in groups:
-        if 2 * len(group) >= len(strange):
-            found.setdefault(dof, []).append(float(np.median(group)))
-    return found
-
-
 # -- What may be given to the watch: a series or sets, its baseline, conditions, options of damage
 
-#: Fewer tests than this are no baseline.
-LEAST = 8
-#: Further outside the baseline than so many times its range, a condition is an error of its logger.
-_ABSURD = 10.0
+LEAST = 8  # fewer tests than this are no baseline
+_ABSURD = 10.0  # so many times its range outside the baseline, a condition is an error of its logger
 #: Arguments of ``assess_damage`` that are for a search without a baseline, or that the watch fills itself.
-_NOT_HERE = ("optimizer", "callback", "checkpoint")
-_OWN = ("model", "measured", "baseline", "older")
+_NOT_HERE, _OWN = ("optimizer", "callback", "checkpoint"), ("model", "measured", "baseline", "older")
 
 
-def series_of(given: Any) -> Series:
-    """A series of what was given."""
+def _series_of(given: Any) -> Series:
     if isinstance(given, Series):
         return given
     if not isinstance(given, Sequence) or isinstance(given, str | Mapping):
@@ -384,20 +333,18 @@ def series_of(given: Any) -> Series:
     return Series.from_sets(list(given))
 
 
-def baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
+def _baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
     """Indices of the baseline's tests that have a set."""
-    n = len(series)
+    n, chosen = len(series), given
     wanted = f"a slice, a number of first tests, indices or a mask of the {n} tests"
-    if isinstance(given, bool | np.bool_):
-        reject("baseline", given, wanted, "As in baseline=slice(0, 100).")
-    if isinstance(given, int | np.integer):
-        if not 0 < given <= n:
-            reject("baseline", int(given), wanted, f"Give a number from {LEAST} to {n}.")
-        given = slice(0, int(given))
+    if isinstance(given, int | np.integer) and not isinstance(given, bool):
+        chosen = slice(0, int(given)) if 0 < given <= n else None
     try:
-        chosen = np.unique(np.arange(n)[given if isinstance(given, slice) else np.asarray(given)])
+        if chosen is None or isinstance(chosen, bool | np.bool_):
+            raise TypeError
+        chosen = np.unique(np.arange(n)[chosen if isinstance(chosen, slice) else np.asarray(chosen)])
     except (IndexError, TypeError, ValueError):
-        reject("baseline", given, wanted, "As in baseline=slice(0, 100).")
+        reject("baseline", given, wanted, f"As in baseline=slice(0, 100); a number is from {LEAST} to {n}.")
     sound = np.array([i for i in chosen.tolist() if i not in series.failed], dtype=np.intp)
     if sound.size < LEAST:
         wanted = f"at least {LEAST}, from which limits can be learned"
@@ -406,7 +353,7 @@ def baseline_tests(given: Any, series: Series) -> NDArray[np.intp]:
     return sound
 
 
-def is_clock(column: FloatArray) -> bool:
+def _is_clock(column: FloatArray) -> bool:
     """Whether it only counts the tests: a line over time would take damage that grows for weather."""
     known = column[~np.isnan(column)]
     if known.size <= 2 or known[0] == known[-1]:
@@ -414,7 +361,7 @@ def is_clock(column: FloatArray) -> bool:
     return bool(np.all(np.diff(known) * np.sign(known[-1] - known[0]) >= 0.0))
 
 
-def believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
+def _believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
     """A condition without what no weather makes, NaN there."""
     own = column[baseline][~np.isnan(column[baseline])]
     if not own.size or own.min() == own.max():
@@ -423,7 +370,7 @@ def believed(column: FloatArray, baseline: NDArray[np.intp]) -> FloatArray:
     return np.where((column < own.min() - reach) | (column > own.max() + reach), np.nan, column)
 
 
-def check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
+def _check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
     """Refuse what cannot assess damage, and options that have no effect: now, not at the first alarm."""
     if model is not None and not isinstance(model, StructuralModel):
         wanted = "a MassSpringChain, FrameModel or MatrixModel"
@@ -434,11 +381,9 @@ def check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mappi
     if assessor is not None and (model is not None or options):
         name = name if model is None else "model"
         reject(name, "together with an assessor", "only one of them", "The assessor has its own.")
-    if assessor is None and model is None and options:
-        reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
     if model is not None:
         _check_assessment(model, one, options)
-    if assessor is not None:
+    elif assessor is not None:
         force, own = one.excitation, {each.excitation: tuple(each) for each in assessor.baseline}
         remedy = "Make it from some of their baseline."
         if force not in own:
@@ -447,6 +392,8 @@ def check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mappi
         if not set(own[force]) & set(one):
             got = f"one for dofs {', '.join(map(repr, own[force]))}"
             reject("assessor", got, f"one for dofs of these tests: {', '.join(map(repr, one))}", remedy)
+    elif options:
+        reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
 
 
 def _check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
@@ -463,12 +410,9 @@ def _check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Ma
     checked_prior(options.get("prior"), checked_search(sorted_out(options).get("search")).of(TWO_STATES))
 
 
-#: Places that so many tests of the baseline have are followed, at least.
-_FEWEST = 6
-#: Without a response at fault, a test is no further out than one of twenty.
-_USUAL_W = 1.645
-#: A test of which more responses are at fault is not judged.
-_MOST_FAULTS = 0.5
+_FEWEST = 6  # places that so many tests of the baseline have are followed, at least
+_USUAL_W = 1.645  # without a response at fault, a test is no further out than one of twenty
+_MOST_FAULTS = 0.5  # a test of which more responses are at fault is not judged
 
 
 @patient("watching the series")
@@ -491,15 +435,14 @@ def monitor(
     series : Series or list of AntiresonanceSet
         Tests of one structure in the order in which they were made; None where a test failed.
     baseline : slice, int, sequence of int or mask
-        The tests of the intact structure; an int stands for the first so many. All conditions that are to
-        come should be among them.
+        The tests of the intact structure, under all conditions that are to come; an int: the first so many.
     false_alarm_rate : float
         Share of intact tests outside the baseline that alarm, all charts together, at most about, in
         (0, 0.2].
     conditions : mapping of str to (n,), table or path, optional
-        What the antiresonances depend on, such as the temperature; NaN where not known. Any table that
-        :func:`~antires_rs.identify_series` takes. Default: those of the series. ``{}`` for none; then what
-        the baseline's values do together is taken for weather.
+        What the antiresonances depend on, such as the temperature, in any table that
+        :func:`~antires_rs.identify_series` takes; NaN where not known. Default: those of the series. ``{}``
+        for none; then what the baseline's values do together is taken for weather.
     model : MassSpringChain, FrameModel or MatrixModel, optional
         With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
     assessor : Assessor, optional
@@ -516,8 +459,6 @@ def monitor(
     Returns
     -------
     Watched
-        ``.alarm`` (n,) bool, ``.statistic`` and ``.limit``, ``.charts``, ``.faults``, ``.assessments``;
-        prints as a summary, ``.plot()``, ``.to_dataframe()``, ``.report(path)``.
 
     Raises
     ------
@@ -549,26 +490,25 @@ def monitor(
     >>> rng = np.random.default_rng(0)
     >>> def test(loss):
     ...     chain = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0 * (1 - loss), 500.0])
-    ...     exact = dict(enumerate(chain.antiresonances([0, 1, 2, 3], 0)))
-    ...     seen = {dof: f * (1 + 5e-4 * rng.standard_normal(f.size)) for dof, f in exact.items()}
-    ...     return ar.AntiresonanceSet(0, seen)
+    ...     exact = enumerate(chain.antiresonances([0, 1, 2, 3], 0))
+    ...     return ar.AntiresonanceSet(0, {dof: f * rng.normal(1.0, 5e-4, f.size) for dof, f in exact})
     >>> watched = ar.monitor([test(0.0) for _ in range(60)] + [test(0.02)], baseline=slice(0, 50))
     >>> bool(watched.alarm[60]), int(watched.alarm[50:60].sum())
     (True, 0)
     """
-    tests = series_of(series)
+    tests = _series_of(series)
     rate = finite_scalar("false_alarm_rate", false_alarm_rate, low=0.0, high=0.2, low_open=True)
     shift = within("max_shift", max_shift)
-    own = baseline_tests(baseline, tests)
+    own = _baseline_tests(baseline, tests)
     sets = list(tests.sets)
     first = next(one for one in sets if one is not None)
-    check_judge(model, assessor, first, assessment)
+    _check_judge(model, assessor, first, assessment)
     given: Mapping[str, FloatArray] = tests.conditions
     if conditions is not None:
         columns, _ = condition_table(conditions)[0].in_order(tests.names)
         given = {name: np.array(column) for name, column in columns.items()}
-    clocks = tuple(name for name, column in given.items() if is_clock(column))
-    used = {name: believed(column, own) for name, column in given.items() if name not in clocks}
+    clocks = tuple(name for name, column in given.items() if _is_clock(column))
+    used = {name: _believed(column, own) for name, column in given.items() if name not in clocks}
     step("matching antiresonances")
     places = places_of([one for i in own.tolist() if (one := sets[i]) is not None], shift)
     values = values_of(sets, places, shift)
@@ -578,7 +518,7 @@ def monitor(
             known = {fault.dof for fault in here}
             left = [dof for dof in places.dofs if dof not in known]
             here += [Fault(dof, "most other responses are at fault") for dof in left]
-    sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
+    sound = values.without(faults, places)
     regular = places.regular & (np.sum(~np.isnan(sound.log_hz[own]), axis=0) >= _FEWEST)
     if not regular.any():
         got = f"no antiresonance that half of its {own.size} tests have"
@@ -589,18 +529,22 @@ def monitor(
     if more := _lost(charts, sound, regular, places):
         for i, fault in more.items():
             faults.setdefault(i, []).append(fault)
-        sound = values.without({i: [f.dof for f in here] for i, here in faults.items()}, places)
+        sound = values.without(faults, places)
         charts = charts_of(sound, regular, own, used, rate)
     # Without any value at a place there is nothing to judge, unless what vanished or appeared alarms.
     judged = ~np.isnan(charts.charts["T2"].statistic) | (charts.charts["events"].ratio > 1.0)
     statistic = np.where(judged, np.max([chart.ratio for chart in charts.charts.values()], axis=0), np.nan)
     alarm = judged & (np.nan_to_num(statistic) > 1.0)
-    learned, runs, assessments = charts.learned, runs_of(alarm, judged), {}
+    # Runs of alarms, which tests that could not be judged do not end.
+    at = np.flatnonzero(alarm)
+    gaps = np.flatnonzero(np.diff(np.cumsum(judged)[at]) > _QUIET + 1)
+    runs = [(int(run[0]), int(run[-1])) for run in np.split(at, gaps + 1) if run.size]
+    learned, assessments = charts.learned, {}
     by = model if assessor is None else assessor
     for run in runs:
         if by is not None and run[1] not in own:
             step(f"assessing test {run[0]}")
-            assessments[run[0]] = assessed(by, run, learned, sound, places, first, used, assessment)
+            assessments[run[0]] = _assessed(by, run, learned, sound, places, first, used, assessment)
     enough = needed(rate, learned.basis.size)
     if own.size < enough:
         text = f"monitor: a baseline of {own.size} tests is short for {100 * rate:g} % false alarms; with "
@@ -631,20 +575,18 @@ def monitor(
     )
 
 
-def _lost(charts: Charts, values: Values, regular: Any, places: Any) -> dict[int, Fault]:
+def _lost(charts: Charts, values: Values, regular: Any, places: Places) -> dict[int, Fault]:
     """Alarms that one response explains which has lost its antiresonances."""
     found = {}
     single = np.maximum(charts.charts["T2"].ratio, charts.charts["events"].ratio)
     dof = places.dof[regular]
     for i in np.flatnonzero(single > 1.0).tolist():
-        z = charts.z[i]
         without = {}
         for one in dict.fromkeys(dof.tolist()):
-            rest = np.where(dof == one, np.nan, z)
-            count = np.array([np.sum(~np.isnan(rest))], dtype=np.float64)
-            if count[0] > 0:
+            rest = np.where(dof == one, np.nan, charts.z[i])
+            if count := np.sum(~np.isnan(rest)):
                 t2 = np.array([charts.inverses.t2(rest)])
-                without[one] = float(wilson_hilferty(t2, count)[0])
+                without[one] = float(wilson_hilferty(t2, np.array([float(count)]))[0])
         fault = lost_alone(values, places, i, without, _USUAL_W)
         if fault is not None:
             found[i] = fault

@@ -24,14 +24,9 @@ from .conditions import checked_conditions, checked_names, checked_times, condit
 from .store import read_series, write_series
 from .stored_tests import Entry, Row, StoredSets, encoded, parts_of
 
-#: Reason of a test that was given as None.
-NO_SET = "no set was given"
-
-
-#: So many reasons are printed, cut to this length; the others are counted.
-REASONS, LONG = 3, 90
-#: Part of the tests that must have an antiresonance that their average has.
-MOST = 0.5
+NO_SET = "no set was given"  # the reason of a test that was given as None
+REASONS, LONG = 3, 90  # so many reasons are printed, cut to this length; the others are counted
+MOST = 0.5  # part of the tests that must have an antiresonance that their average has
 
 
 def _read_through(
@@ -48,56 +43,42 @@ def _read_through(
             reject("failed", f"a test {i!r}", f"{wanted}, from 0 to {len(sets) - 1}", "Count from 0.")
         if sets[int(i)] is not None:
             reject("failed", f"test {i}, which has a set", wanted, "Give None in place of its set.")
-    reasons = {int(i): str(why) for i, why in (failed or {}).items()}
+    reasons = {i: NO_SET for i, one in enumerate(sets) if one is None}
+    reasons |= {int(i): str(why) for i, why in (failed or {}).items()}
+    there = {i: one for i, one in enumerate(sets) if one is not None}
     excitation: Any = None
-    dofs: dict[Any, None] = {}
-    for i, one in enumerate(sets):
-        name = part("sets", i)
-        if one is None:
-            reasons.setdefault(i, NO_SET)
-            continue
+    for i, one in there.items():
         if not isinstance(one, AntiresonanceSet):
-            reject(name, type(one).__name__, "an AntiresonanceSet or None", "Identify the record first.")
-        if excitation is not None and one.excitation != excitation:
+            wanted, remedy = "an AntiresonanceSet or None", "Identify the record first."
+            reject(part("sets", i), type(one).__name__, wanted, remedy)
+        if excitation not in (None, one.excitation):
             got, wanted = f"a set of force at {one.excitation!r}", f"that of the others, {excitation!r}"
-            reject(name, got, wanted, "Make a series for each excitation.")
+            reject(part("sets", i), got, wanted, "Make a series for each excitation.")
         excitation = one.excitation
-        dofs |= dict.fromkeys(one)
-    return excitation, tuple(dofs), reasons
+    return excitation, tuple(dict.fromkeys(dof for one in there.values() for dof in one)), reasons
 
 
 def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
     """The index of one test, or those of some, by an index, a slice, indices or a mask."""
     if isinstance(at, slice):
         return np.arange(count)[at]
-    if isinstance(at, int | np.integer) and not isinstance(at, bool):
-        found = np.array([at])
-    else:
-        found = np.asarray(at) if np.size(at) else np.empty(0, int)
-    if found.ndim != 1 or found.dtype.kind not in "biu":
+    found = np.asarray(at if np.size(at) else np.empty(0, int))
+    if found.ndim > 1 or found.dtype.kind not in "biu" or (found.ndim == 0 and found.dtype.kind == "b"):
         wanted = "an index, a slice, a list of indices, or a mask with a truth value for each test"
         reject("series[...]", at, wanted, "As in series[3], series[:100] or series[temperature_c < 20].")
     if found.dtype.kind == "b":
         if len(found) != count:
             reject("series[...]", f"a mask of {len(found)}", f"one of {count}", "Make it of all tests.")
         return np.flatnonzero(found)
-    for i in found.tolist():
+    for i in np.atleast_1d(found).tolist():
         if not -count <= i < count:
             raise IndexError(f"test {i} of a series of {count}, which are counted from 0")
-    if np.ndim(at) == 0:
-        return int(found[0])
+    if found.ndim == 0:
+        return int(found)
     found = found.astype(np.intp) % max(count, 1)
     if len(np.unique(found)) < len(found):
         reject("series[...]", "a test more than once", "each test once", "Use np.unique.")
     return found
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count:,} {what}{'' if count == 1 else 's'}"
-
-
-def _missing(count: int) -> str:
-    return f", {count} not known" if count else ""
 
 
 class Series(ReadOnly):
@@ -190,9 +171,7 @@ class Series(ReadOnly):
             for each in (self, other)
         )
         return (
-            self.names == other.names
-            and self.failed == other.failed
-            and one.keys() == two.keys()
+            (self.names, self.failed, one.keys()) == (other.names, other.failed, two.keys())
             and all(np.array_equal(column, two[name], equal_nan=True) for name, column in one.items())
             and all(a == b for a, b in zip(self, other, strict=True))
         )
@@ -236,17 +215,14 @@ class Series(ReadOnly):
             table, _ = condition_table(conditions)
             if names is None and table.names is not None and len(table.names) == len(sets):
                 names = table.names
-            order = map(str, range(len(sets)) if names is None else names)
-            conditions, dated = table.in_order(list(order))
+            conditions, dated = table.in_order(list(map(str, range(len(sets)) if names is None else names)))
             times = dated if times is None else times
         return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=failed)
 
     def tracks(
         self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
     ) -> Tracks:
-        """Every antiresonance followed over the tests that have a set.
-
-        A test that lacks a response, whose sensor was out, tells nothing of its antiresonances.
+        """Every antiresonance followed over the tests that have a set; a missing response tells nothing.
 
         Parameters
         ----------
@@ -267,7 +243,17 @@ class Series(ReadOnly):
             Fewer than two sets, or no such condition.
         """
         kept = [(i, one) for i, one in enumerate(self.sets) if one is not None]
-        labels = self._labels(conditions)
+        labels: Any = range(len(self)) if conditions is None else conditions
+        if isinstance(conditions, str):
+            known: dict[str, Any] = {"names": self.names, **self.conditions}
+            known |= {} if self.times is None else {"times": np.datetime_as_string(self.times)}
+            if conditions not in known:
+                wanted, remedy = f"one of {tuple(known)}", "Name a condition of the series."
+                reject("conditions", conditions, wanted, remedy)
+            labels = known[conditions]
+        if len(labels) != len(self):
+            wanted = f"{len(self)}, one for each test"
+            reject("conditions", f"{len(labels)} of them", wanted, "Give those of failed tests too.")
         sets, named = [one for _, one in kept], [labels[i] for i, _ in kept]
         return followed(sets, named, self.dofs, max_shift, std_between)
 
@@ -397,54 +383,36 @@ class Series(ReadOnly):
     def __str__(self) -> str:
         count, failed = len(self), len(self.failed)
         if isinstance(self.sets, StoredSets):  # without reading them
-            sizes = [row.count for row in self.sets.rows if row.failed is None]
+            sizes = {row.count for row in self.sets.rows if row.failed is None}
         else:
-            sizes = [sum(map(len, one.tables.values())) for one in self if one is not None]
-        low, high = min(sizes, default=0), max(sizes, default=0)
-        each = f", with {low if low == high else f'{low} to {high}'} antiresonances" if sizes else ""
-        rows = [("identified", f"{count - failed}{each}")]
+            sizes = {sum(map(len, one.tables.values())) for one in self if one is not None}
+        ends = " to ".join(map(str, sorted({min(sizes, default=0), max(sizes, default=0)})))
+        rows = [("identified", f"{count - failed}" + f", with {ends} antiresonances" * bool(sizes))]
         if failed:
-            whys = [
-                why if len(why) <= LONG else why[: LONG - 3].rstrip() + "..." for why in self.failed.values()
-            ]
+            reasons = self.failed.values()
+            whys = [why if len(why) <= LONG else why[: LONG - 3].rstrip() + "..." for why in reasons]
             ranked = Counter(whys).most_common()
-            reasons = [f"{why} ({n} times)" if n > 1 else why for why, n in ranked[:REASONS]]
+            told = [f"{why} ({n} times)" if n > 1 else why for why, n in ranked[:REASONS]]
             if len(ranked) > REASONS:
-                reasons.append(f"and {sum(n for _, n in ranked[REASONS:])} others, see .failed")
-            rows.append(("failed", f"{failed}: {'; '.join(reasons)}"))
-        if self.times is not None:
-            known = np.sort(self.times[~np.isnat(self.times)])
-            if known.size:
+                told.append(f"and {sum(n for _, n in ranked[REASONS:])} others, see .failed")
+            rows.append(("failed", f"{failed}: {'; '.join(told)}"))
+        columns: list[tuple[str, Any]] = [] if self.times is None else [("times", self.times)]
+        for name, column in [*columns, *self.conditions.items()] if count else ():
+            known = np.sort(column[column == column])
+            missing = f", {count - known.size} not known" * (known.size < count)
+            if not known.size:
+                rows += [] if column is self.times else [(name, "not known")]
+            elif column is self.times:
                 first, last = np.datetime_as_string(known[[0, -1]], unit="m")
-                rows.append(("times", f"{first} to {last}{_missing(count - known.size)}"))
-        for name, column in self.conditions.items() if count else ():
-            values = column[~np.isnan(column)]
-            if values.size:
-                rows.append((name, f"{values.min():g} to {values.max():g}{_missing(count - values.size)}"))
+                rows.append((name, f"{first} to {last}{missing}"))
             else:
-                rows.append((name, "not known"))
+                rows.append((name, f"{known[0]:g} to {known[-1]:g}{missing}"))
         width = max(len(name) for name, _ in rows)
-        force = "" if self.excitation is None else f", force at {self.excitation}"
-        dofs = f", {_counted(len(self.dofs), 'response')}" if self.dofs else ""
-        title = f"series of {_counted(count, 'test')}{force}{dofs}"
-        if self.interrupted:
-            title += "; interrupted, more tests are to come"
+        title = f"series of {count:,} test{'s' * (count != 1)}"
+        title += "" if self.excitation is None else f", force at {self.excitation}"
+        title += f", {len(self.dofs):,} response{'s' * (len(self.dofs) != 1)}" if self.dofs else ""
+        title += "; interrupted, more tests are to come" * self.interrupted
         return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in rows)])
-
-    def _labels(self, conditions: Any) -> Any:
-        if conditions is None:
-            return range(len(self))
-        if not isinstance(conditions, str):
-            if len(conditions) != len(self):
-                wanted = f"{len(self)}, one for each test"
-                reject("conditions", f"{len(conditions)} of them", wanted, "Give those of failed tests too.")
-            return conditions
-        known: dict[str, Any] = {"names": self.names, **self.conditions}
-        if self.times is not None:
-            known["times"] = np.datetime_as_string(self.times)
-        if conditions not in known:
-            reject("conditions", conditions, f"one of {tuple(known)}", "Name a condition of the series.")
-        return known[conditions]
 
     def _set(self, name: str, at: int) -> AntiresonanceSet:
         if not -len(self) <= at < len(self):

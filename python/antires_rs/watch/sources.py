@@ -66,36 +66,40 @@ def listed(sources: Any, beside: Sequence[Path] = ()) -> Sources:
         sources = _files(Path(sources), beside)
     elif not isinstance(sources, Iterable):
         reject("sources", type(sources).__name__, _WANTED, "Put them in a list.")
-    if not isinstance(sources, Sequence):
-        return Sources(_once(_source(i, one) for i, one in enumerate(sources)), None)
-    if not len(sources):
-        reject("sources", "none", "one test or more", "Name the records.")
-    if not all(isinstance(one, str | PathLike) for one in sources):
-        return Sources(_once(_source(i, one) for i, one in enumerate(sources)), len(sources))
-    files = [Path(one) for one in sources]
-    names = [file.name for file in files]
-    if len(set(names)) < len(names):  # then by their paths
-        names = [file.as_posix() for file in files]
-    return Sources(_once(map(Source, names, files)), len(files), files)
+    count, files = None, []
+    if isinstance(sources, Sequence):
+        count = len(sources)
+        if not count:
+            reject("sources", "none", "one test or more", "Name the records.")
+        if all(isinstance(one, str | PathLike) for one in sources):
+            files = [Path(one) for one in sources]
+            distinct = len({file.name for file in files}) == count  # else by their paths
+            sources = [(file.name if distinct else file.as_posix(), file) for file in files]
+    return Sources(_once(sources), count, files)
 
 
-def _source(number: int, one: Any) -> Source:
-    """A source; a tuple may have its name before it and its conditions behind it."""
-    argument = part("sources", number)
-    name, conditions = None, {}
-    if isinstance(one, tuple):
-        parts = list(one)
-        if len(parts) > 1 and isinstance(parts[0], str):
-            name = parts.pop(0)
-        if len(parts) > 1 and isinstance(parts[-1], Mapping):
-            conditions = parts.pop()
-        if len(parts) != 1:
-            wanted = "(name, source), (source, conditions) or (name, source, conditions)"
-            reject(argument, f"a tuple of {len(one)}", wanted, "Put repeats of one test in a list.")
-        one = parts[0]
-    given = _given(argument, one)
-    name = name or (given.name if isinstance(given, Path) else str(number))
-    return Source(name, given, FrozenDict(conditions))
+def _once(sources: Iterable[Any]) -> Iterator[Source]:
+    """Every name once; a tuple may have the name before a source and its conditions behind it."""
+    seen: set[str] = set()
+    for number, one in enumerate(sources):
+        argument = part("sources", number)
+        name, conditions = None, {}
+        if isinstance(one, tuple):
+            parts = list(one)
+            if len(parts) > 1 and isinstance(parts[0], str):
+                name = parts.pop(0)
+            if len(parts) > 1 and isinstance(parts[-1], Mapping):
+                conditions = parts.pop()
+            if len(parts) != 1:
+                wanted = "(name, source), (source, conditions) or (name, source, conditions)"
+                reject(argument, f"a tuple of {len(one)}", wanted, "Put repeats of one test in a list.")
+            one = parts[0]
+        given = _given(argument, one)
+        name = name or (given.name if isinstance(given, Path) else str(number))
+        if name in seen:
+            reject("sources", f"{name!r} more than once", "each test by a name of its own", "Rename one.")
+        seen.add(name)
+        yield Source(name, given, FrozenDict(conditions))
 
 
 def _given(argument: Argument, one: Any) -> Any:
@@ -108,25 +112,14 @@ def _given(argument: Argument, one: Any) -> Any:
     reject(argument, type(one).__name__, _WANTED, "Read or record it first.")
 
 
-def _once(sources: Iterable[Source]) -> Iterator[Source]:
-    """Every name once."""
-    seen: set[str] = set()
-    for one in sources:
-        if one.name in seen:
-            reject("sources", f"{one.name!r} more than once", "each test by a name of its own", "Rename one.")
-        seen.add(one.name)
-        yield one
-
-
 def _files(path: Path, beside: Sequence[Path]) -> list[Path]:
     """Measurements in a folder, or those that a pattern names, by their names and the numbers in them."""
     if path.is_dir():
-        found = [file for file in path.iterdir() if is_measurement(file)]
-        where = f"{str(path)!r}, a folder without measurements"
+        found, where = list(filter(is_measurement, path.iterdir())), "a folder without measurements"
     elif path.exists():
         return [path]
     elif glob.has_magic(str(path)):
-        found, where = list(map(Path, glob.glob(str(path)))), f"{str(path)!r}, which names no file"
+        found, where = list(map(Path, glob.glob(str(path)))), "which names no file"
     else:
         wanted = "a file, a folder, or a pattern such as 'year/*.uff'"
         reject("sources", f"{str(path)!r}, which does not exist", wanted, "Correct the path.")
@@ -134,17 +127,15 @@ def _files(path: Path, beside: Sequence[Path]) -> list[Path]:
     found = [file for file in found if file.resolve() not in others]
     if not found:
         wanted = f"a folder or a pattern of files that end in {' '.join(_ALL_ENDINGS)}"
-        reject("sources", where, wanted, "Name the files.")
+        reject("sources", f"{str(path)!r}, {where}", wanted, "Name the files.")
     return sorted(found, key=natural)
 
 
 def is_measurement(file: Path) -> bool:
     """By its ending; a folder in the folder is a test with a file for each response."""
-    if file.name.startswith("."):
-        return False
     if file.is_dir():
-        return not file.name.endswith(".parts")
-    return file.suffix.lower() in _ALL_ENDINGS
+        return not file.name.startswith(".") and not file.name.endswith(".parts")
+    return not file.name.startswith(".") and file.suffix.lower() in _ALL_ENDINGS
 
 
 def natural(file: Path) -> tuple[Any, ...]:
@@ -155,8 +146,7 @@ def natural(file: Path) -> tuple[Any, ...]:
 
 # -- One test of a series: read, identified, and made plain data; or the reason why not
 
-#: Plain data of a set, or the reason why there is none.
-Outcome = dict[str, Any] | str
+Outcome = dict[str, Any] | str  # plain data of a set, or the reason why there is none
 Reading = Mapping[str, Any] | Callable[[Path], Any]
 
 
@@ -169,20 +159,20 @@ class Instructions:
 
 
 class Unread(str):
-    """What stands in place of a source that could not be read, or identified: why."""
+    """What stands in place of a source that could not be read, or identified: why; data may not suit."""
+
+    unsuitable = False
 
 
 def identified(instructions: Instructions, given: Any) -> Outcome:
     """The antiresonances of one source, or in words why there are none."""
-    if isinstance(given, Unread):
-        return str(given)
-    try:
-        with unheard(), apart():
-            return encoded(set_of(_signal(instructions.reading, given), instructions.options))
-    except (MissingDependencyError, MemoryError):
-        raise  # of this machine, not of the record
-    except Exception as exc:
-        return why_not(exc)
+
+    def found() -> Outcome:
+        return encoded(set_of(_signal(instructions.reading, given), instructions.options))
+
+    with unheard(), apart():
+        outcome = given if isinstance(given, Unread) else tried(found)
+    return str(outcome) if isinstance(outcome, Unread) else outcome
 
 
 def loaded(instructions: Instructions, given: Any) -> Any:
@@ -195,9 +185,11 @@ def tried(act: Callable[..., Any], *given: Any) -> Any:
     try:
         return act(*given)
     except (MissingDependencyError, MemoryError):
-        raise
+        raise  # of this machine, not of the record
     except Exception as exc:
-        return Unread(why_not(exc))
+        found = Unread(why_not(exc))
+        found.unsuitable = isinstance(exc, InvalidInputError)
+        return found
 
 
 def why_not(exc: Exception) -> str:
@@ -208,22 +200,21 @@ def why_not(exc: Exception) -> str:
 
 
 def _signal(reading: Reading, given: Any) -> Any:
+    """A measurement of any format."""
     if isinstance(given, list):
         return [_signal(reading, one) for one in given]
-    if isinstance(given, Path):
-        return reading(given) if callable(reading) else _read(given, dict(reading))
-    return given() if callable(given) else given
-
-
-def _read(file: Path, options: dict[str, Any]) -> Any:
-    """A measurement of any format."""
-    if file.is_dir():
-        return read_frf_files(file, **options)
-    kind = options.pop("format", None) or format_by_ending(file.name)
+    if not isinstance(given, Path):
+        return given() if callable(given) else given
+    if callable(reading):
+        return reading(given)
+    options = dict(reading)
+    if given.is_dir():
+        return read_frf_files(given, **options)
+    kind = options.pop("format", None) or format_by_ending(given.name)
     if kind not in READERS:
         wanted = f"an ending out of {' '.join(_ALL_ENDINGS)}"
-        reject("path", repr(str(file)), wanted, "Name its format in reading=.")
-    return READERS[kind](file, **options)
+        reject("path", repr(str(given)), wanted, "Name its format in reading=.")
+    return READERS[kind](given, **options)
 
 
 def set_of(signal: Any, options: Mapping[str, Any]) -> AntiresonanceSet:
@@ -274,19 +265,16 @@ def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
         reject(part("reading", "format"), repr(chosen), wanted, "Leave it out where the endings tell.")
     readers: list[Any] = []
     for file in files:
-        kind = chosen or format_by_ending(file.name)
         if file.is_dir():
             readers += [read_frf_files, *READERS.values()]  # it hands options on
-        elif kind in READERS:
+        elif (kind := chosen or format_by_ending(file.name)) in READERS:
             readers.append(READERS[kind])
     if not files:  # any reader may come to read
-        readers = [READERS[chosen], read_frf_files] if chosen else [*READERS.values(), read_frf_files]
+        readers = [*([READERS[chosen]] if chosen else READERS.values()), read_frf_files]
     readers = list(dict.fromkeys(readers or READERS.values()))
-    known = {"format"}
-    for reader in readers:
-        parameters = inspect.signature(reader).parameters.values()
-        known |= {one.name for one in parameters if one.kind in (one.KEYWORD_ONLY, one.POSITIONAL_OR_KEYWORD)}
-    known -= {"path", "files"}
+    parameters = (one for reader in readers for one in inspect.signature(reader).parameters.values())
+    kinds = (inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    known = {"format", *(one.name for one in parameters if one.kind in kinds)} - {"path", "files"}
     for name in given:
         if name not in known:
             names = ", ".join(reader.__name__ for reader in readers)
@@ -313,9 +301,16 @@ def fingerprint(given: Any) -> str:
         for one in given:
             digest.update(fingerprint(one).encode())
     elif isinstance(given, Path):
-        files = sorted(file for file in given.iterdir() if file.is_file()) if given.is_dir() else [given]
-        for file in files:
-            _of_file(digest, file)
+        for file in sorted(filter(Path.is_file, given.iterdir())) if given.is_dir() else [given]:
+            try:
+                with open(file, "rb") as opened:
+                    size = opened.seek(0, 2)
+                    digest.update(f"{file.name} {size} ".encode())
+                    for at in (0,) if size <= WHOLE else (0, size // 2, size - PART):
+                        opened.seek(at)
+                        digest.update(opened.read(WHOLE if size <= WHOLE else PART))
+            except OSError as exc:  # it is not there, or may not be read: that is what is known of it
+                digest.update(type(exc).__name__.encode())
     elif isinstance(given, Recording):
         digest.update(repr((given.fs_hz, given.dofs)).encode())
         arrays = (given.responses, given.force)
@@ -329,15 +324,3 @@ def fingerprint(given: Any) -> str:
             digest.update(repr(array.shape).encode())
             digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()
-
-
-def _of_file(digest: Any, file: Path) -> None:
-    try:
-        with open(file, "rb") as opened:
-            size = opened.seek(0, 2)
-            digest.update(f"{file.name} {size} ".encode())
-            for at in (0,) if size <= WHOLE else (0, size // 2, size - PART):
-                opened.seek(at)
-                digest.update(opened.read(WHOLE if size <= WHOLE else PART))
-    except OSError as exc:  # it is not there, or may not be read: that is what is known of it
-        digest.update(type(exc).__name__.encode())

@@ -33,8 +33,7 @@ CREATE TABLE series (name TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE tests (place INTEGER PRIMARY KEY, name TEXT UNIQUE, fingerprint TEXT, conditions TEXT, time TEXT,
                     failed TEXT, facts TEXT, columns BLOB);
 """
-#: So long the end of another process that writes is waited for.
-_BUSY_S = 1.0
+_BUSY_S = 1.0  # so long the end of another process that writes is waited for
 Config = dict[str, Any]
 
 
@@ -149,8 +148,6 @@ def read_series(path: Path) -> tuple[list[Row], bool]:
 
 
 def _is_database(path: Path) -> bool:
-    if not path.is_file():
-        return False
     with open(path, "rb") as file:
         return file.read(len(_SIGNATURE)) == _SIGNATURE
 
@@ -190,8 +187,7 @@ class Store:
 
     def __init__(self, store: Any, config: Config) -> None:
         self.path: Path | None = None
-        #: Sources that were identified before and are others now.
-        self.changed: list[str] = []
+        self.changed: list[str] = []  # sources that were identified before and are others now
         self._config, self._lasting = config, isinstance(store, LastingStore)
         #: What the finished file holds, if that is of use; and all that is known.
         self._there: list[Row] | None = None
@@ -225,7 +221,7 @@ class Store:
     def _opened(self) -> tuple[sqlite3.Connection, list[Row]]:
         """The database, begun if it is not there, and its tests."""
         file = self._file
-        if file.exists() and file.stat().st_size and not _is_database(file) and file != self.path:
+        if file != self.path and file.exists() and file.stat().st_size and not _is_database(file):
             write_series(file, *_journal(file), finished=False)
         db = sqlite3.connect(file, timeout=_BUSY_S, isolation_level=None)
         try:

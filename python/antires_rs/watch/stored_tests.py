@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache, partial
 from pathlib import Path
@@ -51,7 +51,8 @@ def encoded(found: AntiresonanceSet) -> dict[str, Any]:
     peaks = {dof: ResponseTable(freq) for dof, freq in found.unexplained_hz.items()}
     grouped = zip(GROUPS, (found.tables, found.left_out, peaks), strict=True)
     tables = [(group, dof, table) for group, own in grouped for dof, table in own.items()]
-    kinds = [{name: _kind(values) for name, values in table.scores.items()} for *_, table in tables]
+    letters = dict(zip("fibuU", "fibiU", strict=True))  # of the types that scores come back as
+    kinds = [{k: letters.get(v.dtype.kind, "U") for k, v in table.scores.items()} for *_, table in tables]
     columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
     scores: dict[str, list[Any]] = {name: [] for own in kinds for name in own}
     for *_, table in tables:
@@ -95,12 +96,6 @@ def decoded(plain: Mapping[str, Any]) -> AntiresonanceSet:
     return AntiresonanceSet.from_tables(facts["excitation"], accepted, **about)
 
 
-def _kind(values: Any) -> str:
-    """Letter of the type that a score comes back as."""
-    kind = values.dtype.kind
-    return "i" if kind == "u" else kind if kind in _CASTS else "U"
-
-
 def _plain(values: Any) -> list[Any]:
     """NaN becomes None."""
     return [None if value != value else value for value in values.tolist()]
@@ -124,7 +119,7 @@ class Entry:
     @classmethod
     def kept(cls, name: str, conditions: Mapping[str, float | None], time: Any, fingerprint: str) -> Entry:
         """Out of a file, in which null stands for NaN."""
-        known = {name: np.nan if value is None else value for name, value in conditions.items()}
+        known = {key: np.nan if value is None else value for key, value in conditions.items()}
         return cls(name, known, None if time is None else np.datetime64(time, "ms"), fingerprint)
 
 
@@ -164,8 +159,7 @@ class Row(Entry):
         return cls.of(entry, None, outcome["facts"], lambda: json.loads(decompress(data)))
 
 
-#: Tuples that most tests share are held once.
-_SHARED: dict[tuple[Any, ...], tuple[Any, ...]] = {}
+_SHARED: dict[tuple[Any, ...], tuple[Any, ...]] = {}  # tuples that most tests share are held once
 
 
 def _one(item: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -219,8 +213,7 @@ def _conditions_of(rows: Sequence[Row]) -> list[str]:
 # -- Many tests as a table
 
 FORMAT, VERSION = "antires_rs.Series", 1
-#: Tests in a row group, and row groups that are held as plain data once they were read.
-GROUP, HELD = 128, 2
+GROUP, HELD = 128, 2  # tests in a row group, and row groups that are held as plain data once they were read
 #: Columns with the letters of their types, n a short integer: of every row, conditions behind them; of an
 #: antiresonance, its scores behind them; of the row of a test.
 OF_ALL = {"row": "U", "test": "n", "name": "U", "time": "M"}
@@ -250,7 +243,12 @@ def check_format(argument: str, path: Path, facts: Mapping[str, Any], newest: in
 def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) -> None:
     """Write all tests, whole or not at all; the bytes depend on nothing else."""
     conditions = _conditions_of(rows)
-    fields = OF_ALL | dict.fromkeys(conditions, "f") | OF_VALUE | _score_fields(rows) | OF_TEST
+    scores: dict[str, str] = {}
+    for name, kind in sorted({item for own in {row.kinds for row in rows} for item in own}):
+        # A score that has several types is of floats, or of texts if it has any.
+        known = scores.get(f"score_{name}", kind)
+        scores[f"score_{name}"] = kind if known == kind else "U" if "U" in (known, kind) else "f"
+    fields = OF_ALL | dict.fromkeys(conditions, "f") | OF_VALUE | scores | OF_TEST
     if not any(row.time is not None and not np.isnat(row.time) for row in rows):
         del fields["time"]
     facts = {"format": FORMAT, "version": VERSION, "made_by": __version__, "tests": len(rows)}
@@ -260,25 +258,24 @@ def write_table(path: Path, rows: Sequence[Row], config: dict[str, Any] | None) 
     with written_beside(path) as beside:
         if path.suffix.lower() == ".csv":
             with open(beside, "w", encoding="utf-8", newline="") as file:
-                table = csv.writer(file, lineterminator="\n")
-                table.writerow(fields)
+                lines = csv.writer(file, lineterminator="\n")
+                lines.writerow(fields)
                 for columns in groups:
-                    table.writerows(zip(*columns.values(), strict=True))
+                    lines.writerows(zip(*columns.values(), strict=True))
         else:
-            _write_parquet(beside, fields, facts, groups)
+            arrow = pyarrow()
+            schema = arrow.schema(
+                [(name, arrow.type_for_alias(_ARROW[kind])) for name, kind in fields.items()]
+            )
+            schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
+            write = arrow.parquet.ParquetWriter
+            with open(beside, "wb") as binary, write(binary, schema, compression="zstd") as writer:
+                for columns in groups:
+                    arrays = [arrow.array(columns[field.name], field.type) for field in schema]
+                    table = arrow.Table.from_arrays(arrays, schema=schema)
+                    writer.write_table(table, row_group_size=max(table.num_rows, 1))
         with open(beside, "rb+") as written:
             os.fsync(written.fileno())
-
-
-def _score_fields(rows: Sequence[Row]) -> dict[str, str]:
-    """Columns of the scores; one that has several types is of floats, or of texts if it has any."""
-    kinds: dict[str, set[str]] = {}
-    for name, kind in {item for own in {row.kinds for row in rows} for item in own}:
-        kinds.setdefault(name, set()).add(kind)
-    return {
-        f"score_{name}": min(several) if len(several) == 1 else "U" if "U" in several else "f"
-        for name, several in sorted(kinds.items())
-    }
 
 
 def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions: Sequence[str]) -> Columns:
@@ -313,17 +310,6 @@ def _columns(first: int, rows: Sequence[Row], fields: Iterable[str], conditions:
     return columns
 
 
-def _write_parquet(path: Path, fields: dict[str, str], facts: Any, groups: Iterator[Columns]) -> None:
-    arrow = pyarrow()
-    schema = arrow.schema([(name, arrow.type_for_alias(_ARROW[kind])) for name, kind in fields.items()])
-    schema = schema.with_metadata({"antires_rs": json.dumps(facts)})
-    with open(path, "wb") as file, arrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
-        for columns in groups:
-            arrays = [arrow.array(columns[field.name], field.type) for field in schema]
-            table = arrow.Table.from_arrays(arrays, schema=schema)
-            writer.write_table(table, row_group_size=max(table.num_rows, 1))
-
-
 # -- A series out of Parquet: what is known of all tests at once, their sets when they are asked for
 
 
@@ -345,13 +331,12 @@ def read_table(path: Path, argument: str = "path") -> tuple[list[Row], dict[str,
         for group in range(opened.num_row_groups):
             table = opened.read_row_group(group, columns=names + timed)
             own = table.filter([row == "test" for row in table.column("row").to_pylist()])
-            columns = {name: own.column(name).to_pylist() for name in names}
             times = own.column("time").to_numpy() if timed else [None] * own.num_rows
-            for i, time in enumerate(times):
-                values = {name: columns[name][i] for name in facts["conditions"]}
-                entry = Entry.kept(columns["name"][i], values, time, columns["fingerprint"][i])
-                failed, known = columns["failed"][i], json.loads(columns["facts"][i] or "null")
-                failed = failed if known is not None or failed else ""
+            for one, time in zip(own.select(names).to_pylist(), times, strict=True):
+                values = {name: one[name] for name in facts["conditions"]}
+                entry = Entry.kept(one["name"], values, time, one["fingerprint"])
+                known = json.loads(one["facts"] or "null")
+                failed = one["failed"] if known is not None or one["failed"] else ""
                 rows.append(Row.of(entry, failed, known, partial(sets.plain, len(rows))))
     return rows, facts["config"]
 
@@ -360,7 +345,7 @@ class _Sets:
     """The sets in a file, by row groups."""
 
     def __init__(self, path: Path, in_group: int) -> None:
-        self._path, self._in_group, self._made = path, in_group, _made(path)
+        self._path, self._in_group, self._state = path, in_group, path.stat()
         self._group = lru_cache(HELD)(self._read)
 
     def plain(self, nth: int) -> Plain:
@@ -377,15 +362,10 @@ class _Sets:
 
     def _read(self, group: int) -> tuple[Columns, list[int]]:
         """Columns of a row group, and where its tests begin."""
-        if _made(self._path) != self._made:
+        state = self._path.stat()
+        if (state.st_ino, state.st_mtime_ns) != (self._state.st_ino, self._state.st_mtime_ns):
             got = f"{str(self._path)!r}, which was written anew"
             reject("path", got, "the file that this series was loaded from", "Load it again.")
         with pyarrow().parquet.ParquetFile(self._path) as file:
             held: Columns = file.read_row_group(group).to_pydict()
         return held, [i for i, row in enumerate(held["row"]) if row == "test"]
-
-
-def _made(path: Path) -> tuple[int, int]:
-    """What is another for a file that was replaced."""
-    state = path.stat()
-    return state.st_ino, state.st_mtime_ns
