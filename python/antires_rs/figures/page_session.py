@@ -482,6 +482,7 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
     for at, (dof, table) in enumerate(zeros.tables.items()):
         words = doubts_of(dof, table, zeros.cross_check)
         grades = table.scores.get("grade", np.full(len(table), ""))
+        shares = [f", {share:.0%}" if share == share else "" for share in zeros.share[dof].tolist()]
         for i, by_hand in enumerate(table.by_hand):
             row: dict[str, Any] = {
                 "dof": at,
@@ -489,7 +490,7 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
                 "std_hz": _known(table.std_hz[i]),
             }
             row |= {"damping_percent": _known(100.0 * table.damping_ratio[i])}
-            row |= {"grade": "by hand" if by_hand else str(grades[i])}
+            row |= {"grade": "by hand" if by_hand else f"{grades[i]}{shares[i]}"}
             rows.append(row | {"doubts": "" if by_hand else ", ".join(words[i])})
     return rows
 

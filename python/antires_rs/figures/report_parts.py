@@ -121,8 +121,19 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     how = Counter(
         way for scores in found.scores.values() for way in np.asarray(scores.get("how", ())).tolist()
     )
-    if how["windows"] or how["directions"]:
-        facts["Accepted"] = [f"{how['windows']} seen by most fits over windows"]
+    if how["windows"] or how["directions"] or how["followed"]:
+        words = {
+            "windows": "seen by most fits over windows",
+            "directions": "seen by most perturbed local fits",
+            "followed": "followed from known values",
+        }
+        facts["Accepted"] = [f"{how[name]} {said}" for name, said in words.items() if how[name]]
+        shares = np.concatenate([*found.share.values(), np.empty(0)])
+        if shares.size and not np.all(np.isnan(shares)):
+            least, most = np.nanmin(shares), np.nanmax(shares)
+            facts["Accepted"] += [f"the share of fits that see a value is {least:.0%} to {most:.0%}"]
+        if found.expected_false is not None:
+            facts["Accepted"] += [f"at most {found.expected_false:.2g} of them false, on average"]
     elif how:
         facts["Accepted"] = [
             f"{how['chain']} stable over consecutive orders, {how['persistent']} in most orders without "
@@ -135,11 +146,20 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
 
 def of_evidence(found: AntiresonanceSet) -> Facts:
     """What was not accepted, peaks that nothing explains, and what a set knows as long as it is not saved."""
-    left = {dof: table.freq_hz for dof, table in found.left_out.items()}
     facts: Facts = {}
-    for name, values in (("Left out", left), ("Unexplained peaks", found.unexplained_hz)):
-        some = {dof: ", ".join(f"{f:.2f}" for f in freq) for dof, freq in values.items() if len(freq)}
-        facts |= {name: [f"dof {dof}: {freq} Hz" for dof, freq in some.items()]} if some else {}
+    if (misfit := found.options.get("held_back_misfit")) is not None:
+        said = "of held-back segments to one fit of the others, in the worst eighth of the band"
+        facts["Held-back misfit"] = [f"{misfit:g} times what noise makes, {said}"]
+    left = []
+    for dof, table in found.left_out.items():
+        why = np.asarray(table.scores.get("why", np.full(len(table), "")))
+        for reason in dict.fromkeys(why.tolist()):
+            freq = ", ".join(f"{f:.2f}" for f in table.freq_hz[why == reason])
+            left.append(f"dof {dof}: {freq} Hz{f', {reason}' if reason else ''}")
+    peaks = {dof: ", ".join(f"{f:.2f}" for f in freq) for dof, freq in found.unexplained_hz.items()}
+    unexplained = [f"dof {dof}: {freq} Hz" for dof, freq in peaks.items() if freq]
+    facts |= {"Left out": left} if left else {}
+    facts |= {"Unexplained peaks": unexplained} if unexplained else {}
     for one in list(found.diagrams.values())[:1]:
         low, high = one.band_hz
         facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
