@@ -17,22 +17,20 @@ from numpy.typing import NDArray
 from .. import _core
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..models.parameters import stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
 from .evidence import FURTHEST, HIGHEST, Fit, refitted
-from .inference import Elements, Learned, Search, learned_from
+from .inference import HARDLY, Elements, Learned, Search, learned_from
 from .likelihood import (
     ERRORS,
-    Band,
     Errors,
+    Likelihood,
     ModelError,
     Prepared,
     Question,
     ValueLikelihood,
     View,
-    factors_of,
     rows_of,
 )
 from .measured_states import (
@@ -40,9 +38,7 @@ from .measured_states import (
     Responses,
     Roots,
     Values,
-    measured_states,
     note_of_same_data,
-    roots_at,
     same_data,
     values_of,
 )
@@ -277,24 +273,22 @@ class Plan:
         )  # fmt: skip
 
     @cached_property
-    def states(self) -> tuple[Responses, Values]:
-        """The responses of the baseline, and its values."""
-        sets: Any = self.question.baseline
-        now: Any = self.question.measured
-        return measured_states(self.question.model, sets, now)[:2]
+    def prepared(self) -> Prepared:
+        """The full run's own likelihood: its antiresonances and errors are computed."""
+        return self.question.prepared(1)
 
-    @cached_property
-    def core(self) -> Any:
-        """The model's antiresonances, computed."""
-        model = self.question.model
-        parts = (*stiffness_reduction(self.question.numbers), *factors_of(model))
-        return self.states[0].source(model, model.description.core_parameters(parts))
+    def likelihood(self, now: Values) -> Likelihood:
+        """The same of another test."""
+        own, intact = self.prepared.likelihood, self.prepared.intact
+        return Likelihood(own.core, own.n, own.error, intact, now, own.common, 1)
 
     @cached_property
     def expected(self) -> dict[Any, Expected]:
         """By force label: what a new set may hold."""
         found, model = {}, self.question.model
-        for each, labels in zip(self.question.measured, self.states[0].labels, strict=True):
+        responses = self.prepared.responses
+        assert isinstance(responses, Responses)
+        for each, labels in zip(self.question.measured, responses.labels, strict=True):
             assert isinstance(each, AntiresonanceSet)
             force = model_dof(model, "excitation", each.excitation)
             dofs = [model_dof(model, "measured dof", label) for label in labels]
@@ -306,23 +300,6 @@ class Plan:
             found[each.excitation] = Expected(labels, zeros, each.sees, set(each.channels or ()))
         return found
 
-    def exact(self, beta: FloatArray, band: Band, *, slopes: bool) -> tuple[FloatArray, FloatArray | None]:
-        """ln f of the roots of the tables (r,), computed at severities (n,), NaN where the model has none;
-        and their slopes by all u (r, n)."""
-        x = np.concatenate([beta, self.learned.factors])
-        limits = (float(np.exp(band.low - 0.6)), float(np.exp(band.high + 0.6)))
-        roots = roots_at(self.core, x[None], slopes=slopes, threads=1, band_hz=limits)[0]
-        t = self.tables
-        _, identity = roots.since(Roots(t.all_response, t.all_log_f, np.empty((0, 0))))
-        slot, root = _slots(t.identity, t.response, roots, identity, band.low - _MARGIN, band.high + _MARGIN)
-        log_f = np.full(t.response.size, np.nan)
-        log_f[slot] = roots.log_f[root]
-        if not slopes:
-            return log_f, None
-        by_u = np.zeros((t.response.size, beta.size))
-        by_u[slot] = roots.slopes[root, : beta.size] * (1.0 - beta)
-        return log_f, by_u
-
 
 @one_blas_thread
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
@@ -333,52 +310,44 @@ def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
 
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
 
-#: Errors with which extra ones of every value are seen: as they are stated.
-_STATED: Errors = ((0.0, 1.0, 1.0),)
-
-
 class TabulatedLikelihood(ValueLikelihood):
-    """p(values of a test | severities), errors of predictions and slopes from tables."""
+    """p(values of a test | severities), with antiresonances and errors of predictions from tables; views are
+    those of the full run."""
 
     def __init__(self, plan: Plan, now: Values) -> None:
         self.plan, self.now, self.n = plan, now, len(plan.question.numbers)
-        low, high = float(now.log_f.min()), float(now.log_f.max())
-        self.band = Band(min(plan.learned.low, low), max(plan.learned.high, high))
+        self.computed = plan.likelihood(now)
         self._asked = np.arange(int(plan.tables.response.max(initial=-1)) + 1)
         self.test = self._test(0.0, 0.0)
         self.start = self.seen((), np.empty(0))
 
-    def _errors(self, extra: float) -> Errors:
-        return _STATED if extra else self.plan.errors
-
     def _test(self, extra: float, common: float) -> _core.PreparedTest:
-        now, plan = self.now, self.plan
+        now, plan, band = self.now, self.plan, self.computed.band
         return _core.PreparedTest(
             plan.tables_in_core,
             now.response.tolist(),
             now.log_f.tolist(),
-            (np.hypot(now.std, extra) if extra else now.std).tolist(),
+            now.std.tolist(),
             now.test.tolist(),
             now.times_measured(self._asked).tolist(),
-            (self.band.low, self.band.high),
+            (band.low, band.high),
             float(np.hypot(plan.question.options.std_common, common)),
-            list(self._errors(extra)),
+            extra,
+            list(plan.errors),
             plan.learned.outside,
         )
 
     def without_damage(self, extra: float, common: float) -> View:
         """See the base class."""
-        found = self._test(extra, common).look([], [])
-        return self._view(np.zeros(self.n), found, self._errors(extra))
+        return self._view(np.zeros(self.n), self._test(extra, common).look([], []))
 
     def log_without_damage(self, extra: float, common: float) -> float:
         """The same without slopes."""
-        return float(self._test(extra, common).settle([([], [])], 1, 0.0, True)[0][-1])
+        return float(self._test(extra, common).settle([([], [])], 1, 0.0)[0][-1])
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """See the base class; with computed antiresonances."""
-        sets = [tuple(np.flatnonzero(beta).tolist()) for beta in betas]
-        return [self.computed(s, -np.log1p(-beta[list(s)])) for s, beta in zip(sets, betas, strict=True)]
+        """See the base class; computed."""
+        return self.computed.views(betas, extra)
 
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """See the base class; by the roots of the tables."""
@@ -386,23 +355,14 @@ class TabulatedLikelihood(ValueLikelihood):
         asked = [(s.tolist(), (-np.log1p(-b[s])).tolist()) for s, b in zip(sets, betas, strict=True)]
         return np.array([left for _, left in self.test.refine(asked, 0)])
 
-    def seen(self, elements: Elements, u: FloatArray, *places: Any) -> View:
-        """From severities of some elements; ``places`` are ln f of the roots (r,), whether they are there,
-        and slopes, in place of those of the tables."""
+    def seen(self, elements: Elements, u: FloatArray) -> View:
+        """From severities of some elements, by the tables."""
         (beta,) = self.rows(elements, -np.expm1(-u)[None])
-        return self._view(beta, self.test.look(list(elements), u.tolist(), *places), self.plan.errors)
+        return self._view(beta, self.test.look(list(elements), u.tolist()))
 
-    def computed(self, elements: Elements, u: FloatArray, *, slopes: bool = False) -> View:
-        """The same with computed antiresonances, and slopes where they are asked for."""
-        _, beside, _ = self.test.places(list(elements), u.tolist())
-        (beta,) = self.rows(elements, -np.expm1(-u)[None])
-        log_f, by_u = self.plan.exact(beta, self.band, slopes=slopes)
-        there = np.isfinite(log_f)
-        return self.seen(elements, u, np.where(there, log_f + beside, 0.0).tolist(), there.tolist(), by_u)
-
-    def _view(self, beta: FloatArray, found: Any, errors: Errors) -> View:
+    def _view(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
-        return View(beta, log_likelihood, gain, curvature, *errors[error][:2], *rest)
+        return View(beta, log_likelihood, gain, curvature, *self.plan.errors[error][:2], *rest)
 
 
 #: Sets so near to the likeliest (log probability) are judged, at most so many of each size; more of them may
@@ -414,6 +374,10 @@ _NEAR_LINEAR = 1.0
 _LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
 _STEPS, _HOPELESS = 2, 25.0
+#: Looks at the tables from which a set is settled roughly.
+_SETTLING = 2
+#: Sets of a size in which each element is replaced by others.
+_REPLACED = 1
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
@@ -439,48 +403,56 @@ class QuickSearch(Search):
 
     def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets with one element more that explain most at any severity, and their severities (u)."""
-        chosen = self._scanned(size)
+        known = {s: fit.log_evidence for s, fit in self.fits.items()}
+        for s, (log_evidence, _) in self.rough.items():
+            known[s] = max(log_evidence, known.get(s, -np.inf))
+        own = [s for s in known if len(s) == size - 1 and not self.outside(s)]
+        parents = sorted(own, key=lambda s: -known[s])[: self._most_parents(size - 1)]
+        found = self._scanned([(s, self._u(s)) for s in parents])
+        if size == 1:
+            self.hopeless.update((e,) for e in range(self.likelihood.n) if (e,) not in found)
+        return found
+
+    def _replaced(self, elements: Elements) -> dict[Elements, FloatArray]:
+        """The same of those with another element in place of one of a set."""
+        u = self._u(elements)
+        kept = [[k for k in range(u.size) if k != nth] for nth in range(u.size)]
+        return self._scanned([(tuple(elements[k] for k in some), u[some]) for some in kept])
+
+    def _scanned(self, parents: list[tuple[Elements, FloatArray]]) -> dict[Elements, FloatArray]:
+        """Sets with one element more than ``parents``, which have severities (u): those that explain most."""
+        chosen = self._joined(parents)
         asked = [(list(elements), u) for (elements, _), u in chosen.items()]
         best: dict[Elements, tuple[float, FloatArray]] = {}
         for (elements, _), (u, score) in zip(chosen, self.likelihood.test.refine(asked, _STEPS), strict=True):
             if elements not in best or score < best[elements][0]:
                 best[elements] = score, np.array(u)
-        likeliest = sorted(best, key=lambda s: best[s][0])[: _LIKELIEST[size - 1]]
-        if size == 1:
-            self.hopeless.update((e,) for e in range(self.likelihood.n) if (e,) not in likeliest)
+        likeliest = sorted(best, key=lambda s: best[s][0])
+        likeliest = likeliest[: _LIKELIEST[len(likeliest[0]) - 1]] if likeliest else []
         return {s: best[s][1] for s in likeliest if best[s][0] < best[likeliest[0]][0] + _HOPELESS}
 
-    def _scanned(self, size: int) -> dict[tuple[Elements, int], list[float]]:
+    def _joined(self, parents: list[tuple[Elements, FloatArray]]) -> dict[tuple[Elements, int], list[float]]:
         """What a scan refines: sets with the level of their last element, and all severities (u)."""
-        known = {s: one[0] for s, one in self.rough.items()}
-        known |= {s: fit.log_evidence for s, fit in self.fits.items()}
-        own = [s for s in (*self.fits, *self.rough) if len(s) == size - 1 and not self.outside(s)]
-        parents = sorted(dict.fromkeys(own), key=lambda s: -known[s])[: self._most_parents(size - 1)]
         scans: tuple[list[FloatArray], ...] = ([], [])
-        joined: list[tuple[Elements, int]] = []
-        for parent in parents:
+        joined: list[tuple[list[tuple[int, float]], int]] = []
+        for parent, u in parents:
             further = self._further(parent)
             if further:
-                found = self.likelihood.test.scan(list(parent), self._u(parent).tolist(), further)
+                found = self.likelihood.test.scan(list(parent), u.tolist(), further)
                 for scan, one in zip(scans, found, strict=True):
                     scan.append(one)
-                joined += [(parent, e) for e in further]
+                own = list(zip(parent, u.tolist(), strict=True))
+                joined += [(own, e) for e in further]
         chosen: dict[tuple[Elements, int], list[float]] = {}
-        few = (_BY_DISTANCE, _BY_MISFIT if size > 1 else len(joined))
+        few = (_BY_DISTANCE, _BY_MISFIT if joined and joined[0][0] else len(joined))
         for scan, most in zip(scans if joined else (), few, strict=False):
             left = np.concatenate(scan)
             level = np.argmin(left, axis=1)
             order = np.argsort(left[np.arange(level.size), level], kind="stable").tolist()
-            sets = (self._with(joined[nth][0], joined[nth][1], int(level[nth])) for nth in order)
+            sets = (_with(*joined[nth], int(level[nth])) for nth in order)
             for elements, at, u in islice((one for one in sets if one[0] not in self.judged), most):
                 chosen.setdefault((elements, at), u)
         return chosen
-
-    def _with(self, parent: Elements, further: int, level: int) -> tuple[Elements, int, list[float]]:
-        """A set with one element more, the level of its severity, and all severities (u)."""
-        own = zip(parent, self._u(parent).tolist(), strict=True)
-        joined = sorted([*own, (further, float(LEVELS[level]))])
-        return tuple(e for e, _ in joined), level, [u for _, u in joined]
 
     def _larger(self, elements: Elements, view: View) -> list[int]:
         """Elements that would gain something, and those without damage all."""
@@ -495,18 +467,29 @@ class QuickSearch(Search):
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """Judge those that may be the most probable ones, the likeliest first."""
-        asked = [(list(s), u.tolist()) for s, u in chosen.items()]
-        looks = 2 if chosen and len(next(iter(chosen))) == 1 else 1
-        settled = self.likelihood.test.settle(asked, looks, _RESTS, False)
-        for elements, (_, ahead, _, _, log_evidence, _) in zip(chosen, settled, strict=True):
-            if elements not in self.judged:
-                self.rough[elements] = log_evidence, np.minimum(ahead, FURTHEST)
+        self._tabulate(chosen)
+        before: set[Elements] = set()
+        for _ in range(_REPLACED):
+            own = [s for s in chosen if len(s) > 1 and s in self.rough and s not in before]
+            if not own:
+                break
+            best = max(own, key=lambda s: self.rough[s][0])
+            before.add(best)
+            chosen = {s: u for s, u in self._replaced(best).items() if s not in self.rough}
+            self._tabulate(chosen)
+            chosen = {best: self.rough[best][1]} | chosen
         for _ in range(_MOST):
             near = self._open()
             if not near:
                 return
             self._settle(near[0])
         self.cut = bool(self._open())
+
+    def _tabulate(self, chosen: dict[Elements, FloatArray]) -> None:
+        """Evidence and severities of sets as the tables have them."""
+        asked = [(list(s), u.tolist()) for s, u in chosen.items() if s not in self.judged]
+        for (elements, _), found in zip(asked, self.likelihood.test.settle(asked, _SETTLING, _RESTS), strict=True):
+            self.rough[tuple(elements)] = found[4], np.minimum(found[1], FURTHEST)
 
     def _weights(self) -> dict[Elements, float]:
         return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
@@ -523,25 +506,32 @@ class QuickSearch(Search):
         near = (s for s, w in weights.items() if s and s not in self.judged and w > top - room[s])
         return sorted(near, key=lambda s: -weights[s])
 
-    def _settle(self, elements: Elements) -> None:
-        """Judge a set from its own severities."""
+    def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
+        """Judge a set from its own severities, as the full run does."""
         u = self._u(elements)
-        ((_, ahead, *_),) = self.likelihood.test.settle([(list(elements), u.tolist())], 5, _RESTS, True)
-        u = np.minimum(ahead, FURTHEST)
         for _ in range(_LOOKS):
-            view = self.likelihood.computed(elements, u)
-            fit = refitted(view, elements)
-            moved = _within(fit) - u
-            if np.abs(moved).max() <= _RESTS:
+            if elements in self.judged and np.abs(u - _seen_from(self.fits[elements])).max() <= rests:
                 break
-            u = u + moved
-        self.rough.pop(elements, None)
-        self.judged.add(elements)
-        self.fits[elements] = fit
-        self._judge(elements, view)
+            (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
+            self.rough.pop(elements, None)
+            self.judged.add(elements)
+            self.fits[elements] = refitted(view, elements)
+            u = self._u(elements)
+        self._judge(elements, self.fits[elements].view)
+
+    def _smaller(self) -> None:
+        """See the base class; only those that are new."""
+        smaller: dict[Elements, FloatArray] = {}
+        for elements in self._near():
+            fit = self.fits[elements]
+            there = fit.beta >= HARDLY
+            kept = tuple(e for e, has in zip(elements, there, strict=True) if has)
+            if kept and kept not in self.fits and kept not in self.rough:
+                smaller[kept] = _within(fit)[there]
+        self._refine(smaller)
 
     def _renew(self) -> None:
-        """Judge the likeliest sets anew, with computed slopes, until none that was not may be the answer."""
+        """Judge the likeliest sets anew, until none that was not may be the answer."""
         done: set[Elements] = set()
         while len(done) < _LAST:
             weights = self._weights()
@@ -550,14 +540,21 @@ class QuickSearch(Search):
             if not near:
                 return
             best = max(near, key=lambda s: weights[s])
-            for _ in range(_LOOKS):
-                u = self._u(best)
-                self.fits[best] = refitted(self.likelihood.computed(best, u, slopes=len(best) > 1), best)
-                if np.abs(self._u(best) - u).max() <= _SURE_RESTS:
-                    break
+            self._settle(best, _SURE_RESTS)
             done.add(best)
+
+
+def _with(own: list[tuple[int, float]], further: int, level: int) -> tuple[Elements, int, list[float]]:
+    """A set with one element more, the level of its severity, and all severities (u)."""
+    joined = sorted([*own, (further, float(LEVELS[level]))])
+    return tuple(e for e, _ in joined), level, [u for _, u in joined]
 
 
 def _within(fit: Fit) -> FloatArray:
     """Most probable severities of a set (u), within their bounds."""
     return np.asarray(-np.log1p(-np.minimum(fit.beta, HIGHEST)))
+
+
+def _seen_from(fit: Fit) -> FloatArray:
+    """The severities (u) from which a set was judged."""
+    return np.asarray(-np.log1p(-fit.view.beta[list(fit.elements)]))

@@ -57,7 +57,7 @@ _TOO_MUCH = 3.0
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
 _NEAR, _RENEWED = 12.0, 24
 #: Severity below which an element of a set may as well be undamaged.
-_HARDLY = 0.02
+HARDLY = 0.02
 #: About so many points of a scan of pairs; where even so there are too many, pairs of so many elements.
 _SCANNED, _ALONE = 4000, 40
 #: Multiple of the stated errors up to which a damage explains the values.
@@ -133,7 +133,7 @@ class Search:
         starts: dict[Elements, FloatArray] = {}
         for elements in self._near():
             severities = dict(zip(elements, self.fits[elements].beta, strict=True))
-            kept = tuple(e for e in elements if severities[e] >= _HARDLY)
+            kept = tuple(e for e in elements if severities[e] >= HARDLY)
             if kept and kept != elements:
                 starts[kept] = self._row(kept, [severities[e] for e in kept])
         if starts:

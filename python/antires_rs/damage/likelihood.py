@@ -555,8 +555,15 @@ class Likelihood(ValueLikelihood):
         self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
-        self._undamaged = self.roots(np.zeros((1, n_elements)), slopes=True)[0]
-        self.start = self._view(np.zeros(n_elements), self._undamaged, 0.0)
+
+    @cached_property
+    def _undamaged(self) -> Roots:
+        return self.roots(np.zeros((1, self.n)), slopes=True)[0]
+
+    @cached_property
+    def start(self) -> View:  # type: ignore[override]
+        """See the base class."""
+        return self._view(np.zeros(self.n), self._undamaged, 0.0)
 
     def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
         """The model's roots at each row of severities (m, n)."""
