@@ -20,7 +20,8 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
-from .evidence import FURTHEST, HIGHEST, Fit, refitted
+from .evidence import FURTHEST, HIGHEST, LINEAR, Fit, refitted
+from .hypotheses import UNKNOWN
 from .inference import HARDLY, Elements, Learned, Search, learned_from
 from .likelihood import (
     ERRORS,
@@ -199,6 +200,7 @@ class Expected(NamedTuple):
     zeros: dict[Any, tuple[FloatArray, Series]]
     sees: str | None
     channels: set[Any]
+    silent: set[int]  # responses that the baseline has no value of
 
 
 def read(
@@ -228,7 +230,10 @@ def read(
                 real, series = plan.zeros[label]
                 notes += sorted_out(label, table, usual, real, series, keep)
             freq, std = table.freq_hz[keep], table.std_hz[keep]
-            own[plan.number[label]] = Column(freq, std, "share" in table.scores)
+            number = plan.number[label]
+            # What neither state shows tells nothing, and a full run does not ask for it.
+            asked = bool(freq.size) or number not in plan.silent
+            own[number] = Column(freq, std, "share" in table.scores, asked)
         columns.append(own)
     twice = same_data(columns)
     values = values_of(columns, twice)
@@ -275,7 +280,7 @@ class Plan:
     @cached_property
     def prepared(self) -> Prepared:
         """The full run's own likelihood: its antiresonances and errors are computed."""
-        return self.question.prepared(1)
+        return self.question.prepared(1, silent=True)
 
     def likelihood(self, now: Values) -> Likelihood:
         """The same of another test."""
@@ -297,14 +302,15 @@ class Plan:
             zeros: dict[Any, tuple[FloatArray, Series]] = {
                 label: (real, cache(series)) for label, (real, series) in every
             }
-            found[each.excitation] = Expected(labels, zeros, each.sees, set(each.channels or ()))
+            silent = {number for number in labels.values() if not responses.parts[number][2].size}
+            found[each.excitation] = Expected(labels, zeros, each.sees, set(each.channels or ()), silent)
         return found
 
 
 @one_blas_thread
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
-    prepared = question.prepared(threads)
+    prepared = question.prepared(threads, silent=True)
     return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, question.hint()))
 
 
@@ -378,6 +384,8 @@ _STEPS, _HOPELESS = 2, 25.0
 _SETTLING = 2
 #: Sets of a size in which each element is replaced by others.
 _REPLACED = 1
+#: Pairs that are seen from single elements.
+_GROWN = 8
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
@@ -403,15 +411,19 @@ class QuickSearch(Search):
 
     def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets with one element more that explain most at any severity, and their severities (u)."""
-        known = {s: fit.log_evidence for s, fit in self.fits.items()}
-        for s, (log_evidence, _) in self.rough.items():
-            known[s] = max(log_evidence, known.get(s, -np.inf))
-        own = [s for s in known if len(s) == size - 1 and not self.outside(s)]
-        parents = sorted(own, key=lambda s: -known[s])[: self._most_parents(size - 1)]
+        parents = self._known(size - 1)[: self._most_parents(size - 1)]
         found = self._scanned([(s, self._u(s)) for s in parents])
         if size == 1:
             self.hopeless.update((e,) for e in range(self.likelihood.n) if (e,) not in found)
         return found
+
+    def _known(self, size: int) -> list[Elements]:
+        """Sets of a size, the likeliest first."""
+        known = {s: fit.log_evidence for s, fit in self.fits.items()}
+        for s, (log_evidence, _) in self.rough.items():
+            known[s] = max(log_evidence, known.get(s, -np.inf))
+        own = [s for s in known if len(s) == size and not self.outside(s)]
+        return sorted(own, key=lambda s: -known[s])
 
     def _replaced(self, elements: Elements) -> dict[Elements, FloatArray]:
         """The same of those with another element in place of one of a set."""
@@ -478,12 +490,15 @@ class QuickSearch(Search):
             chosen = {s: u for s, u in self._replaced(best).items() if s not in self.rough}
             self._tabulate(chosen)
             chosen = {best: self.rough[best][1]} | chosen
+        size = max(map(len, chosen), default=0)
         for _ in range(_MOST):
-            near = self._open()
+            near = self._open(size)
             if not near:
-                return
+                break
             self._settle(near[0])
-        self.cut = bool(self._open())
+        self.cut = bool(self._open(size))
+        if size == 1:
+            self._grow()
 
     def _tabulate(self, chosen: dict[Elements, FloatArray]) -> None:
         """Evidence and severities of sets as the tables have them."""
@@ -494,8 +509,9 @@ class QuickSearch(Search):
     def _weights(self) -> dict[Elements, float]:
         return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
 
-    def _open(self) -> list[Elements]:
-        """Sets that may be the answer and were not judged from their own severities, the likeliest first."""
+    def _open(self, size: int) -> list[Elements]:
+        """Sets of at most ``size`` elements that may be the answer and were not judged from their own
+        severities, the likeliest first."""
         weights = self._weights()
         top = max(weights.values())
         room = {s: _NEAR_LINEAR for s in weights}
@@ -503,7 +519,8 @@ class QuickSearch(Search):
             weight = log_evidence + self.log_prior(s)
             if s not in weights or weight + _NEAR > weights[s] + _NEAR_LINEAR:
                 weights[s], room[s] = weight, _NEAR
-        near = (s for s, w in weights.items() if s and s not in self.judged and w > top - room[s])
+        own = (s for s in weights if 0 < len(s) <= size and s not in self.judged)
+        near = [s for s in own if s != UNKNOWN and weights[s] > top - room[s]]
         return sorted(near, key=lambda s: -weights[s])
 
     def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
@@ -518,6 +535,27 @@ class QuickSearch(Search):
             self.fits[elements] = refitted(view, elements)
             u = self._u(elements)
         self._judge(elements, self.fits[elements].view)
+
+    @property
+    def finished(self) -> bool:
+        """See the base class; nor may a set be likelier that was not judged."""
+        most = max((log_evidence for log_evidence, _ in self.rough.values()), default=-np.inf)
+        return super().finished and most <= self._likeliest.log_evidence
+
+    def _grow(self) -> None:
+        """See pairs in the linear model of their likeliest single elements, as the full run does."""
+        found: list[tuple[float, int, int]] = []
+        for (a,) in self._known(1)[: self._most_parents(1)]:
+            view = self.likelihood.seen((a,), self._u((a,)))
+            found += [(view.log_likelihood + view.gains[e], a, e) for e in self._further((a,))]
+        asked = []
+        for _, a, e in sorted(found, reverse=True)[:_GROWN]:
+            both = sorted([(a, float(self._u((a,))[0])), (e, 0.0)])
+            asked.append(([k for k, _ in both], [u for _, u in both]))
+        for (elements, start), seen in zip(asked, self.likelihood.test.settle(asked, 1, 0.0), strict=True):
+            u, known = np.array(seen[1]), self.rough.get(tuple(elements))
+            if np.abs(u - start).max() <= LINEAR and (known is None or seen[4] > known[0]):
+                self.rough[tuple(elements)] = seen[4], u
 
     def _smaller(self) -> None:
         """See the base class; only those that are new."""

@@ -669,13 +669,14 @@ class Question:
         """All elements of the model, candidates first."""
         return (*self.elements, *(e for e in self.model._springs if e not in self.elements))
 
-    def prepared(self, threads: int) -> Prepared:
-        """Learn the model's errors from the baseline."""
+    def prepared(self, threads: int, *, silent: bool = False) -> Prepared:
+        """Learn the model's errors from the baseline; ``silent`` keeps antiresonances of responses that have
+        no value yet."""
         model, numbers, factors = self.model, self.numbers, factors_of(self.model)
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
-        core: Any = responses.source(model, parts)
+        core: Any = responses.source(model, parts, **({"silent": True} if silent else {}))
         if self.reduced and isinstance(responses, Responses):
             core = ReducedRoots(Terms(model, responses.parts, numbers, factors), core)
         if not self._taught:
