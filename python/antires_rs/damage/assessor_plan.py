@@ -22,7 +22,7 @@ from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
 from .evidence import FURTHEST, HIGHEST, LINEAR, Fit, refitted
 from .hypotheses import UNKNOWN
-from .inference import HARDLY, Elements, Learned, Search, learned_from
+from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
 from .likelihood import (
     ERRORS,
     Errors,
@@ -403,6 +403,8 @@ class QuickSearch(Search):
     #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     judged: set[Elements] = field(default_factory=set)
+    #: The same of pairs in the linear model of a single element.
+    grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 
     def _pairs(self) -> dict[Elements, FloatArray]:
@@ -411,11 +413,11 @@ class QuickSearch(Search):
 
     def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets with one element more that explain most at any severity, and their severities (u)."""
+        if size == 1:  # all are scanned
+            self.hopeless.update((e,) for e in range(self.likelihood.n))
         parents = self._known(size - 1)[: self._most_parents(size - 1)]
-        found = self._scanned([(s, self._u(s)) for s in parents])
-        if size == 1:
-            self.hopeless.update((e,) for e in range(self.likelihood.n) if (e,) not in found)
-        return found
+        grown, self.grown = {s: u for s, (_, u) in self.grown.items()}, {}
+        return grown | self._scanned([(s, self._u(s)) for s in parents])
 
     def _known(self, size: int) -> list[Elements]:
         """Sets of a size, the likeliest first."""
@@ -491,14 +493,18 @@ class QuickSearch(Search):
             self._tabulate(chosen)
             chosen = {best: self.rough[best][1]} | chosen
         size = max(map(len, chosen), default=0)
+        self._judge_open(size)
+        if size == 1:
+            self._grow()
+
+    def _judge_open(self, size: int) -> None:
+        """Judge sets of at most ``size`` elements that may be the answer."""
         for _ in range(_MOST):
             near = self._open(size)
             if not near:
                 break
             self._settle(near[0])
         self.cut = bool(self._open(size))
-        if size == 1:
-            self._grow()
 
     def _tabulate(self, chosen: dict[Elements, FloatArray]) -> None:
         """Evidence and severities of sets as the tables have them."""
@@ -539,7 +545,7 @@ class QuickSearch(Search):
     @property
     def finished(self) -> bool:
         """See the base class; nor may a set be likelier that was not judged."""
-        most = max((log_evidence for log_evidence, _ in self.rough.values()), default=-np.inf)
+        most = max((log_evidence for log_evidence, _ in self.grown.values()), default=-np.inf)
         return super().finished and most <= self._likeliest.log_evidence
 
     def _grow(self) -> None:
@@ -553,9 +559,9 @@ class QuickSearch(Search):
             both = sorted([(a, float(self._u((a,))[0])), (e, 0.0)])
             asked.append(([k for k, _ in both], [u for _, u in both]))
         for (elements, start), seen in zip(asked, self.likelihood.test.settle(asked, 1, 0.0), strict=True):
-            u, known = np.array(seen[1]), self.rough.get(tuple(elements))
-            if np.abs(u - start).max() <= LINEAR and (known is None or seen[4] > known[0]):
-                self.rough[tuple(elements)] = seen[4], u
+            u = np.array(seen[1])
+            if np.abs(u - start).max() <= LINEAR and tuple(elements) not in self.fits:
+                self.grown[tuple(elements)] = seen[4], u
 
     def _smaller(self) -> None:
         """See the base class; only those that are new."""
@@ -570,6 +576,9 @@ class QuickSearch(Search):
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, until none that was not may be the answer."""
+        linear = {s: _within(self.fits[s]) for s in self._near() if s not in self.judged and s not in self.rough}
+        self._tabulate(linear)
+        self._judge_open(LARGEST)
         done: set[Elements] = set()
         while len(done) < _LAST:
             weights = self._weights()

@@ -39,7 +39,7 @@ _MANY_ELEMENTS, _SCANNED_ELEMENTS = 60, (40, 16)
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 _COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
 #: Elements of the largest sets.
-_LARGEST = 3
+LARGEST = 3
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 #: Sets that get another one where nothing found so far is better than no element at all.
@@ -85,7 +85,7 @@ class Search:
         """Judge sets of up to three elements; after Ctrl-C those judged so far stay."""
         self._judge((), self.likelihood.start)
         try:
-            for size in range(1, min(_LARGEST, self.n_candidates) + 1):
+            for size in range(1, min(LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
@@ -170,7 +170,7 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        larger = [] if len(elements) == _LARGEST or self.outside(elements) else self._larger(elements, view)
+        larger = [] if len(elements) == LARGEST or self.outside(elements) else self._larger(elements, view)
         for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
             for fit in fitted(view, sets) if sets else ():
                 known = self.fits.get(fit.elements)
