@@ -21,7 +21,6 @@ from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
 from .evidence import FURTHEST, HIGHEST, LINEAR, Fit, refitted
-from .hypotheses import UNKNOWN
 from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
 from .likelihood import (
     ERRORS,
@@ -34,15 +33,7 @@ from .likelihood import (
     View,
     rows_of,
 )
-from .measured_states import (
-    Column,
-    Responses,
-    Roots,
-    Values,
-    note_of_same_data,
-    same_data,
-    values_of,
-)
+from .measured_states import Column, Responses, Roots, Values, note_of_same_data, same_data, values_of
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -284,8 +275,7 @@ class Plan:
 
     def likelihood(self, now: Values) -> Likelihood:
         """The same of another test."""
-        own, intact = self.prepared.likelihood, self.prepared.intact
-        return Likelihood(own.core, own.n, own.error, intact, now, own.common, 1)
+        return self.prepared.likelihood.of(now, self.prepared.intact)
 
     @cached_property
     def expected(self) -> dict[Any, Expected]:
@@ -315,6 +305,7 @@ def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
 
 
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
+
 
 class TabulatedLikelihood(ValueLikelihood):
     """p(values of a test | severities), with antiresonances and errors of predictions from tables; views are
@@ -371,21 +362,21 @@ class TabulatedLikelihood(ValueLikelihood):
         return View(beta, log_likelihood, gain, curvature, *self.plan.errors[error][:2], *rest)
 
 
-#: Sets so near to the likeliest (log probability) are judged, at most so many of each size; more of them may
-#: be found than are.
-_NEAR, _MOST = 2.5, 8
-#: The same of sets in the linear model of another one's view.
-_NEAR_LINEAR = 1.0
+#: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
+_NEAR, _MOST_LOOKS = 1.2, 10
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
 _LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
 _STEPS, _HOPELESS = 2, 25.0
-#: Looks at the tables from which a set is settled roughly.
-_SETTLING = 2
+#: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
+#: one.
+_SETTLING, _FAR = 3, 25.0
 #: Sets of a size in which each element is replaced by others.
 _REPLACED = 1
 #: Pairs that are seen from single elements.
 _GROWN = 8
+#: Sets known from another one's severities alone that are looked at from their own in the end.
+_LINEAR = 12
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
@@ -405,6 +396,7 @@ class QuickSearch(Search):
     judged: set[Elements] = field(default_factory=set)
     #: The same of pairs in the linear model of a single element.
     grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
+    looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 
     def _pairs(self) -> dict[Elements, FloatArray]:
@@ -481,6 +473,8 @@ class QuickSearch(Search):
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """Judge those that may be the most probable ones, the likeliest first."""
+        if not chosen:
+            return
         self._tabulate(chosen)
         before: set[Elements] = set()
         for _ in range(_REPLACED):
@@ -492,41 +486,41 @@ class QuickSearch(Search):
             chosen = {s: u for s, u in self._replaced(best).items() if s not in self.rough}
             self._tabulate(chosen)
             chosen = {best: self.rough[best][1]} | chosen
-        size = max(map(len, chosen), default=0)
-        self._judge_open(size)
+        size = max(map(len, chosen))
+        self._judge_open(size, 0.0)
         if size == 1:
             self._grow()
 
-    def _judge_open(self, size: int) -> None:
-        """Judge sets of at most ``size`` elements that may be the answer."""
-        for _ in range(_MOST):
-            near = self._open(size)
-            if not near:
+    def _judge_open(self, size: int, room: float) -> None:
+        """Judge sets of at most ``size`` elements that come within some room of the likeliest."""
+        while near := self._open(size, room):
+            if self.looks >= _MOST_LOOKS:
+                self.cut = room > 0.0
                 break
             self._settle(near[0])
-        self.cut = bool(self._open(size))
 
-    def _tabulate(self, chosen: dict[Elements, FloatArray]) -> None:
+    def _tabulate(self, chosen: dict[Elements, FloatArray], looks: int = _SETTLING) -> None:
         """Evidence and severities of sets as the tables have them."""
-        asked = [(list(s), u.tolist()) for s, u in chosen.items() if s not in self.judged]
-        for (elements, _), found in zip(asked, self.likelihood.test.settle(asked, _SETTLING, _RESTS), strict=True):
-            self.rough[tuple(elements)] = found[4], np.minimum(found[1], FURTHEST)
+        asked = {s: u for s, u in chosen.items() if s not in self.judged}
+        for _ in range(looks):
+            if not asked:
+                return
+            lists = [(list(s), u.tolist()) for s, u in asked.items()]
+            settled = self.likelihood.test.settle(lists, 1, _RESTS)
+            found = {s: (one[4], np.minimum(one[1], FURTHEST)) for s, one in zip(asked, settled, strict=True)}
+            self.rough |= found
+            least = max(log_evidence for log_evidence, _ in found.values()) - _FAR
+            asked = {s: u for s, (e, u) in found.items() if e > least and np.abs(u - asked[s]).max() > _RESTS}
 
     def _weights(self) -> dict[Elements, float]:
         return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
 
-    def _open(self, size: int) -> list[Elements]:
-        """Sets of at most ``size`` elements that may be the answer and were not judged from their own
-        severities, the likeliest first."""
-        weights = self._weights()
+    def _open(self, size: int, room: float) -> list[Elements]:
+        """Those of them that were not judged from their own severities, the likeliest first."""
+        rough = {s: log_evidence + self.log_prior(s) for s, (log_evidence, _) in self.rough.items()}
+        weights = {s: w for s, w in (self._weights() | rough).items() if len(s) <= size}
         top = max(weights.values())
-        room = {s: _NEAR_LINEAR for s in weights}
-        for s, (log_evidence, _) in self.rough.items():
-            weight = log_evidence + self.log_prior(s)
-            if s not in weights or weight + _NEAR > weights[s] + _NEAR_LINEAR:
-                weights[s], room[s] = weight, _NEAR
-        own = (s for s in weights if 0 < len(s) <= size and s not in self.judged)
-        near = [s for s in own if s != UNKNOWN and weights[s] > top - room[s]]
+        near = [s for s, w in weights.items() if s and s not in self.judged and w >= top - room]
         return sorted(near, key=lambda s: -weights[s])
 
     def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
@@ -536,6 +530,7 @@ class QuickSearch(Search):
             if elements in self.judged and np.abs(u - _seen_from(self.fits[elements])).max() <= rests:
                 break
             (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
+            self.looks += 1
             self.rough.pop(elements, None)
             self.judged.add(elements)
             self.fits[elements] = refitted(view, elements)
@@ -550,10 +545,13 @@ class QuickSearch(Search):
 
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""
+        if not self.finished:  # what is scanned next finds them
+            return
         found: list[tuple[float, int, int]] = []
         for (a,) in self._known(1)[: self._most_parents(1)]:
             view = self.likelihood.seen((a,), self._u((a,)))
-            found += [(view.log_likelihood + view.gains[e], a, e) for e in self._further((a,))]
+            ahead = view.log_likelihood + view.gains
+            found += [(float(ahead[e]), a, e) for e in self._further((a,))]
         asked = []
         for _, a, e in sorted(found, reverse=True)[:_GROWN]:
             both = sorted([(a, float(self._u((a,))[0])), (e, 0.0)])
@@ -576,9 +574,10 @@ class QuickSearch(Search):
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, until none that was not may be the answer."""
-        linear = {s: _within(self.fits[s]) for s in self._near() if s not in self.judged and s not in self.rough}
-        self._tabulate(linear)
-        self._judge_open(LARGEST)
+        new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
+        linear = {s: _within(self.fits[s]) for s in new}
+        self._tabulate(linear, looks=1)
+        self._judge_open(LARGEST, _NEAR)
         done: set[Elements] = set()
         while len(done) < _LAST:
             weights = self._weights()

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -534,6 +535,12 @@ class ValueLikelihood(ABC):
         return ALIKE[int(np.argmax(logs))], evidence
 
 
+def _band(now: Values, intact: Values) -> Band:
+    """Where there are values in one state or the other."""
+    both = np.concatenate([now.plain.log_f, intact.plain.log_f])
+    return Band(float(both.min()), float(both.max()))
+
+
 class Likelihood(ValueLikelihood):
     """From the roots of a model after the baseline: the core's, or those of reduced models."""
 
@@ -549,12 +556,19 @@ class Likelihood(ValueLikelihood):
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev = common, 0
-        both = np.concatenate([now.plain.log_f, intact.plain.log_f])
-        self.band = Band(float(both.min()), float(both.max()))
+        self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
+
+    def of(self, now: Values, intact: Values) -> Likelihood:
+        """The same of another test against the same baseline."""
+        other = copy(self)
+        other.now, other.band = now, _band(now, intact)
+        for made in ("_undamaged", "start", "something_else", "_alike"):
+            other.__dict__.pop(made, None)
+        return other
 
     @cached_property
     def _undamaged(self) -> Roots:

@@ -275,7 +275,7 @@ class Responses:
     noun = "antiresonances"
 
     def source(self, model: StructuralModel, parts: Any, *, silent: bool = False) -> _core.Objective:
-        """The model's antiresonances, to be asked for; those of responses without a value too if ``silent``."""
+        """The model's antiresonances, to be asked for; ``silent``: of responses without a value too."""
         asked = self.parts
         if silent:  # the core tells nothing of a response that has no value: any will do
             some = max(float(part[2].max(initial=0.0)) for part in asked)
