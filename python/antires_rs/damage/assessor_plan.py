@@ -545,8 +545,6 @@ class QuickSearch(Search):
 
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""
-        if not self.finished:  # what is scanned next finds them
-            return
         found: list[tuple[float, int, int]] = []
         for (a,) in self._known(1)[: self._most_parents(1)]:
             view = self.likelihood.seen((a,), self._u((a,)))
@@ -579,7 +577,7 @@ class QuickSearch(Search):
         self._tabulate(linear, looks=1)
         self._judge_open(LARGEST, _NEAR)
         done: set[Elements] = set()
-        while len(done) < _LAST:
+        while len(done) < _LAST and self.looks < _MOST_LOOKS:
             weights = self._weights()
             top = max(weights.values())
             near = [s for s, w in weights.items() if s and s not in done and w > top - _CLOSE]
