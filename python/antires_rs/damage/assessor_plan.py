@@ -20,7 +20,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
-from .evidence import FURTHEST, HIGHEST, LINEAR, Fit, refitted
+from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
 from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
 from .likelihood import (
     ERRORS,
@@ -548,8 +548,10 @@ class QuickSearch(Search):
         found: list[tuple[float, int, int]] = []
         for (a,) in self._known(1)[: self._most_parents(1)]:
             view = self.likelihood.seen((a,), self._u((a,)))
-            ahead = view.log_likelihood + view.gains
-            found += [(float(ahead[e]), a, e) for e in self._further((a,))]
+            own, other, rise = _both(view, a)
+            near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= LINEAR)
+            further = (e for e in self._further((a,)) if near[e])
+            found += [(view.log_likelihood + float(rise[e]), a, e) for e in further]
         asked = []
         for _, a, e in sorted(found, reverse=True)[:_GROWN]:
             both = sorted([(a, float(self._u((a,))[0])), (e, 0.0)])
@@ -586,6 +588,18 @@ class QuickSearch(Search):
             best = max(near, key=lambda s: weights[s])
             self._settle(best, _SURE_RESTS)
             done.add(best)
+
+
+def _both(view: View, a: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Newton steps (u) of one element and of each other one that joins it, and what both gain; (n,)."""
+    room = 1.0 - view.beta
+    gain = view.gain * room - 1.0
+    matrix = view.curvature * np.outer(room, room)
+    by_own, by_both, by_other = matrix[a, a] + BLIND, matrix[a], np.diag(matrix) + BLIND
+    size = np.maximum(by_own * by_other - by_both**2, 1e-9 * by_own * by_other)
+    own = (by_other * gain[a] - by_both * gain) / size
+    other = (by_own * gain - by_both * gain[a]) / size
+    return own, other, 0.5 * (gain[a] * own + gain * other)
 
 
 def _with(own: list[tuple[int, float]], further: int, level: int) -> tuple[Elements, int, list[float]]:
