@@ -371,8 +371,6 @@ _STEPS, _HOPELESS = 2, 25.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
 _SETTLING, _FAR = 3, 25.0
-#: Sets of a size in which each element is replaced by others.
-_REPLACED = 1
 #: Pairs that are seen from single elements.
 _GROWN = 8
 #: Sets known from another one's severities alone that are looked at from their own in the end.
@@ -455,9 +453,9 @@ class QuickSearch(Search):
             left = np.concatenate(scan)
             level = np.argmin(left, axis=1)
             order = np.argsort(left[np.arange(level.size), level], kind="stable").tolist()
-            sets = (_with(*joined[nth], int(level[nth])) for nth in order)
-            for elements, at, u in islice((one for one in sets if one[0] not in self.judged), most):
-                chosen.setdefault((elements, at), u)
+            sets = (_with(joined[nth][0], joined[nth][1], int(level[nth])) for nth in order)
+            for elements, at, start in islice((one for one in sets if one[0] not in self.judged), most):
+                chosen.setdefault((elements, at), start)
         return chosen
 
     def _larger(self, elements: Elements, view: View) -> list[int]:
@@ -476,17 +474,11 @@ class QuickSearch(Search):
         if not chosen:
             return
         self._tabulate(chosen)
-        before: set[Elements] = set()
-        for _ in range(_REPLACED):
-            own = [s for s in chosen if len(s) > 1 and s in self.rough and s not in before]
-            if not own:
-                break
-            best = max(own, key=lambda s: self.rough[s][0])
-            before.add(best)
-            chosen = {s: u for s, u in self._replaced(best).items() if s not in self.rough}
-            self._tabulate(chosen)
-            chosen = {best: self.rough[best][1]} | chosen
         size = max(map(len, chosen))
+        own = [s for s in chosen if s in self.rough]
+        if size > 1 and own:
+            best = max(own, key=lambda s: self.rough[s][0])
+            self._tabulate({s: u for s, u in self._replaced(best).items() if s not in self.rough})
         self._judge_open(size, 0.0)
         if size == 1:
             self._grow()
@@ -520,7 +512,7 @@ class QuickSearch(Search):
         rough = {s: log_evidence + self.log_prior(s) for s, (log_evidence, _) in self.rough.items()}
         weights = {s: w for s, w in (self._weights() | rough).items() if len(s) <= size}
         top = max(weights.values())
-        near = [s for s, w in weights.items() if s and s not in self.judged and w >= top - room]
+        near = [s for s, w in weights.items() if s and s not in self.judged and w >= top - room > -np.inf]
         return sorted(near, key=lambda s: -weights[s])
 
     def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
