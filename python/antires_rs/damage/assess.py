@@ -581,9 +581,9 @@ class Assessor(ReadOnly, Viewed):
     """Assess the damage of single tests against a baseline, each in some tens of milliseconds.
 
     What does not depend on the test is done once: the model's errors are learned from the baseline, its
-    antiresonances and their sensitivities computed over the severity of each element. A test is then judged
-    by the likelihood of :func:`assess_damage`, and the antiresonances of the answer are computed and
-    compared. Where the answer may not be that of a full run it says so, see
+    antiresonances and their sensitivities computed over the severity of each element. A test is then searched
+    in these tables, and what may be the answer is judged by the likelihood of :func:`assess_damage`, its
+    antiresonances computed. Where the answer may not be that of a full run it says so, see
     :class:`AssessedTest`.
 
     Parameters

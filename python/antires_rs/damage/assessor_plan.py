@@ -1,6 +1,6 @@
 """What is known before a test: the question, the tables, and what was learned; and the search in it.
 
-A scan and the errors of predictions come from the tables; antiresonances of the sets judged are computed.
+Sets are found in the tables; those that may be the answer are judged by the likelihood of the full run.
 """
 
 from __future__ import annotations
@@ -363,7 +363,7 @@ class TabulatedLikelihood(ValueLikelihood):
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
-_NEAR, _MOST_LOOKS = 1.2, 10
+_NEAR, _MOST_LOOKS = 0.8, 6
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
 _LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
@@ -379,17 +379,18 @@ _LINEAR = 12
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
-_RESTS, _LOOKS, _SURE_RESTS = 0.03, 3, 2e-3
+_RESTS, _LOOKS, _SURE_RESTS = 0.06, 3, 1e-2
 #: Sets within this of the likeliest are judged at the end, so many.
-_CLOSE, _LAST = 1.0, 3
+_CLOSE, _LAST = 0.4, 2
 
 
 @dataclass
 class QuickSearch(Search):
-    """A search in tables, which judges the few sets that may be the answer."""
+    """A search in tables; the few sets that may be the answer are judged as the full run judges them."""
 
     likelihood: TabulatedLikelihood
-    #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities.
+    #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities,
+    #: by computed antiresonances and errors.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     judged: set[Elements] = field(default_factory=set)
     #: The same of pairs in the linear model of a single element.
