@@ -167,20 +167,13 @@ class PreparedTest:
         times: Sequence[float],
         band: tuple[float, float],
         common: float,
+        extra: float,
         errors: Sequence[tuple[float, float, float]],
         outside: float,
     ) -> PreparedTest: ...
     def look(
-        self,
-        elements: Sequence[int],
-        u: Sequence[float],
-        place: Sequence[float] | None = None,
-        there: Sequence[bool] | None = None,
-        slopes: _Floats | None = None,
-    ) -> tuple[float, _Floats, _Floats, int, NDArray[np.intp], _Floats, _Floats, _Floats, float]: ...
-    def places(
         self, elements: Sequence[int], u: Sequence[float]
-    ) -> tuple[_Floats, _Floats, NDArray[np.bool_]]: ...
+    ) -> tuple[float, _Floats, _Floats, int, NDArray[np.intp], _Floats, _Floats, _Floats, float]: ...
     def scan(
         self, elements: Sequence[int], u: Sequence[float], further: Sequence[int]
     ) -> tuple[_Floats, _Floats]: ...
@@ -188,11 +181,7 @@ class PreparedTest:
         self, sets: Sequence[tuple[Sequence[int], Sequence[float]]], steps: int
     ) -> list[tuple[list[float], float]]: ...
     def settle(
-        self,
-        sets: Sequence[tuple[Sequence[int], Sequence[float]]],
-        looks: int,
-        rests: float,
-        errors_there: bool,
+        self, sets: Sequence[tuple[Sequence[int], Sequence[float]]], looks: int, rests: float
     ) -> list[tuple[list[float], list[float], list[float], list[float], float, float]]: ...
 
 def align(cost: _Floats, alone_row: _Floats, alone_column: _Floats) -> NDArray[np.intp]: ...

@@ -556,7 +556,7 @@ _LISTED = 1e-3
 
 def doubts(search: QuickSearch, found: Assessment) -> list[str]:
     """Why a full run is wanted."""
-    now, band, best = search.likelihood.now, search.likelihood.band, found.best
+    now, band, best = search.likelihood.now, search.likelihood.computed.band, found.best
     likeliest = [one.probability for one in found.hypotheses if not one.unknown]
     close = len(likeliest) > 1 and likeliest[1] > likeliest[0] * np.exp(-_CLOSE)
     unknown = sum(one.probability for one in found.hypotheses if one.unknown)
@@ -581,9 +581,9 @@ class Assessor(ReadOnly, Viewed):
     """Assess the damage of single tests against a baseline, each in some tens of milliseconds.
 
     What does not depend on the test is done once: the model's errors are learned from the baseline, its
-    antiresonances and their sensitivities computed over the severity of each element. A test is then judged
-    by the likelihood of :func:`assess_damage`, and the antiresonances of the answer are computed and
-    compared. Where the answer may not be that of a full run it says so, see
+    antiresonances and their sensitivities computed over the severity of each element. A test is then searched
+    in these tables, and what may be the answer is judged by the likelihood of :func:`assess_damage`, its
+    antiresonances computed. Where the answer may not be that of a full run it says so, see
     :class:`AssessedTest`.
 
     Parameters
@@ -688,7 +688,7 @@ class Assessor(ReadOnly, Viewed):
         search = QuickSearch(TabulatedLikelihood(plan, values), len(question.elements), question.prior)
         search.run()
         learned = replace(learned, assumed_std=learned.assumed_std or assumed)
-        found = concluded(search, question, learned, plan.states[1], notes=notes, least=_LISTED)
+        found = concluded(search, question, learned, plan.prepared.intact, notes=notes, least=_LISTED)
         reasons = tuple(dict.fromkeys([*strange, *doubts(search, found)]))
         severity = FrozenDict({e: found.severities.get(e, 0.0) for e in question.elements})
         return AssessedTest(bool(reasons), reasons, severity, found, FrozenDict(plan.names))

@@ -1,6 +1,6 @@
 """What is known before a test: the question, the tables, and what was learned; and the search in it.
 
-A scan and the errors of predictions come from the tables; antiresonances of the sets judged are computed.
+Sets are found in the tables; those that may be the answer are judged by the likelihood of the full run.
 """
 
 from __future__ import annotations
@@ -17,35 +17,23 @@ from numpy.typing import NDArray
 from .. import _core
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
-from ..models.parameters import stiffness_reduction
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
-from .evidence import FURTHEST, HIGHEST, Fit, refitted
-from .inference import Elements, Learned, Search, learned_from
+from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
+from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
 from .likelihood import (
     ERRORS,
-    Band,
     Errors,
+    Likelihood,
     ModelError,
     Prepared,
     Question,
     ValueLikelihood,
     View,
-    factors_of,
     rows_of,
 )
-from .measured_states import (
-    Column,
-    Responses,
-    Roots,
-    Values,
-    measured_states,
-    note_of_same_data,
-    roots_at,
-    same_data,
-    values_of,
-)
+from .measured_states import Column, Responses, Roots, Values, note_of_same_data, same_data, values_of
 
 # -- The model's antiresonances over the severity of each element, computed once
 
@@ -203,6 +191,7 @@ class Expected(NamedTuple):
     zeros: dict[Any, tuple[FloatArray, Series]]
     sees: str | None
     channels: set[Any]
+    silent: set[int]  # responses that the baseline has no value of
 
 
 def read(
@@ -232,7 +221,10 @@ def read(
                 real, series = plan.zeros[label]
                 notes += sorted_out(label, table, usual, real, series, keep)
             freq, std = table.freq_hz[keep], table.std_hz[keep]
-            own[plan.number[label]] = Column(freq, std, "share" in table.scores)
+            number = plan.number[label]
+            # What neither state shows tells nothing, and a full run does not ask for it.
+            asked = bool(freq.size) or number not in plan.silent
+            own[number] = Column(freq, std, "share" in table.scores, asked)
         columns.append(own)
     twice = same_data(columns)
     values = values_of(columns, twice)
@@ -277,24 +269,21 @@ class Plan:
         )  # fmt: skip
 
     @cached_property
-    def states(self) -> tuple[Responses, Values]:
-        """The responses of the baseline, and its values."""
-        sets: Any = self.question.baseline
-        now: Any = self.question.measured
-        return measured_states(self.question.model, sets, now)[:2]
+    def prepared(self) -> Prepared:
+        """The full run's own likelihood: its antiresonances and errors are computed."""
+        return self.question.prepared(1, silent=True)
 
-    @cached_property
-    def core(self) -> Any:
-        """The model's antiresonances, computed."""
-        model = self.question.model
-        parts = (*stiffness_reduction(self.question.numbers), *factors_of(model))
-        return self.states[0].source(model, model.description.core_parameters(parts))
+    def likelihood(self, now: Values) -> Likelihood:
+        """The same of another test."""
+        return self.prepared.likelihood.of(now, self.prepared.intact)
 
     @cached_property
     def expected(self) -> dict[Any, Expected]:
         """By force label: what a new set may hold."""
         found, model = {}, self.question.model
-        for each, labels in zip(self.question.measured, self.states[0].labels, strict=True):
+        responses = self.prepared.responses
+        assert isinstance(responses, Responses)
+        for each, labels in zip(self.question.measured, responses.labels, strict=True):
             assert isinstance(each, AntiresonanceSet)
             force = model_dof(model, "excitation", each.excitation)
             dofs = [model_dof(model, "measured dof", label) for label in labels]
@@ -303,82 +292,59 @@ class Plan:
             zeros: dict[Any, tuple[FloatArray, Series]] = {
                 label: (real, cache(series)) for label, (real, series) in every
             }
-            found[each.excitation] = Expected(labels, zeros, each.sees, set(each.channels or ()))
+            silent = {number for number in labels.values() if not responses.parts[number][2].size}
+            found[each.excitation] = Expected(labels, zeros, each.sees, set(each.channels or ()), silent)
         return found
-
-    def exact(self, beta: FloatArray, band: Band, *, slopes: bool) -> tuple[FloatArray, FloatArray | None]:
-        """ln f of the roots of the tables (r,), computed at severities (n,), NaN where the model has none;
-        and their slopes by all u (r, n)."""
-        x = np.concatenate([beta, self.learned.factors])
-        limits = (float(np.exp(band.low - 0.6)), float(np.exp(band.high + 0.6)))
-        roots = roots_at(self.core, x[None], slopes=slopes, threads=1, band_hz=limits)[0]
-        t = self.tables
-        _, identity = roots.since(Roots(t.all_response, t.all_log_f, np.empty((0, 0))))
-        slot, root = _slots(t.identity, t.response, roots, identity, band.low - _MARGIN, band.high + _MARGIN)
-        log_f = np.full(t.response.size, np.nan)
-        log_f[slot] = roots.log_f[root]
-        if not slopes:
-            return log_f, None
-        by_u = np.zeros((t.response.size, beta.size))
-        by_u[slot] = roots.slopes[root, : beta.size] * (1.0 - beta)
-        return log_f, by_u
 
 
 @one_blas_thread
 def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
     """Learn from the baseline and compute the tables."""
-    prepared = question.prepared(threads)
+    prepared = question.prepared(threads, silent=True)
     return Plan(question, tables_of(prepared), learned_from(prepared, question, rng, question.hint()))
 
 
 # -- The search of :mod:`~antires_rs.damage.inference` with antiresonances from tables, for one test
 
-#: Errors with which extra ones of every value are seen: as they are stated.
-_STATED: Errors = ((0.0, 1.0, 1.0),)
-
 
 class TabulatedLikelihood(ValueLikelihood):
-    """p(values of a test | severities), errors of predictions and slopes from tables."""
+    """p(values of a test | severities), with antiresonances and errors of predictions from tables; views are
+    those of the full run."""
 
     def __init__(self, plan: Plan, now: Values) -> None:
         self.plan, self.now, self.n = plan, now, len(plan.question.numbers)
-        low, high = float(now.log_f.min()), float(now.log_f.max())
-        self.band = Band(min(plan.learned.low, low), max(plan.learned.high, high))
+        self.computed = plan.likelihood(now)
         self._asked = np.arange(int(plan.tables.response.max(initial=-1)) + 1)
         self.test = self._test(0.0, 0.0)
         self.start = self.seen((), np.empty(0))
 
-    def _errors(self, extra: float) -> Errors:
-        return _STATED if extra else self.plan.errors
-
     def _test(self, extra: float, common: float) -> _core.PreparedTest:
-        now, plan = self.now, self.plan
+        now, plan, band = self.now, self.plan, self.computed.band
         return _core.PreparedTest(
             plan.tables_in_core,
             now.response.tolist(),
             now.log_f.tolist(),
-            (np.hypot(now.std, extra) if extra else now.std).tolist(),
+            now.std.tolist(),
             now.test.tolist(),
             now.times_measured(self._asked).tolist(),
-            (self.band.low, self.band.high),
+            (band.low, band.high),
             float(np.hypot(plan.question.options.std_common, common)),
-            list(self._errors(extra)),
+            extra,
+            list(plan.errors),
             plan.learned.outside,
         )
 
     def without_damage(self, extra: float, common: float) -> View:
         """See the base class."""
-        found = self._test(extra, common).look([], [])
-        return self._view(np.zeros(self.n), found, self._errors(extra))
+        return self._view(np.zeros(self.n), self._test(extra, common).look([], []))
 
     def log_without_damage(self, extra: float, common: float) -> float:
         """The same without slopes."""
-        return float(self._test(extra, common).settle([([], [])], 1, 0.0, True)[0][-1])
+        return float(self._test(extra, common).settle([([], [])], 1, 0.0)[0][-1])
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
-        """See the base class; with computed antiresonances."""
-        sets = [tuple(np.flatnonzero(beta).tolist()) for beta in betas]
-        return [self.computed(s, -np.log1p(-beta[list(s)])) for s, beta in zip(sets, betas, strict=True)]
+        """See the base class; computed."""
+        return self.computed.views(betas, extra)
 
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """See the base class; by the roots of the tables."""
@@ -386,51 +352,50 @@ class TabulatedLikelihood(ValueLikelihood):
         asked = [(s.tolist(), (-np.log1p(-b[s])).tolist()) for s, b in zip(sets, betas, strict=True)]
         return np.array([left for _, left in self.test.refine(asked, 0)])
 
-    def seen(self, elements: Elements, u: FloatArray, *places: Any) -> View:
-        """From severities of some elements; ``places`` are ln f of the roots (r,), whether they are there,
-        and slopes, in place of those of the tables."""
+    def seen(self, elements: Elements, u: FloatArray) -> View:
+        """From severities of some elements, by the tables."""
         (beta,) = self.rows(elements, -np.expm1(-u)[None])
-        return self._view(beta, self.test.look(list(elements), u.tolist(), *places), self.plan.errors)
+        return self._view(beta, self.test.look(list(elements), u.tolist()))
 
-    def computed(self, elements: Elements, u: FloatArray, *, slopes: bool = False) -> View:
-        """The same with computed antiresonances, and slopes where they are asked for."""
-        _, beside, _ = self.test.places(list(elements), u.tolist())
-        (beta,) = self.rows(elements, -np.expm1(-u)[None])
-        log_f, by_u = self.plan.exact(beta, self.band, slopes=slopes)
-        there = np.isfinite(log_f)
-        return self.seen(elements, u, np.where(there, log_f + beside, 0.0).tolist(), there.tolist(), by_u)
-
-    def _view(self, beta: FloatArray, found: Any, errors: Errors) -> View:
+    def _view(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
-        return View(beta, log_likelihood, gain, curvature, *errors[error][:2], *rest)
+        return View(beta, log_likelihood, gain, curvature, *self.plan.errors[error][:2], *rest)
 
 
-#: Sets so near to the likeliest (log probability) are judged, at most so many of each size; more of them may
-#: be found than are.
-_NEAR, _MOST = 2.5, 8
-#: The same of sets in the linear model of another one's view.
-_NEAR_LINEAR = 1.0
+#: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
+_NEAR, _MOST_LOOKS = 0.8, 6
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
 _LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
 _STEPS, _HOPELESS = 2, 25.0
+#: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
+#: one.
+_SETTLING, _FAR = 3, 25.0
+#: Pairs that are seen from single elements.
+_GROWN = 8
+#: Sets known from another one's severities alone that are looked at from their own in the end.
+_LINEAR = 12
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
-_RESTS, _LOOKS, _SURE_RESTS = 0.03, 3, 2e-3
+_RESTS, _LOOKS, _SURE_RESTS = 0.06, 3, 1e-2
 #: Sets within this of the likeliest are judged at the end, so many.
-_CLOSE, _LAST = 1.0, 3
+_CLOSE, _LAST = 0.4, 2
 
 
 @dataclass
 class QuickSearch(Search):
-    """A search in tables, which judges the few sets that may be the answer."""
+    """A search in tables; the few sets that may be the answer are judged as the full run judges them."""
 
     likelihood: TabulatedLikelihood
-    #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities.
+    #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities,
+    #: by computed antiresonances and errors.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     judged: set[Elements] = field(default_factory=set)
+    #: The same of pairs in the linear model of a single element.
+    grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
+    looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 
     def _pairs(self) -> dict[Elements, FloatArray]:
@@ -439,48 +404,60 @@ class QuickSearch(Search):
 
     def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets with one element more that explain most at any severity, and their severities (u)."""
-        chosen = self._scanned(size)
+        if size == 1:  # all are scanned
+            self.hopeless.update((e,) for e in range(self.likelihood.n))
+        parents = self._known(size - 1)[: self._most_parents(size - 1)]
+        grown, self.grown = {s: u for s, (_, u) in self.grown.items()}, {}
+        return grown | self._scanned([(s, self._u(s)) for s in parents])
+
+    def _known(self, size: int) -> list[Elements]:
+        """Sets of a size, the likeliest first."""
+        known = {s: fit.log_evidence for s, fit in self.fits.items()}
+        for s, (log_evidence, _) in self.rough.items():
+            known[s] = max(log_evidence, known.get(s, -np.inf))
+        own = [s for s in known if len(s) == size and not self.outside(s)]
+        return sorted(own, key=lambda s: -known[s])
+
+    def _replaced(self, elements: Elements) -> dict[Elements, FloatArray]:
+        """The same of those with another element in place of one of a set."""
+        u = self._u(elements)
+        kept = [[k for k in range(u.size) if k != nth] for nth in range(u.size)]
+        return self._scanned([(tuple(elements[k] for k in some), u[some]) for some in kept])
+
+    def _scanned(self, parents: list[tuple[Elements, FloatArray]]) -> dict[Elements, FloatArray]:
+        """Sets with one element more than ``parents``, which have severities (u): those that explain most."""
+        chosen = self._joined(parents)
         asked = [(list(elements), u) for (elements, _), u in chosen.items()]
         best: dict[Elements, tuple[float, FloatArray]] = {}
         for (elements, _), (u, score) in zip(chosen, self.likelihood.test.refine(asked, _STEPS), strict=True):
             if elements not in best or score < best[elements][0]:
                 best[elements] = score, np.array(u)
-        likeliest = sorted(best, key=lambda s: best[s][0])[: _LIKELIEST[size - 1]]
-        if size == 1:
-            self.hopeless.update((e,) for e in range(self.likelihood.n) if (e,) not in likeliest)
+        likeliest = sorted(best, key=lambda s: best[s][0])
+        likeliest = likeliest[: _LIKELIEST[len(likeliest[0]) - 1]] if likeliest else []
         return {s: best[s][1] for s in likeliest if best[s][0] < best[likeliest[0]][0] + _HOPELESS}
 
-    def _scanned(self, size: int) -> dict[tuple[Elements, int], list[float]]:
+    def _joined(self, parents: list[tuple[Elements, FloatArray]]) -> dict[tuple[Elements, int], list[float]]:
         """What a scan refines: sets with the level of their last element, and all severities (u)."""
-        known = {s: one[0] for s, one in self.rough.items()}
-        known |= {s: fit.log_evidence for s, fit in self.fits.items()}
-        own = [s for s in (*self.fits, *self.rough) if len(s) == size - 1 and not self.outside(s)]
-        parents = sorted(dict.fromkeys(own), key=lambda s: -known[s])[: self._most_parents(size - 1)]
         scans: tuple[list[FloatArray], ...] = ([], [])
-        joined: list[tuple[Elements, int]] = []
-        for parent in parents:
+        joined: list[tuple[list[tuple[int, float]], int]] = []
+        for parent, u in parents:
             further = self._further(parent)
             if further:
-                found = self.likelihood.test.scan(list(parent), self._u(parent).tolist(), further)
+                found = self.likelihood.test.scan(list(parent), u.tolist(), further)
                 for scan, one in zip(scans, found, strict=True):
                     scan.append(one)
-                joined += [(parent, e) for e in further]
+                own = list(zip(parent, u.tolist(), strict=True))
+                joined += [(own, e) for e in further]
         chosen: dict[tuple[Elements, int], list[float]] = {}
-        few = (_BY_DISTANCE, _BY_MISFIT if size > 1 else len(joined))
+        few = (_BY_DISTANCE, _BY_MISFIT if joined and joined[0][0] else len(joined))
         for scan, most in zip(scans if joined else (), few, strict=False):
             left = np.concatenate(scan)
             level = np.argmin(left, axis=1)
             order = np.argsort(left[np.arange(level.size), level], kind="stable").tolist()
-            sets = (self._with(joined[nth][0], joined[nth][1], int(level[nth])) for nth in order)
-            for elements, at, u in islice((one for one in sets if one[0] not in self.judged), most):
-                chosen.setdefault((elements, at), u)
+            sets = (_with(joined[nth][0], joined[nth][1], int(level[nth])) for nth in order)
+            for elements, at, start in islice((one for one in sets if one[0] not in self.judged), most):
+                chosen.setdefault((elements, at), start)
         return chosen
-
-    def _with(self, parent: Elements, further: int, level: int) -> tuple[Elements, int, list[float]]:
-        """A set with one element more, the level of its severity, and all severities (u)."""
-        own = zip(parent, self._u(parent).tolist(), strict=True)
-        joined = sorted([*own, (further, float(LEVELS[level]))])
-        return tuple(e for e, _ in joined), level, [u for _, u in joined]
 
     def _larger(self, elements: Elements, view: View) -> list[int]:
         """Elements that would gain something, and those without damage all."""
@@ -495,69 +472,140 @@ class QuickSearch(Search):
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
         """Judge those that may be the most probable ones, the likeliest first."""
-        asked = [(list(s), u.tolist()) for s, u in chosen.items()]
-        looks = 2 if chosen and len(next(iter(chosen))) == 1 else 1
-        settled = self.likelihood.test.settle(asked, looks, _RESTS, False)
-        for elements, (_, ahead, _, _, log_evidence, _) in zip(chosen, settled, strict=True):
-            if elements not in self.judged:
-                self.rough[elements] = log_evidence, np.minimum(ahead, FURTHEST)
-        for _ in range(_MOST):
-            near = self._open()
-            if not near:
-                return
+        if not chosen:
+            return
+        self._tabulate(chosen)
+        size = max(map(len, chosen))
+        own = [s for s in chosen if s in self.rough]
+        if size > 1 and own:
+            best = max(own, key=lambda s: self.rough[s][0])
+            self._tabulate({s: u for s, u in self._replaced(best).items() if s not in self.rough})
+        self._judge_open(size, 0.0)
+        if size == 1:
+            self._grow()
+
+    def _judge_open(self, size: int, room: float) -> None:
+        """Judge sets of at most ``size`` elements that come within some room of the likeliest."""
+        while near := self._open(size, room):
+            if self.looks >= _MOST_LOOKS:
+                self.cut = room > 0.0
+                break
             self._settle(near[0])
-        self.cut = bool(self._open())
+
+    def _tabulate(self, chosen: dict[Elements, FloatArray], looks: int = _SETTLING) -> None:
+        """Evidence and severities of sets as the tables have them."""
+        asked = {s: u for s, u in chosen.items() if s not in self.judged}
+        for _ in range(looks):
+            if not asked:
+                return
+            lists = [(list(s), u.tolist()) for s, u in asked.items()]
+            settled = self.likelihood.test.settle(lists, 1, _RESTS)
+            found = {s: (one[4], np.minimum(one[1], FURTHEST)) for s, one in zip(asked, settled, strict=True)}
+            self.rough |= found
+            least = max(log_evidence for log_evidence, _ in found.values()) - _FAR
+            asked = {s: u for s, (e, u) in found.items() if e > least and np.abs(u - asked[s]).max() > _RESTS}
 
     def _weights(self) -> dict[Elements, float]:
         return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
 
-    def _open(self) -> list[Elements]:
-        """Sets that may be the answer and were not judged from their own severities, the likeliest first."""
-        weights = self._weights()
+    def _open(self, size: int, room: float) -> list[Elements]:
+        """Those of them that were not judged from their own severities, the likeliest first."""
+        rough = {s: log_evidence + self.log_prior(s) for s, (log_evidence, _) in self.rough.items()}
+        weights = {s: w for s, w in (self._weights() | rough).items() if len(s) <= size}
         top = max(weights.values())
-        room = {s: _NEAR_LINEAR for s in weights}
-        for s, (log_evidence, _) in self.rough.items():
-            weight = log_evidence + self.log_prior(s)
-            if s not in weights or weight + _NEAR > weights[s] + _NEAR_LINEAR:
-                weights[s], room[s] = weight, _NEAR
-        near = (s for s, w in weights.items() if s and s not in self.judged and w > top - room[s])
+        near = [s for s, w in weights.items() if s and s not in self.judged and w >= top - room > -np.inf]
         return sorted(near, key=lambda s: -weights[s])
 
-    def _settle(self, elements: Elements) -> None:
-        """Judge a set from its own severities."""
+    def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
+        """Judge a set from its own severities, as the full run does."""
         u = self._u(elements)
-        ((_, ahead, *_),) = self.likelihood.test.settle([(list(elements), u.tolist())], 5, _RESTS, True)
-        u = np.minimum(ahead, FURTHEST)
         for _ in range(_LOOKS):
-            view = self.likelihood.computed(elements, u)
-            fit = refitted(view, elements)
-            moved = _within(fit) - u
-            if np.abs(moved).max() <= _RESTS:
+            if elements in self.judged and np.abs(u - _seen_from(self.fits[elements])).max() <= rests:
                 break
-            u = u + moved
-        self.rough.pop(elements, None)
-        self.judged.add(elements)
-        self.fits[elements] = fit
-        self._judge(elements, view)
+            (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
+            self.looks += 1
+            self.rough.pop(elements, None)
+            self.judged.add(elements)
+            self.fits[elements] = refitted(view, elements)
+            u = self._u(elements)
+        self._judge(elements, self.fits[elements].view)
+
+    @property
+    def finished(self) -> bool:
+        """See the base class; nor may a set be likelier that was not judged."""
+        most = max((log_evidence for log_evidence, _ in self.grown.values()), default=-np.inf)
+        return super().finished and most <= self._likeliest.log_evidence
+
+    def _grow(self) -> None:
+        """See pairs in the linear model of their likeliest single elements, as the full run does."""
+        found: list[tuple[float, int, int]] = []
+        for (a,) in self._known(1)[: self._most_parents(1)]:
+            view = self.likelihood.seen((a,), self._u((a,)))
+            own, other, rise = _both(view, a)
+            near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= LINEAR)
+            further = (e for e in self._further((a,)) if near[e])
+            found += [(view.log_likelihood + float(rise[e]), a, e) for e in further]
+        asked = []
+        for _, a, e in sorted(found, reverse=True)[:_GROWN]:
+            both = sorted([(a, float(self._u((a,))[0])), (e, 0.0)])
+            asked.append(([k for k, _ in both], [u for _, u in both]))
+        for (elements, start), seen in zip(asked, self.likelihood.test.settle(asked, 1, 0.0), strict=True):
+            u = np.array(seen[1])
+            if np.abs(u - start).max() <= LINEAR and tuple(elements) not in self.fits:
+                self.grown[tuple(elements)] = seen[4], u
+
+    def _smaller(self) -> None:
+        """See the base class; only those that are new."""
+        smaller: dict[Elements, FloatArray] = {}
+        for elements in self._near():
+            fit = self.fits[elements]
+            there = fit.beta >= HARDLY
+            kept = tuple(e for e, has in zip(elements, there, strict=True) if has)
+            if kept and kept not in self.fits and kept not in self.rough:
+                smaller[kept] = _within(fit)[there]
+        self._refine(smaller)
 
     def _renew(self) -> None:
-        """Judge the likeliest sets anew, with computed slopes, until none that was not may be the answer."""
+        """Judge the likeliest sets anew, until none that was not may be the answer."""
+        new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
+        linear = {s: _within(self.fits[s]) for s in new}
+        self._tabulate(linear, looks=1)
+        self._judge_open(LARGEST, _NEAR)
         done: set[Elements] = set()
-        while len(done) < _LAST:
+        while len(done) < _LAST and self.looks < _MOST_LOOKS:
             weights = self._weights()
             top = max(weights.values())
             near = [s for s, w in weights.items() if s and s not in done and w > top - _CLOSE]
             if not near:
                 return
             best = max(near, key=lambda s: weights[s])
-            for _ in range(_LOOKS):
-                u = self._u(best)
-                self.fits[best] = refitted(self.likelihood.computed(best, u, slopes=len(best) > 1), best)
-                if np.abs(self._u(best) - u).max() <= _SURE_RESTS:
-                    break
+            self._settle(best, _SURE_RESTS)
             done.add(best)
+
+
+def _both(view: View, a: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Newton steps (u) of one element and of each other one that joins it, and what both gain; (n,)."""
+    room = 1.0 - view.beta
+    gain = view.gain * room - 1.0
+    matrix = view.curvature * np.outer(room, room)
+    by_own, by_both, by_other = matrix[a, a] + BLIND, matrix[a], np.diag(matrix) + BLIND
+    size = np.maximum(by_own * by_other - by_both**2, 1e-9 * by_own * by_other)
+    own = (by_other * gain[a] - by_both * gain) / size
+    other = (by_own * gain - by_both * gain[a]) / size
+    return own, other, 0.5 * (gain[a] * own + gain * other)
+
+
+def _with(own: list[tuple[int, float]], further: int, level: int) -> tuple[Elements, int, list[float]]:
+    """A set with one element more, the level of its severity, and all severities (u)."""
+    joined = sorted([*own, (further, float(LEVELS[level]))])
+    return tuple(e for e, _ in joined), level, [u for _, u in joined]
 
 
 def _within(fit: Fit) -> FloatArray:
     """Most probable severities of a set (u), within their bounds."""
     return np.asarray(-np.log1p(-np.minimum(fit.beta, HIGHEST)))
+
+
+def _seen_from(fit: Fit) -> FloatArray:
+    """The severities (u) from which a set was judged."""
+    return np.asarray(-np.log1p(-fit.view.beta[list(fit.elements)]))

@@ -142,7 +142,7 @@ def _rule(n: int) -> tuple[FloatArray, FloatArray]:
 
 
 #: Change of u up to which the roots count as linear.
-_LINEAR = 0.12
+LINEAR = 0.12
 #: So near to the largest u counts as there.
 _ON_BOUND = 1e-9
 #: Precision of u where nothing sees it.
@@ -196,7 +196,7 @@ class Fit:
         return low, high
 
 
-def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = _LINEAR) -> list[Fit]:
+def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR) -> list[Fit]:
     """Sets of one size as seen from one point; not those whose severities are too far from there, in u."""
     at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
     size = at.shape[1]

@@ -39,7 +39,7 @@ _MANY_ELEMENTS, _SCANNED_ELEMENTS = 60, (40, 16)
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 _COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
 #: Elements of the largest sets.
-_LARGEST = 3
+LARGEST = 3
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 #: Sets that get another one where nothing found so far is better than no element at all.
@@ -57,7 +57,7 @@ _TOO_MUCH = 3.0
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
 _NEAR, _RENEWED = 12.0, 24
 #: Severity below which an element of a set may as well be undamaged.
-_HARDLY = 0.02
+HARDLY = 0.02
 #: About so many points of a scan of pairs; where even so there are too many, pairs of so many elements.
 _SCANNED, _ALONE = 4000, 40
 #: Multiple of the stated errors up to which a damage explains the values.
@@ -85,7 +85,7 @@ class Search:
         """Judge sets of up to three elements; after Ctrl-C those judged so far stay."""
         self._judge((), self.likelihood.start)
         try:
-            for size in range(1, min(_LARGEST, self.n_candidates) + 1):
+            for size in range(1, min(LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
@@ -133,7 +133,7 @@ class Search:
         starts: dict[Elements, FloatArray] = {}
         for elements in self._near():
             severities = dict(zip(elements, self.fits[elements].beta, strict=True))
-            kept = tuple(e for e in elements if severities[e] >= _HARDLY)
+            kept = tuple(e for e in elements if severities[e] >= HARDLY)
             if kept and kept != elements:
                 starts[kept] = self._row(kept, [severities[e] for e in kept])
         if starts:
@@ -170,7 +170,7 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
-        larger = [] if len(elements) == _LARGEST or self.outside(elements) else self._larger(elements, view)
+        larger = [] if len(elements) == LARGEST or self.outside(elements) else self._larger(elements, view)
         for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
             for fit in fitted(view, sets) if sets else ():
                 known = self.fits.get(fit.elements)

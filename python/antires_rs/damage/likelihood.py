@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -534,6 +535,12 @@ class ValueLikelihood(ABC):
         return ALIKE[int(np.argmax(logs))], evidence
 
 
+def _band(now: Values, intact: Values) -> Band:
+    """Where there are values in one state or the other."""
+    both = np.concatenate([now.plain.log_f, intact.plain.log_f])
+    return Band(float(both.min()), float(both.max()))
+
+
 class Likelihood(ValueLikelihood):
     """From the roots of a model after the baseline: the core's, or those of reduced models."""
 
@@ -549,14 +556,28 @@ class Likelihood(ValueLikelihood):
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev = common, 0
-        both = np.concatenate([now.plain.log_f, intact.plain.log_f])
-        self.band = Band(float(both.min()), float(both.max()))
+        self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
-        self._undamaged = self.roots(np.zeros((1, n_elements)), slopes=True)[0]
-        self.start = self._view(np.zeros(n_elements), self._undamaged, 0.0)
+
+    def of(self, now: Values, intact: Values) -> Likelihood:
+        """The same of another test against the same baseline."""
+        other = copy(self)
+        other.now, other.band = now, _band(now, intact)
+        for made in ("_undamaged", "start", "something_else", "_alike"):
+            other.__dict__.pop(made, None)
+        return other
+
+    @cached_property
+    def _undamaged(self) -> Roots:
+        return self.roots(np.zeros((1, self.n)), slopes=True)[0]
+
+    @cached_property
+    def start(self) -> View:  # type: ignore[override]
+        """See the base class."""
+        return self._view(np.zeros(self.n), self._undamaged, 0.0)
 
     def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
         """The model's roots at each row of severities (m, n)."""
@@ -662,13 +683,14 @@ class Question:
         """All elements of the model, candidates first."""
         return (*self.elements, *(e for e in self.model._springs if e not in self.elements))
 
-    def prepared(self, threads: int) -> Prepared:
-        """Learn the model's errors from the baseline."""
+    def prepared(self, threads: int, *, silent: bool = False) -> Prepared:
+        """Learn the model's errors from the baseline; ``silent`` keeps antiresonances of responses that have
+        no value yet."""
         model, numbers, factors = self.model, self.numbers, factors_of(self.model)
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
-        core: Any = responses.source(model, parts)
+        core: Any = responses.source(model, parts, **({"silent": True} if silent else {}))
         if self.reduced and isinstance(responses, Responses):
             core = ReducedRoots(Terms(model, responses.parts, numbers, factors), core)
         if not self._taught:

@@ -274,9 +274,13 @@ class Responses:
     tests: tuple[int, ...]  # force of each intact test
     noun = "antiresonances"
 
-    def source(self, model: StructuralModel, parts: Any) -> _core.Objective:
-        """The model's antiresonances, to be asked for."""
-        return antiresonance_objective(model, parts, self.parts, "squared", None, 0.0, None)
+    def source(self, model: StructuralModel, parts: Any, *, silent: bool = False) -> _core.Objective:
+        """The model's antiresonances, to be asked for; ``silent``: of responses without a value too."""
+        asked = self.parts
+        if silent:  # the core tells nothing of a response that has no value: any will do
+            some = max(float(part[2].max(initial=0.0)) for part in asked)
+            asked = [(*part[:2], part[2] if part[2].size else np.array([some]), *part[3:]) for part in asked]
+        return antiresonance_objective(model, parts, asked, "squared", None, 0.0, None)
 
     def corrected(
         self, now: Values, roots: Roots, partner: NDArray[np.intp], beside: FloatArray

@@ -1,6 +1,6 @@
 //! Damage from tables: the arrays of a plan and of a test, handed to the core.
 
-use antires_core::prepared::look::{Errors, Look, look};
+use antires_core::prepared::look::{Look, look};
 use antires_core::prepared::nearest::{refined, scanned, settled, variances};
 use antires_core::prepared::tables::{Error, Places, Tables, Test};
 use numpy::{
@@ -87,6 +87,7 @@ pub struct PreparedTest {
     times: Vec<f64>,
     band: (f64, f64),
     common: f64,
+    extra: f64,
     errors: Vec<Error>,
     outside: f64,
     variance: Vec<f64>,
@@ -120,6 +121,7 @@ impl PreparedTest {
             low: self.band.0,
             high: self.band.1,
             common: self.common,
+            extra: self.extra,
             errors: &self.errors,
         }
     }
@@ -147,6 +149,7 @@ impl PreparedTest {
         times: Vec<f64>,
         band: (f64, f64),
         common: f64,
+        extra: f64,
         errors: Vec<Error>,
         outside: f64,
     ) -> PyResult<Self> {
@@ -159,6 +162,7 @@ impl PreparedTest {
             times,
             band,
             common,
+            extra,
             errors,
             outside,
             variance: Vec::new(),
@@ -173,33 +177,15 @@ impl PreparedTest {
         Ok(made)
     }
 
-    /// The values as seen from severities of some elements, with slopes by all; `place`, `there` and `slopes`
-    /// in place of what the tables hold.
-    #[pyo3(signature = (elements, u, place=None, there=None, slopes=None))]
-    fn look<'py>(
-        &self,
-        py: Python<'py>,
-        elements: Vec<usize>,
-        u: Vec<f64>,
-        place: Option<Vec<f64>>,
-        there: Option<Vec<bool>>,
-        slopes: Option<PyReadonlyArray2<'py, f64>>,
-    ) -> PyResult<PyLook<'py>> {
+    /// The values as seen from severities of some elements, with slopes by all.
+    fn look<'py>(&self, py: Python<'py>, elements: Vec<usize>, u: Vec<f64>) -> PyResult<PyLook<'py>> {
         let borrowed = self.tables.get().borrowed(py);
         let t = borrowed.tables()?;
         known(&t, &elements, &u)?;
-        let mut at = Places::new(&t, &elements, &u);
-        if let (Some(place), Some(there)) = (place, there) {
-            (at.place, at.there) = (place, there);
-        }
-        at.slopes = slopes.map(|s| s.as_array().iter().copied().collect());
-        let slopes_fit = at.slopes.as_ref().is_none_or(|s| s.len() == t.size() * t.n);
-        if [at.place.len(), at.there.len()] != [t.size(); 2] || !slopes_fit {
-            return Err(InternalError::new_err("places of different lengths"));
-        }
+        let at = Places::new(&t, &elements, &u);
         let all: Vec<usize> = (0..t.n).collect();
         let test = self.test();
-        let found: Look = guarded(py, || Ok(look(&t, &test, &at, &all, Errors::There)))?;
+        let found: Look = guarded(py, || Ok(look(&t, &test, &at, &all)))?;
         Ok((
             found.log_likelihood,
             found.gain.into_pyarray(py),
@@ -211,21 +197,6 @@ impl PreparedTest {
             found.std.into_pyarray(py),
             found.chi_square,
         ))
-    }
-
-    /// Places (r,) of the roots at severities of some elements, how far beside the model's, and which are there.
-    #[allow(clippy::type_complexity)]
-    fn places<'py>(
-        &self,
-        py: Python<'py>,
-        elements: Vec<usize>,
-        u: Vec<f64>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>)> {
-        let borrowed = self.tables.get().borrowed(py);
-        let t = borrowed.tables()?;
-        known(&t, &elements, &u)?;
-        let at = Places::new(&t, &elements, &u);
-        Ok((at.place.into_pyarray(py), at.beside.into_pyarray(py), at.there.into_pyarray(py)))
     }
 
     /// Distances and misfits (further, levels) that sets with one element more leave.
@@ -269,24 +240,21 @@ impl PreparedTest {
         })
     }
 
-    /// Sets at their most probable severities, by the likelihood; with the errors that the model has there, or
-    /// those without damage.
+    /// Sets at their most probable severities, by the likelihood.
     fn settle(
         &self,
         py: Python<'_>,
         sets: Vec<(Vec<usize>, Vec<f64>)>,
         looks: usize,
         rests: f64,
-        errors_there: bool,
     ) -> PyResult<Vec<PySettled>> {
         let borrowed = self.tables.get().borrowed(py);
         let t = borrowed.tables()?;
         sets.iter().try_for_each(|(e, u)| known(&t, e, u))?;
         let test = self.test();
-        let errors = if errors_there { Errors::There } else { Errors::Undamaged };
         guarded(py, || {
             let of = |(e, u): &(Vec<usize>, Vec<f64>)| {
-                let found = settled(&t, &test, e, u, (looks, rests), errors);
+                let found = settled(&t, &test, e, u, (looks, rests));
                 (
                     found.u,
                     found.seen.u,

@@ -77,10 +77,8 @@ fn slopes_of(
     let mut slopes = vec![0.0; root.len() * width];
     if width == t.n {
         for (&k, out) in root.iter().zip(slopes.chunks_exact_mut(width)) {
-            match (&at.slopes, roots.gone[k]) {
-                (_, true) => {}
-                (Some(all), _) => out.copy_from_slice(&all[roots.root[k] * t.n..][..t.n]),
-                (None, _) => at.row(t, roots.root[k], |e, l, r| t.slope_row(e, l, r), out),
+            if !roots.gone[k] {
+                at.row(t, roots.root[k], |e, l, r| t.slope_row(e, l, r), out);
             }
         }
     } else {
@@ -164,8 +162,8 @@ fn judged(
 }
 
 /// The more probable of two ways to associate values and roots, with slopes by the severities of `columns`.
-pub fn look(t: &Tables<'_>, test: &Test<'_>, at: &Places, columns: &[usize], errors: Errors) -> Look {
-    let roots = foreseen(t, test, at, errors);
+pub fn look(t: &Tables<'_>, test: &Test<'_>, at: &Places, columns: &[usize]) -> Look {
+    let roots = foreseen(t, test, at);
     let own = variances(t, &roots);
     let sigma: Vec<f64> = (0..own.len())
         .map(|k| {
@@ -209,23 +207,14 @@ pub struct Foreseen {
     pub change: Vec<f64>,
     /// Whether the baseline shows it.
     pub seen: Vec<bool>,
-    /// What multiplies the errors of the model; empty for those without damage.
+    /// What multiplies the errors of the model; empty without damage, where their covariance is known.
     pub rows: Vec<f64>,
     /// Variance of its own.
     pub extra: Vec<f64>,
 }
 
-/// Whether errors of the model are those at the severities, or those without damage: four times quicker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Errors {
-    /// At the severities.
-    There,
-    /// Without damage.
-    Undamaged,
-}
-
 /// The roots near the band, ascending by response and place.
-pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places, errors: Errors) -> Foreseen {
+pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places) -> Foreseen {
     let mut shown: Vec<(usize, f64, bool)> = Vec::with_capacity(t.size());
     for k in 0..t.size() {
         let gone = t.seen[k] && !at.there[k];
@@ -241,7 +230,7 @@ pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places, errors: Errors) ->
         (t.response[a.0], a.1).partial_cmp(&(t.response[b.0], b.1)).unwrap_or(std::cmp::Ordering::Equal)
     });
     let mut rows = Vec::new();
-    if errors == Errors::There {
+    if !at.elements.is_empty() {
         rows.resize(shown.len() * t.q, 0.0);
         for (&(k, _, gone), out) in shown.iter().zip(rows.chunks_exact_mut(t.q.max(1))) {
             if !gone {
@@ -265,8 +254,8 @@ pub fn foreseen(t: &Tables<'_>, test: &Test<'_>, at: &Places, errors: Errors) ->
         seen: shown.iter().map(|one| t.seen[one.0] && !one.2).collect(),
         extra: of(&|k, _, gone| match (gone, t.old[k]) {
             (true, _) => LOST * LOST,
-            (false, true) => 0.0,
-            (false, false) => t.new_variance,
+            (false, true) => test.extra * test.extra,
+            (false, false) => t.new_variance + test.extra * test.extra,
         }),
         rows,
     }

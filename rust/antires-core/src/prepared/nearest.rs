@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::evidence::{Evidence, FURTHEST, evidence};
-use super::look::{Errors, look};
+use super::look::look;
 use super::tables::{Places, Tables, Test, mixed};
 use crate::linalg::wide::{NullaryFnOnce, run};
 
@@ -248,11 +248,10 @@ pub fn settled(
     elements: &[usize],
     u: &[f64],
     (looks, rests): (usize, f64),
-    errors: Errors,
 ) -> Settled {
     let mut u: Vec<f64> = u.iter().map(|x| x.clamp(0.0, FURTHEST)).collect();
     for nth in 1.. {
-        let seen = look(t, test, &Places::new(t, elements, &u), elements, errors);
+        let seen = look(t, test, &Places::new(t, elements, &u), elements);
         let found = evidence(seen.log_likelihood, &seen.gain, &seen.curvature, &u);
         let apart = found.u.iter().zip(&u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if nth >= looks || apart < rests {

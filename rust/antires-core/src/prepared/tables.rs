@@ -127,6 +127,8 @@ pub struct Test<'a> {
     pub high: f64,
     /// Standard deviation of what moves all values alike.
     pub common: f64,
+    /// The same of what moves each by itself.
+    pub extra: f64,
     /// At most [`SIDE`].
     pub errors: &'a [Error],
 }
@@ -183,8 +185,6 @@ pub struct Places {
     pub place: Vec<f64>,
     /// How far that is from the model's.
     pub beside: Vec<f64>,
-    /// Slopes by all u (r, n), where they were computed.
-    pub slopes: Option<Vec<f64>>,
 }
 
 struct One {
@@ -248,7 +248,6 @@ impl Places {
             there: t.there[..size].to_vec(),
             place: t.place[..size].to_vec(),
             beside: t.beside[..size].to_vec(),
-            slopes: None,
         };
         let each: Vec<One> = elements.iter().zip(u).map(|(&e, &x)| one(t, e, x)).collect();
         found.between = each.iter().map(|one| one.between).collect();
@@ -308,9 +307,6 @@ impl Places {
 
     /// Slope of a root by the severity of one of all elements.
     pub fn slope(&self, t: &Tables<'_>, root: usize, by: usize) -> f64 {
-        if let Some(slopes) = &self.slopes {
-            return slopes[root * t.n + by];
-        }
         let start = f64::from(t.slope_row(0, 0, root)[by]);
         let mut total = start;
         for (&e, way) in self.elements.iter().zip(&self.between) {
