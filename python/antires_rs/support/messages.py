@@ -10,6 +10,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -166,3 +167,16 @@ def edit_named(text: str) -> tuple[str, float, str] | None:
     except ValueError:
         return None
     return (name.strip(), freq_hz, reason.strip()) if name.strip() and 0.0 < freq_hz < float("inf") else None
+
+
+def moved(old: str, new: str) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a module whose contents are in another one now."""
+
+    def look_up(name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        value = getattr(import_module(new), name)
+        warn_of_change(f"{old} is now {new}")
+        return value
+
+    return look_up
