@@ -350,8 +350,10 @@ def _simple(name: str) -> tuple[str, float] | None:
 # -- Time series as the dictionaries of the SDyPy projects, SDyPy Enhancement Proposal 5 (draft of 2023)
 
 _COMPULSORY = ("data", "name", "unit_str")
-_KEYS = ("data", "name", "unit_str", "fs", "time", "unit_tex", "start_timestamp", "start_timestamp_format")
-_PROHIBITED = ("unit", "timestamp", "signal", "sample_frequency")
+_KEYS = (*_COMPULSORY, "fs", "time", "unit_tex", "start_timestamp", "start_timestamp_format")
+#: How SEP 5 spells a key, by its small letters; those that it prohibits stand for another.
+_SPELLED_SO = {key.replace("_", ""): key for key in _KEYS}
+_PROHIBITED = {"unit": "unit_str", "timestamp": "start_timestamp", "signal": "data", "samplefrequency": "fs"}
 
 
 def from_sep005(
@@ -452,19 +454,17 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     if not isinstance(rec, Recording):
         got = type(rec).__name__
         reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
-    if named_unit("unit", unit).factor != 1.0:
-        reject("unit", repr(unit), "an SI unit: recordings are in SI", "Name the SI unit, or leave unit out.")
-    names = [str(dof) for dof in rec.dofs]
-    taken = [*names, "force"] if rec.force is not None else names
-    if len(set(taken)) != len(taken):
+    si_unit("unit", unit)
+    rows: list[dict[str, Any]] = [
+        {"name": str(dof), "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
+        for dof, row in zip(rec.dofs, rec.responses, strict=True)
+    ]
+    if rec.force is not None:
+        rows.append({"name": "force", "data": np.array(rec.force), "fs": rec.fs_hz, "unit_str": "N"})
+    if len({row["name"] for row in rows}) != len(rows):
         wanted = "dofs that differ as text, and from 'force' where there is one"
         reject("rec", f"dofs {rec.dofs}", wanted, "Rename the dofs.")
-    out = []
-    for name, row, dof in zip(names, rec.responses, rec.dofs, strict=True):
-        out.append({"name": name, "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof})
-    if rec.force is not None:
-        out.append({"name": "force", "data": np.array(rec.force), "fs": rec.fs_hz, "unit_str": "N"})
-    return out
+    return rows
 
 
 def _check_keys(i: int, row: Any) -> None:
@@ -474,12 +474,12 @@ def _check_keys(i: int, row: Any) -> None:
         reject(here, type(row).__name__, "a dict", remedy)
     for key in row:
         plain = str(key).lower().replace("_", "")
-        near = [k for k in _KEYS if k.replace("_", "") == plain and k != key]
-        if near:
-            reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it", "Rename the key.")
-        if plain in (k.replace("_", "") for k in _PROHIBITED):
-            wanted = "'unit_str', 'start_timestamp', 'data' or 'fs'"
-            reject(here, f"the key {key!r}, which SEP 5 prohibits", wanted, "Rename the key.")
+        if plain in _PROHIBITED:
+            got = f"the key {key!r}, which SEP 5 prohibits"
+            reject(here, got, repr(_PROHIBITED[plain]), "Rename the key.")
+        if _SPELLED_SO.get(plain, key) != key:
+            wanted = f"{_SPELLED_SO[plain]!r}, as SEP 5 spells it"
+            reject(here, f"the key {key!r}", wanted, "Rename the key.")
     for key in _COMPULSORY:
         if key not in row:
             wanted = f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'"

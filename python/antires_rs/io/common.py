@@ -108,43 +108,22 @@ def require(reader: str, module: str, extra: str, package: str = "") -> None:
 
 
 def simplest_rate(low: float, high: float) -> float:
-    """The rate in [low, high] that is the simplest number, or whose step is."""
-    rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)
-    # Of equally simple ones, the nearer to the middle.
-    pairs, middle = ((rate, rate), (step, 1.0 / step)), 0.5 * (low + high)
-    return min((_digits(number), abs(each - middle), each) for number, each in pairs)[2]
+    """The rate in [low, high] that is the simplest number, or whose step is; both positive."""
 
+    def simplest(low: float, high: float) -> float:
+        numbers = (float(f"{0.5 * (low + high):.{digits}e}") for digits in range(16))
+        return next((number for number in numbers if low <= number <= high), 0.5 * (low + high))
 
-def _simplest(low: float, high: float) -> float:
-    """The number of fewest decimal digits in [low, high]; both positive."""
-    middle = 0.5 * (low + high)
-    for digits in range(1, 17):
-        number = float(f"{middle:.{digits - 1}e}")
-        if low <= number <= high:
-            return number
-    return middle
+    def key(number: float, rate: float) -> tuple[int, float, float]:
+        digits = f"{number:.15e}".partition("e")[0].rstrip("0")
+        return (
+            len(digits),
+            abs(rate - 0.5 * (low + high)),
+            rate,
+        )  # of equally simple ones nearer to the middle
 
-
-def _digits(number: float) -> int:
-    return len(f"{number:.15e}".partition("e")[0].rstrip("0"))
-
-
-def _no_drift(path: Path, times: Any, step: float, rounding: float) -> None:
-    """Refuse steps that change in the course of the record, each by less than counts as a gap."""
-    width = max(times.size // _PARTS, 16)
-    edges = np.arange(0, times.size - 1, width)
-    if edges.size < 3:
-        return
-    steps = np.diff(times[edges]) / width
-    # Jitter of single instants averages out over a part; its two ends have at most a tenth of a step each.
-    allowed = _DRIFT * step + (2.0 * rounding + 0.2 * step) / width
-    odd = np.flatnonzero(np.abs(steps - step) > allowed)
-    if odd.size:
-        i = int(odd[np.argmax(np.abs(steps[odd] - step))])
-        where = f"from {times[edges[i]]:.9g} to {times[edges[i + 1]]:.9g} s"
-        found = f"whose steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
-        remedy = "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate."
-        unsuitable(path, found, _EVEN, remedy)
+    rate, step = simplest(low, high), simplest(1.0 / high, 1.0 / low)
+    return min(key(rate, rate), key(step, 1.0 / step))[2]
 
 
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
@@ -164,7 +143,18 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
         found = f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s"
         remedy = "Samples are missing, or the sampling was uneven."
         unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, remedy)
-    _no_drift(path, times, step, rounding)
+    # Steps may also change in the course of the record, each by less than counts as a gap. Jitter of single
+    # instants averages out over a part; its two ends have at most a tenth of a step each.
+    width = max(times.size // _PARTS, 16)
+    edges = np.arange(0, times.size - 1, width)
+    steps = np.diff(times[edges]) / width
+    odd = np.abs(steps - step)
+    if edges.size > 2 and odd.max() > _DRIFT * step + (2.0 * rounding + 0.2 * step) / width:
+        i = int(np.argmax(odd))
+        where = f"from {times[edges[i]]:.9g} to {times[edges[i + 1]]:.9g} s"
+        found = f"whose steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
+        remedy = "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate."
+        unsuitable(path, found, _EVEN, remedy)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))
 
