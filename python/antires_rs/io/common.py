@@ -274,10 +274,19 @@ time_limit_s, memory_limit_gb : float
     Limits of the child process that reads (the memory's where the system has such limits).
 """
 _RAISES = """
+UnsuitableDataError
+    A file that is cut, damaged or of another kind, or whose channels do not fit together: other rates, lengths
+    or starts, gaps in time, names that leave open what is what.
 InvalidInputError
     Options that do not fit the file.
+MissingDependencyError
+    The package that reads the format is not installed.
 FileNotFoundError
     There is none.
+"""
+_WARNS = """
+AntiresWarning
+    Units that are unknown or missing, another rate than ``fs_hz``, parts that are left out.
 """
 _WRITER = """
 path : path-like
@@ -307,7 +316,8 @@ def reader(function: Made) -> Made:
     parameters = [path, *shared, *rest]
     function.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
     made = "Recording" if own.return_annotation == "Recording" else "Recording or FrequencyResponse"
-    _document(function, _TEXTS, {"Returns": f"{made}\n    In SI.\n", "Raises": _RAISES.lstrip()})
+    common = {"Returns": f"{made}\n    In SI.\n", "Raises": _RAISES.lstrip(), "Warns": _WARNS.lstrip()}
+    _document(function, _TEXTS, common)
     return function
 
 

@@ -42,14 +42,6 @@ def read_hdf5(
     the other roles need. Attributes of the dataset, its group or the file tell the sampling rate (``fs``,
     ``sampling_rate``, ``dt``, ...) and the ``unit``. Options for a file of ours: as in :func:`read_npz`.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file (the format states its own length, and our datasets have checksums), or datasets
-        whose role is not clear.
-    MissingDependencyError
-        h5py is not installed.
-
     Examples
     --------
     >>> import tempfile, antires_rs as ar
@@ -356,13 +348,6 @@ def read_mat(
     ----------
     path : path-like
         Version 5 (7 and 6 of MATLAB's ``save``) or 7.3, which needs h5py.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file, a limit that was reached, or variables whose role is not clear.
-    MissingDependencyError
-        A 7.3 file without h5py.
 
     Examples
     --------

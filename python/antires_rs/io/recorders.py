@@ -61,18 +61,6 @@ def read_tdms(
     partial : bool
         Read a file that was cut, or whose writing was interrupted, as far as it goes, with a warning.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged file; channels of several rates, lengths or starts, without a choice among them.
-    MissingDependencyError
-        npTDMS is not installed.
-
-    Warns
-    -----
-    AntiresWarning
-        Units that are unknown or missing, another rate than ``fs_hz``.
-
     Examples
     --------
     >>> import tempfile, numpy as np, antires_rs as ar
@@ -174,16 +162,6 @@ def read_wav(
         What full scale stands for in ``unit`` (of the force: N), one number or one for each channel. Whole
         numbers are shares of full scale, -1 to 1; floats are multiplied too. 1 by default.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A cut or damaged file, compressed sound.
-
-    Warns
-    -----
-    AntiresWarning
-        Without ``unit``: the format has none.
-
     Examples
     --------
     >>> import tempfile, numpy as np, antires_rs as ar
@@ -263,14 +241,6 @@ def read_miniseed(
 
     The traces are called ``network.station.location.channel``. The format has counts of the recorder alone:
     without ``unit`` a warning says so.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged file, gaps in a trace, traces of several rates, lengths or starts (more than half a sample
-        apart).
-    MissingDependencyError
-        ObsPy is not installed.
 
     Notes
     -----
@@ -468,16 +438,6 @@ def read_lvm(
         Which segment to read, from 1. By default all, which then have to follow each other without a gap.
         Segments that are impacts or runs are read one by one and given together:
         ``identify_antiresonances([run 1, run 2], ...)``.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A cut or damaged file, fewer samples than its header states, segments with gaps between them.
-
-    Warns
-    -----
-    AntiresWarning
-        Units that are unknown or missing, another rate than ``fs_hz``.
 
     Examples
     --------

@@ -204,13 +204,6 @@ def read_excel(
     sheet : str, optional
         By default the first.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged file, empty cells or texts between numbers, gaps in time.
-    MissingDependencyError
-        openpyxl is not installed.
-
     Examples
     --------
     >>> import tempfile, antires_rs as ar
@@ -243,13 +236,6 @@ def read_parquet(
     ----------
     path : path-like
         Columns are named ``tip [g]``, or have their unit in the field's metadata, ``unit``.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged file, empty cells, columns that are no numbers, gaps in time.
-    MissingDependencyError
-        pyarrow is not installed.
 
     Examples
     --------
