@@ -275,12 +275,12 @@ time_limit_s, memory_limit_gb : float
 """
 _RAISES = """
 UnsuitableDataError
-    A file that is cut, damaged or of another kind, or whose channels do not fit together: other rates, lengths
-    or starts, gaps in time, names that leave open what is what.
+    A file that is cut, damaged or of another kind, or whose channels do not fit together: other rates,
+    lengths or starts, gaps in time, names that leave open what is what.
 InvalidInputError
     Options that do not fit the file.
 MissingDependencyError
-    The package that reads the format is not installed.
+    The package that reads the format, where it takes one, is not installed.
 FileNotFoundError
     There is none.
 """

@@ -378,19 +378,13 @@ def mat_arrays(
 
     Parameters
     ----------
-    path : path-like
-    time_limit_s, memory_limit_gb : float
-        As in :func:`~antires_rs.read_mat`.
+    path, time_limit_s, memory_limit_gb
+        As in :func:`~antires_rs.read_mat`, and so are the errors.
 
     Returns
     -------
     dict of str to ndarray
         Two-dimensional, as in MATLAB.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file, or a limit that was reached.
 
     Examples
     --------

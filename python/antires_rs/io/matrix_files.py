@@ -538,8 +538,6 @@ def read_matrices(
         A file that is cut, damaged or of another kind.
     InvalidInputError
         Matrices that are not square and symmetric, or of different sizes.
-    FileNotFoundError
-        There is none.
 
     Notes
     -----
@@ -623,9 +621,8 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     path : path-like
         Text with one line for each row: ``node direction`` in the order of the rows, or ``row node
         direction`` as in the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1,
-        4.
-        Other lines above the first of these are skipped. Or a file of matrices that names them itself (DMIG
-        cards, Abaqus): the rows of its stiffness, if it holds several.
+        4. Other lines above the first of these are skipped. Or a file of matrices that names them itself
+        (DMIG cards, Abaqus): the rows of its stiffness, if it holds several.
     first_row : int
         Number of the first row in files that number them.
 

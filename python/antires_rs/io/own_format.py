@@ -179,13 +179,8 @@ def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
     """Read a NumPy archive (.npz) or array (.npy): ours as it was, any other by the names of its arrays.
 
     A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
-    drops its force, and any other option that does not agree with it is refused.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file (the archive's directory is its end, and every member has a checksum), objects
-        that would need pickle, or arrays whose role is not clear.
+    drops its force, and any other option that does not agree with it is refused. So are objects, which need
+    pickle.
 
     Examples
     --------

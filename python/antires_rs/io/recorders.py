@@ -56,11 +56,6 @@ def read_tdms(
     or of a channel of time, units those of ``unit_string``. When the record began is compared between the
     channels, and not kept.
 
-    Parameters
-    ----------
-    partial : bool
-        Read a file that was cut, or whose writing was interrupted, as far as it goes, with a warning.
-
     Examples
     --------
     >>> import tempfile, numpy as np, antires_rs as ar
@@ -154,7 +149,8 @@ def read_wav(
 ) -> Recording:
     """Read a WAV file: 8 to 32 bit whole numbers, 32 and 64 bit floats, any number of channels.
 
-    The channels are called ``channel 1``, ``channel 2``, ...
+    The channels are called ``channel 1``, ``channel 2``, ... The format has no unit: without ``unit`` a warning
+    says so.
 
     Parameters
     ----------

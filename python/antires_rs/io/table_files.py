@@ -62,20 +62,10 @@ def read_csv(
     delimiter, decimal : str, optional
         Between columns, and the decimal sign ("." or ","). By default what the numbers show.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A row that is cut or not numeric, fewer rows than the file states, gaps in time.
-
-    Warns
-    -----
-    AntiresWarning
-        The last line has no end, so that its last number may be cut; a unit that is not known; a
-        column of time that says another rate than ``fs_hz``.
-
     Notes
     -----
-    A file of another program that was cut exactly between two rows shows no sign of it.
+    A last line without an end is warned of, as its last number may be cut. A file of another program that was
+    cut exactly between two rows shows no sign of it.
 
     Examples
     --------

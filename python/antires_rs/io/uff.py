@@ -759,11 +759,6 @@ def read_uff(
         The sensor that stayed while the hammer roved, ``'5+Z'``: its FRFs to all references become, by
         reciprocity, those of the references to a force at that sensor. Name it as the excitation then.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A set that is cut or shorter than its header states, sets that do not fit together, several kinds or
-        references to choose from.
     Notes
     -----
     A universal file does not state how many sets it has. In one of another program that was cut exactly
@@ -811,18 +806,12 @@ def list_uff(path: PathLike, *, partial: bool = False) -> list[str]:
 
     Parameters
     ----------
-    path : path-like
-    partial : bool
-        As in :func:`~antires_rs.read_uff`.
+    path, partial
+        As in :func:`~antires_rs.read_uff`, and so are the errors.
 
     Returns
     -------
     list of str
-
-    Raises
-    ------
-    UnsuitableDataError
-        As in :func:`~antires_rs.read_uff`.
 
     Examples
     --------
