@@ -149,8 +149,8 @@ def read_wav(
 ) -> Recording:
     """Read a WAV file: 8 to 32 bit whole numbers, 32 and 64 bit floats, any number of channels.
 
-    The channels are called ``channel 1``, ``channel 2``, ... The format has no unit: without ``unit`` a warning
-    says so.
+    The channels are called ``channel 1``, ``channel 2``, ... The format has no unit: without ``unit``
+    a warning says so.
 
     Parameters
     ----------
