@@ -132,13 +132,8 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
 
 def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
     """Whether numbers, or a blank for their sign, begin their fields: blanks behind belong to them."""
-    some = False
-    for row in rows if width > 0 else ():
-        for found in re.finditer(rb"\S+", row):
-            if found.start() % width > 1:
-                return False  # in most files on one of the first lines
-            some = True
-    return some
+    places = (each.start() % width for row in rows for each in re.finditer(rb"\S+", row)) if width else ()
+    return max(places, default=2) < 2
 
 
 def _binary(data: bytes, made: Dataset, numbers: int, size: int) -> Dataset:
@@ -275,34 +270,24 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
 _LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
 #: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
 _LINES, _AT, _WIDTH = 13, 4, 80
-_MARKER_UFF_CHECKSUM = b"    -1"
 
 
 def checksum_line(lines: Sequence[str], numbers: bytes) -> str:
     """ID line 3 of a set of these lines, marker first and anything in its own place, and these numbers."""
-    return f"antires_rs crc32 {_of_header([line.ljust(_WIDTH).encode() for line in lines])} {_hex(numbers)}"
+    header = b"\n".join(line.ljust(_WIDTH).encode() for i, line in enumerate(lines) if i != _AT)
+    return f"antires_rs crc32 {crc32(header):08x} {crc32(numbers):08x}"
 
 
 def checked(data: bytes, dataset: Dataset) -> Dataset:
     """The dataset, with a problem if it is ours and its numbers are not those that were written."""
-    if dataset.number != 58 or dataset.problem:
+    *lines, numbers = data[dataset.start : dataset.stop].split(b"\n", _LINES)
+    ours = dataset.number == 58 and not dataset.problem and len(lines) == _LINES
+    stated = _LINE.match(lines.pop(_AT)) if ours else None
+    if stated is None or crc32(b"\n".join(lines)) != int(stated[1], 16):
         return dataset
-    parts = data[dataset.start : dataset.stop].split(b"\n", _LINES)
-    stated = _LINE.match(parts[_AT]) if len(parts) > _LINES else None
-    if stated is None or _of_header(parts[:_LINES]) != stated[1].decode():
-        return dataset
-    numbers = parts[_LINES]
-    if _hex(numbers[: numbers.rindex(_MARKER_UFF_CHECKSUM)]) == stated[2].decode():
+    if crc32(numbers[: numbers.rindex(b"    -1")]) == int(stated[2], 16):
         return dataset
     return replace(dataset, problem="its numbers do not have the checksum in its ID line 3")
-
-
-def _of_header(lines: Sequence[bytes]) -> str:
-    return _hex(b"\n".join(line for i, line in enumerate(lines) if i != _AT))
-
-
-def _hex(data: bytes) -> str:
-    return f"{crc32(data):08x}"
 
 
 # -- The functions of a universal file
@@ -492,10 +477,8 @@ def response_of(
     if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
         found = f"with {len(wanted)} auto spectra (power spectral densities), the first of {wanted[0].at}"
         instead = "time records, FRFs, or cross spectra with the auto spectrum of their reference"
-        remedy = "Power spectra have lost the phase between channels, from which antiresonances are found"
-        unsuitable(
-            file, f"{found}, and no cross spectrum", instead, f"{remedy}: export one of these instead."
-        )
+        lost = "Power spectra have lost the phase between channels, from which antiresonances are found"
+        unsuitable(file, f"{found}, and no cross spectrum", instead, f"{lost}: export one of these instead.")
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
         wanted, is_force = _over_auto(file, wanted, point, unit)
@@ -571,11 +554,9 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     if not responses:
         remedy = "Export the functions with their references."
     elif len(responses) == 1:
-        stayed, text = (
-            Passed("roving", label_of(responses.pop())),
-            "If the hammer roved and this sensor stayed, pass {}",
-        )
-        remedy = Wording(f"{text}; else choose one by {{}}.", stayed, Passed("reference"))
+        stayed = Passed("roving", label_of(responses.pop()))
+        text = "If the hammer roved and this sensor stayed, pass {}; else choose one by {}."
+        remedy = Wording(text, stayed, Passed("reference"))
     unsuitable(file, found, "one", remedy)
 
 
