@@ -31,5 +31,4 @@ from .table_files import (
     read_parquet as read_parquet,
     write_csv as write_csv,
 )
-from .uff import list_uff as list_uff, read_uff as read_uff
-from .uff_write import write_uff as write_uff
+from .uff import list_uff as list_uff, read_uff as read_uff, write_uff as write_uff

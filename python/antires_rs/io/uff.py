@@ -20,10 +20,21 @@ from numpy.typing import NDArray
 from ..exceptions import AntiresError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..signals.spectra import std_of_coherence
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
+from ..support.files import write_atomically
 from ..support.messages import LeftOut, Passed, Wording, warn
-from .channels import Channel, Unit, abscissa_factor, named_unit, one_quantity, parse_unit, recording_of
+from .channels import (
+    Channel,
+    Unit,
+    abscissa_factor,
+    named_unit,
+    one_quantity,
+    parse_unit,
+    recording_of,
+    si_unit,
+)
 from .common import (
     PathLike,
     Reading,
@@ -36,7 +47,9 @@ from .common import (
     refuse_real,
     simplest_rate,
     unsuitable,
+    writer,
 )
+from .own_format import check_dofs
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #
@@ -852,3 +865,173 @@ def force_of(path: PathLike) -> str | None:
     points |= {f.response for f in functions if f.what == "time" and f.role == "force"}
     known = {point for point in points if point[0] > 0 and point[1] != 0}
     return label_of(known.pop()) if len(points) == 1 and known else None
+
+
+# -- Signals as datasets 58
+
+#: Function types of record 6 that are written, and their titles in ID line 1.
+_WRITTEN = {"time": (1, "Time Response"), "frf": (4, "Frequency Response Function")}
+_WRITTEN |= {"transmissibility": (5, "Transmissibility"), "coherence": (6, "Coherence")}
+#: Specific data types of records 8 to 10.
+_DATA = {"": 0, "displacement": 8, "velocity": 11, "acceleration": 12, "force": 13}
+
+
+@writer
+def write_uff(
+    path: PathLike,
+    signal: Signal,
+    *,
+    binary: bool = True,
+    unit: str | None = None,
+    dofs: Mapping[Any, Any] | Callable[[Any], Any] | None = None,
+    excitation: Any = None,
+) -> Path:
+    """Write dataset 58 for every channel, whole or not at all.
+
+    Parameters
+    ----------
+    binary : bool
+        Double precision in binary form (58b), bit for bit; otherwise text of 12 digits.
+    unit : str, optional
+        SI unit of the values: ``'m/s2'`` by default, for FRFs ``'m/s2/N'``.
+    dofs : mapping or callable, optional
+        ``{dof: (node, direction)}``, such as ``(12, '+Z')``. Default: read from labels such as ``'12+Z'``;
+        other dofs become scalars of nodes of their own. The dofs themselves are kept in the ID lines.
+    excitation : int or str or (int, str), optional
+        Point of the force: one of the dofs, or a node and direction. Not known by default.
+
+    Raises
+    ------
+    InvalidInputError
+        The folder does not exist, a unit that is not SI, two dofs at one point, labels that do not fit.
+
+    Warns
+    -----
+    AntiresWarning
+        Standard deviations that do not follow from coherence and averages, which the format cannot keep.
+
+    Notes
+    -----
+    Numbers of the header have six digits; rate and frequencies are therefore repeated in full in ID line 4,
+    the dof in ID line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses; ID line 3
+    has checksums, by which it notices damaged numbers as long as nobody has edited the header.
+
+    Examples
+    --------
+    >>> import tempfile, antires_rs as ar
+    >>> record = ar.Recording([[1.0, 2.0, 4.0]], 512.0, dofs=["12+Z"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = ar.write_uff(folder + "/a.uff", record, binary=False)
+    ...     print(file.read_text().splitlines()[-2].split())
+    ['1.00000000000e+00', '2.00000000000e+00', '4.00000000000e+00']
+    """
+    check_dofs(signal)
+    points = points_of(signal.dofs, dofs)
+    force = None
+    if excitation is not None:
+        known = isinstance(excitation, int | str) and excitation in points
+        force = points[excitation] if known else as_point("excitation", excitation)
+    make = _of_recording if isinstance(signal, Recording) else _of_response
+    functions = make(signal, points, force, unit)  # type: ignore[arg-type]
+    blocks = (_block(f, f"{i} of {len(functions)}", binary) for i, f in enumerate(functions, start=1))
+    return write_atomically(path, b"".join(blocks))
+
+
+def _of_recording(
+    rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None
+) -> list[Function]:
+    unit = "m/s2" if unit is None else unit
+    si_unit("unit", unit)
+    step, x = 1.0 / rec.fs_hz, np.arange(rec.n_samples) / rec.fs_hz
+    line4 = {"start": 0.0, "step": step, "rate_hz": rec.fs_hz}
+    rows = [(points[d], row, unit, {"dof": d}) for d, row in zip(rec.dofs, rec.responses, strict=True)]
+    if rec.force is not None:
+        rows.append((force or (max(node for node, _ in points.values()) + 1, 0), rec.force, "N", {}))
+    return [
+        Function("time", at, (0, 0), x, row, its, "", "", True, step, own=line4 | own)
+        for at, row, its, own in rows
+    ]
+
+
+def _of_response(
+    resp: FrequencyResponse, points: dict[Any, Point], force: Point | None, unit: str | None
+) -> list[Function]:
+    is_frf = resp.kind == "frf"
+    unit = ("m/s2/N" if is_frf else "1") if unit is None else unit
+    above, _, below = unit.rpartition("/") if si_unit("unit", unit).per else (unit.removeprefix("1"), "", "")
+    start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
+    gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
+    even = bool(gap <= 1e-12 * resp.freq_hz[-1])
+    derived = None  # what a reader makes of coherence and averages
+    if resp.coherence is not None and resp.n_averages is not None and resp.n_averages > 1.0:
+        derived = std_of_coherence(resp.values, resp.coherence, resp.n_averages)
+    if resp.std is not None and (derived is None or not np.array_equal(resp.std, derived)):
+        said = "its standard deviations are not those of coherence and averages"
+        why = "and a universal file has no place for them; they are left out"
+        warn("errors_not_written", f"signal: {said}, {why}.")
+    line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
+    line4 |= {"start": start, "step": step} if even else {}
+    at, reference = [points[dof] for dof in resp.dofs], (0, 0) if force is None else force
+    reference = reference if is_frf else points[resp.reference]
+    tables: list[tuple[str, Any, str, str]] = [(resp.kind, resp.values, above, below)]
+    tables += [] if resp.coherence is None else [("coherence", resp.coherence, "", "")]
+    return [
+        Function(what, p, reference, resp.freq_hz, row, up, down, "", even, step, own=line4 | {"dof": dof})
+        for what, rows, up, down in tables
+        for dof, p, row in zip(resp.dofs, at, rows, strict=True)
+    ]
+
+
+def _block(f: Function, place: str, binary: bool) -> bytes:
+    """One dataset, from marker to marker."""
+    values, is_complex = f.values, np.iscomplexobj(f.values)
+    numbers = values.astype(np.complex128).view(np.float64) if is_complex else values.astype(np.float64)
+    if not f.even:  # abscissa before each value
+        numbers = np.column_stack([f.x, numbers.reshape(values.size, -1)]).ravel()
+    identity = f"{58:6d}"
+    if binary:  # little endian, IEEE 754, 11 lines of header
+        body = numbers.astype("<f8").tobytes()
+        identity += f"b{1:6d}{2:6d}{11:12d}{len(body):12d}{0:6d}{0:6d}{0:12d}{0:12d}"
+        body += b"\n"  # the marker is on a line of its own
+    else:
+        body = _text(numbers, not f.even, is_complex)
+    kind, title = _WRITTEN[f.what]
+    own = {name: value for name, value in f.own.items() if name == "dof"}
+    line4, line5 = json.dumps({n: v for n, v in f.own.items() if n not in own}), json.dumps(own)
+    if len(line5) > 80:
+        wanted = "labels of at most 70 letters in a universal file"
+        reject("dofs", repr(own["dof"]), wanted, "Shorten the label.")
+    over = f" / {label_of(f.reference)}" if f.reference != (0, 0) else ""
+    points = "".join(
+        f" {'NONE':<10}{node:10d}{direction:4d}" for node, direction in (f.response, f.reference)
+    )
+    start, step = (float(f.x[0]), f.step) if f.even else (0.0, 0.0)
+    axes = [(_OVER_TIME, "s") if f.what == "time" else (_OVER_TIME + 1, "Hz")]
+    for unit in (f.unit, f.reference_unit, ""):
+        axes.append((_DATA[(parse_unit(unit) or Unit()).quantity], unit))
+    lines = [
+        f"{-1:6d}",
+        identity,
+        f"{title} {label_of(f.response)}{over}",
+        f"antires_rs uff {VERSION} set {place}",
+        "NONE",
+        line4,
+        line5,
+        f"{kind:5d}{0:10d}{0:5d}{0:10d}{points}",
+        f"{6 if is_complex else 4:10d}{values.size:10d}{int(f.even):10d}{start:13.5e}{step:13.5e}{0.0:13.5e}",
+        *(f"{data:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit or 'NONE':<20}" for data, unit in axes),
+    ]
+    lines[4] = checksum_line(lines, body)
+    head = "".join(f"{line:<80}\n" for line in lines)
+    return head.encode("ascii") + body + f"{-1:6d}\n".encode()
+
+
+def _text(numbers: NDArray[Any], uneven: bool, is_complex: bool) -> bytes:
+    """4E20.12, or with abscissae 2(E13.5,E20.12) and E13.5,2E20.12."""
+    if not uneven:
+        forms = ["%20.11e"] * 4
+    else:
+        forms = ["%13.5e", "%20.11e", "%20.11e"] if is_complex else ["%13.5e", "%20.11e"] * 2
+    rows = [numbers[i : i + len(forms)].tolist() for i in range(0, numbers.size, len(forms))]
+    lines = ("".join(form % v for form, v in zip(forms, row, strict=False)) for row in rows)
+    return "".join(f"{line}\n" for line in lines).encode()
