@@ -13,7 +13,6 @@ from typing import Any, NamedTuple, NoReturn
 
 from ..exceptions import Argument, InvalidInputError
 from ..io.registry import conversion
-from ..support.messages import LeftOut, Part
 from .command import existing
 from .keys import FORMATS, KINDS, SECTIONS, TASKS, Key, Section, shown, unset_in
 from .parser import nearest
@@ -361,11 +360,9 @@ class Job:
         return Place(f"{self.path.name}{line}{f', {_label(place)}' if place else ''}", place)
 
     @staticmethod
-    def spelled(part: Part) -> str:
-        """An argument of a reader as its user writes it."""
-        if isinstance(part, LeftOut):
-            return LEAVE_OUT
-        return part.name if part.value is None else f"{part.name} = {shown(part.value)}"
+    def spelled(name: str, value: Any) -> str:
+        """An argument of a reader as its user writes it, alone or with the value to be passed."""
+        return name if value is None else f"{name} = {shown(value)}"
 
     def belongs(self, place: KeyPath) -> str:
         """What belongs to a place."""

@@ -15,7 +15,7 @@ from ..exceptions import part, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array, shape_of
-from ..support.messages import LeftOut, Passed, Wording, warn
+from ..support.messages import warn
 from ._child import matches
 from .common import Dofs, Reading, rate_of, refuse_real, simplest_rate, unsuitable
 
@@ -57,8 +57,11 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
     used = [responses[i] for i in rows]
     lengths = {c.values.size for c in (*used, *([] if force is None else [force]))}
     if len(lengths) > 1:
-        remedy = Wording("Leave out those of other lengths by {}.", Passed("dofs"))
-        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
+        found, remedy = (
+            f"with channels of {sorted(lengths)} samples",
+            "Leave out those of other lengths by dofs=.",
+        )
+        unsuitable(path, found, "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): named_unit("unit", given.unit) for c in used}
     else:
@@ -124,12 +127,11 @@ def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], 
         if len(instants) == 1:
             return rate_of(file, instants[0].values)
         found = f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval"
-        unsuitable(file, found, "a sampling rate", Wording("Give it by {}.", Passed("fs_hz")))
+        unsuitable(file, found, "a sampling rate", "Give it by fs_hz=.")
     if rates and max(rates.values()) - min(rates.values()) > _SAME_RATE * max(rates.values()):
         low, high = (f(rates, key=lambda name: rates[name]) for f in (min, max))
         found = f"with {low!r} at {rates[low]:.6g} Hz and {high!r} at {rates[high]:.6g} Hz"
-        wanted = "channels of one rate"
-        unsuitable(file, found, wanted, Wording("Name the {} of one rate.", Passed("responses")))
+        unsuitable(file, found, "channels of one rate", "Name the responses= of one rate.")
     own = next(iter(rates.values()), rate)
     if rate is not None:
         warn_other_rate(file, "has channels at", own, rate)
@@ -155,17 +157,15 @@ def _together(file: Path, channels: Sequence[Channel]) -> None:
     other = next((c for c in channels if (c.start, round(c.offset_s, 9)) != begun), None)
     if other is not None:
         names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
-        remedy = Wording("Name the {} of one record.", Passed("responses"))
-        unsuitable(file, f"with {' and '.join(names)}", "channels that begin together", remedy)
+        found, remedy = f"with {' and '.join(names)}", "Name the responses= of one record."
+        unsuitable(file, found, "channels that begin together", remedy)
 
 
 def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
     """Refuse accelerations beside displacements; ``found`` has name, quantity and unit of each channel."""
     if len({quantity for _, quantity, _ in found}) > 1:
         shown = ", ".join(f"{name} {unit}" for name, _, unit in found)
-        remedy = Wording(
-            "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
-        )
+        remedy = "Leave out those of other kinds by dofs=, or name the unit= of all."
         wanted = "accelerations, velocities or displacements alone"
         unsuitable(path, f"with responses of several kinds, {shown}", wanted, remedy)
 
@@ -178,7 +178,8 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
         lost = [name for name in names if name not in dofs]
         if lost:
             got = f"no dof for {lost}"
-            reject(argument, got, f"a dof for each of {list(names)}", Wording("{}.", LeftOut("channel")))
+            remedy = "Map a channel to None to leave it out."
+            reject(argument, got, f"a dof for each of {list(names)}", remedy)
         return [dofs[name] for name in names]
     if callable(dofs):
         return [dofs(name) for name in names]

@@ -18,7 +18,7 @@ from ..exceptions import AntiresError, MissingDependencyError, UnsuitableDataErr
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
-from ..support.messages import Passed, Wording, warn
+from ..support.messages import warn
 
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
 _PARTS, _DRIFT = 32, 1e-3
@@ -55,12 +55,8 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    remedy: str = "Copy or export it again."
-    if kept:
-        remedy = Wording(
-            "Copy or export it again, or pass {} to read what is whole.", Passed("partial", True)
-        )
-    unsuitable(path, found, wanted, remedy)
+    more = ", or pass partial=True to read what is whole" if kept else ""
+    unsuitable(path, found, wanted, f"Copy or export it again{more}.")
 
 
 @contextmanager
@@ -74,10 +70,9 @@ def parts_of(path: Path, wanted: str, remedy: str, found: str = "which is damage
         unsuitable(path, f"{found} ({type(exc).__name__}: {exc})", wanted, remedy)
 
 
-def choose_run(count: int) -> Wording:
+def choose_run(count: int) -> str:
     """What to do with a file of several runs."""
-    text = "Choose one by {} to {}, and give them together as repeats of one test."
-    return Wording(text, Passed("run", 1), Passed("run", count))
+    return f"Choose one by run=1 to run={count}, and give them together as repeats of one test."
 
 
 def refuse_real(path: Path, rows: Any) -> None:

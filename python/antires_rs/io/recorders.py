@@ -15,7 +15,7 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.recording import Recording
 from ..support.checks import real_array
-from ..support.messages import Passed, Wording, warn
+from ..support.messages import warn
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
@@ -495,7 +495,7 @@ def _channel(
         rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
         if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
             found = f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz"
-            unsuitable(file, found, "one rate", Wording("Give the true one by {}.", Passed("fs_hz")))
+            unsuitable(file, found, "one rate", "Give the true one by fs_hz=.")
         step = step if step is not None and step > 0.0 else 1.0 / rate
         offset = float(x[0])
     start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)

@@ -15,7 +15,6 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, shape_of
-from ..support.messages import Passed, Wording
 from .channels import kept, renamed
 from .common import Dofs, PathLike, Signal, existing_file, unsuitable
 from .hdf5_mat import read_hdf5, read_mat
@@ -157,7 +156,7 @@ def read_frf_files(
         if len(formats) > 1 or None in formats:
             counts = ", ".join(f"{n} {kind or 'of unknown ending'}" for kind, n in formats.items())
             got = f"files of several formats ({counts})"
-            remedy = Wording("Choose them by {}, or name the {}.", Passed("pattern"), Passed("format"))
+            remedy = "Choose them by pattern=, or name the format=."
             reject("files", got, "files of one format that is known", remedy)
         format = next(iter(formats)) or ""
     choice("format", format, tuple(READERS))
@@ -197,7 +196,7 @@ def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
         if not found:
             why = f"none of which fits {pattern!r} and has a known ending"
             got = f"{str(folder)!r}, a folder with {len(there)} files, {why}"
-            remedy = Wording("Name the file, or choose by {} and {}.", Passed("pattern"), Passed("format"))
+            remedy = "Name the file, or choose by pattern= and format=."
             reject("files", got, "files of one FRF each", remedy)
         return found
     if shape_of(files) in ((), (0,)):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
-from ..support.messages import Passed, Wording, warn
+from ..support.messages import warn
 from .channels import (
     Channel,
     abscissa_factor,
@@ -82,7 +82,7 @@ def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: boo
         choice("pairs", pairs, PAIRS)
         if len(columns) % 2 == 0:
             found = f"with {len(columns) - 1} columns beside the first"
-            wanted = Wording("two for each response, as {} says", Passed("pairs", pairs))
+            wanted = f"two for each response, as {pairs=} says"
             unsuitable(file, found, wanted, "Export both parts of every response.")
     out: list[Channel] = []
     rest = list(columns)
@@ -118,7 +118,8 @@ def _pair_of(file: Path, level_name: str, level: str, angle_name: str, angle: st
         lacks = [f"the unit of {angle_name!r}"] * (not turn)
         lacks += [f"whether {level_name!r} is in dB"] * (not size)
         wanted = "headers such as 'Magnitude [g/N]' or 'Magnitude [dB]' and 'Phase [deg]' or 'Phase [rad]'"
-        remedy = Wording("Pass {}, {}, {} or {}.", *(Passed("pairs", kind) for kind in PAIRS[1:]))
+        *some, last = (f"pairs={kind!r}" for kind in PAIRS[1:])
+        remedy = f"Pass {', '.join(some)} or {last}."
         unsuitable(file, f"which does not tell {' nor '.join(lacks)}", wanted, remedy)
     return f"{size}_{turn}"
 
@@ -276,8 +277,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
         found = f"without a row of numbers{_first_odd(body, between, point)}"
-        remedy = Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal"))
-        unsuitable(file, found, "columns of numbers", remedy)
+        unsuitable(file, found, "columns of numbers", "Name the delimiter= and decimal=.")
     rows = body[start:]
     width = len(_split(rows[0], between))
     for line in body[:start]:
@@ -488,8 +488,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
         timed = after and (after.name.lower() in _TIME or _says_frequency(after, named))
         if not timed and given.fs_hz is None:
             found = f"whose first column, {name!r}, counts the rows, and no column is a time or a frequency"
-            ways = (Passed("fs_hz"), Passed("first", "time"))
-            remedy = Wording("Pass {}, or {} if it is the time in s.", *ways)
+            remedy = "Pass fs_hz=, or first='time' if it is the time in s."
             unsuitable(file, found, "a sampling rate or a column of time", remedy)
         columns = columns[1:]
         digits, first = table.digits[1], None if timed else "channel"
@@ -505,8 +504,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     if first == "freq":
         return _response(file, lead.values.real * _into_si(file, lead), channels, given)
     if any(np.iscomplexobj(c.values) for c in columns):
-        remedy = Wording("Pass {}.", Passed("first", "freq"))
-        unsuitable(file, "with complex columns over time", "real ones", remedy)
+        unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
     rate = given.rate_hz
     if first == "channel":
         rate = finite_scalar("fs_hz", given.fs_hz, low=0.0, low_open=True, unit="Hz")
@@ -528,9 +526,9 @@ def _what_first(file: Path, columns: list[Channel], hertz: bool, rated: bool) ->
         return "freq"
     if rated:
         return "channel"
-    ways = (Passed("first", "time"), Passed("first", "freq"), Passed("fs_hz"), Passed("first", "channel"))
+    remedy = "Pass first='time', first='freq' or, with fs_hz=, first='channel'."
     found = f"whose first column, {lead.name!r}, is neither called time nor frequency"
-    unsuitable(file, found, "to know what it is", Wording("Pass {}, {} or, with {}, {}.", *ways))
+    unsuitable(file, found, "to know what it is", remedy)
 
 
 def _says_frequency(column: Channel, named: bool) -> bool:
@@ -541,9 +539,9 @@ def _says_frequency(column: Channel, named: bool) -> bool:
 def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) -> FrequencyResponse:
     if not all(np.iscomplexobj(c.values) for c in columns):
         wanted = "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'"
-        how = "Pass {} or another of its kinds if two columns are one response"
-        remedy = Wording(f"{how}; magnitudes alone have lost the phase.", Passed("pairs", PAIRS[0]))
-        unsuitable(file, "with real columns over frequency", wanted, remedy)
+        how = f"Pass pairs={PAIRS[0]!r} or another of its kinds if two columns are one response"
+        lost = "magnitudes alone have lost the phase."
+        unsuitable(file, "with real columns over frequency", wanted, f"{how}; {lost}")
     return response_of(file, lines, columns, given)
 
 

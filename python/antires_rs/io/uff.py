@@ -24,7 +24,7 @@ from ..signals.spectra import std_of_coherence
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.files import write_atomically
-from ..support.messages import LeftOut, Passed, Wording, warn
+from ..support.messages import warn
 from .channels import (
     Channel,
     Unit,
@@ -237,7 +237,7 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
             opposite = (point[0], -point[1])
             if opposite in table:
                 return table[opposite], -1.0
-            remedy = Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point"))
+            remedy = "Map a point to None to leave it out; antires_rs.io.list_uff shows all points."
             reject("dofs", f"no dof for {label_of(point)}", "a dof for every response of the file", remedy)
 
         return look_up
@@ -557,19 +557,17 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     if given is not None:
         point = as_point("reference", given)
         if point not in points:
-            wanted = Wording("{}", Passed("reference", label_of(point)))
-            unsuitable(file, found, wanted, "Pass one of them.")
+            unsuitable(file, found, f"reference={label_of(point)!r}", "Pass one of them.")
         return point
     if len(points) == 1:
         return points[0]
     responses = {f.response for f in functions}
-    remedy: str = Wording("Choose it by {}.", Passed("reference"))
+    remedy = "Choose it by reference=."
     if not responses:
         remedy = "Export the functions with their references."
     elif len(responses) == 1:
-        stayed = Passed("roving", label_of(responses.pop()))
-        text = "If the hammer roved and this sensor stayed, pass {}; else choose one by {}."
-        remedy = Wording(text, stayed, Passed("reference"))
+        stayed = f"roving={label_of(responses.pop())!r}"
+        remedy = f"If the hammer roved and this sensor stayed, pass {stayed}; else choose one by reference=."
     unsuitable(file, found, "one", remedy)
 
 
@@ -659,7 +657,7 @@ def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
     if not any(f.what == "frf" for f in chosen):
         there = ", ".join(dict.fromkeys(f.at for f in curves if f.what == "frf")) or "none"
         found = f"with FRFs at the responses {there}"
-        wanted = Wording("FRFs of {}", Passed("roving", label_of(point)))
+        wanted = f"FRFs of roving={label_of(point)!r}"
         unsuitable(file, found, wanted, "Name the sensor that stayed while the hammer roved.")
     turned = [replace(f, response=f.reference, reference=f.response, own=dict(f.own)) for f in chosen]
     for f in turned:
@@ -780,12 +778,12 @@ def read_uff(
     if kind is None and len(there) != 1:
         remedy = f"It holds {'; '.join(map(str, functions[:10]))}."
         if there:
-            remedy = Wording("Pass {} or another of them.", Passed("kind", there[0]))
+            remedy = f"Pass kind={there[0]!r} or another of them."
         unsuitable(file, found, "one kind of function", remedy)
     chosen = there[0] if kind is None else kind
     if chosen not in there:
         remedy = "Pass the kind that the file holds, or leave it out."
-        unsuitable(file, found, Wording("{}", Passed("kind", chosen)), remedy)
+        unsuitable(file, found, f"kind={chosen!r}", remedy)
     wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (chosen, "coherence")]
     functions = one_run(file, wanted, run)
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
