@@ -13,10 +13,9 @@ import pytest
 import scipy.sparse
 
 import antires_rs as ar
-from antires_rs.app.job import LEAVE_OUT
-from antires_rs.app.reading import spelled
 from antires_rs import exceptions
-from antires_rs.app.job import read_job
+from antires_rs.app.job import LEAVE_OUT, read_job
+from antires_rs.app.reading import spelled
 
 NAN, INF = float("nan"), float("inf")
 CASE = ar.cases.chain8()
