@@ -100,7 +100,13 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
         found = "without a channel of numbers"
         unsuitable(file, found, "at least one channel of samples", "Export the channels of the record.")
     rate = _rate(file, chosen, instants, given)
-    _together(file, chosen)
+    first = chosen[0]
+    begun = (first.start, round(first.offset_s, 9))
+    other = next((c for c in chosen if (c.start, round(c.offset_s, 9)) != begun), None)
+    if other is not None:
+        names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
+        found, remedy = f"with {' and '.join(names)}", "Name the responses= of one record."
+        unsuitable(file, found, "channels that begin together", remedy)
     if given.unit is None and not any(c.unit for c in chosen):
         said = "does not say in which unit its channels are; the values are as in the file"
         warn("no_unit", f"path: {str(file)!r} {said}. Name it by unit=.")
@@ -148,17 +154,6 @@ def warn_other_rate(file: Path, says: str, own: float | None, rate: float) -> No
 def rate_of_step(step_s: float) -> float:
     """The rate of a sampling interval in double precision."""
     return simplest_rate((1.0 - 1e-12) / step_s, (1.0 + 1e-12) / step_s)
-
-
-def _together(file: Path, channels: Sequence[Channel]) -> None:
-    """Channels of one record begin together."""
-    first = channels[0]
-    begun = (first.start, round(first.offset_s, 9))
-    other = next((c for c in channels if (c.start, round(c.offset_s, 9)) != begun), None)
-    if other is not None:
-        names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
-        found, remedy = f"with {' and '.join(names)}", "Name the responses= of one record."
-        unsuitable(file, found, "channels that begin together", remedy)
 
 
 def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:

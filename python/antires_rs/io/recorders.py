@@ -103,12 +103,17 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
                 raise Unfit(f"the channel {name!r} lies over frequency, not time")
             step = own.get("wf_increment")
             unit = own.get("unit_string") or own.get("NI_UnitDescription") or own.get("Unit") or ""
-            one = {"name": name, "values": values, "unit": str(unit)}
-            one |= {
-                "step_s": None if step is None else float(step),
+            one = {
+                "name": name,
+                "values": values,
+                "unit": str(unit),
                 "start": str(own.get("wf_start_time", "")),
             }
-            made.append(one | {"offset_s": float(own.get("wf_start_offset", 0.0) or 0.0)})
+            one |= {
+                "step_s": None if step is None else float(step),
+                "offset_s": float(own.get("wf_start_offset") or 0.0),
+            }
+            made.append(one)
     return answer(made)
 
 
