@@ -75,11 +75,11 @@ def choose_run(count: int) -> str:
     return f"Choose one by run=1 to run={count}, and give them together as repeats of one test."
 
 
-def refuse_real(path: Path, rows: Any) -> None:
-    """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
-    made = [np.asarray(row) for row in rows]
-    if made and all(not np.any(row.imag) for row in made) and any((row != row[:1]).any() for row in made):
-        found, wanted = "whose responses have no imaginary part at all", "complex FRFs or transmissibilities"
+def refuse_real(path: Path, rows: Iterable[Any]) -> None:
+    """Refuse responses that are real, or whose imaginary parts all vanish; rows of ones are references."""
+    made = [row for row in map(np.asarray, rows) if (row != row[:1]).any() or np.any(row.imag)]
+    if not all(map(np.iscomplexobj, made)) or (made and not any(np.any(row.imag) for row in made)):
+        found, wanted = "whose responses have no imaginary part", "complex FRFs or transmissibilities"
         remedy = "export real and imaginary part, or magnitude and phase."
         unsuitable(path, found, wanted, f"Magnitudes alone have lost the phase: {remedy}")
 

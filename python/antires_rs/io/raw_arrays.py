@@ -28,7 +28,7 @@ from .channels import (
     response_of,
     warn_other_rate,
 )
-from .common import Reading, Signal, rate_of, unsuitable
+from .common import Reading, Signal, rate_of, refuse_real, unsuitable
 
 # -- The frequencies of responses whose file does not hold them
 
@@ -256,10 +256,7 @@ class _Bag:
         complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
         among = complex_ones if self.given.responses is None and complex_ones else numeric
         channels, _ = self._responses(among, {*axes, *seen})
-        real = next((c.name for c in channels if not np.iscomplexobj(c.values)), None)
-        if real is not None:
-            remedy = "Magnitudes alone have lost the phase; combine magnitude and phase first."
-            unsuitable(path, f"whose {real} is real", "complex FRFs or transmissibilities", remedy)
+        refuse_real(path, [c.values for c in channels])
         if freq is None:
             lines = given_lines(path, self.given, channels[0].values.size)
         else:

@@ -109,10 +109,8 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
                 "unit": str(unit),
                 "start": str(own.get("wf_start_time", "")),
             }
-            one |= {
-                "step_s": None if step is None else float(step),
-                "offset_s": float(own.get("wf_start_offset") or 0.0),
-            }
+            one["step_s"] = None if step is None else float(step)
+            one["offset_s"] = float(own.get("wf_start_offset") or 0.0)
             made.append(one)
     return answer(made)
 

@@ -504,16 +504,12 @@ def response_of(
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
             found = f"with other frequencies at {f.at} than at {wanted[0].at}"
             unsuitable(file, found, "one frequency axis for all", "Export all functions over the same lines.")
-    for f in wanted:
-        if not np.iscomplexobj(f.values):
-            remedy = "Magnitudes alone have lost the phase; export real and imaginary part."
-            unsuitable(file, f"whose {f.what} of {f.at} is real", "complex functions", remedy)
+    refuse_real(file, [f.values for f in wanted])
     if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
         kept_ones = [f for f in wanted if named(f.response)[0] is not None]
         kinds = [(f.at, (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
         one_quantity(file, [(label, each, each or "in no known unit") for label, each in kinds])
     rows = {f.response: _values(file, f, unit) for f in wanted}
-    refuse_real(file, list(rows.values()))
     coherence = _coherence(file, rows, beside)
     if kind == "transmissibility" and point not in rows:
         rows[point] = np.ones(lines.size, dtype=np.complex128)
