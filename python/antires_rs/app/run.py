@@ -286,11 +286,8 @@ def summary_of(
     frequencies = []
     if isinstance(table, FrequencyTable):
         columns = {name: map(int, getattr(table, name)) for name in ("excitation", "dof")}
-        hz = {
-            f"{name}_hz": map(number, getattr(table, f"{name}_hz"))
-            for name in ("measured", "before", "after")
-        }
-        frequencies = rows_of(**columns, **hz)
+        hz = (f"{name}_hz" for name in ("measured", "before", "after"))
+        frequencies = rows_of(**columns, **{name: map(number, getattr(table, name)) for name in hz})
     return {
         "antires_rs": record["versions"]["antires_rs"],
         "task": job.task,
@@ -481,10 +478,7 @@ def _searched(
         "state": "searching",
         "title": job.sections["output"].get("title"),
         "measurement": measurement_of(measured),
-        "baseline": [
-            facts | parts.of_set(one, model)
-            for facts, one in zip(measurement_of(intact), before, strict=True)
-        ],
+        "baseline": [f | parts.of_set(b, model) for f, b in zip(measurement_of(intact), before, strict=True)],
         "warnings": texts,
         "versions": versions(),
     }

@@ -367,7 +367,13 @@ def read_mat(
     made = signal_of_analyser(file, arrays, texts, given) if all(each is None for each in roles) else None
     if made is not None:
         return made
-    _no_objects(file, arrays, texts)
+    objects = {name[len(OPAQUE) :]: made for name, made in texts.items() if name.startswith(OPAQUE)}
+    if objects and not any(array.size > 1 for array in arrays.values()):
+        name, kind = next(iter(objects.items()))
+        found = f"whose {name or 'variable'} is a {kind or 'object'} of MATLAB"
+        saved = "x = T.Variables; t = seconds(T.Properties.RowTimes); save('file.mat', 'x', 't')"
+        remedy = f"Only MATLAB reads its objects. Of a timetable T save there: {saved}."
+        unsuitable(file, found, "arrays or structs of numbers", remedy)
     return signal_of_arrays(file, arrays, given, texts)
 
 
@@ -420,20 +426,6 @@ def write_mat(path: PathLike, signal: Signal) -> Path:
     buffer = io.BytesIO()
     savemat(buffer, {TEXT: text, **arrays}, format="5", oned_as="row")
     return write_atomically(path, buffer.getvalue())
-
-
-def _no_objects(file: Path, arrays: Arrays, texts: Mapping[str, str]) -> None:
-    """Refuse a file of objects and no numbers."""
-    objects = {name[len(OPAQUE) :]: made for name, made in texts.items() if name.startswith(OPAQUE)}
-    if objects and not any(array.size > 1 for array in arrays.values()):
-        name, made = next(iter(objects.items()))
-        found, wanted = (
-            f"whose {name or 'variable'} is a {made or 'object'} of MATLAB",
-            "arrays or structs of numbers",
-        )
-        saved = "x = T.Variables; t = seconds(T.Properties.RowTimes); save('file.mat', 'x', 't')"
-        remedy = f"Only MATLAB reads its objects. Of a timetable T save there: {saved}."
-        unsuitable(file, found, wanted, remedy)
 
 
 def _variables(file: Path, limits: Limits, given: Reading | None = None, **more: Any) -> Found:

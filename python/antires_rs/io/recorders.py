@@ -262,9 +262,13 @@ def read_miniseed(
         found = f"whose {name} has {count - 1} gaps or overlaps, {first}"
         remedy = "Cut a part without gaps out of it, with ObsPy's slice or the recorder's program."
         unsuitable(file, found, "traces without gaps", remedy)
+    # Traces that begin within half a sample of each other begin together.
+    begun = [datetime.fromisoformat(entry["start"].replace("Z", "+00:00")) for entry in entries]
+    late = (abs((each - begun[0]).total_seconds()) > 0.5 * entries[0]["step_s"] for each in begun)
+    together = {} if any(late) else {"start": entries[0]["start"] if entries else ""}
     for entry in entries:
         del entry["until"]
-    return stated_recording(file, _on_one_clock([Channel(**entry) for entry in entries]), given)
+    return stated_recording(file, [Channel(**entry | together) for entry in entries], given)
 
 
 def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
@@ -284,15 +288,6 @@ def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
     if not made and request["only"] is not None:
         raise Unfit("the traces are " + called(trace.id for trace in stream))
     return answer(made)
-
-
-def _on_one_clock(channels: list[Channel]) -> list[Channel]:
-    """Traces that begin within half a sample of each other begin together."""
-    begun = [datetime.fromisoformat(c.start.replace("Z", "+00:00")) for c in channels]
-    step = channels[0].step_s or 0.0 if channels else 0.0
-    if any(abs((each - begun[0]).total_seconds()) > 0.5 * step for each in begun):
-        return channels
-    return [replace(c, start=channels[0].start) for c in channels]
 
 
 # -- LVM, text of LabVIEW: a header, and segments with a header each or for all

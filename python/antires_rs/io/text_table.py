@@ -150,7 +150,12 @@ _INSTANT = re.compile(
 
 def without_count(body: list[str], between: str | None) -> list[str]:
     """Rows without the number of the row where that stands before an instant; others stay as they are."""
-    start = next((i for i, line in enumerate(body[:_HEAD]) if _second_is_instant(line, between)), None)
+
+    def second_is_instant(line: str) -> bool:
+        field, rest = _first_field(line, between)
+        return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare(rest, between), between)[0]))
+
+    start = next((i for i, line in enumerate(body[:_HEAD]) if second_is_instant(line)), None)
     if start is None:
         return body
     split = [_first_field(line, between) for line in body]
@@ -165,11 +170,6 @@ def without_count(body: list[str], between: str | None) -> list[str]:
     counted = [*headed, *[True] * (len(body) - start)]
     rows = zip(body, split, counted, strict=True)
     return [_bare(rest, between) if one else line for line, (_, rest), one in rows]
-
-
-def _second_is_instant(line: str, between: str | None) -> bool:
-    field, rest = _first_field(line, between)
-    return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare(rest, between), between)[0]))
 
 
 def _bare(rest: str, between: str | None) -> str:
@@ -271,7 +271,13 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         whole = _trails(body[-1])
         body = [line.rstrip()[:-1] if _trails(line) else line for line in body]
         ended, trailing = ended and whole, not whole
-    between = delimiter if delimiter is not None else _delimiter(body)
+    between = delimiter
+    if (
+        between is None
+    ):  # the sign that splits most lines in the middle, one of which may be damaged; or spaces
+        sample = body[max(len(body) // 2 - 2, 0) : len(body) // 2 + 3]
+        often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in row for row in sample) > len(sample))
+        between = next(often, None)
     body, instants = without_instants(file, without_count(body, between), between)
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
@@ -365,14 +371,6 @@ def _header(file: Path, lines: list[str], table: Table) -> None:
         unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
 
 
-def _delimiter(body: list[str]) -> str | None:
-    """The sign that splits most lines in the middle of the file; None for spaces."""
-    middle = len(body) // 2
-    sample = body[max(middle - 2, 0) : middle + 3]  # one of them may be damaged
-    often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in line for line in sample) > len(sample))
-    return next(often, None)
-
-
 def decoded(file: Path) -> str:
     """The text: UTF-8, UTF-16 by its mark (Excel's "Unicode text"), or else Latin-1."""
     raw = file.read_bytes()
@@ -446,14 +444,11 @@ def named(table: Table, rows: list[list[str]]) -> None:
     for part in names:
         match = _UNIT.match(part)
         # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
-        has_unit = match and match[1] and (part_of(part) is None or "[" in part or _is_unit(match[2]))
+        unit = parse_unit(match[2]) if match else None
+        is_unit = match and (is_part_unit(match[2]) or (unit is not None and bool(unit.quantity)))
+        has_unit = match and match[1] and (part_of(part) is None or "[" in part or is_unit)
         table.names.append(match[1] if match and has_unit else part)
         table.units.append(match[2] if match and has_unit else "")
-
-
-def _is_unit(text: str) -> bool:
-    known = parse_unit(text)
-    return is_part_unit(text) or (known is not None and bool(known.quantity))
 
 
 def _commented_names(lines: list[str], between: str | None, width: int) -> list[str]:
