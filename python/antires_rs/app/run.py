@@ -362,11 +362,10 @@ def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
     elements = result.severity.keys()
     hypotheses = result.hypotheses if judged else ()
     probable = [one for one in hypotheses if one.probability >= _LEAST]
+    figures = ("probability_of_damage", "probability_elsewhere", "chi_square")
     return {
         "headline": result.headline if judged else None,
-        "probability_of_damage": number(result.probability_of_damage) if judged else None,
-        "probability_elsewhere": number(result.probability_elsewhere) if judged else None,
-        "chi_square": number(result.chi_square) if judged else None,
+        **{name: number(getattr(result, name)) if judged else None for name in figures},
         "hypotheses": rows_of(
             name=[result.hypotheses.called(one) for one in probable],
             elements=[list(one.elements) for one in probable],

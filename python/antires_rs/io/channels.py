@@ -57,10 +57,8 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
     used = [responses[i] for i in rows]
     lengths = {c.values.size for c in (*used, *([] if force is None else [force]))}
     if len(lengths) > 1:
-        found, remedy = (
-            f"with channels of {sorted(lengths)} samples",
-            "Leave out those of other lengths by dofs=.",
-        )
+        found = f"with channels of {sorted(lengths)} samples"
+        remedy = "Leave out those of other lengths by dofs=."
         unsuitable(path, found, "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): named_unit("unit", given.unit) for c in used}

@@ -110,12 +110,9 @@ def simplest_rate(low: float, high: float) -> float:
         return next((number for number in numbers if low <= number <= high), 0.5 * (low + high))
 
     def key(number: float, rate: float) -> tuple[int, float, float]:
+        # Of equally simple ones, the nearer to the middle.
         digits = f"{number:.15e}".partition("e")[0].rstrip("0")
-        return (
-            len(digits),
-            abs(rate - 0.5 * (low + high)),
-            rate,
-        )  # of equally simple ones nearer to the middle
+        return len(digits), abs(rate - 0.5 * (low + high)), rate
 
     rate, step = simplest(low, high), simplest(1.0 / high, 1.0 / low)
     return min(key(rate, rate), key(step, 1.0 / step))[2]

@@ -154,9 +154,7 @@ def tracks_dataset(tracks: Tracks) -> Any:
     """An xarray.Dataset over test and track."""
     names = ("freq_hz", "std_hz", "change_percent")
     data = {name: (("test", "track"), np.array(getattr(tracks, name))) for name in names}
-    over: dict[str, Any] = {
-        "test": np.arange(len(tracks.conditions)),
-        "dof": (("track",), np.array(tracks.dof)),
-    }
+    over: dict[str, Any] = {"test": np.arange(len(tracks.conditions))}
+    over["dof"] = (("track",), np.array(tracks.dof))
     over["condition"] = (("test",), np.array(tracks.conditions))
     return _xarray().Dataset(data, over, {"excitation": tracks.excitation})

@@ -103,12 +103,8 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
                 raise Unfit(f"the channel {name!r} lies over frequency, not time")
             step = own.get("wf_increment")
             unit = own.get("unit_string") or own.get("NI_UnitDescription") or own.get("Unit") or ""
-            one = {
-                "name": name,
-                "values": values,
-                "unit": str(unit),
-                "start": str(own.get("wf_start_time", "")),
-            }
+            one: dict[str, Any] = {"name": name, "values": values, "unit": str(unit)}
+            one["start"] = str(own.get("wf_start_time", ""))
             one["step_s"] = None if step is None else float(step)
             one["offset_s"] = float(own.get("wf_start_offset") or 0.0)
             made.append(one)
