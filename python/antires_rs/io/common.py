@@ -84,22 +84,16 @@ def refuse_real(path: Path, rows: Iterable[Any]) -> None:
         unsuitable(path, found, wanted, f"Magnitudes alone have lost the phase: {remedy}")
 
 
-def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
-    """The error that names the extra to install."""
-    how = f'pip install "antires-rs[{extra}]", or: pip install {package}'
-    error = MissingDependencyError(f"{what} needs {package}; install it with: {how}")
-    error.__cause__ = cause
-    return error
-
-
-def require(reader: str, module: str, extra: str, package: str = "") -> None:
-    """Raise where a package is not installed, without importing it."""
+def require(what: str, module: str, extra: str, package: str = "") -> None:
+    """Raise where a package is not installed, without importing it; the error names the extra to install."""
     try:
         there = find_spec(module) is not None
     except ModuleNotFoundError:  # of a package above it
         there = False
     if not there:
-        raise missing_package(reader, package or module, extra, ImportError(module))
+        package = package or module
+        how = f'pip install "antires-rs[{extra}]", or: pip install {package}'
+        raise MissingDependencyError(f"{what} needs {package}; install it with: {how}")
 
 
 def simplest_rate(low: float, high: float) -> float:

@@ -16,14 +16,12 @@ from ..measured.track import Tracks
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..updating.posterior import ParameterIntervals
-from .common import missing_package
+from .common import require
 
 
 def _package(method: str, name: str) -> Any:
-    try:
-        return import_module(name)
-    except ImportError as exc:
-        raise missing_package(method, name, "tables", exc) from exc
+    require(method, name, "tables")
+    return import_module(name)
 
 
 _pandas, _xarray = partial(_package, "to_dataframe", "pandas"), partial(_package, "to_xarray", "xarray")

@@ -29,7 +29,7 @@ from .common import (
     writer,
 )
 from .own_format import FORMAT, TEXT, own_signal, pack
-from .raw_arrays import signal_of_arrays, stated_number
+from .raw_arrays import channels_first, signal_of_arrays, stated_number
 
 
 @reader
@@ -256,7 +256,9 @@ def _of_testlab(
         factor = abscissa_factor(axis)
         first = factor * (_scalar(arrays, f"{name}.x_values.start_value") or 0.0)
         count = _scalar(arrays, f"{name}.x_values.number_of_values")
-        values = _columns(arrays[f"{name}.y_values.values"], count)
+        values = channels_first(arrays[f"{name}.y_values.values"])
+        if count is not None and values.shape[0] == int(count) != values.shape[1]:
+            values = values.T  # more channels than values
         kinds.add(is_frequency(axis) or bool(np.iscomplexobj(values)))
         record, quantity = f"{name}.function_record.name", f"{name}.y_values.quantity"
         for i, row in enumerate(values):
@@ -315,14 +317,6 @@ def _of_dewesoft(file: Path, arrays: Arrays) -> list[Channel]:
             return []  # neither instants nor a rate: variables that happen to be called so
         channels.append(Channel(title, np.float64(arrays[name]).ravel(), "", each, "", begun))
     return channels
-
-
-def _columns(values: NDArray[Any], count: float | None) -> NDArray[Any]:
-    """Channels first; columns are channels, as far as the count of values does not say otherwise."""
-    rows = np.atleast_2d(values.astype(np.complex128 if values.dtype.kind == "c" else np.float64))
-    if count is not None and rows.shape[1] == int(count) != rows.shape[0]:
-        return rows
-    return rows.T if rows.shape[0] > rows.shape[1] else rows
 
 
 def _scalar(arrays: Arrays, name: str) -> float | None:

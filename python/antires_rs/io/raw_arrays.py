@@ -179,7 +179,7 @@ class _Bag:
         self.path, self.given, self.notes = path, given, Notes(texts)
         self.listed = _listed(arrays)
         numbers = {name: value for name, value in arrays.items() if value.dtype.kind in "iufc"}
-        self.numeric = {n: _channels_first(v) for n, v in numbers.items() if v.ndim <= 2 and v.size}
+        self.numeric = {n: channels_first(v) for n, v in numbers.items() if v.ndim <= 2 and v.size}
         cubes = [name for name, value in numbers.items() if value.ndim > 2]
         if cubes and given.responses is None:
             said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
@@ -365,7 +365,7 @@ def _listed(arrays: Mapping[str, Any]) -> str:
     return ", ".join(shown) + (f" and {len(arrays) - 20} more" if len(arrays) > 20 else "")
 
 
-def _channels_first(value: NDArray[Any]) -> NDArray[Any]:
+def channels_first(value: NDArray[Any]) -> NDArray[Any]:
     """The longer axis is time or frequency."""
     rows = np.atleast_2d(value.astype(np.complex128 if value.dtype.kind == "c" else np.float64))
     return rows.T if rows.shape[0] > rows.shape[1] else rows

@@ -250,17 +250,14 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
 def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     """Node and direction of each dof, for writing: given, read from the label, or numbered."""
     points: dict[Any, Point] = {}
+    if not (given is None or isinstance(given, Mapping) or callable(given)):
+        wanted = "a mapping {dof: (node, direction)} or a function of the dof"
+        reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
     for dof in dofs:
-        if isinstance(given, Mapping):
-            if dof not in given:
-                got = f"no node and direction for {dof!r}"
-                reject("dofs", got, f"one for each of {dofs}", "Add it to dofs.")
-            points[dof] = as_point("dofs", given[dof])
-        elif callable(given):
-            points[dof] = as_point("dofs", given(dof))
-        elif given is not None:
-            wanted = "a mapping {dof: (node, direction)} or a function of the dof"
-            reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
+        if isinstance(given, Mapping) and dof not in given:
+            reject("dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}", "Add it to dofs.")
+        if given is not None:
+            points[dof] = as_point("dofs", given[dof] if isinstance(given, Mapping) else given(dof))
         elif isinstance(dof, str) and _LABEL.match(dof):
             points[dof] = as_point("dofs", dof)
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:
