@@ -1,4 +1,4 @@
-# What type checkers and editors see of __init__.py, which imports at first use; a test compares the two.
+# Every public name and where it lives: for type checkers and editors, and for __init__.py, which reads it.
 
 from . import cases, exceptions as exceptions, figures as figures, io as io
 from ._core import __version__

@@ -178,10 +178,6 @@ def test_the_extras_bring_what_the_messages_promise():
     assert set(extras) == {*PACKAGES, "uff", "all"}
     assert set(re.findall(r"\w+", extras["all"][0].partition("[")[2])) == set(PACKAGES) - LARGE
     sources = [file.read_text(encoding="utf-8") for file in (PROJECT.parent / "python").rglob("*.py")]
-    promises = (
-        r"antires-rs\[(\w+)\]",
-        r'missing_package\([^)]*"(\w+)", (?:exc|ImportError)\b',
-        r'require\((?:"[^"]+"|reader), "[^"]+", "(\w+)"',  # which read in a child process
-    )
+    promises = (r"antires-rs\[(\w+)\]", r'require\((?:"[^"]+"|\w+), (?:"[^"]+"|\w+), "(\w+)"')
     named = {extra for source in sources for promise in promises for extra in re.findall(promise, source)}
     assert named == set(PACKAGES)

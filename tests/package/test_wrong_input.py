@@ -14,8 +14,8 @@ import scipy.sparse
 
 import antires_rs as ar
 from antires_rs import exceptions
-from antires_rs.app.job import read_job
-from antires_rs.support.messages import LeftOut, Passed, Wording, spelled
+from antires_rs.app.job import LEAVE_OUT, read_job
+from antires_rs.app.reading import spelled
 
 NAN, INF = float("nan"), float("inf")
 CASE = ar.cases.chain8()
@@ -237,11 +237,10 @@ def test_a_part_of_an_argument_stays_one_after_pickle():
 
 
 def test_a_text_that_names_arguments_is_spelt_for_each_caller():
-    text = Wording("Pass {} or {}; {}.", Passed("first", "time"), Passed("fs_hz"), LeftOut("channel"))
-    assert text == "Pass first='time' or fs_hz=; Map a channel to None to leave it out."
-    there = pickle.loads(pickle.dumps(text))
-    assert spelled(there, lambda part: type(part).__name__) == "Pass Passed or Passed; LeftOut."
-    assert spelled("as it is", str) == "as it is"
+    text = "Pass first='time', fs_hz= or x=; dofs={3: 0}. Map a channel to None to leave it out."
+    there = spelled(text, lambda name, value: f"<{name} {value}>")
+    assert there == f"Pass <first time>, <fs_hz None> or x=; dofs={{3: 0}}. {LEAVE_OUT}."
+    assert spelled("as it is", lambda name, value: name) == "as it is"
 
 
 # -- Every class of the catalogue

@@ -15,9 +15,9 @@ from ..io.registry import conversion
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import covered_hz
-from ..support.messages import LeftOut, Part, edit_named, warn
+from ..support.messages import edit_named, warn
 from .command import existing, say
-from .job import LEAVE_OUT, Job, KeyPath, Place
+from .job import Job, KeyPath, Place
 from .keys import DATA, FORMATS, IDENTIFICATION
 from .parser import dof
 from .reading import EDITS, Measurement, edited, kind_of
@@ -111,14 +111,10 @@ class Call(Job):
         return ""
 
     @staticmethod
-    def spelled(part: Part) -> str:
+    def spelled(name: str, value: Any) -> str:
         """An argument of a reader as this command has it; those it lacks a job has."""
-        if isinstance(part, LeftOut):
-            return LEAVE_OUT
-        flag = _FLAGS.get(part.name)
-        if flag is None:
-            return f"{part.name} (in a job)" if DATA.key(part.name) else part.name
-        return flag if part.value is None else f"{flag} {part.value}"
+        flag = _FLAGS.get(name, f"{name} (in a job)")
+        return flag if value is None else f"{flag} {value}"
 
 
 _FILE: KeyPath = ("data", "file")

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple, NoReturn
 
 from ..exceptions import Argument, InvalidInputError
 from ..io.registry import conversion
-from ..support.messages import LeftOut, Part
 from .command import existing
 from .keys import FORMATS, KINDS, SECTIONS, TASKS, Key, Section, shown, unset_in
 from .parser import nearest
@@ -222,9 +221,8 @@ class Job:
         known = ", ".join(f"[{one}]" for one in SECTIONS)
         for name in raw:
             remedy = self._owner(name) or "'antires init' writes a job with all of them."
-            self.one_of(
-                (name,), name, SECTIONS, remedy, f"the unknown name {name!r}", f"one of the sections {known}"
-            )
+            wanted = f"one of the sections {known}"
+            self.one_of((name,), name, SECTIONS, remedy, f"the unknown name {name!r}", wanted)
         tables = {name: self._tables(SECTIONS[name], value) for name, value in raw.items()}
         for name, rows in tables.items():
             for place, row in rows.items():
@@ -259,9 +257,8 @@ class Job:
     def _check(self, section: Section, place: KeyPath, table: Mapping[str, Any]) -> None:
         keys = {key.name: key for key in section.keys}
         for name, value in table.items():
-            self.one_of(
-                (*place, name), name, keys, self._owner(name) or "Remove it.", f"the unknown key {name!r}"
-            )
+            remedy = self._owner(name) or "Remove it."
+            self.one_of((*place, name), name, keys, remedy, f"the unknown key {name!r}")
             key = keys[name]
             if key.kind in ("dof", "dofs") and (unset := unset_in(value)):  # as ``antires init`` left it
                 of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
@@ -361,11 +358,9 @@ class Job:
         return Place(f"{self.path.name}{line}{f', {_label(place)}' if place else ''}", place)
 
     @staticmethod
-    def spelled(part: Part) -> str:
-        """An argument of a reader as its user writes it."""
-        if isinstance(part, LeftOut):
-            return LEAVE_OUT
-        return part.name if part.value is None else f"{part.name} = {shown(part.value)}"
+    def spelled(name: str, value: Any) -> str:
+        """An argument of a reader as its user writes it, alone or with the value to be passed."""
+        return name if value is None else f"{name} = {shown(value)}"
 
     def belongs(self, place: KeyPath) -> str:
         """What belongs to a place."""

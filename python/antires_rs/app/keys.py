@@ -138,18 +138,13 @@ _FLAGS = {
 def _of_options(options: Mapping[str, Option], names: Iterable[str]) -> list[Key]:
     """The keys of options of a call, but for those whose values no job can write."""
     kinds = {name: "whole" if options[name].kind == "segment" else options[name].kind for name in names}
-    return [
-        Key(
-            name,
-            kind,
-            options[name].explanation,
-            options[name].shown,
-            flag=_FLAGS.get(name, ""),
-            choices=options[name].choices if name == "formulation" else (),
-        )
-        for name, kind in kinds.items()
-        if kind != "value"
-    ]
+    keys = []
+    for name, kind in kinds.items():
+        if kind != "value":
+            one, flag = options[name], _FLAGS.get(name, "")
+            choices = one.choices if name == "formulation" else ()
+            keys.append(Key(name, kind, one.explanation, one.shown, flag=flag, choices=choices))
+    return keys
 
 
 _TEXT = """
@@ -342,6 +337,10 @@ def _plain(*types: type) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, types) and not isinstance(value, bool) and value != ""
 
 
+def _switch(value: Any) -> bool:
+    return isinstance(value, bool)
+
+
 def _list(item: Callable[[Any], bool], least: int = 1, most: float = math.inf) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, list) and least <= len(value) <= most and all(map(item, value))
 
@@ -356,34 +355,22 @@ def _any_of(*kinds: Callable[[Any], bool]) -> Callable[[Any], bool]:
 
 _whole, _text, _dof = _plain(int), _plain(str), _plain(int, str)
 _dof_or_false = _any_of(_dof, lambda value: value is False)
+_texts, _terms = _any_of(_text, _list(_text)), _any_of(_dof, _list(_dof))
+_dofs = _any_of(_list(_dof_or_false), _table(_dof_or_false))
 _QUOTED = Kind("text in quotes", _text, "Put it in quotes.")
 KINDS = {
     "text": _QUOTED,
     "word": _QUOTED,
-    "texts": Kind(
-        "text in quotes, or a list of such",
-        _any_of(_text, _list(_text)),
-        'Write "one" or ["one", "another"].',
-    ),
+    "texts": Kind("text in quotes, or a list of such", _texts, 'Write "one" or ["one", "another"].'),
     "number": Kind("a finite number", _number, "Write it without quotes, with a decimal point."),
     "numbers": Kind("a list of finite numbers", _list(_number, 0), "Write them as in [1.0, 2.5]."),
     "whole": Kind("a whole number", _whole, "Write it without quotes and decimal point."),
-    "switch": Kind(
-        "true or false", lambda v: isinstance(v, bool), "Write it in small letters, without quotes."
-    ),
+    "switch": Kind("true or false", _switch, "Write it in small letters, without quotes."),
     "pair": Kind("two numbers, [low, high]", _list(_number, 2, 2), "Write them as in [3.0, 130.0]."),
     "dof": Kind("a whole number, or a name in quotes", _dof, 'Write it as in 3 or "12+Z".'),
-    "dofs": Kind(
-        "a list of dofs, or a table name = dof",
-        _any_of(_list(_dof_or_false), _table(_dof_or_false)),
-        'Write it as in [0, 1, 2] or { "12+Z" = 0 }.',
-    ),
+    "dofs": Kind("a list of dofs, or a table name = dof", _dofs, 'As in [0, 1, 2] or { "12+Z" = 0 }.'),
     "force": Kind("a channel's name in quotes, or false", _dof_or_false, "Put it in quotes."),
-    "terms": Kind(
-        '"all", a number or name, or a list of them',
-        _any_of(_dof, _list(_dof)),
-        'Write it as in "all" or [0, 1, 2].',
-    ),
+    "terms": Kind('"all", a number or name, or a list of them', _terms, 'As in "all" or [0, 1, 2].'),
     "list": Kind("a list that is not empty", _list(lambda item: True), "Put it in [ ]."),
     "shares": Kind("a table name = number", _table(_number), "Write it as in { nothing = 0.9, one = 0.1 }."),
     "table": Kind("a table, name = { ... }", _table(lambda item: True), "Put it in { }."),

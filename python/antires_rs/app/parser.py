@@ -50,7 +50,9 @@ class Parser(argparse.ArgumentParser):
         """As argparse; what is not known is the command's to explain, not that of the program."""
         found, unknown = self.parse_known_args(args, namespace)
         if unknown:
-            self._commands().get(str(getattr(found, "command", "")), self).unknown(unknown[0])
+            of = self._commands().get(str(getattr(found, "command", "")), self)
+            remedy = nearest(unknown[0].split("=")[0], of._options(), 0.7) or "Remove it."
+            of.refuse(unknown[0], "an argument that is not known", f"those of '{of.prog} --help'", remedy)
         return found
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
@@ -58,8 +60,16 @@ class Parser(argparse.ArgumentParser):
         for flags, how in self._rows():
             self.add_argument(*flags, **how)
         given = list(sys.argv[1:] if args is None else args)
-        self._check_command(given)
-        self._check_short_forms(given)
+        commands, known = self._commands(), self._options()
+        if commands and given and not given[0].startswith("-") and given[0] not in commands:
+            remedy = nearest(given[0], commands) or self.see
+            self.refuse("COMMAND", repr(given[0]), f"one of {', '.join(commands)}", remedy)
+        for argument in given[: given.index("--")] if "--" in given else given:
+            short = argument.split("=")[0]
+            meant = [option for option in known if option.startswith(short)]
+            if short.startswith("--") and short not in known and len(meant) > 1:
+                wanted = f"one of {', '.join(meant)}"
+                self.refuse(short, "a short form of several", wanted, "Write it in full.")
         try:
             return super().parse_known_args(given, namespace)
         except argparse.ArgumentError as exc:
@@ -77,11 +87,6 @@ class Parser(argparse.ArgumentParser):
         complain(InvalidInputError(argument, got, wanted, remedy), self.prog)
         self.exit(2)
 
-    def unknown(self, argument: str) -> NoReturn:
-        """Refuse an argument that no action takes."""
-        remedy = nearest(argument.split("=")[0], self._options(), 0.7) or "Remove it."
-        self.refuse(argument, "an argument that is not known", f"those of '{self.prog} --help'", remedy)
-
     def _explain(self, exc: argparse.ArgumentError) -> NoReturn:
         wrong, name = exc.__context__, exc.argument_name
         if isinstance(wrong, WrongValue):
@@ -92,21 +97,6 @@ class Parser(argparse.ArgumentParser):
         alone = action.nargs == 0
         got = "a value" if alone else "no value" if action.nargs is None else "another number of values"
         self.refuse(_name(action), got, "it alone" if alone else _use(action), self.see)
-
-    def _check_command(self, given: Sequence[str]) -> None:
-        commands = self._commands()
-        if commands and given and not given[0].startswith("-") and given[0] not in commands:
-            remedy = nearest(given[0], commands) or self.see
-            self.refuse("COMMAND", repr(given[0]), f"one of {', '.join(commands)}", remedy)
-
-    def _check_short_forms(self, given: Sequence[str]) -> None:
-        known = self._options()
-        for argument in given[: given.index("--")] if "--" in given else given:
-            short = argument.split("=")[0]
-            meant = [option for option in known if option.startswith(short)]
-            if short.startswith("--") and short not in known and len(meant) > 1:
-                wanted = f"one of {', '.join(meant)}"
-                self.refuse(short, "a short form of several", wanted, "Write it in full.")
 
     def _options(self) -> list[str]:
         return [option for action in self._actions for option in action.option_strings]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from ast import literal_eval
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ from ..io.uff import as_point
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.structural_model import StructuralModel
 from ..signals.repeats import one_source
-from ..support.messages import EDIT_WANTED, edit_named, spelled
+from ..support.messages import EDIT_WANTED, edit_named
 from .arguments import dof_finder
 from .command import say
 from .job import LEAVE_OUT, Job, KeyPath
@@ -32,7 +34,24 @@ _READERS: dict[str, Callable[..., Signal]] = {**READERS, FOLDER: io.read_frf_fil
 _OURS = {"file", "repeats", "format", "excitation", "band_hz", "dofs", "drop", "add"}
 
 
-def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Any = Job.spelled) -> Signal:
+#: How an argument of a reader is written, alone or with the value to be passed.
+Spell = Callable[[str, Any], str]
+#: As texts of errors have it for who calls from Python: ``fs_hz=``, ``first='time'``; and a channel left out.
+_PASSED = re.compile(r"""\b(\w+)=(?:('[^']*'|"[^"]*"|\d+|True)|(?![\w{([]))""")
+_LEFT_OUT = re.compile(r"Map a \w+ to None to leave it out")
+
+
+def spelled(text: str, spell: Spell) -> str:
+    """A text for who calls from Python, as the user of a job or of a command would write it."""
+
+    def respelled(found: re.Match[str]) -> str:
+        name, value = found.groups()
+        return spell(name, value and literal_eval(value)) if DATA.key(name) else found[0]
+
+    return _LEFT_OUT.sub(LEAVE_OUT, _PASSED.sub(respelled, text))
+
+
+def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell = Job.spelled) -> Signal:
     """Read a signal by keys of [data]; ``spell`` writes an argument of a reader as this user would."""
     chosen = {name: value for name, value in options.items() if name not in _OURS}
     for name in chosen:
@@ -56,9 +75,9 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Any = 
         chosen["dofs"] = lambda name: None if str(name) in left_out else name
     try:
         signal = _READERS[kind](file, **chosen)
-    except InvalidInputError as exc:  # which speaks to one who calls from Python
-        texts = (spelled(text, spell) for text in (exc.got, exc.wanted, exc.remedy))
-        raise type(exc)(exc.argument, *texts) from exc
+    except InvalidInputError as exc:
+        texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
+        raise type(exc)(exc.argument, exc.got, *texts) from exc
     return signal if by_point or not dofs else _named(signal, dofs)
 
 

@@ -286,11 +286,8 @@ def summary_of(
     frequencies = []
     if isinstance(table, FrequencyTable):
         columns = {name: map(int, getattr(table, name)) for name in ("excitation", "dof")}
-        hz = {
-            f"{name}_hz": map(number, getattr(table, f"{name}_hz"))
-            for name in ("measured", "before", "after")
-        }
-        frequencies = rows_of(**columns, **hz)
+        hz = (f"{name}_hz" for name in ("measured", "before", "after"))
+        frequencies = rows_of(**columns, **{name: map(number, getattr(table, name)) for name in hz})
     return {
         "antires_rs": record["versions"]["antires_rs"],
         "task": job.task,
@@ -365,11 +362,10 @@ def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
     elements = result.severity.keys()
     hypotheses = result.hypotheses if judged else ()
     probable = [one for one in hypotheses if one.probability >= _LEAST]
+    figures = ("probability_of_damage", "probability_elsewhere", "chi_square")
     return {
         "headline": result.headline if judged else None,
-        "probability_of_damage": number(result.probability_of_damage) if judged else None,
-        "probability_elsewhere": number(result.probability_elsewhere) if judged else None,
-        "chi_square": number(result.chi_square) if judged else None,
+        **{name: number(getattr(result, name)) if judged else None for name in figures},
         "hypotheses": rows_of(
             name=[result.hypotheses.called(one) for one in probable],
             elements=[list(one.elements) for one in probable],
@@ -481,10 +477,7 @@ def _searched(
         "state": "searching",
         "title": job.sections["output"].get("title"),
         "measurement": measurement_of(measured),
-        "baseline": [
-            facts | parts.of_set(one, model)
-            for facts, one in zip(measurement_of(intact), before, strict=True)
-        ],
+        "baseline": [f | parts.of_set(b, model) for f, b in zip(measurement_of(intact), before, strict=True)],
         "warnings": texts,
         "versions": versions(),
     }

@@ -22,7 +22,6 @@ from ..figures.sets import plot_tracks
 from ..io.common import Signal
 from ..measured.track import Tracks
 from ..support.files import write_atomically
-from ..support.messages import Part
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
 from ..watch.monitor import Watched, monitor
@@ -33,7 +32,7 @@ from .call import Call
 from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
 from .keys import FOLDER, FORMATS, IDENTIFICATION, SIGNALS, format_of, shown
-from .reading import EDITS, read_signal
+from .reading import EDITS, Spell, read_signal
 from .run import RunFolder, picture_name, write_json
 
 #: Tracks that fewer of the tests have are not drawn, and of more tests than this no events.
@@ -46,7 +45,7 @@ class JobReader:
 
     table: Mapping[str, Any]
     #: How an argument of a reader is written in messages.
-    spell: Callable[[Part], str] = field(default=Job.spelled, repr=False)
+    spell: Spell = field(default=Job.spelled, repr=False)
 
     def __call__(self, file: Path) -> Signal:
         """The signal of a file."""

@@ -13,6 +13,7 @@ import os
 import platform
 from collections.abc import Callable
 from dataclasses import MISSING, fields, is_dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,7 @@ def write_store(path: PathLike, data: dict[str, Any], store: Store) -> Path:
     """Write text, arrays and their hashes, whole or not at all."""
     hashes = {name: _digest(array) for name, array in store.arrays.items()}
     text = json.dumps({**data, "sha256": hashes}, allow_nan=False, indent=1)
-    own = np.frombuffer(bytes.fromhex(_sha256(text.encode())), dtype=np.uint8)
+    own = np.frombuffer(sha256(text.encode()).digest(), dtype=np.uint8)
     return write_archive(path, text, {**store.arrays, "text_sha256": own})
 
 
@@ -83,15 +84,15 @@ def read_store(
         got = "an archive of another kind"
         unsuitable(file, got, wanted, "It was cut, or is another file: name the right one.")
     text = bytes(arrays[TEXT])
-    if _sha256(text) != bytes(arrays["text_sha256"]).hex():
+    if sha256(text).digest() != bytes(arrays["text_sha256"]):
         unsuitable(file, "whose text does not have its checksum", wanted, "It was damaged or edited.")
     data = json.loads(text)
     if data.get("format") != form:
         found = f"which holds {data.get('format')!r}"
         unsuitable(file, found, wanted, "It is another file of antires_rs: name the right one.")
     if not isinstance(data.get("version"), int) or data["version"] > version:
-        got = f"of version {data.get('version')!r}"
-        unsuitable(file, got, f"version {version} or older", "Update antires_rs.")
+        found, older = f"of version {data.get('version')!r}", f"version {version} or older"
+        unsuitable(file, found, older, "Update antires_rs.")
     for name, digest in data["sha256"].items():
         if name not in arrays or _digest(arrays[name]) != digest:
             found = f"whose array {name} is missing or does not have its checksum"
@@ -109,13 +110,7 @@ def _filled(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:
 
 def _digest(array: NDArray[Any]) -> str:
     head = f"{array.dtype.str}{array.shape}".encode()
-    return _sha256(head + np.ascontiguousarray(array).tobytes())
-
-
-def _sha256(data: bytes) -> str:
-    import hashlib  # slow to load
-
-    return hashlib.sha256(data).hexdigest()
+    return sha256(head + np.ascontiguousarray(array).tobytes()).hexdigest()
 
 
 # -- Values of our classes as plain data and arrays, and made again from them, bit-identical

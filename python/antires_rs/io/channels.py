@@ -15,7 +15,7 @@ from ..exceptions import part, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array, shape_of
-from ..support.messages import LeftOut, Passed, Wording, warn
+from ..support.messages import warn
 from ._child import matches
 from .common import Dofs, Reading, rate_of, refuse_real, simplest_rate, unsuitable
 
@@ -57,8 +57,9 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
     used = [responses[i] for i in rows]
     lengths = {c.values.size for c in (*used, *([] if force is None else [force]))}
     if len(lengths) > 1:
-        remedy = Wording("Leave out those of other lengths by {}.", Passed("dofs"))
-        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
+        found = f"with channels of {sorted(lengths)} samples"
+        remedy = "Leave out those of other lengths by dofs=."
+        unsuitable(path, found, "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): named_unit("unit", given.unit) for c in used}
     else:
@@ -97,7 +98,13 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
         found = "without a channel of numbers"
         unsuitable(file, found, "at least one channel of samples", "Export the channels of the record.")
     rate = _rate(file, chosen, instants, given)
-    _together(file, chosen)
+    first = chosen[0]
+    begun = (first.start, round(first.offset_s, 9))
+    other = next((c for c in chosen if (c.start, round(c.offset_s, 9)) != begun), None)
+    if other is not None:
+        names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
+        found, remedy = f"with {' and '.join(names)}", "Name the responses= of one record."
+        unsuitable(file, found, "channels that begin together", remedy)
     if given.unit is None and not any(c.unit for c in chosen):
         said = "does not say in which unit its channels are; the values are as in the file"
         warn("no_unit", f"path: {str(file)!r} {said}. Name it by unit=.")
@@ -124,12 +131,11 @@ def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], 
         if len(instants) == 1:
             return rate_of(file, instants[0].values)
         found = f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval"
-        unsuitable(file, found, "a sampling rate", Wording("Give it by {}.", Passed("fs_hz")))
+        unsuitable(file, found, "a sampling rate", "Give it by fs_hz=.")
     if rates and max(rates.values()) - min(rates.values()) > _SAME_RATE * max(rates.values()):
         low, high = (f(rates, key=lambda name: rates[name]) for f in (min, max))
         found = f"with {low!r} at {rates[low]:.6g} Hz and {high!r} at {rates[high]:.6g} Hz"
-        wanted = "channels of one rate"
-        unsuitable(file, found, wanted, Wording("Name the {} of one rate.", Passed("responses")))
+        unsuitable(file, found, "channels of one rate", "Name the responses= of one rate.")
     own = next(iter(rates.values()), rate)
     if rate is not None:
         warn_other_rate(file, "has channels at", own, rate)
@@ -148,24 +154,11 @@ def rate_of_step(step_s: float) -> float:
     return simplest_rate((1.0 - 1e-12) / step_s, (1.0 + 1e-12) / step_s)
 
 
-def _together(file: Path, channels: Sequence[Channel]) -> None:
-    """Channels of one record begin together."""
-    first = channels[0]
-    begun = (first.start, round(first.offset_s, 9))
-    other = next((c for c in channels if (c.start, round(c.offset_s, 9)) != begun), None)
-    if other is not None:
-        names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
-        remedy = Wording("Name the {} of one record.", Passed("responses"))
-        unsuitable(file, f"with {' and '.join(names)}", "channels that begin together", remedy)
-
-
 def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
     """Refuse accelerations beside displacements; ``found`` has name, quantity and unit of each channel."""
     if len({quantity for _, quantity, _ in found}) > 1:
         shown = ", ".join(f"{name} {unit}" for name, _, unit in found)
-        remedy = Wording(
-            "Leave out those of other kinds by {}, or name the {} of all.", Passed("dofs"), Passed("unit")
-        )
+        remedy = "Leave out those of other kinds by dofs=, or name the unit= of all."
         wanted = "accelerations, velocities or displacements alone"
         unsuitable(path, f"with responses of several kinds, {shown}", wanted, remedy)
 
@@ -178,7 +171,8 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
         lost = [name for name in names if name not in dofs]
         if lost:
             got = f"no dof for {lost}"
-            reject(argument, got, f"a dof for each of {list(names)}", Wording("{}.", LeftOut("channel")))
+            remedy = "Map a channel to None to leave it out."
+            reject(argument, got, f"a dof for each of {list(names)}", remedy)
         return [dofs[name] for name in names]
     if callable(dofs):
         return [dofs(name) for name in names]
@@ -350,8 +344,10 @@ def _simple(name: str) -> tuple[str, float] | None:
 # -- Time series as the dictionaries of the SDyPy projects, SDyPy Enhancement Proposal 5 (draft of 2023)
 
 _COMPULSORY = ("data", "name", "unit_str")
-_KEYS = ("data", "name", "unit_str", "fs", "time", "unit_tex", "start_timestamp", "start_timestamp_format")
-_PROHIBITED = ("unit", "timestamp", "signal", "sample_frequency")
+_KEYS = (*_COMPULSORY, "fs", "time", "unit_tex", "start_timestamp", "start_timestamp_format")
+#: How SEP 5 spells a key, by its small letters; those that it prohibits stand for another.
+_SPELLED_SO = {key.replace("_", ""): key for key in _KEYS}
+_PROHIBITED = {"unit": "unit_str", "timestamp": "start_timestamp", "signal": "data", "samplefrequency": "fs"}
 
 
 def from_sep005(
@@ -452,19 +448,17 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     if not isinstance(rec, Recording):
         got = type(rec).__name__
         reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
-    if named_unit("unit", unit).factor != 1.0:
-        reject("unit", repr(unit), "an SI unit: recordings are in SI", "Name the SI unit, or leave unit out.")
-    names = [str(dof) for dof in rec.dofs]
-    taken = [*names, "force"] if rec.force is not None else names
-    if len(set(taken)) != len(taken):
+    si_unit("unit", unit)
+    rows: list[dict[str, Any]] = [
+        {"name": str(dof), "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
+        for dof, row in zip(rec.dofs, rec.responses, strict=True)
+    ]
+    if rec.force is not None:
+        rows.append({"name": "force", "data": np.array(rec.force), "fs": rec.fs_hz, "unit_str": "N"})
+    if len({row["name"] for row in rows}) != len(rows):
         wanted = "dofs that differ as text, and from 'force' where there is one"
         reject("rec", f"dofs {rec.dofs}", wanted, "Rename the dofs.")
-    out = []
-    for name, row, dof in zip(names, rec.responses, rec.dofs, strict=True):
-        out.append({"name": name, "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof})
-    if rec.force is not None:
-        out.append({"name": "force", "data": np.array(rec.force), "fs": rec.fs_hz, "unit_str": "N"})
-    return out
+    return rows
 
 
 def _check_keys(i: int, row: Any) -> None:
@@ -474,12 +468,12 @@ def _check_keys(i: int, row: Any) -> None:
         reject(here, type(row).__name__, "a dict", remedy)
     for key in row:
         plain = str(key).lower().replace("_", "")
-        near = [k for k in _KEYS if k.replace("_", "") == plain and k != key]
-        if near:
-            reject(here, f"the key {key!r}", f"{near[0]!r}, as SEP 5 spells it", "Rename the key.")
-        if plain in (k.replace("_", "") for k in _PROHIBITED):
-            wanted = "'unit_str', 'start_timestamp', 'data' or 'fs'"
-            reject(here, f"the key {key!r}, which SEP 5 prohibits", wanted, "Rename the key.")
+        if plain in _PROHIBITED:
+            got = f"the key {key!r}, which SEP 5 prohibits"
+            reject(here, got, repr(_PROHIBITED[plain]), "Rename the key.")
+        if _SPELLED_SO.get(plain, key) != key:
+            wanted = f"{_SPELLED_SO[plain]!r}, as SEP 5 spells it"
+            reject(here, f"the key {key!r}", wanted, "Rename the key.")
     for key in _COMPULSORY:
         if key not in row:
             wanted = f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'"

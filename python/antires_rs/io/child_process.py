@@ -79,7 +79,13 @@ def in_a_child(
     texts, listed = about["texts"], about["listed"]
     found = {name: np.asarray(arrays[key]) for key, name in about["arrays"].items()}
     if only is not None and "channels" not in texts and "antires_rs" not in texts:
-        _check_names(file, asked, listed)  # a file of ours is judged as a whole
+        # A file of ours is judged as a whole.
+        there = {spelled for name, _, _ in listed for spelled in (name, name.replace("/", "."))}
+        for pattern in asked:
+            if not any(name == array_of(pattern) or matches(name, pattern) for name in there):
+                shown = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape, _ in listed[:20])
+                remedy = "Correct the name or pattern."
+                reject("responses", repr(pattern), f"arrays of {str(file)!r}: {shown}", remedy)
     large = [(name, shape) for name, shape, whole in listed if not whole]
     if large:
         name, shape = max(large, key=lambda each: float(np.prod([float(n) for n in each[1]])))
@@ -123,13 +129,3 @@ def _run(file: Path, wanted: str, arguments: list[str], limits: Limits, out: Pat
         unsuitable(file, f"in which {said[7:400]}", wanted, "Correct the file, or the names you gave.")
     got = f"which cannot be read ({said[:300]})"
     unsuitable(file, got, wanted, "It was cut or damaged, or is no such file.")
-
-
-def _check_names(file: Path, patterns: list[str], listed: list[Any]) -> None:
-    """Refuse names of responses that the file lacks."""
-    there = {spelled for name, _, _ in listed for spelled in (name, name.replace("/", "."))}
-    shown = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape, _ in listed[:20])
-    for pattern in patterns:
-        if not any(name == array_of(pattern) or matches(name, pattern) for name in there):
-            wanted = f"arrays of {str(file)!r}: {shown}"
-            reject("responses", repr(pattern), wanted, "Correct the name or pattern.")

@@ -18,7 +18,7 @@ from ..exceptions import AntiresError, MissingDependencyError, UnsuitableDataErr
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
-from ..support.messages import Passed, Wording, warn
+from ..support.messages import warn
 
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
 _PARTS, _DRIFT = 32, 1e-3
@@ -55,12 +55,8 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    remedy: str = "Copy or export it again."
-    if kept:
-        remedy = Wording(
-            "Copy or export it again, or pass {} to read what is whole.", Passed("partial", True)
-        )
-    unsuitable(path, found, wanted, remedy)
+    more = ", or pass partial=True to read what is whole" if kept else ""
+    unsuitable(path, found, wanted, f"Copy or export it again{more}.")
 
 
 @contextmanager
@@ -74,77 +70,46 @@ def parts_of(path: Path, wanted: str, remedy: str, found: str = "which is damage
         unsuitable(path, f"{found} ({type(exc).__name__}: {exc})", wanted, remedy)
 
 
-def choose_run(count: int) -> Wording:
+def choose_run(count: int) -> str:
     """What to do with a file of several runs."""
-    text = "Choose one by {} to {}, and give them together as repeats of one test."
-    return Wording(text, Passed("run", 1), Passed("run", count))
+    return f"Choose one by run=1 to run={count}, and give them together as repeats of one test."
 
 
-def refuse_real(path: Path, rows: Any) -> None:
-    """Refuse complex responses whose imaginary parts all vanish; rows of ones are references."""
-    made = [np.asarray(row) for row in rows]
-    if made and all(not np.any(row.imag) for row in made) and any((row != row[:1]).any() for row in made):
-        found, wanted = "whose responses have no imaginary part at all", "complex FRFs or transmissibilities"
+def refuse_real(path: Path, rows: Iterable[Any]) -> None:
+    """Refuse responses that are real, or whose imaginary parts all vanish; rows of ones are references."""
+    made = [row for row in map(np.asarray, rows) if (row != row[:1]).any() or np.any(row.imag)]
+    if not all(map(np.iscomplexobj, made)) or (made and not any(np.any(row.imag) for row in made)):
+        found, wanted = "whose responses have no imaginary part", "complex FRFs or transmissibilities"
         remedy = "export real and imaginary part, or magnitude and phase."
         unsuitable(path, found, wanted, f"Magnitudes alone have lost the phase: {remedy}")
 
 
-def missing_package(what: str, package: str, extra: str, cause: ImportError) -> MissingDependencyError:
-    """The error that names the extra to install."""
-    how = f'pip install "antires-rs[{extra}]", or: pip install {package}'
-    error = MissingDependencyError(f"{what} needs {package}; install it with: {how}")
-    error.__cause__ = cause
-    return error
-
-
-def require(reader: str, module: str, extra: str, package: str = "") -> None:
-    """Raise where a package is not installed, without importing it."""
+def require(what: str, module: str, extra: str, package: str = "") -> None:
+    """Raise where a package is not installed, without importing it; the error names the extra to install."""
     try:
         there = find_spec(module) is not None
     except ModuleNotFoundError:  # of a package above it
         there = False
     if not there:
-        raise missing_package(reader, package or module, extra, ImportError(module))
+        package = package or module
+        how = f'pip install "antires-rs[{extra}]", or: pip install {package}'
+        raise MissingDependencyError(f"{what} needs {package}; install it with: {how}")
 
 
 def simplest_rate(low: float, high: float) -> float:
-    """The rate in [low, high] that is the simplest number, or whose step is."""
-    rate, step = _simplest(low, high), _simplest(1.0 / high, 1.0 / low)
-    # Of equally simple ones, the nearer to the middle.
-    pairs, middle = ((rate, rate), (step, 1.0 / step)), 0.5 * (low + high)
-    return min((_digits(number), abs(each - middle), each) for number, each in pairs)[2]
+    """The rate in [low, high] that is the simplest number, or whose step is; both positive."""
 
+    def simplest(low: float, high: float) -> float:
+        numbers = (float(f"{0.5 * (low + high):.{digits}e}") for digits in range(16))
+        return next((number for number in numbers if low <= number <= high), 0.5 * (low + high))
 
-def _simplest(low: float, high: float) -> float:
-    """The number of fewest decimal digits in [low, high]; both positive."""
-    middle = 0.5 * (low + high)
-    for digits in range(1, 17):
-        number = float(f"{middle:.{digits - 1}e}")
-        if low <= number <= high:
-            return number
-    return middle
+    def key(number: float, rate: float) -> tuple[int, float, float]:
+        # Of equally simple ones, the nearer to the middle.
+        digits = f"{number:.15e}".partition("e")[0].rstrip("0")
+        return len(digits), abs(rate - 0.5 * (low + high)), rate
 
-
-def _digits(number: float) -> int:
-    return len(f"{number:.15e}".partition("e")[0].rstrip("0"))
-
-
-def _no_drift(path: Path, times: Any, step: float, rounding: float) -> None:
-    """Refuse steps that change in the course of the record, each by less than counts as a gap."""
-    width = max(times.size // _PARTS, 16)
-    edges = np.arange(0, times.size - 1, width)
-    if edges.size < 3:
-        return
-    steps = np.diff(times[edges]) / width
-    # Jitter of single instants averages out over a part; its two ends have at most a tenth of a step each.
-    allowed = _DRIFT * step + (2.0 * rounding + 0.2 * step) / width
-    odd = np.flatnonzero(np.abs(steps - step) > allowed)
-    if odd.size:
-        i = int(odd[np.argmax(np.abs(steps[odd] - step))])
-        where = f"from {times[edges[i]]:.9g} to {times[edges[i + 1]]:.9g} s"
-        found = f"whose steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
-        remedy = "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate."
-        unsuitable(path, found, _EVEN, remedy)
+    rate, step = simplest(low, high), simplest(1.0 / high, 1.0 / low)
+    return min(key(rate, rate), key(step, 1.0 / step))[2]
 
 
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
@@ -164,7 +129,18 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
         found = f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s"
         remedy = "Samples are missing, or the sampling was uneven."
         unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, remedy)
-    _no_drift(path, times, step, rounding)
+    # Steps may also change in the course of the record, each by less than counts as a gap. Jitter of single
+    # instants averages out over a part; its two ends have at most a tenth of a step each.
+    width = max(times.size // _PARTS, 16)
+    edges = np.arange(0, times.size - 1, width)
+    steps = np.diff(times[edges]) / width
+    odd = np.abs(steps - step)
+    if edges.size > 2 and odd.max() > _DRIFT * step + (2.0 * rounding + 0.2 * step) / width:
+        i = int(np.argmax(odd))
+        where = f"from {times[edges[i]]:.9g} to {times[edges[i + 1]]:.9g} s"
+        found = f"whose steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
+        remedy = "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate."
+        unsuitable(path, found, _EVEN, remedy)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))
 
@@ -284,10 +260,19 @@ time_limit_s, memory_limit_gb : float
     Limits of the child process that reads (the memory's where the system has such limits).
 """
 _RAISES = """
+UnsuitableDataError
+    A file that is cut, damaged or of another kind, or whose channels do not fit together: other rates,
+    lengths or starts, gaps in time, names that leave open what is what.
 InvalidInputError
     Options that do not fit the file.
+MissingDependencyError
+    The package that reads the format, where it takes one, is not installed.
 FileNotFoundError
     There is none.
+"""
+_WARNS = """
+AntiresWarning
+    Units that are unknown or missing, another rate than ``fs_hz``, parts that are left out.
 """
 _WRITER = """
 path : path-like
@@ -317,7 +302,8 @@ def reader(function: Made) -> Made:
     parameters = [path, *shared, *rest]
     function.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
     made = "Recording" if own.return_annotation == "Recording" else "Recording or FrequencyResponse"
-    _document(function, _TEXTS, {"Returns": f"{made}\n    In SI.\n", "Raises": _RAISES.lstrip()})
+    common = {"Returns": f"{made}\n    In SI.\n", "Raises": _RAISES.lstrip(), "Warns": _WARNS.lstrip()}
+    _document(function, _TEXTS, common)
     return function
 
 

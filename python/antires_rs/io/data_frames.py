@@ -16,14 +16,12 @@ from ..measured.track import Tracks
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..updating.posterior import ParameterIntervals
-from .common import missing_package
+from .common import require
 
 
 def _package(method: str, name: str) -> Any:
-    try:
-        return import_module(name)
-    except ImportError as exc:
-        raise missing_package(method, name, "tables", exc) from exc
+    require(method, name, "tables")
+    return import_module(name)
 
 
 _pandas, _xarray = partial(_package, "to_dataframe", "pandas"), partial(_package, "to_xarray", "xarray")
@@ -106,9 +104,12 @@ def _instants(rec: Recording) -> Any:
     return np.arange(rec.n_samples) / rec.fs_hz
 
 
-#: Columns of a comparison, in the order in which they are read, and what it says of all pairs.
+#: Columns of a table with one row a pair, parameter or hypothesis.
 _PAIRS: tuple[str, ...] = ("dof", "a_hz", "b_hz", "difference_hz", "difference_percent")
 _PAIRS += ("std_hz", "std_percent", "z", "p", "changed")
+_INTERVALS = ("low", "high", "center", "std", "words")
+_HYPOTHESES = ("elements", "probability", "severities", "low", "high", "candidate")
+#: What a comparison says of all pairs.
 _ALL_PAIRS = ("excitation", "chi_square", "freedom", "p_all", "alpha")
 
 
@@ -126,8 +127,13 @@ def comparison_dataset(compared: Comparison) -> Any:
 
 def intervals_frame(found: ParameterIntervals) -> Any:
     """A pandas.DataFrame, one row a parameter."""
-    columns = {name: np.array(getattr(found, name)) for name in ("low", "high", "center", "std", "words")}
+    columns = {name: np.array(getattr(found, name)) for name in _INTERVALS}
     return _pandas().DataFrame(columns, index=_pandas().Index(found.names, name="parameter"))
+
+
+def hypotheses_frame(hypotheses: Hypotheses) -> Any:
+    """A pandas.DataFrame, one row a hypothesis."""
+    return _pandas().DataFrame({name: [getattr(one, name) for one in hypotheses] for name in _HYPOTHESES})
 
 
 def tracks_frame(tracks: Tracks) -> Any:
@@ -146,15 +152,7 @@ def tracks_dataset(tracks: Tracks) -> Any:
     """An xarray.Dataset over test and track."""
     names = ("freq_hz", "std_hz", "change_percent")
     data = {name: (("test", "track"), np.array(getattr(tracks, name))) for name in names}
-    over: dict[str, Any] = {
-        "test": np.arange(len(tracks.conditions)),
-        "dof": (("track",), np.array(tracks.dof)),
-    }
+    over: dict[str, Any] = {"test": np.arange(len(tracks.conditions))}
+    over["dof"] = (("track",), np.array(tracks.dof))
     over["condition"] = (("test",), np.array(tracks.conditions))
     return _xarray().Dataset(data, over, {"excitation": tracks.excitation})
-
-
-def hypotheses_frame(hypotheses: Hypotheses) -> Any:
-    """A pandas.DataFrame, one row a hypothesis."""
-    columns = ("elements", "probability", "severities", "low", "high", "candidate")
-    return _pandas().DataFrame({name: [getattr(one, name) for one in hypotheses] for name in columns})

@@ -29,7 +29,7 @@ from .common import (
     writer,
 )
 from .own_format import FORMAT, TEXT, own_signal, pack
-from .raw_arrays import signal_of_arrays, stated_number
+from .raw_arrays import channels_first, signal_of_arrays, stated_number
 
 
 @reader
@@ -41,14 +41,6 @@ def read_hdf5(
     Datasets in groups are named ``group/name``. Where ``responses`` are named, nothing else is read but what
     the other roles need. Attributes of the dataset, its group or the file tell the sampling rate (``fs``,
     ``sampling_rate``, ``dt``, ...) and the ``unit``. Options for a file of ours: as in :func:`read_npz`.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file (the format states its own length, and our datasets have checksums), or datasets
-        whose role is not clear.
-    MissingDependencyError
-        h5py is not installed.
 
     Examples
     --------
@@ -264,7 +256,9 @@ def _of_testlab(
         factor = abscissa_factor(axis)
         first = factor * (_scalar(arrays, f"{name}.x_values.start_value") or 0.0)
         count = _scalar(arrays, f"{name}.x_values.number_of_values")
-        values = _columns(arrays[f"{name}.y_values.values"], count)
+        values = channels_first(arrays[f"{name}.y_values.values"])
+        if count is not None and values.shape[0] == int(count) != values.shape[1]:
+            values = values.T  # more channels than values
         kinds.add(is_frequency(axis) or bool(np.iscomplexobj(values)))
         record, quantity = f"{name}.function_record.name", f"{name}.y_values.quantity"
         for i, row in enumerate(values):
@@ -325,14 +319,6 @@ def _of_dewesoft(file: Path, arrays: Arrays) -> list[Channel]:
     return channels
 
 
-def _columns(values: NDArray[Any], count: float | None) -> NDArray[Any]:
-    """Channels first; columns are channels, as far as the count of values does not say otherwise."""
-    rows = np.atleast_2d(values.astype(np.complex128 if values.dtype.kind == "c" else np.float64))
-    if count is not None and rows.shape[1] == int(count) != rows.shape[0]:
-        return rows
-    return rows.T if rows.shape[0] > rows.shape[1] else rows
-
-
 def _scalar(arrays: Arrays, name: str) -> float | None:
     value = arrays.get(name)
     return None if value is None or value.size != 1 else float(value.ravel()[0].real)
@@ -357,13 +343,6 @@ def read_mat(
     path : path-like
         Version 5 (7 and 6 of MATLAB's ``save``) or 7.3, which needs h5py.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file, a limit that was reached, or variables whose role is not clear.
-    MissingDependencyError
-        A 7.3 file without h5py.
-
     Examples
     --------
     >>> import tempfile, antires_rs as ar
@@ -382,7 +361,13 @@ def read_mat(
     made = signal_of_analyser(file, arrays, texts, given) if all(each is None for each in roles) else None
     if made is not None:
         return made
-    _no_objects(file, arrays, texts)
+    objects = {name[len(OPAQUE) :]: made for name, made in texts.items() if name.startswith(OPAQUE)}
+    if objects and not any(array.size > 1 for array in arrays.values()):
+        name, kind = next(iter(objects.items()))
+        found = f"whose {name or 'variable'} is a {kind or 'object'} of MATLAB"
+        saved = "x = T.Variables; t = seconds(T.Properties.RowTimes); save('file.mat', 'x', 't')"
+        remedy = f"Only MATLAB reads its objects. Of a timetable T save there: {saved}."
+        unsuitable(file, found, "arrays or structs of numbers", remedy)
     return signal_of_arrays(file, arrays, given, texts)
 
 
@@ -393,19 +378,13 @@ def mat_arrays(
 
     Parameters
     ----------
-    path : path-like
-    time_limit_s, memory_limit_gb : float
-        As in :func:`~antires_rs.read_mat`.
+    path, time_limit_s, memory_limit_gb
+        As in :func:`~antires_rs.read_mat`, and so are the errors.
 
     Returns
     -------
     dict of str to ndarray
         Two-dimensional, as in MATLAB.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file, or a limit that was reached.
 
     Examples
     --------
@@ -441,20 +420,6 @@ def write_mat(path: PathLike, signal: Signal) -> Path:
     buffer = io.BytesIO()
     savemat(buffer, {TEXT: text, **arrays}, format="5", oned_as="row")
     return write_atomically(path, buffer.getvalue())
-
-
-def _no_objects(file: Path, arrays: Arrays, texts: Mapping[str, str]) -> None:
-    """Refuse a file of objects and no numbers."""
-    objects = {name[len(OPAQUE) :]: made for name, made in texts.items() if name.startswith(OPAQUE)}
-    if objects and not any(array.size > 1 for array in arrays.values()):
-        name, made = next(iter(objects.items()))
-        found, wanted = (
-            f"whose {name or 'variable'} is a {made or 'object'} of MATLAB",
-            "arrays or structs of numbers",
-        )
-        saved = "x = T.Variables; t = seconds(T.Properties.RowTimes); save('file.mat', 'x', 't')"
-        remedy = f"Only MATLAB reads its objects. Of a timetable T save there: {saved}."
-        unsuitable(file, found, wanted, remedy)
 
 
 def _variables(file: Path, limits: Limits, given: Reading | None = None, **more: Any) -> Found:

@@ -1,23 +1,25 @@
 """Stiffness and mass of any finite-element program: from its files, or matrices themselves.
 
 The rows are the model's dofs. :func:`read_dof_map` reads which node and direction each of them is; what it
-returns fits ``dofs=`` of :func:`~antires_rs.io.uff.read_uff`. First a reader for each format, then models.
+returns fits ``dofs=`` of :func:`~antires_rs.io.uff.read_uff`. First a reader for each format, then models. A
+reader says by ValueError what is wrong with a file; what it should have been is in the table of formats.
 """
 
 from __future__ import annotations
 
-import io
+import gzip
 import os
 import re
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import part, reject
+from ..exceptions import AntiresError, part, reject
 from ..models.matrix_model import MatrixModel
 from ..models.recipes import MatrixRecipe
 from ..models.structural_model import ModelDescription
@@ -26,11 +28,13 @@ from ..support.messages import warn
 from ._child import Answer, room
 from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .child_process import Limits, in_a_child
-from .common import PathLike, brief, existing_file, require, unsuitable
+from .common import PathLike, existing_file, require, unsuitable
 from .own_format import read_archive
 
 #: Node and direction code, 1 to 6; 0 is a scalar.
 Point = tuple[int, int]
+#: Row, column, value.
+Entry = tuple[Point, Point, float]
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,10 @@ def _fortran(text: str) -> float:
     return float(plain if "E" in plain else _SHORT.sub(r"E\1", plain))
 
 
+def _lines(file: Path) -> list[str]:
+    return file.read_text(encoding="ascii", errors="replace").splitlines()
+
+
 def completed(rows: Any, columns: Any, values: Any, n: int) -> Any:
     """A symmetric matrix from its entries, of which the file may hold one triangle only."""
     from scipy.sparse import coo_array
@@ -60,17 +68,13 @@ def completed(rows: Any, columns: Any, values: Any, n: int) -> Any:
     return coo_array((values, (rows, columns)), shape=(n, n))
 
 
-def by_points(
-    file: Path, entries: Sequence[tuple[Point, Point, float]], points: Sequence[Point] | None = None
-) -> Labelled:
+def by_points(entries: Sequence[Entry], points: Iterable[Point] = ()) -> Labelled:
     """A matrix whose entries name node and direction; rows in ascending order of these."""
     if not entries:
-        unsuitable(file, "without an entry", "a matrix", "Export it again.")
-    found = sorted(set(points or ()) | {p for row, column, _ in entries for p in (row, column)})
+        raise ValueError("a matrix without an entry")
+    found = sorted({*points, *(point for entry in entries for point in entry[:2])})
     number = {point: nth for nth, point in enumerate(found)}
-    rows, columns, values = zip(
-        *((number[row], number[column], v) for row, column, v in entries), strict=True
-    )
+    rows, columns, values = zip(*((number[r], number[c], v) for r, c, v in entries), strict=True)
     return Labelled(completed(rows, columns, values, len(found)), tuple(found))
 
 
@@ -93,35 +97,29 @@ def is_abaqus(file: Path) -> bool:
 
 def read_abaqus(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem."""
-    entries: list[tuple[Point, Point, float]] = []
-    for number, line in enumerate(file.read_text(encoding="ascii", errors="replace").splitlines(), 1):
-        if not line.strip() or line.startswith("*"):
-            continue
-        try:
-            node, dof, other, other_dof, value = line.split(",")
-            entries.append(((int(node), int(dof)), (int(other), int(other_dof)), float(value)))
-        except ValueError:
-            found, wanted = f"with the line {number}: {line.strip()[:40]!r}", "node, dof, node, dof, value"
-            unsuitable(file, found, wanted, "Export it again with FORMAT=MATRIX INPUT or LABELS.")
+    entries: list[Entry] = []
+    for number, line in enumerate(_lines(file), 1):
+        if line.strip() and not line.startswith("*"):
+            try:
+                node, dof, other, other_dof, value = line.split(",")
+                entries.append(((int(node), int(dof)), (int(other), int(other_dof)), float(value)))
+            except ValueError:
+                raise ValueError(f"line {number} is {line.strip()[:40]!r}") from None
     fixed = {row for row, column, value in entries if row == column and value >= _FIXED}
     if fixed:
         few = ", ".join(f"{node}:{dof}" for node, dof in sorted(fixed)[:5]) + ", ..." * (len(fixed) > 5)
         said = f"has {len(fixed)} dof(s) with a boundary condition, 1e36 on the diagonal ({few})"
         warn("dofs_on_supports", f"path: {str(file)!r} {said}; they are left out.")
-    return {file.stem: by_points(file, [e for e in entries if e[0] not in fixed and e[1] not in fixed])}
-
-
-# -- Files of ``scipy.sparse.save_npz``, every checksum compared before SciPy sees them
+    return {file.stem: by_points([e for e in entries if e[0] not in fixed and e[1] not in fixed])}
 
 
 def read_sparse_npz(file: Path) -> dict[str, Labelled]:
-    """The matrix of a file, under its stem."""
+    """The matrix of ``scipy.sparse.save_npz``, every checksum compared before SciPy sees it."""
     from scipy.sparse import load_npz
 
     arrays = read_archive(file)
     if "format" not in arrays or "shape" not in arrays:
-        found = f"with the arrays {', '.join(arrays)}"
-        unsuitable(file, found, "a file of scipy.sparse.save_npz", "Save it by scipy.sparse.save_npz.")
+        raise ValueError(f"the arrays {', '.join(arrays)}")
     return {file.stem: Labelled(load_npz(file))}
 
 
@@ -131,16 +129,25 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 # each other card is a column: grid and component, then grid, component and value of its entries. Fields are 8
 # wide, 16 where the first ends in ``*``, or divided by commas.
 
-_WANTED = "a punch file or bulk data with DMIG cards of real matrices"
 _SHORT = re.compile(r"(?<=[\d.])([+-]\d+)$")
 
 
 def read_dmig(file: Path) -> dict[str, Labelled]:
     """All matrices of a file, by name."""
+    cards: list[tuple[int, list[str]]] = []
+    for number, raw in enumerate(_lines(file), 1):
+        line = raw.split("$")[0].rstrip()
+        fields = _fields(line) if line else []
+        if fields and fields[0][:1] not in ("", "*", "+"):
+            cards.append((number, fields))
+        elif cards:  # it goes on
+            cards[-1][1].extend(fields[1:])
     heads: set[str] = set()
-    entries: dict[str, list[tuple[Point, Point, float]]] = {}
+    entries: dict[str, list[Entry]] = {}
     columns: dict[str, list[Point]] = {}
-    for line, fields in _cards(file.read_text(encoding="ascii", errors="replace").splitlines()):
+    for number, fields in cards:
+        if fields[0].rstrip("*").upper() != "DMIG":
+            continue
         try:
             name = fields[1].upper()
             if fields[2] == "0" and name not in heads:
@@ -155,32 +162,8 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
                 if fields[i]:
                     own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _fortran(fields[i + 2])))
         except (ValueError, IndexError) as exc:
-            got = f"with the card in line {line} that cannot be read ({exc})"
-            unsuitable(file, got, _WANTED, "Correct it.")
-    if not entries:
-        unsuitable(file, "without a DMIG card", _WANTED, "Export with PARAM,EXTOUT,DMIGPCH.")
-    return {name: by_points(file, own, columns[name]) for name, own in entries.items()}
-
-
-def _cards(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
-    """DMIG cards: the number of their first line, and all fields without those of continuations."""
-    card: list[str] | None = None
-    begun = 0
-    for number, raw in enumerate(lines, 1):
-        line = raw.split("$")[0].rstrip()
-        if not line:
-            continue
-        fields = _fields(line)
-        if fields[0][:1] in ("", "*", "+"):
-            if card is not None:
-                card += fields[1:]
-            continue
-        if card is not None:
-            yield begun, card
-        is_dmig = fields[0].rstrip("*").upper() == "DMIG"
-        card, begun = (fields if is_dmig else None), number
-    if card is not None:
-        yield begun, card
+            raise ValueError(f"the card in line {number}: {exc}") from exc
+    return {name: by_points(own, columns[name]) for name, own in entries.items()}
 
 
 def _fields(line: str) -> list[str]:
@@ -196,28 +179,24 @@ def _fields(line: str) -> list[str]:
 
 # -- Stiffness and mass of an ANSYS ``.full`` file, read by ansys-mapdl-reader in a child process
 
-_WANTED_FULL = "a .full file with matrices, written by WRFULL"
-
 
 def read_full(file: Path) -> dict[str, Labelled]:
     """``K`` and ``M`` of a file, of the dofs without constraints."""
     # The package is compiled: a damaged file can end or fill the interpreter that reads it.
     require("Reading .full files", "ansys.mapdl.reader", "ansys", "ansys-mapdl-reader")
-    arrays = in_a_child(matrices_of_full, file, _WANTED_FULL, Limits(600.0, 16.0)).arrays
+    arrays = in_a_child(matrices_of_full, file, _FORMATS[".full"].wanted, Limits(600.0, 16.0)).arrays
     points = arrays["points"]
     rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
     if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
-        found = f"with entries beyond its {len(points)} dofs"
-        unsuitable(file, found, _WANTED_FULL, "It was damaged: write it again.")
+        raise ValueError(f"entries beyond its {len(points)} dofs")
     # Dofs with constraints are there, without an entry.
-    kept = np.flatnonzero(np.isin(np.arange(len(points)), [*rows[0], *rows[1]]))
+    kept = np.unique(np.concatenate(rows))
     # The directions of ANSYS count from 0: UX, UY, UZ, ROTX, ROTY, ROTZ.
     named: tuple[Point, ...] = tuple((int(node), int(code) + 1) for node, code in points[kept])
-    place = np.cumsum(np.isin(np.arange(len(points)), kept)) - 1
     made = {}
     for name, row, column in zip("KM", rows, columns, strict=True):
-        whole = completed(place[row], place[column], arrays[f"{name}.data"], len(named))
-        made[name] = Labelled(whole, named)
+        i, j = np.searchsorted(kept, row), np.searchsorted(kept, column)
+        made[name] = Labelled(completed(i, j, arrays[f"{name}.data"], len(named)), named)
     return made
 
 
@@ -240,37 +219,32 @@ def matrices_of_full(path: str, request: dict[str, Any]) -> Answer:
 # side follows; then the pointers to columns, the rows and the values, each in a form of Fortran. Reference:
 # I. S. Duff, R. G. Grimes, J. G. Lewis, ACM Trans. Math. Softw. 15 (1989) 1-14.
 
-_WANTED_HARWELL_BOEING = "a real assembled square matrix in the Harwell-Boeing form (RSA or RUA)"
 _FORM = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
 
 
 def read_harwell_boeing(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem."""
-    lines = file.read_text(encoding="ascii", errors="replace").splitlines()
-    try:
-        counts = [int(word) for word in lines[1].split()]
-        kind, sizes = lines[2][:3].upper(), [int(word) for word in lines[2][3:].split()]
-        if kind not in ("RSA", "RUA"):
-            raise ValueError(f"matrix of type {kind!r}")
-        n, n_entries = sizes[1], sizes[2]
-        if sizes[0] != n or n < 1:
-            raise ValueError(f"matrix of {sizes[0]} by {n}")
-        at = 5 if len(counts) > 4 and counts[4] > 0 else 4
-        pointers = _numbers(lines[at : at + counts[1]], lines[3][:16], n + 1).astype(np.int64)
-        at += counts[1]
-        rows = _numbers(lines[at : at + counts[2]], lines[3][16:32], n_entries).astype(np.int64) - 1
-        at += counts[2]
-        values = _numbers(lines[at : at + counts[3]], lines[3][32:52], n_entries)
-        if pointers[0] != 1 or pointers[-1] != n_entries + 1 or rows.min() < 0 or rows.max() >= n:
-            raise ValueError("pointers or rows out of range")
-        columns = np.repeat(np.arange(n), np.diff(pointers))
-    except (ValueError, IndexError) as exc:
-        got = f"which is cut, damaged or of another kind ({exc})"
-        unsuitable(file, got, _WANTED_HARWELL_BOEING, "Export it again.")
-    return {file.stem: Labelled(completed(rows, columns, values, n))}
+    lines = _lines(file)
+    counts = [int(word) for word in lines[1].split()]
+    kind, sizes = lines[2][:3].upper(), [int(word) for word in lines[2][3:].split()]
+    n, n_entries = sizes[1], sizes[2]
+    if kind not in ("RSA", "RUA") or sizes[0] != n or n < 1:
+        raise ValueError(f"matrix of type {kind!r}, {sizes[0]} by {n}")
+    at = 5 if len(counts) > 4 and counts[4] > 0 else 4
+    parts, forms = [], lines[3]
+    for i, (form, count) in enumerate(
+        ((forms[:16], n + 1), (forms[16:32], n_entries), (forms[32:52], n_entries)), start=1
+    ):
+        parts.append(_numbers(lines[at : at + counts[i]], form, count))
+        at += counts[i]
+    pointers, rows = parts[0].astype(np.int64), parts[1].astype(np.int64) - 1
+    if pointers[0] != 1 or pointers[-1] != n_entries + 1 or rows.min() < 0 or rows.max() >= n:
+        raise ValueError("pointers or rows out of range")
+    columns = np.repeat(np.arange(n), np.diff(pointers))
+    return {file.stem: Labelled(completed(rows, columns, parts[2], n))}
 
 
-def _numbers(lines: list[str], form: str, count: int) -> np.ndarray:
+def _numbers(lines: list[str], form: str, count: int) -> NDArray[np.float64]:
     """Numbers of lines, each of the width that the form states."""
     stated = _FORM.search(re.sub(r"\d*P,?", "", form.upper()))
     if stated is None:
@@ -285,69 +259,44 @@ def _numbers(lines: list[str], form: str, count: int) -> np.ndarray:
     return np.array(list(map(_fortran, parts)))
 
 
-# -- Matrix Market files, every line checked before SciPy sees them: at some damaged ones it ends the process
+# -- Matrix Market files: a head, the sizes, and a line for each entry, all of which are counted and checked
 
 
 def read_matrix_market(file: Path) -> dict[str, Labelled]:
-    """The matrix of a file, under its stem; its entries are counted against its header."""
-    import gzip
-    import zlib
-
-    from scipy.io import mmread
+    """The matrix of a file, under its stem."""
     from scipy.sparse import coo_array
 
-    wanted = "a whole Matrix Market file"
-    try:
-        with (gzip.open if file.suffix == ".gz" else open)(file, "rb") as opened:
-            text = opened.read()
-    except (OSError, EOFError, zlib.error) as exc:
-        unsuitable(file, f"which cannot be unpacked ({exc})", wanted, "It was cut or damaged.")
-    lines = [line for line in text.splitlines() if line.strip()]
-    numbers = [line for line in lines if not line.startswith(b"%")]
-    if not lines or not lines[0].lower().startswith(b"%%matrixmarket") or not numbers:
-        found = "which is cut in its head or of another kind"
-        unsuitable(file, found, wanted, "Export it again as MatrixMarket, .mtx.")
-    try:
-        form, kind, stated = _head(lines[0].lower().split(), numbers[0].split())
-    except ValueError:
-        got = f"with the sizes {numbers[0]!r}"
-        unsuitable(file, got, wanted, "Export it again: the matrix must be square.")
-    if len(numbers) - 1 != stated or not text.endswith((b"\n", b"\r")):
-        end = "" if text.endswith((b"\n", b"\r")) else ", the last without a line end"
-        unsuitable(file, f"with {len(numbers) - 1} of {stated} entries{end}", wanted, "Copy it again.")
-    places, width = 2 * (form == b"coordinate"), {b"pattern": 0, b"complex": 2}.get(kind, 1)
-    number = rb"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|inf|infinity|nan)"
-    blank, fields = rb"[ \t\r]*", rb"[ \t]+".join([rb"\d+"] * places + [number] * width)
-    entry = re.compile(blank + fields + blank, re.IGNORECASE)
-    wrong = next((line for line in numbers[1:] if not entry.fullmatch(line)), None)
-    if wrong is not None:
-        unsuitable(file, f"with the entry {wrong[:40]!r}", wanted, "Export it again, as real numbers.")
-    try:
-        head = b"%%MatrixMarket" + lines[0][14:].lower().replace(b"double", b"real")
-        whole = mmread(io.BytesIO(b"\n".join([head, *numbers, b""])))
-    except (ValueError, OverflowError, MemoryError) as exc:
-        got = f"which cannot be read ({brief(exc)})"
-        unsuitable(file, got, wanted, "Export it again, as real numbers in MatrixMarket format.")
-    return {file.stem: Labelled(coo_array(whole) if places else whole)}
-
-
-def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes, int]:
-    """Form, kind of numbers, and entries that are stated; ValueError for any other head."""
-    if len(words) != 5 or words[1] != b"matrix":
-        raise ValueError("unknown head")
-    _, _, form, kind, symmetry = words
-    if len(sizes) != {b"coordinate": 3, b"array": 2}.get(form) or not all(map(bytes.isdigit, sizes)):
-        raise ValueError("no sizes")
-    n, columns, *entries = map(int, sizes)
-    if n != columns or not 0 < n < 2**31:
-        raise ValueError("not square")
-    half = n * (n + 1) // 2
-    stored = {b"general": n * n, b"symmetric": half, b"hermitian": half, b"skew-symmetric": half - n}
-    if symmetry not in stored or kind not in (b"real", b"integer", b"double", b"pattern", b"complex"):
-        raise ValueError("unknown symmetry or kind of numbers")
-    if form == b"array" and kind == b"pattern":
-        raise ValueError("a pattern without places")
-    return form, kind, entries[0] if entries else stored[symmetry]
+    with (gzip.open if file.suffix == ".gz" else open)(file, "rt", encoding="latin-1") as opened:
+        text = opened.read()
+    head, *rest = [line for line in text.split("\n") if line.strip()]
+    sizes, *rows = [line for line in rest if not line.startswith("%")]
+    mark, _, form, kind, symmetry = head.lower().split()
+    dense, width = form == "array", {"array": 1, "coordinate": 3}.get(form, 0) - (kind == "pattern")
+    known = kind in ("real", "integer", "double", "pattern") and symmetry in ("general", "symmetric")
+    if mark != "%%matrixmarket" or not known or width < 1:
+        raise ValueError(f"the head {head!r}, of no real matrix, general or symmetric")
+    if not "".join(sizes.split()).isdecimal():
+        raise ValueError(f"the sizes {sizes!r}")
+    n, n_columns, *stated = map(int, sizes.split())
+    if n != n_columns or not 0 < n < 2**31 or len(stated) == dense:
+        raise ValueError(f"the sizes {sizes!r}, of no square matrix")
+    count = stated[0] if stated else n * n if symmetry == "general" else n * (n + 1) // 2
+    if len(rows) != count or not text.endswith("\n"):
+        end = "" if text.endswith("\n") else ", the last without a line end"
+        raise ValueError(f"{len(rows)} of {count} entries{end}")
+    numbers = np.loadtxt(rows, comments=None, ndmin=2) if rows else np.empty((0, width))
+    places = numbers[:, : width - 1 if kind != "pattern" else width]
+    if numbers.shape[1] != width or not np.all((places >= 1) & (places <= n) & (places == np.floor(places))):
+        raise ValueError("an entry of other numbers, or out of place")
+    values = np.ones(count) if kind == "pattern" else numbers[:, -1]
+    if not dense:
+        i, j = places.T.astype(np.int64) - 1
+    else:  # column by column
+        j, i = np.divmod(np.arange(count), n) if symmetry == "general" else np.triu_indices(n)
+    whole = (
+        completed(i, j, values, n) if symmetry == "symmetric" else coo_array((values, (i, j)), shape=(n, n))
+    )
+    return {file.stem: Labelled(whole.toarray() if dense else whole)}
 
 
 # -- Matrices that Nastran's OUTPUT4 writes: text or binary, dense or sparse, of single or double precision
@@ -357,8 +306,6 @@ def _head(words: Sequence[bytes], sizes: Sequence[bytes]) -> tuple[bytes, bytes,
 # run of rows: its length and first row are two words where the header's rows are negative, else packed into
 # one as row + 65536 (length + 1).
 
-_WANTED_OP4 = "a whole file of OUTPUT4, of real matrices"
-_CUT = "Export it again; complex matrices have no place in an undamped model."
 _HEADER = re.compile(r"^([ \d-]{8})([ \d-]{8})([ \d-]{8})([ \d-]{8})(.{8})(.*)$")
 _WIDTH = re.compile(r"[EDG](\d+)\.\d+")
 _PACKED = 65536
@@ -374,20 +321,15 @@ def read_op4(file: Path) -> dict[str, Labelled]:
     content = file.read_bytes()
     binary = content[:4] in (b"\x18\0\0\0", b"\0\0\0\x18")
     found: dict[str, Labelled] = {}
-    try:
-        matrices = _binary(content) if binary else _text(content.decode("ascii").splitlines())
-        for name, n_rows, n_columns, runs in matrices:
-            whole = coo_array((n_rows, n_columns))
-            if runs:
-                rows = np.concatenate([np.arange(first, first + own.size) for _, first, own in runs])
-                columns = np.concatenate([np.full(own.size, column) for column, _, own in runs])
-                values = np.concatenate([own for _, _, own in runs])
-                whole = coo_array((values, (rows, columns)), shape=(n_rows, n_columns))
-            found[name] = Labelled(whole)
-    except (ValueError, IndexError, StopIteration, UnicodeDecodeError, RuntimeError) as exc:
-        unsuitable(file, f"which is cut, damaged or of another kind ({exc})", _WANTED_OP4, _CUT)
-    if not found:
-        unsuitable(file, "without a matrix", _WANTED_OP4, _CUT)
+    matrices = _binary(content) if binary else _text(content.decode("ascii").splitlines())
+    for name, n_rows, n_columns, runs in matrices:
+        whole = coo_array((n_rows, n_columns))
+        if runs:
+            rows = np.concatenate([np.arange(first, first + own.size) for _, first, own in runs])
+            columns = np.concatenate([np.full(own.size, column) for column, _, own in runs])
+            values = np.concatenate([own for _, _, own in runs])
+            whole = coo_array((values, (rows, columns)), shape=(n_rows, n_columns))
+        found[name] = Labelled(whole)
     return found
 
 
@@ -489,24 +431,59 @@ def _records(content: bytes, order: str) -> Iterator[bytes]:
 
 # -- Matrices in the files of finite-element programs: a reader for each format, chosen by the ending
 
-_READERS: dict[str, Callable[[Path], dict[str, Labelled]]] = {
-    ".npz": read_sparse_npz,
-    **dict.fromkeys((".mtx", ".mtx.gz", ".mm"), read_matrix_market),
-    ".op4": read_op4,
-    **dict.fromkeys((".pch", ".bdf", ".dmig"), read_dmig),
-    ".full": read_full,
-    **dict.fromkeys((".rsa", ".rua", ".hb"), read_harwell_boeing),
+
+class Format(NamedTuple):
+    """The reader of a format, what its files should be, and what to do with one that is not."""
+
+    read: Callable[[Path], dict[str, Labelled]]
+    wanted: str
+    remedy: str
+
+
+_REAL = "Export it again; complex matrices have no place in an undamped model."
+_MARKET = Format(
+    read_matrix_market, "a whole Matrix Market file of a real square matrix", "Copy or export it again."
+)
+_ABAQUS = Format(
+    read_abaqus, "node, dof, node, dof, value", "Export it again with FORMAT=MATRIX INPUT or LABELS."
+)
+_DMIG = Format(
+    read_dmig,
+    "a punch file or bulk data with DMIG cards of real matrices",
+    "Export with PARAM,EXTOUT,DMIGPCH, or correct that card.",
+)
+_HARWELL_BOEING = Format(
+    read_harwell_boeing,
+    "a real assembled square matrix in the Harwell-Boeing form (RSA or RUA)",
+    "Export it again.",
+)
+_FORMATS: dict[str, Format] = {
+    ".npz": Format(read_sparse_npz, "a file of scipy.sparse.save_npz", "Save it by scipy.sparse.save_npz."),
+    **dict.fromkeys((".mtx", ".mtx.gz", ".mm"), _MARKET),
+    ".op4": Format(read_op4, "a whole file of OUTPUT4, of real matrices", _REAL),
+    **dict.fromkeys((".pch", ".bdf", ".dmig"), _DMIG),
+    ".full": Format(read_full, "a .full file with matrices, written by WRFULL", "Write it again."),
+    **dict.fromkeys((".rsa", ".rua", ".hb"), _HARWELL_BOEING),
 }
 
 
 def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     """All matrices of a file, by name."""
     file = existing_file(path)
-    ending = next((e for e in _READERS if file.name.lower().endswith(e)), None)
+    ending = next((e for e in _FORMATS if file.name.lower().endswith(e)), None)
     if ending is None:
         remedy = "Export the matrix in one of these formats, or pass it as a scipy.sparse array."
-        reject(name, repr(str(file)), "a file that ends in " + ", ".join(_READERS) + ", or a matrix", remedy)
-    return (read_abaqus if ending == ".mtx" and is_abaqus(file) else _READERS[ending])(file)
+        reject(name, repr(str(file)), "a file that ends in " + ", ".join(_FORMATS) + ", or a matrix", remedy)
+    read, wanted, remedy = _ABAQUS if ending == ".mtx" and is_abaqus(file) else _FORMATS[ending]
+    try:
+        found = read(file)
+    except AntiresError:
+        raise
+    except (ValueError, IndexError, RuntimeError, EOFError, gzip.BadGzipFile, zlib.error) as exc:
+        unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted, remedy)
+    if not found:
+        unsuitable(file, "without a matrix", wanted, remedy)
+    return found
 
 
 def choose(name: str, path: PathLike, letter: str) -> Labelled:
@@ -561,8 +538,6 @@ def read_matrices(
         A file that is cut, damaged or of another kind.
     InvalidInputError
         Matrices that are not square and symmetric, or of different sizes.
-    FileNotFoundError
-        There is none.
 
     Notes
     -----
@@ -646,9 +621,8 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     path : path-like
         Text with one line for each row: ``node direction`` in the order of the rows, or ``row node
         direction`` as in the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1,
-        4.
-        Other lines above the first of these are skipped. Or a file of matrices that names them itself (DMIG
-        cards, Abaqus): the rows of its stiffness, if it holds several.
+        4. Other lines above the first of these are skipped. Or a file of matrices that names them itself
+        (DMIG cards, Abaqus): the rows of its stiffness, if it holds several.
     first_row : int
         Number of the first row in files that number them.
 

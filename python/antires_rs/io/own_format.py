@@ -75,25 +75,20 @@ def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading)
                 got = f"whose {name} has shape {made[name].shape} of {made[name].dtype}"
                 wanted = f"{tuple(shape)} of {dtype}, as the file itself states"
                 unsuitable(path, got, wanted, "It was damaged.")
-        _check_sums(path, data, made)
+        # Checksums, which files of versions before do not have.
+        text = json.dumps({key: value for key, value in data.items() if key != "text_crc32"})
+        stated = {"text": data.get("text_crc32"), **data.get("crc32", {})}
+        sums = {"text": crc32(text.encode())} | {name: _checksum(array) for name, array in made.items()}
+        wrong = next((name for name, crc in stated.items() if crc not in (None, sums.get(name))), None)
+        if wrong is not None:
+            found = f"whose {wrong} does not have its checksum"
+            unsuitable(path, found, _WANTED, "It was damaged or edited: copy it again.")
         kind: type[Signal] = Recording if data["kind"] == "recording" else FrequencyResponse
         needed, optional, values = _RECORDING if kind is Recording else _RESPONSE
         held: dict[str, Any] = {name: made[name] for name in needed}
         held |= {name: made.get(name) for name in optional}
         signal = kind(**held, **{name: data[name] for name in ("dofs", *values)})
     return as_asked(path, signal, given)
-
-
-def _check_sums(path: Path, data: dict[str, Any], made: dict[str, NDArray[Any]]) -> None:
-    """Compare the checksums, which files of versions before do not have."""
-    if "text_crc32" in data:
-        text = {key: value for key, value in data.items() if key != "text_crc32"}
-        if crc32(json.dumps(text).encode()) != data["text_crc32"]:
-            unsuitable(path, "whose text does not have its checksum", _WANTED, "It was damaged or edited.")
-    for name, stated in data.get("crc32", {}).items():
-        if name not in made or _checksum(made[name]) != stated:
-            found = f"whose {name} does not have its checksum"
-            unsuitable(path, found, _WANTED, "It was damaged or edited: copy it again.")
 
 
 def check_dofs(signal: Any) -> list[Any]:
@@ -179,13 +174,8 @@ def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
     """Read a NumPy archive (.npz) or array (.npy): ours as it was, any other by the names of its arrays.
 
     A file of ours states everything itself: ``dofs=`` renames its channels or leaves some out, ``force=None``
-    drops its force, and any other option that does not agree with it is refused.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged or cut file (the archive's directory is its end, and every member has a checksum), objects
-        that would need pickle, or arrays whose role is not clear.
+    drops its force, and any other option that does not agree with it is refused. So are objects, which need
+    pickle.
 
     Examples
     --------

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
-from ..support.messages import Passed, Wording, warn
+from ..support.messages import warn
 from ._child import matches
 from .channels import (
     Channel,
@@ -28,7 +28,7 @@ from .channels import (
     response_of,
     warn_other_rate,
 )
-from .common import Reading, Signal, rate_of, unsuitable
+from .common import Reading, Signal, rate_of, refuse_real, unsuitable
 
 # -- The frequencies of responses whose file does not hold them
 
@@ -39,8 +39,7 @@ def given_lines(path: Path, given: Reading, count: int) -> FloatArray:
         spacing = finite_scalar("df_hz", given.df_hz, low=0.0, low_open=True, unit="Hz")
         return spacing * np.arange(count, dtype=np.float64)
     if given.df_hz is not None:
-        remedy = Wording("Leave out {}, which the frequencies tell.", Passed("df_hz"))
-        reject("df_hz", "it beside freq_hz", "one of them", remedy)
+        reject("df_hz", "it beside freq_hz", "one of them", "Leave out df_hz=, which the frequencies tell.")
     try:
         lines = np.asarray(given.freq_hz, dtype=np.float64)
         got = f"an array of shape {lines.shape}"
@@ -89,7 +88,7 @@ class Notes:
         if refuse and not known and parse_unit(text) != Unit():
             got = f"whose {name} is in {text!r}"
             wanted = "a unit of time or frequency that is known (s, ms, us, Hz, kHz, rpm, rad/s)"
-            unsuitable(path, got, wanted, Wording("Export it in s or Hz, or give {}.", Passed(instead)))
+            unsuitable(path, got, wanted, f"Export it in s or Hz, or give {instead}=.")
         return abscissa_factor(known)
 
     def rate(self, path: Path, names: Iterable[str], *, refuse: bool = True) -> float | None:
@@ -180,7 +179,7 @@ class _Bag:
         self.path, self.given, self.notes = path, given, Notes(texts)
         self.listed = _listed(arrays)
         numbers = {name: value for name, value in arrays.items() if value.dtype.kind in "iufc"}
-        self.numeric = {n: _channels_first(v) for n, v in numbers.items() if v.ndim <= 2 and v.size}
+        self.numeric = {n: channels_first(v) for n, v in numbers.items() if v.ndim <= 2 and v.size}
         cubes = [name for name, value in numbers.items() if value.ndim > 2]
         if cubes and given.responses is None:
             said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
@@ -203,8 +202,7 @@ class _Bag:
         freq = self._role("freq", given.freq, _FREQ)
         time = self._role("time", given.time, _TIME)
         if freq is not None and time is not None:
-            names = (Passed("responses"), Passed("time"), Passed("freq"))
-            remedy = Wording("Name the {}, and the {} or {} that belongs to them.", *names)
+            remedy = "Name the responses=, and the time= or freq= that belongs to them."
             unsuitable(self.path, f"with both {time!r} and {freq!r} ({self.listed})", "one of them", remedy)
         if freq is None:
             return self._recording(time)
@@ -242,8 +240,7 @@ class _Bag:
         for c in channels:
             if instants not in (None, c.values.size):
                 got = f"with {c.values.size} samples of {c.name!r} over {instants} instants of {time!r}"
-                names = (Passed("time"), Passed("fs_hz"))
-                remedy = Wording("Name the {} that belongs to them, or give {}.", *names)
+                remedy = "Name the time= that belongs to them, or give fs_hz=."
                 unsuitable(self.path, got, "as many", remedy)
         if pushed is not None:
             unit = self.notes.unit(pushed) or "N"
@@ -259,10 +256,7 @@ class _Bag:
         complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
         among = complex_ones if self.given.responses is None and complex_ones else numeric
         channels, _ = self._responses(among, {*axes, *seen})
-        real = next((c.name for c in channels if not np.iscomplexobj(c.values)), None)
-        if real is not None:
-            remedy = "Magnitudes alone have lost the phase; combine magnitude and phase first."
-            unsuitable(path, f"whose {real} is real", "complex FRFs or transmissibilities", remedy)
+        refuse_real(path, [c.values for c in channels])
         if freq is None:
             lines = given_lines(path, self.given, channels[0].values.size)
         else:
@@ -295,7 +289,7 @@ class _Bag:
             stated = single[rates[0]] if len(rates) == 1 else rate
             if abs(stated - rate) > 1e-3 * rate:
                 found = f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s"
-                unsuitable(path, found, "one rate", Wording("Give the true one by {}.", Passed("fs_hz")))
+                unsuitable(path, found, "one rate", "Give the true one by fs_hz=.")
             return rate
         if len(rates) == 1:
             return finite_scalar(rates[0], single[rates[0]], low=0.0, low_open=True, unit="Hz")
@@ -304,10 +298,9 @@ class _Bag:
             return stated
         if not rates and len(steps) == 1 and 0.0 < steps[0] < math.inf:
             return rate_of_step(steps[0])
-        ways = map(Passed, ("time", "fs_hz", "freq", "freq_hz", "df_hz"))
-        remedy = Wording("Name {} or give {}; for responses over frequency name {}, or give {} or {}.", *ways)
+        over = "for responses over frequency name freq=, or give freq_hz= or df_hz="
         found = f"without a sampling rate or a time ({_listed(self.numeric)}{notes.listed()})"
-        unsuitable(path, found, "one of them", remedy)
+        unsuitable(path, found, "one of them", f"Name time= or give fs_hz=; {over}.")
 
     def _responses(
         self, among: Mapping[str, NDArray[Any]], taken: set[str]
@@ -372,7 +365,7 @@ def _listed(arrays: Mapping[str, Any]) -> str:
     return ", ".join(shown) + (f" and {len(arrays) - 20} more" if len(arrays) > 20 else "")
 
 
-def _channels_first(value: NDArray[Any]) -> NDArray[Any]:
+def channels_first(value: NDArray[Any]) -> NDArray[Any]:
     """The longer axis is time or frequency."""
     rows = np.atleast_2d(value.astype(np.complex128 if value.dtype.kind == "c" else np.float64))
     return rows.T if rows.shape[0] > rows.shape[1] else rows

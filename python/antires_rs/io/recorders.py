@@ -15,7 +15,7 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.recording import Recording
 from ..support.checks import real_array
-from ..support.messages import Passed, Wording, warn
+from ..support.messages import warn
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
@@ -55,23 +55,6 @@ def read_tdms(
     Where several groups have channels they are named ``group/channel``. Rates are those of ``wf_increment``
     or of a channel of time, units those of ``unit_string``. When the record began is compared between the
     channels, and not kept.
-
-    Parameters
-    ----------
-    partial : bool
-        Read a file that was cut, or whose writing was interrupted, as far as it goes, with a warning.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged file; channels of several rates, lengths or starts, without a choice among them.
-    MissingDependencyError
-        npTDMS is not installed.
-
-    Warns
-    -----
-    AntiresWarning
-        Units that are unknown or missing, another rate than ``fs_hz``.
 
     Examples
     --------
@@ -120,12 +103,11 @@ def channels_of_tdms(path: str, request: dict[str, Any]) -> Answer:
                 raise Unfit(f"the channel {name!r} lies over frequency, not time")
             step = own.get("wf_increment")
             unit = own.get("unit_string") or own.get("NI_UnitDescription") or own.get("Unit") or ""
-            one = {"name": name, "values": values, "unit": str(unit)}
-            one |= {
-                "step_s": None if step is None else float(step),
-                "start": str(own.get("wf_start_time", "")),
-            }
-            made.append(one | {"offset_s": float(own.get("wf_start_offset", 0.0) or 0.0)})
+            one: dict[str, Any] = {"name": name, "values": values, "unit": str(unit)}
+            one["start"] = str(own.get("wf_start_time", ""))
+            one["step_s"] = None if step is None else float(step)
+            one["offset_s"] = float(own.get("wf_start_offset") or 0.0)
+            made.append(one)
     return answer(made)
 
 
@@ -166,23 +148,14 @@ def read_wav(
 ) -> Recording:
     """Read a WAV file: 8 to 32 bit whole numbers, 32 and 64 bit floats, any number of channels.
 
-    The channels are called ``channel 1``, ``channel 2``, ...
+    The channels are called ``channel 1``, ``channel 2``, ... The format has no unit: without ``unit``
+    a warning says so.
 
     Parameters
     ----------
     full_scale : float or sequence of float, optional
         What full scale stands for in ``unit`` (of the force: N), one number or one for each channel. Whole
         numbers are shares of full scale, -1 to 1; floats are multiplied too. 1 by default.
-
-    Raises
-    ------
-    UnsuitableDataError
-        A cut or damaged file, compressed sound.
-
-    Warns
-    -----
-    AntiresWarning
-        Without ``unit``: the format has none.
 
     Examples
     --------
@@ -264,14 +237,6 @@ def read_miniseed(
     The traces are called ``network.station.location.channel``. The format has counts of the recorder alone:
     without ``unit`` a warning says so.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A damaged file, gaps in a trace, traces of several rates, lengths or starts (more than half a sample
-        apart).
-    MissingDependencyError
-        ObsPy is not installed.
-
     Notes
     -----
     The response of the instruments is not removed: channels of one kind of sensor and recorder go together,
@@ -293,9 +258,13 @@ def read_miniseed(
         found = f"whose {name} has {count - 1} gaps or overlaps, {first}"
         remedy = "Cut a part without gaps out of it, with ObsPy's slice or the recorder's program."
         unsuitable(file, found, "traces without gaps", remedy)
+    # Traces that begin within half a sample of each other begin together.
+    begun = [datetime.fromisoformat(entry["start"].replace("Z", "+00:00")) for entry in entries]
+    late = (abs((each - begun[0]).total_seconds()) > 0.5 * entries[0]["step_s"] for each in begun)
+    together = {} if any(late) else {"start": entries[0]["start"] if entries else ""}
     for entry in entries:
         del entry["until"]
-    return stated_recording(file, _on_one_clock([Channel(**entry) for entry in entries]), given)
+    return stated_recording(file, [Channel(**entry | together) for entry in entries], given)
 
 
 def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
@@ -315,15 +284,6 @@ def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
     if not made and request["only"] is not None:
         raise Unfit("the traces are " + called(trace.id for trace in stream))
     return answer(made)
-
-
-def _on_one_clock(channels: list[Channel]) -> list[Channel]:
-    """Traces that begin within half a sample of each other begin together."""
-    begun = [datetime.fromisoformat(c.start.replace("Z", "+00:00")) for c in channels]
-    step = channels[0].step_s or 0.0 if channels else 0.0
-    if any(abs((each - begun[0]).total_seconds()) > 0.5 * step for each in begun):
-        return channels
-    return [replace(c, start=channels[0].start) for c in channels]
 
 
 # -- LVM, text of LabVIEW: a header, and segments with a header each or for all
@@ -469,16 +429,6 @@ def read_lvm(
         Segments that are impacts or runs are read one by one and given together:
         ``identify_antiresonances([run 1, run 2], ...)``.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A cut or damaged file, fewer samples than its header states, segments with gaps between them.
-
-    Warns
-    -----
-    AntiresWarning
-        Units that are unknown or missing, another rate than ``fs_hz``.
-
     Examples
     --------
     >>> import pathlib, tempfile, antires_rs as ar
@@ -539,7 +489,7 @@ def _channel(
         rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
         if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
             found = f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz"
-            unsuitable(file, found, "one rate", Wording("Give the true one by {}.", Passed("fs_hz")))
+            unsuitable(file, found, "one rate", "Give the true one by fs_hz=.")
         step = step if step is not None and step > 0.0 else 1.0 / rate
         offset = float(x[0])
     start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)

@@ -15,7 +15,6 @@ import numpy as np
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, shape_of
-from ..support.messages import Passed, Wording
 from .channels import kept, renamed
 from .common import Dofs, PathLike, Signal, existing_file, unsuitable
 from .hdf5_mat import read_hdf5, read_mat
@@ -157,7 +156,7 @@ def read_frf_files(
         if len(formats) > 1 or None in formats:
             counts = ", ".join(f"{n} {kind or 'of unknown ending'}" for kind, n in formats.items())
             got = f"files of several formats ({counts})"
-            remedy = Wording("Choose them by {}, or name the {}.", Passed("pattern"), Passed("format"))
+            remedy = "Choose them by pattern=, or name the format=."
             reject("files", got, "files of one format that is known", remedy)
         format = next(iter(formats)) or ""
     choice("format", format, tuple(READERS))
@@ -191,13 +190,13 @@ def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
         folder = Path(files)
         if not folder.is_dir():
             return [existing_file(folder)]
-        there = sorted((path for path in folder.iterdir() if path.is_file()), key=lambda p: _natural(p.name))
+        there = sorted(filter(Path.is_file, folder.iterdir()), key=_natural)
         fitting = [path for path in there if fnmatchcase(path.name, pattern)]
         found = [path for path in fitting if format is not None or format_by_ending(path.name)]
         if not found:
             why = f"none of which fits {pattern!r} and has a known ending"
             got = f"{str(folder)!r}, a folder with {len(there)} files, {why}"
-            remedy = Wording("Name the file, or choose by {} and {}.", Passed("pattern"), Passed("format"))
+            remedy = "Name the file, or choose by pattern= and format=."
             reject("files", got, "files of one FRF each", remedy)
         return found
     if shape_of(files) in ((), (0,)):
@@ -219,21 +218,14 @@ def _check_axes(paths: list[Path], read: list[FrequencyResponse]) -> None:
     """All files over one axis; the odd one is named, even if it is the first."""
 
     def alike(a: FrequencyResponse, b: FrequencyResponse) -> bool:
-        if a.freq_hz.size != b.freq_hz.size:
-            return False
-        return bool(np.abs(a.freq_hz - b.freq_hz).max() <= SAME_LINE * a.freq_hz[-1])
+        same = a.freq_hz.size == b.freq_hz.size
+        return same and bool(np.abs(a.freq_hz - b.freq_hz).max() <= SAME_LINE * a.freq_hz[-1])
 
-    groups: list[list[int]] = []
-    for i, each in enumerate(read):
-        group = next((g for g in groups if alike(read[g[0]], each)), None)
-        if group is None:
-            groups.append([i])
-        else:
-            group.append(i)
-    most = max(groups, key=len)
-    odd = next((i for i in range(len(read)) if i not in most), None)
+    votes = [sum(alike(one, other) for other in read) for one in read]
+    most = votes.index(max(votes))
+    odd = next((i for i, one in enumerate(read) if not alike(read[most], one)), None)
     if odd is not None:
-        wanted = f"{_axis(read[most[0]])}, as {len(most)} of {len(read)} files have ({paths[most[0]].name})"
+        wanted = f"{_axis(read[most])}, as {votes[most]} of {len(read)} files have ({paths[most].name})"
         remedy = "Export all files over the same frequencies, or leave that one out."
         unsuitable(paths[odd], f"with {_axis(read[odd])}", wanted, remedy)
 
@@ -243,8 +235,8 @@ def _axis(response: FrequencyResponse) -> str:
     return f"{freq.size} lines {freq[0]:.9g}-{freq[-1]:.9g} Hz"
 
 
-def _natural(name: str) -> list[tuple[int, int, str]]:
-    return [(0, int(t), "") if t.isdecimal() else (1, 0, t.lower()) for t in _TOKEN.findall(name)]
+def _natural(file: Path) -> list[tuple[bool, Any]]:
+    return [(not t.isdecimal(), int(t) if t.isdecimal() else t.lower()) for t in _TOKEN.findall(file.name)]
 
 
 def _differences(stems: list[str]) -> list[Any]:
@@ -252,9 +244,9 @@ def _differences(stems: list[str]) -> list[Any]:
     tokens = [_TOKEN.findall(stem) for stem in stems]
     if len(stems) == 1 or len(set(stems)) < len(stems):
         return list(stems)
-    for end in (0, -1):
-        while all(tokens) and len({each[end] for each in tokens}) == 1:
-            tokens = [each[1:] if end == 0 else each[:-1] for each in tokens]
+    for _ in range(2):  # what is common at the beginning, then at the end
+        common = len(os.path.commonprefix(tokens))
+        tokens = [each[common:][::-1] for each in tokens]
     found = ["".join(each).strip(" _-.") for each in tokens]
     if not all(found) or len(set(found)) < len(found):
         return list(stems)

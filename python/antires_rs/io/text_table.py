@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
-from ..support.messages import Passed, Wording, warn
+from ..support.messages import warn
 from .channels import (
     Channel,
     abscissa_factor,
@@ -82,7 +82,7 @@ def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: boo
         choice("pairs", pairs, PAIRS)
         if len(columns) % 2 == 0:
             found = f"with {len(columns) - 1} columns beside the first"
-            wanted = Wording("two for each response, as {} says", Passed("pairs", pairs))
+            wanted = f"two for each response, as {pairs=} says"
             unsuitable(file, found, wanted, "Export both parts of every response.")
     out: list[Channel] = []
     rest = list(columns)
@@ -118,7 +118,8 @@ def _pair_of(file: Path, level_name: str, level: str, angle_name: str, angle: st
         lacks = [f"the unit of {angle_name!r}"] * (not turn)
         lacks += [f"whether {level_name!r} is in dB"] * (not size)
         wanted = "headers such as 'Magnitude [g/N]' or 'Magnitude [dB]' and 'Phase [deg]' or 'Phase [rad]'"
-        remedy = Wording("Pass {}, {}, {} or {}.", *(Passed("pairs", kind) for kind in PAIRS[1:]))
+        *some, last = (f"pairs={kind!r}" for kind in PAIRS[1:])
+        remedy = f"Pass {', '.join(some)} or {last}."
         unsuitable(file, f"which does not tell {' nor '.join(lacks)}", wanted, remedy)
     return f"{size}_{turn}"
 
@@ -149,7 +150,12 @@ _INSTANT = re.compile(
 
 def without_count(body: list[str], between: str | None) -> list[str]:
     """Rows without the number of the row where that stands before an instant; others stay as they are."""
-    start = next((i for i, line in enumerate(body[:_HEAD]) if _second_is_instant(line, between)), None)
+
+    def second_is_instant(line: str) -> bool:
+        field, rest = _first_field(line, between)
+        return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare(rest, between), between)[0]))
+
+    start = next((i for i, line in enumerate(body[:_HEAD]) if second_is_instant(line)), None)
     if start is None:
         return body
     split = [_first_field(line, between) for line in body]
@@ -164,11 +170,6 @@ def without_count(body: list[str], between: str | None) -> list[str]:
     counted = [*headed, *[True] * (len(body) - start)]
     rows = zip(body, split, counted, strict=True)
     return [_bare(rest, between) if one else line for line, (_, rest), one in rows]
-
-
-def _second_is_instant(line: str, between: str | None) -> bool:
-    field, rest = _first_field(line, between)
-    return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare(rest, between), between)[0]))
 
 
 def _bare(rest: str, between: str | None) -> str:
@@ -270,14 +271,19 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
         whole = _trails(body[-1])
         body = [line.rstrip()[:-1] if _trails(line) else line for line in body]
         ended, trailing = ended and whole, not whole
-    between = delimiter if delimiter is not None else _delimiter(body)
+    between = delimiter
+    if (
+        between is None
+    ):  # the sign that splits most lines in the middle, one of which may be damaged; or spaces
+        sample = body[max(len(body) // 2 - 2, 0) : len(body) // 2 + 3]
+        often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in row for row in sample) > len(sample))
+        between = next(often, None)
     body, instants = without_instants(file, without_count(body, between), between)
     point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
     start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
     if start == len(body):
         found = f"without a row of numbers{_first_odd(body, between, point)}"
-        remedy = Wording("Name the {} and {}.", Passed("delimiter"), Passed("decimal"))
-        unsuitable(file, found, "columns of numbers", remedy)
+        unsuitable(file, found, "columns of numbers", "Name the delimiter= and decimal=.")
     rows = body[start:]
     width = len(_split(rows[0], between))
     for line in body[:start]:
@@ -365,14 +371,6 @@ def _header(file: Path, lines: list[str], table: Table) -> None:
         unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
 
 
-def _delimiter(body: list[str]) -> str | None:
-    """The sign that splits most lines in the middle of the file; None for spaces."""
-    middle = len(body) // 2
-    sample = body[max(middle - 2, 0) : middle + 3]  # one of them may be damaged
-    often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in line for line in sample) > len(sample))
-    return next(often, None)
-
-
 def decoded(file: Path) -> str:
     """The text: UTF-8, UTF-16 by its mark (Excel's "Unicode text"), or else Latin-1."""
     raw = file.read_bytes()
@@ -446,14 +444,11 @@ def named(table: Table, rows: list[list[str]]) -> None:
     for part in names:
         match = _UNIT.match(part)
         # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
-        has_unit = match and match[1] and (part_of(part) is None or "[" in part or _is_unit(match[2]))
+        unit = parse_unit(match[2]) if match else None
+        is_unit = match and (is_part_unit(match[2]) or (unit is not None and bool(unit.quantity)))
+        has_unit = match and match[1] and (part_of(part) is None or "[" in part or is_unit)
         table.names.append(match[1] if match and has_unit else part)
         table.units.append(match[2] if match and has_unit else "")
-
-
-def _is_unit(text: str) -> bool:
-    known = parse_unit(text)
-    return is_part_unit(text) or (known is not None and bool(known.quantity))
 
 
 def _commented_names(lines: list[str], between: str | None, width: int) -> list[str]:
@@ -488,8 +483,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
         timed = after and (after.name.lower() in _TIME or _says_frequency(after, named))
         if not timed and given.fs_hz is None:
             found = f"whose first column, {name!r}, counts the rows, and no column is a time or a frequency"
-            ways = (Passed("fs_hz"), Passed("first", "time"))
-            remedy = Wording("Pass {}, or {} if it is the time in s.", *ways)
+            remedy = "Pass fs_hz=, or first='time' if it is the time in s."
             unsuitable(file, found, "a sampling rate or a column of time", remedy)
         columns = columns[1:]
         digits, first = table.digits[1], None if timed else "channel"
@@ -505,8 +499,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     if first == "freq":
         return _response(file, lead.values.real * _into_si(file, lead), channels, given)
     if any(np.iscomplexobj(c.values) for c in columns):
-        remedy = Wording("Pass {}.", Passed("first", "freq"))
-        unsuitable(file, "with complex columns over time", "real ones", remedy)
+        unsuitable(file, "with complex columns over time", "real ones", "Pass first='freq'.")
     rate = given.rate_hz
     if first == "channel":
         rate = finite_scalar("fs_hz", given.fs_hz, low=0.0, low_open=True, unit="Hz")
@@ -528,9 +521,9 @@ def _what_first(file: Path, columns: list[Channel], hertz: bool, rated: bool) ->
         return "freq"
     if rated:
         return "channel"
-    ways = (Passed("first", "time"), Passed("first", "freq"), Passed("fs_hz"), Passed("first", "channel"))
+    remedy = "Pass first='time', first='freq' or, with fs_hz=, first='channel'."
     found = f"whose first column, {lead.name!r}, is neither called time nor frequency"
-    unsuitable(file, found, "to know what it is", Wording("Pass {}, {} or, with {}, {}.", *ways))
+    unsuitable(file, found, "to know what it is", remedy)
 
 
 def _says_frequency(column: Channel, named: bool) -> bool:
@@ -541,9 +534,9 @@ def _says_frequency(column: Channel, named: bool) -> bool:
 def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) -> FrequencyResponse:
     if not all(np.iscomplexobj(c.values) for c in columns):
         wanted = "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'"
-        how = "Pass {} or another of its kinds if two columns are one response"
-        remedy = Wording(f"{how}; magnitudes alone have lost the phase.", Passed("pairs", PAIRS[0]))
-        unsuitable(file, "with real columns over frequency", wanted, remedy)
+        how = f"Pass pairs={PAIRS[0]!r} or another of its kinds if two columns are one response"
+        lost = "magnitudes alone have lost the phase."
+        unsuitable(file, "with real columns over frequency", wanted, f"{how}; {lost}")
     return response_of(file, lines, columns, given)
 
 

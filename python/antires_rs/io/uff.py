@@ -20,10 +20,21 @@ from numpy.typing import NDArray
 from ..exceptions import AntiresError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
+from ..signals.spectra import std_of_coherence
 from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
-from ..support.messages import LeftOut, Passed, Wording, warn
-from .channels import Channel, Unit, abscissa_factor, named_unit, one_quantity, parse_unit, recording_of
+from ..support.files import write_atomically
+from ..support.messages import warn
+from .channels import (
+    Channel,
+    Unit,
+    abscissa_factor,
+    named_unit,
+    one_quantity,
+    parse_unit,
+    recording_of,
+    si_unit,
+)
 from .common import (
     PathLike,
     Reading,
@@ -36,7 +47,9 @@ from .common import (
     refuse_real,
     simplest_rate,
     unsuitable,
+    writer,
 )
+from .own_format import check_dofs
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #
@@ -132,13 +145,8 @@ def _dataset(data: bytes, start: int, after: int) -> Dataset:
 
 def _to_the_left(rows: Iterable[bytes], width: int) -> bool:
     """Whether numbers, or a blank for their sign, begin their fields: blanks behind belong to them."""
-    some = False
-    for row in rows if width > 0 else ():
-        for found in re.finditer(rb"\S+", row):
-            if found.start() % width > 1:
-                return False  # in most files on one of the first lines
-            some = True
-    return some
+    places = (each.start() % width for row in rows for each in re.finditer(rb"\S+", row)) if width else ()
+    return max(places, default=2) < 2
 
 
 def _binary(data: bytes, made: Dataset, numbers: int, size: int) -> Dataset:
@@ -229,7 +237,7 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
             opposite = (point[0], -point[1])
             if opposite in table:
                 return table[opposite], -1.0
-            remedy = Wording("{}; antires_rs.io.list_uff shows all points.", LeftOut("point"))
+            remedy = "Map a point to None to leave it out; antires_rs.io.list_uff shows all points."
             reject("dofs", f"no dof for {label_of(point)}", "a dof for every response of the file", remedy)
 
         return look_up
@@ -242,17 +250,14 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
 def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     """Node and direction of each dof, for writing: given, read from the label, or numbered."""
     points: dict[Any, Point] = {}
+    if not (given is None or isinstance(given, Mapping) or callable(given)):
+        wanted = "a mapping {dof: (node, direction)} or a function of the dof"
+        reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
     for dof in dofs:
-        if isinstance(given, Mapping):
-            if dof not in given:
-                got = f"no node and direction for {dof!r}"
-                reject("dofs", got, f"one for each of {dofs}", "Add it to dofs.")
-            points[dof] = as_point("dofs", given[dof])
-        elif callable(given):
-            points[dof] = as_point("dofs", given(dof))
-        elif given is not None:
-            wanted = "a mapping {dof: (node, direction)} or a function of the dof"
-            reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
+        if isinstance(given, Mapping) and dof not in given:
+            reject("dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}", "Add it to dofs.")
+        if given is not None:
+            points[dof] = as_point("dofs", given[dof] if isinstance(given, Mapping) else given(dof))
         elif isinstance(dof, str) and _LABEL.match(dof):
             points[dof] = as_point("dofs", dof)
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:
@@ -275,34 +280,24 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
 _LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
 #: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
 _LINES, _AT, _WIDTH = 13, 4, 80
-_MARKER_UFF_CHECKSUM = b"    -1"
 
 
 def checksum_line(lines: Sequence[str], numbers: bytes) -> str:
     """ID line 3 of a set of these lines, marker first and anything in its own place, and these numbers."""
-    return f"antires_rs crc32 {_of_header([line.ljust(_WIDTH).encode() for line in lines])} {_hex(numbers)}"
+    header = b"\n".join(line.ljust(_WIDTH).encode() for i, line in enumerate(lines) if i != _AT)
+    return f"antires_rs crc32 {crc32(header):08x} {crc32(numbers):08x}"
 
 
 def checked(data: bytes, dataset: Dataset) -> Dataset:
     """The dataset, with a problem if it is ours and its numbers are not those that were written."""
-    if dataset.number != 58 or dataset.problem:
+    *lines, numbers = data[dataset.start : dataset.stop].split(b"\n", _LINES)
+    ours = dataset.number == 58 and not dataset.problem and len(lines) == _LINES
+    stated = _LINE.match(lines.pop(_AT)) if ours else None
+    if stated is None or crc32(b"\n".join(lines)) != int(stated[1], 16):
         return dataset
-    parts = data[dataset.start : dataset.stop].split(b"\n", _LINES)
-    stated = _LINE.match(parts[_AT]) if len(parts) > _LINES else None
-    if stated is None or _of_header(parts[:_LINES]) != stated[1].decode():
-        return dataset
-    numbers = parts[_LINES]
-    if _hex(numbers[: numbers.rindex(_MARKER_UFF_CHECKSUM)]) == stated[2].decode():
+    if crc32(numbers[: numbers.rindex(b"    -1")]) == int(stated[2], 16):
         return dataset
     return replace(dataset, problem="its numbers do not have the checksum in its ID line 3")
-
-
-def _of_header(lines: Sequence[bytes]) -> str:
-    return _hex(b"\n".join(line for i, line in enumerate(lines) if i != _AT))
-
-
-def _hex(data: bytes) -> str:
-    return f"{crc32(data):08x}"
 
 
 # -- The functions of a universal file
@@ -492,10 +487,8 @@ def response_of(
     if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
         found = f"with {len(wanted)} auto spectra (power spectral densities), the first of {wanted[0].at}"
         instead = "time records, FRFs, or cross spectra with the auto spectrum of their reference"
-        remedy = "Power spectra have lost the phase between channels, from which antiresonances are found"
-        unsuitable(
-            file, f"{found}, and no cross spectrum", instead, f"{remedy}: export one of these instead."
-        )
+        lost = "Power spectra have lost the phase between channels, from which antiresonances are found"
+        unsuitable(file, f"{found}, and no cross spectrum", instead, f"{lost}: export one of these instead.")
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
         wanted, is_force = _over_auto(file, wanted, point, unit)
@@ -508,16 +501,12 @@ def response_of(
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
             found = f"with other frequencies at {f.at} than at {wanted[0].at}"
             unsuitable(file, found, "one frequency axis for all", "Export all functions over the same lines.")
-    for f in wanted:
-        if not np.iscomplexobj(f.values):
-            remedy = "Magnitudes alone have lost the phase; export real and imaginary part."
-            unsuitable(file, f"whose {f.what} of {f.at} is real", "complex functions", remedy)
+    refuse_real(file, [f.values for f in wanted])
     if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
         kept_ones = [f for f in wanted if named(f.response)[0] is not None]
         kinds = [(f.at, (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
         one_quantity(file, [(label, each, each or "in no known unit") for label, each in kinds])
     rows = {f.response: _values(file, f, unit) for f in wanted}
-    refuse_real(file, list(rows.values()))
     coherence = _coherence(file, rows, beside)
     if kind == "transmissibility" and point not in rows:
         rows[point] = np.ones(lines.size, dtype=np.complex128)
@@ -561,21 +550,17 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     if given is not None:
         point = as_point("reference", given)
         if point not in points:
-            wanted = Wording("{}", Passed("reference", label_of(point)))
-            unsuitable(file, found, wanted, "Pass one of them.")
+            unsuitable(file, found, f"reference={label_of(point)!r}", "Pass one of them.")
         return point
     if len(points) == 1:
         return points[0]
     responses = {f.response for f in functions}
-    remedy: str = Wording("Choose it by {}.", Passed("reference"))
+    remedy = "Choose it by reference=."
     if not responses:
         remedy = "Export the functions with their references."
     elif len(responses) == 1:
-        stayed, text = (
-            Passed("roving", label_of(responses.pop())),
-            "If the hammer roved and this sensor stayed, pass {}",
-        )
-        remedy = Wording(f"{text}; else choose one by {{}}.", stayed, Passed("reference"))
+        stayed = f"roving={label_of(responses.pop())!r}"
+        remedy = f"If the hammer roved and this sensor stayed, pass {stayed}; else choose one by reference=."
     unsuitable(file, found, "one", remedy)
 
 
@@ -665,7 +650,7 @@ def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
     if not any(f.what == "frf" for f in chosen):
         there = ", ".join(dict.fromkeys(f.at for f in curves if f.what == "frf")) or "none"
         found = f"with FRFs at the responses {there}"
-        wanted = Wording("FRFs of {}", Passed("roving", label_of(point)))
+        wanted = f"FRFs of roving={label_of(point)!r}"
         unsuitable(file, found, wanted, "Name the sensor that stayed while the hammer roved.")
     turned = [replace(f, response=f.reference, reference=f.response, own=dict(f.own)) for f in chosen]
     for f in turned:
@@ -759,11 +744,6 @@ def read_uff(
         The sensor that stayed while the hammer roved, ``'5+Z'``: its FRFs to all references become, by
         reciprocity, those of the references to a force at that sensor. Name it as the excitation then.
 
-    Raises
-    ------
-    UnsuitableDataError
-        A set that is cut or shorter than its header states, sets that do not fit together, several kinds or
-        references to choose from.
     Notes
     -----
     A universal file does not state how many sets it has. In one of another program that was cut exactly
@@ -791,12 +771,12 @@ def read_uff(
     if kind is None and len(there) != 1:
         remedy = f"It holds {'; '.join(map(str, functions[:10]))}."
         if there:
-            remedy = Wording("Pass {} or another of them.", Passed("kind", there[0]))
+            remedy = f"Pass kind={there[0]!r} or another of them."
         unsuitable(file, found, "one kind of function", remedy)
     chosen = there[0] if kind is None else kind
     if chosen not in there:
         remedy = "Pass the kind that the file holds, or leave it out."
-        unsuitable(file, found, Wording("{}", Passed("kind", chosen)), remedy)
+        unsuitable(file, found, f"kind={chosen!r}", remedy)
     wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (chosen, "coherence")]
     functions = one_run(file, wanted, run)
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
@@ -811,18 +791,12 @@ def list_uff(path: PathLike, *, partial: bool = False) -> list[str]:
 
     Parameters
     ----------
-    path : path-like
-    partial : bool
-        As in :func:`~antires_rs.read_uff`.
+    path, partial
+        As in :func:`~antires_rs.read_uff`, and so are the errors.
 
     Returns
     -------
     list of str
-
-    Raises
-    ------
-    UnsuitableDataError
-        As in :func:`~antires_rs.read_uff`.
 
     Examples
     --------
@@ -882,3 +856,173 @@ def force_of(path: PathLike) -> str | None:
     points |= {f.response for f in functions if f.what == "time" and f.role == "force"}
     known = {point for point in points if point[0] > 0 and point[1] != 0}
     return label_of(known.pop()) if len(points) == 1 and known else None
+
+
+# -- Signals as datasets 58
+
+#: Function types of record 6 that are written, and their titles in ID line 1.
+_WRITTEN = {"time": (1, "Time Response"), "frf": (4, "Frequency Response Function")}
+_WRITTEN |= {"transmissibility": (5, "Transmissibility"), "coherence": (6, "Coherence")}
+#: Specific data types of records 8 to 10.
+_DATA = {"": 0, "displacement": 8, "velocity": 11, "acceleration": 12, "force": 13}
+
+
+@writer
+def write_uff(
+    path: PathLike,
+    signal: Signal,
+    *,
+    binary: bool = True,
+    unit: str | None = None,
+    dofs: Mapping[Any, Any] | Callable[[Any], Any] | None = None,
+    excitation: Any = None,
+) -> Path:
+    """Write dataset 58 for every channel, whole or not at all.
+
+    Parameters
+    ----------
+    binary : bool
+        Double precision in binary form (58b), bit for bit; otherwise text of 12 digits.
+    unit : str, optional
+        SI unit of the values: ``'m/s2'`` by default, for FRFs ``'m/s2/N'``.
+    dofs : mapping or callable, optional
+        ``{dof: (node, direction)}``, such as ``(12, '+Z')``. Default: read from labels such as ``'12+Z'``;
+        other dofs become scalars of nodes of their own. The dofs themselves are kept in the ID lines.
+    excitation : int or str or (int, str), optional
+        Point of the force: one of the dofs, or a node and direction. Not known by default.
+
+    Raises
+    ------
+    InvalidInputError
+        The folder does not exist, a unit that is not SI, two dofs at one point, labels that do not fit.
+
+    Warns
+    -----
+    AntiresWarning
+        Standard deviations that do not follow from coherence and averages, which the format cannot keep.
+
+    Notes
+    -----
+    Numbers of the header have six digits; rate and frequencies are therefore repeated in full in ID line 4,
+    the dof in ID line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses; ID line 3
+    has checksums, by which it notices damaged numbers as long as nobody has edited the header.
+
+    Examples
+    --------
+    >>> import tempfile, antires_rs as ar
+    >>> record = ar.Recording([[1.0, 2.0, 4.0]], 512.0, dofs=["12+Z"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = ar.write_uff(folder + "/a.uff", record, binary=False)
+    ...     print(file.read_text().splitlines()[-2].split())
+    ['1.00000000000e+00', '2.00000000000e+00', '4.00000000000e+00']
+    """
+    check_dofs(signal)
+    points = points_of(signal.dofs, dofs)
+    force = None
+    if excitation is not None:
+        known = isinstance(excitation, int | str) and excitation in points
+        force = points[excitation] if known else as_point("excitation", excitation)
+    make = _of_recording if isinstance(signal, Recording) else _of_response
+    functions = make(signal, points, force, unit)  # type: ignore[arg-type]
+    blocks = (_block(f, f"{i} of {len(functions)}", binary) for i, f in enumerate(functions, start=1))
+    return write_atomically(path, b"".join(blocks))
+
+
+def _of_recording(
+    rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None
+) -> list[Function]:
+    unit = "m/s2" if unit is None else unit
+    si_unit("unit", unit)
+    step, x = 1.0 / rec.fs_hz, np.arange(rec.n_samples) / rec.fs_hz
+    line4 = {"start": 0.0, "step": step, "rate_hz": rec.fs_hz}
+    rows = [(points[d], row, unit, {"dof": d}) for d, row in zip(rec.dofs, rec.responses, strict=True)]
+    if rec.force is not None:
+        rows.append((force or (max(node for node, _ in points.values()) + 1, 0), rec.force, "N", {}))
+    return [
+        Function("time", at, (0, 0), x, row, its, "", "", True, step, own=line4 | own)
+        for at, row, its, own in rows
+    ]
+
+
+def _of_response(
+    resp: FrequencyResponse, points: dict[Any, Point], force: Point | None, unit: str | None
+) -> list[Function]:
+    is_frf = resp.kind == "frf"
+    unit = ("m/s2/N" if is_frf else "1") if unit is None else unit
+    above, _, below = unit.rpartition("/") if si_unit("unit", unit).per else (unit.removeprefix("1"), "", "")
+    start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
+    gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
+    even = bool(gap <= 1e-12 * resp.freq_hz[-1])
+    derived = None  # what a reader makes of coherence and averages
+    if resp.coherence is not None and resp.n_averages is not None and resp.n_averages > 1.0:
+        derived = std_of_coherence(resp.values, resp.coherence, resp.n_averages)
+    if resp.std is not None and (derived is None or not np.array_equal(resp.std, derived)):
+        said = "its standard deviations are not those of coherence and averages"
+        why = "and a universal file has no place for them; they are left out"
+        warn("errors_not_written", f"signal: {said}, {why}.")
+    line4: dict[str, Any] = {} if resp.n_averages is None else {"n_averages": resp.n_averages}
+    line4 |= {"start": start, "step": step} if even else {}
+    at, reference = [points[dof] for dof in resp.dofs], (0, 0) if force is None else force
+    reference = reference if is_frf else points[resp.reference]
+    tables: list[tuple[str, Any, str, str]] = [(resp.kind, resp.values, above, below)]
+    tables += [] if resp.coherence is None else [("coherence", resp.coherence, "", "")]
+    return [
+        Function(what, p, reference, resp.freq_hz, row, up, down, "", even, step, own=line4 | {"dof": dof})
+        for what, rows, up, down in tables
+        for dof, p, row in zip(resp.dofs, at, rows, strict=True)
+    ]
+
+
+def _block(f: Function, place: str, binary: bool) -> bytes:
+    """One dataset, from marker to marker."""
+    values, is_complex = f.values, np.iscomplexobj(f.values)
+    numbers = values.astype(np.complex128).view(np.float64) if is_complex else values.astype(np.float64)
+    if not f.even:  # abscissa before each value
+        numbers = np.column_stack([f.x, numbers.reshape(values.size, -1)]).ravel()
+    identity = f"{58:6d}"
+    if binary:  # little endian, IEEE 754, 11 lines of header
+        body = numbers.astype("<f8").tobytes()
+        identity += f"b{1:6d}{2:6d}{11:12d}{len(body):12d}{0:6d}{0:6d}{0:12d}{0:12d}"
+        body += b"\n"  # the marker is on a line of its own
+    else:
+        body = _text(numbers, not f.even, is_complex)
+    kind, title = _WRITTEN[f.what]
+    own = {name: value for name, value in f.own.items() if name == "dof"}
+    line4, line5 = json.dumps({n: v for n, v in f.own.items() if n not in own}), json.dumps(own)
+    if len(line5) > 80:
+        wanted = "labels of at most 70 letters in a universal file"
+        reject("dofs", repr(own["dof"]), wanted, "Shorten the label.")
+    over = f" / {label_of(f.reference)}" if f.reference != (0, 0) else ""
+    points = "".join(
+        f" {'NONE':<10}{node:10d}{direction:4d}" for node, direction in (f.response, f.reference)
+    )
+    start, step = (float(f.x[0]), f.step) if f.even else (0.0, 0.0)
+    axes = [(_OVER_TIME, "s") if f.what == "time" else (_OVER_TIME + 1, "Hz")]
+    for unit in (f.unit, f.reference_unit, ""):
+        axes.append((_DATA[(parse_unit(unit) or Unit()).quantity], unit))
+    lines = [
+        f"{-1:6d}",
+        identity,
+        f"{title} {label_of(f.response)}{over}",
+        f"antires_rs uff {VERSION} set {place}",
+        "NONE",
+        line4,
+        line5,
+        f"{kind:5d}{0:10d}{0:5d}{0:10d}{points}",
+        f"{6 if is_complex else 4:10d}{values.size:10d}{int(f.even):10d}{start:13.5e}{step:13.5e}{0.0:13.5e}",
+        *(f"{data:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit or 'NONE':<20}" for data, unit in axes),
+    ]
+    lines[4] = checksum_line(lines, body)
+    head = "".join(f"{line:<80}\n" for line in lines)
+    return head.encode("ascii") + body + f"{-1:6d}\n".encode()
+
+
+def _text(numbers: NDArray[Any], uneven: bool, is_complex: bool) -> bytes:
+    """4E20.12, or with abscissae 2(E13.5,E20.12) and E13.5,2E20.12."""
+    if not uneven:
+        forms = ["%20.11e"] * 4
+    else:
+        forms = ["%13.5e", "%20.11e", "%20.11e"] if is_complex else ["%13.5e", "%20.11e"] * 2
+    rows = [numbers[i : i + len(forms)].tolist() for i in range(0, numbers.size, len(forms))]
+    lines = ("".join(form % v for form, v in zip(forms, row, strict=False)) for row in rows)
+    return "".join(f"{line}\n" for line in lines).encode()

@@ -16,9 +16,6 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 T = TypeVar("T")
 
-_ONE_NUMBER = "Pass one number, without quotes."
-_WHOLE = "Pass a whole number, without a fraction."
-_TWO_NUMBERS = "Write it as in (5.0, 100.0)."
 _LABELS = "List a label for each channel, or leave them out to number the channels from 0."
 
 #: Beyond these, powers of values overflow or vanish.
@@ -28,9 +25,7 @@ _SMALLEST, _LARGEST = 1e-100, 1e100
 def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         got = f"a masked array with {int(np.count_nonzero(np.ma.getmaskarray(value)))} values masked"
-        remedy = (
-            "Cut what is masked, or fill it in by interpolation; numpy would take the values below the mask."
-        )
+        remedy = "Cut what is masked, or fill it in: numpy would take the values below the mask."
         reject(name, got, wanted, remedy)
     try:
         array = np.asarray(value)
@@ -118,7 +113,7 @@ def finite_scalar(
             raise TypeError
         number = float(value)
     except (TypeError, ValueError):
-        reject(name, repr(value), wanted, _ONE_NUMBER)
+        reject(name, repr(value), wanted, "Pass one number, without quotes.")
     below = number <= low if low_open else number < low
     above = number >= high if high_open else number > high
     if not np.isfinite(number) or below or above:
@@ -138,7 +133,7 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
             raise TypeError
         number = operator.index(value)
     except TypeError:
-        reject(name, repr(value), wanted, _WHOLE)
+        reject(name, repr(value), wanted, "Pass a whole number, without a fraction.")
     below, above = low is not None and number < low, high is not None and number > high
     if below or above:
         reject(name, repr(value), wanted, _into_limits(below, above))
@@ -170,7 +165,7 @@ def frequency_band(name: str, value: Any, *, low_hz: float, high_hz: float) -> t
             raise TypeError
         low, high = (float(v) for v in value)
     except (TypeError, ValueError):
-        reject(name, value, wanted, _TWO_NUMBERS)
+        reject(name, value, wanted, "Write it as in (5.0, 100.0).")
     # One part in 1e9 of slack: a band typed in decimal must be allowed to meet the data's own edge.
     slack = 1e-9 * max(high_hz, 1.0)
     if not low_hz - slack <= low < high <= high_hz + slack:  # nor NaN

@@ -7,9 +7,9 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -104,57 +104,8 @@ def _seen(text: str) -> str:
     return " ".join(text.split("**Seen:**", 1)[1].split("\n- **Why", 1)[0].split())
 
 
-# -- Texts of errors that name arguments of a call, for callers who do not write Python
-#
-# A job file and the command line spell the same argument in their own way; the text keeps it as data.
-
 #: How an edit by hand is written in a job and on the command line.
 EDIT_WANTED = 'DOF=HZ, such as "3=31.9" or "3=31.9 mains hum"'
-
-
-@dataclass(frozen=True)
-class Passed:
-    """An argument, alone or with the value to be passed: ``unit=``, ``first='time'``."""
-
-    name: str
-    value: Any = None
-
-    def __str__(self) -> str:
-        return f"{self.name}={'' if self.value is None else repr(self.value)}"
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """How one of several is left out by ``dofs``."""
-
-    what: str
-
-    def __str__(self) -> str:
-        return f"Map a {self.what} to None to leave it out"
-
-
-Part = Passed | LeftOut
-
-
-class Wording(str):
-    """A text for who calls from Python; ``template`` has a ``{}`` for each of its parts."""
-
-    template: str
-    parts: tuple[Part, ...]
-
-    def __new__(cls, template: str, *parts: Part) -> Wording:
-        """The text as Python spells the parts."""
-        made = super().__new__(cls, template.format(*parts))
-        made.template, made.parts = template, parts
-        return made
-
-    def __getnewargs__(self) -> Any:
-        return (self.template, *self.parts)
-
-
-def spelled(text: str, spell: Callable[[Part], str]) -> str:
-    """A text with its arguments as this caller writes them."""
-    return text.template.format(*map(spell, text.parts)) if isinstance(text, Wording) else text
 
 
 def edit_named(text: str) -> tuple[str, float, str] | None:
@@ -166,3 +117,16 @@ def edit_named(text: str) -> tuple[str, float, str] | None:
     except ValueError:
         return None
     return (name.strip(), freq_hz, reason.strip()) if name.strip() and 0.0 < freq_hz < float("inf") else None
+
+
+def moved(old: str, new: str) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a module whose contents are in another one now."""
+
+    def look_up(name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        value = getattr(import_module(new), name)
+        warn_of_change(f"{old} is now {new}")
+        return value
+
+    return look_up

@@ -22,7 +22,7 @@ import numpy as np
 
 from .._core import __version__
 from ..exceptions import reject
-from ..io.common import missing_package
+from ..io.common import require
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import BY_HAND
 from ..measured.response_table import NUMBERS, ResponseTable
@@ -225,10 +225,9 @@ Columns = dict[str, list[Any]]
 
 def pyarrow(what: str = "a series in a file") -> Any:
     """The package, imported where a file is asked for, or the error that names the extra."""
-    try:
-        import pyarrow.parquet
-    except ImportError as exc:
-        raise missing_package(what, "pyarrow", "series", exc) from exc
+    require(what, "pyarrow", "series")
+    import pyarrow.parquet
+
     return pyarrow
 
 
