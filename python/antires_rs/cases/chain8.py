@@ -87,8 +87,8 @@ class Chain8:
 
         ``noise`` is white sensor noise as a fraction of each channel's own rms.
         """
-        test: dict[str, Any] = {"fs_hz": FS_HZ, "duration_s": duration_s, "damping_ratio": damping_ratio}
-        test |= {"excitation": self.excitation, "responses": self.responses, "noise": noise}
+        test: dict[str, Any] = {"fs_hz": FS_HZ, "excitation": self.excitation, "responses": self.responses}
+        test |= {"duration_s": duration_s, "damping_ratio": damping_ratio, "noise": noise}
         return self.true_model(level).simulate(**test, rng=rng, progress=progress)
 
     def exact_modes(self, level: int = 0) -> ModalSet:
@@ -117,18 +117,16 @@ class Chain8:
 
     def search_problem(self, element: int, beta: float) -> UpdatingProblem:
         """Exact targets of this very model with one damage: for studies of optimizers only."""
-        springs: FloatArray = SPRINGS_N_PER_M.copy()
         loss = finite_scalar("beta", beta, low=0.0, high=0.99)
-        springs[integer("element", element, low=0, high=6)] *= 1.0 - loss
+        chosen = integer("element", element, low=0, high=6)
+        springs = SPRINGS_N_PER_M * np.where(np.arange(7) == chosen, 1.0 - loss, 1.0)
         zeros = MassSpringChain(MASSES_KG, springs).antiresonances(self.responses, self.excitation)
         return self.damage_problem(AntiresonanceSet(self.excitation, dict(enumerate(zeros))))
 
     @staticmethod
     def _intact(level: int) -> FloatArray:
-        factors = np.ones(7)
-        if integer("level", level, low=0, high=1) == 1:
-            factors[DAMAGED_ELEMENT] = 1.0 - SEVERITY
-        return factors
+        loss = SEVERITY * integer("level", level, low=0, high=1)
+        return 1.0 - np.where(np.arange(7) == DAMAGED_ELEMENT, loss, 0.0)
 
     def __repr__(self) -> str:
         return f"Chain8({self.model!r}, force at dof {self.excitation})"

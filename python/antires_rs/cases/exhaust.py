@@ -87,13 +87,8 @@ class Exhaust:
         """
         tested = experiment.TestedStructure(self._level(level), self.unfollowed)
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
-        test: dict[str, Any] = {
-            "fs_hz": FS_HZ,
-            "band_hz": FORCE_HZ,
-            "damping_ratio": experiment.RIGID_DAMPING,
-        }
-        test |= {"duration_s": duration_s, "noise": noise, "rng": rng, "progress": progress}
-        return simulate(tested, self.responses, self.excitation, float(tested.freq_hz[0]), **test)
+        test = float(tested.freq_hz[0]), FS_HZ, duration_s, experiment.RIGID_DAMPING, FORCE_HZ, noise, rng
+        return simulate(tested, self.responses, self.excitation, *test, progress=progress)
 
     def truth(self, level: int = 0) -> dict[str, Any]:
         """What was tested, by name.
@@ -167,9 +162,8 @@ class Exhaust:
         loss = finite_scalar("beta", beta, low=0.0, high=0.99)
         damaged = self.model.with_parameters(stiffness_reduction(chosen), loss)
         found = damaged.antiresonances(self.responses, self.excitation, f_max_hz=self.damage_band_hz[1])
-        return self.damage_problem(
-            AntiresonanceSet(self.excitation, dict(zip(self.responses, found, strict=True)))
-        )
+        zeros = dict(zip(self.responses, found, strict=True))
+        return self.damage_problem(AntiresonanceSet(self.excitation, zeros))
 
     @staticmethod
     def _within(

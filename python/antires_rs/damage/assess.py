@@ -16,9 +16,10 @@ from ..exceptions import part, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thread_count
 from ..support.checks import FloatArray, integer, shape_of
+from ..support.messages import some
 from ..support.options import gathered
 from ..support.progress import patient, waiting
 from ..support.values import FrozenDict, ReadOnly
@@ -42,14 +43,6 @@ if TYPE_CHECKING:
 
 
 # -- The model, the elements and the sets that a question about damage names
-
-
-def checked_model(model: Any) -> StructuralModel:
-    """A model of ours."""
-    if not isinstance(model, StructuralModel):
-        wanted = "a MassSpringChain, FrameModel or MatrixModel"
-        reject("model", model, wanted, "Build the model as one of these first.")
-    return model
 
 
 def checked_search(search: Any) -> SearchOptions:
@@ -80,15 +73,10 @@ def sets_of(name: str, given: Any, *, modes: bool = True) -> tuple[Any, ...]:
     sets = (given,) if isinstance(given, kinds) else given
     own = {type(each) for each in sets} if isinstance(sets, Sequence) else set()
     if own not in [{kind} for kind in kinds]:
+        wanted, remedy = "an AntiresonanceSet, or several", "the antiresonances first."
         if modes:
-            wanted, remedy = (
-                "an AntiresonanceSet or a ModalSet, or several of one kind",
-                "both states in the same way.",
-            )
-        else:
-            given, wanted = type(given).__name__, "an AntiresonanceSet, or several"
-            remedy = "the antiresonances first: ar.identify_antiresonances(record, ...)."
-        reject(name, given, wanted, f"Identify {remedy}")
+            wanted, remedy = "an AntiresonanceSet or a ModalSet, or several of one kind", "both states alike."
+        reject(name, type(given).__name__, wanted, f"Identify {remedy}")
     return tuple(sets)
 
 
@@ -117,8 +105,6 @@ def question_of(
 
 #: Width of the 90 % interval of a Gaussian, in standard deviations.
 _WIDTH_90 = 2.0 * 1.6448536269514722
-#: Elements that a note calls by name.
-_NAMED = 4
 #: Relative scatter of stiffnesses and masses that probabilities without a baseline assume.
 ASSUMED_MODEL_ERROR = 0.03
 
@@ -195,8 +181,8 @@ class DamageResult(Answered, UpdateResult):
     def _headline(self) -> list[str]:
         if self._assessment is not None:
             return headline(self._assessment)
-        label, finished = self.problem.model.element_label, self.search.status != "interrupted"
-        return headline_of_one_state(self._losses, label, self._fit, len(self.elements), finished=finished)
+        found = self._losses, self.problem.model.element_label, self._fit, len(self.elements)
+        return headline_of_one_state(*found, finished=self.search.status != "interrupted")
 
     @property
     def _losses(self) -> dict[int, float]:
@@ -257,14 +243,12 @@ class DamageResult(Answered, UpdateResult):
 
     def _values(self) -> list[str]:
         """The damaged elements, the worst first; the others are exactly 0 and take one line."""
-        names = dict(zip(self.elements, self.problem.names, strict=True))
-        width = max(len(name) for name in names.values())
-        std = dict(zip(self.elements, 100 * self.std, strict=True))
+        width, at = max(map(len, self.problem.names)), list(map(self.elements.index, self.damaged))
         lines = [
-            f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
-            for e in self.damaged
+            f"{self.problem.names[i]:<{width}}  {100 * self.x[i]:6.2f} % \u00b1 {100 * self.std[i]:.2g} %"
+            for i in at
         ]
-        others = len(names) - len(lines)
+        others = len(self.elements) - len(lines)
         rest = "all others" if lines else "all of them"
         return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
 
@@ -280,14 +264,12 @@ class DamageResult(Answered, UpdateResult):
             if self.reduction is not None:
                 notes.append(self.reduction.note_with(UNREDUCED))
             notes += self._of_the_values()
-            if self._visible():
-                notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
+            if seen := self._visible():
+                notes.append(f"Smallest damage that nine of ten such tests would show: {seen}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
         if others:
-            named = ", ".join(others[:_NAMED])
-            named += f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
             blamed = "would be blamed on others" if self._assessment is None else "counts as elsewhere"
-            notes.append(f"No candidates: {named}. Damage there {blamed}.")
+            notes.append(f"No candidates: {some(others)}. Damage there {blamed}.")
         hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
         if hidden:
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
@@ -310,12 +292,10 @@ class DamageResult(Answered, UpdateResult):
             "Without a baseline every error of the model may come out as damage: give the values of the "
             "intact structure as baseline=, or see .probability."
         ]
-        if self._visible():
-            notes.append(
-                f"Smallest damage that would be seen: {self._visible()}. An element with less than its own "
-                "limit counts as undamaged"
-                + (f": {penalty.text} outweigh what its damage explains." if penalty else ".")
-            )
+        if seen := self._visible():
+            why = f": {penalty.text} outweigh what its damage explains." if penalty else "."
+            less = f"An element with less than its own limit counts as undamaged{why}"
+            notes.append(f"Smallest damage that would be seen: {seen}. {less}")
         if penalty is not None and penalty.snap > 0:
             notes.append(f"Severities below {penalty.snap:g} were set to exactly 0.")
         return notes
@@ -450,21 +430,13 @@ def _result(
         penalty=DamagePenalty(0.0, 0.0, 0.0),
     )
     x = np.array([found.severities.get(e, 0.0) for e in question.elements])
-    none = np.empty(0)
-    search_result = OptimizeResult(
-        x=x,
-        fun=problem.cost(x),
-        success=not found.interrupted,
-        status="interrupted" if found.interrupted else "judged",
-        message=f"{len(found.hypotheses)} hypotheses were judged"
-        + (" before Ctrl-C" if found.interrupted else ""),
-        nfev=nfev,
-        njev=None,
-        nit=0,
-        history=History(none, np.empty((0, 1)), none),
-        populations=np.empty((0, 0, x.size)),
-        population_costs=np.empty((0, 0)),
-    )
+    none, status, when = np.empty(0), "judged", ""
+    if found.interrupted:
+        status, when = "interrupted", " before Ctrl-C"
+    message = f"{len(found.hypotheses)} hypotheses were judged{when}"
+    history = History(none, np.empty((0, 1)), none)
+    ended = problem.cost(x), not found.interrupted, status, message, nfev, None, 0, history
+    search_result = OptimizeResult(x, *ended, np.empty((0, 0, x.size)), np.empty((0, 0)))
     held = {"antires_rs": __version__, "prior": vars(question.prior), **question.options.held(TWO_STATES)}
     return DamageResult(problem, search_result, seed, found, question, reduction, options=held)
 
@@ -540,18 +512,14 @@ class AssessedTest(Answered, ReadOnly):
 
 # -- Whether the answer of the tables holds
 
-#: Two hypotheses within this (log probability) may change places in a full run.
-_CLOSE = 0.1
-#: Probability of something else from which on the full run is to look for it.
-_UNKNOWN = 0.1
+#: Two hypotheses within this (log probability) may change places in a full run, which is also to look for
+#: something else from this probability on.
+_CLOSE, _UNKNOWN = 0.1, 0.1
 #: Share of values without a root that is too much, and how many are usual.
 _LOST, _USUALLY_LOST = 0.1, 2
-#: Severity beyond which the slopes say little.
-_LARGE = 0.97
-#: Values so far outside of the baseline's band (ln f) are not looked at.
-_OUTSIDE = 0.3
-#: Hypotheses of less than this probability are not listed.
-_LISTED = 1e-3
+#: Severity beyond which the slopes say little; values so far outside of the baseline's band (ln f) are not
+#: looked at; hypotheses of less than this probability are not listed.
+_LARGE, _OUTSIDE, _LISTED = 0.97, 0.3, 1e-3
 
 
 def doubts(search: QuickSearch, found: Assessment) -> list[str]:
@@ -562,14 +530,13 @@ def doubts(search: QuickSearch, found: Assessment) -> list[str]:
     unknown = sum(one.probability for one in found.hypotheses if one.unknown)
     lost = found.n_values - found.n_matched
     outside = (now.log_f < band.low - _OUTSIDE) | (now.log_f > band.high + _OUTSIDE)
+    many = lost > max(_USUALLY_LOST, _LOST * now.size)
     reasons = {
         "more hypotheses are likely than were judged": search.cut,
         "two hypotheses are about equally probable": close and not search.cut,
         "something else than damage of the elements may have changed": unknown > _UNKNOWN,
         "what was found does not explain all values": not search.finished,
-        f"{lost} of {now.size} values have no antiresonance of the model": (
-            lost > max(_USUALLY_LOST, _LOST * now.size)
-        ),
+        f"{lost} of {now.size} values have no antiresonance of the model": many,
         f"a loss above {100 * _LARGE:.0f} %": max(best.severities, default=0.0) > _LARGE,
         "more than two damaged elements, of which a full run judges more sets": len(best.elements) > 2,
         "values are far outside of the band of the baseline": outside.any(),

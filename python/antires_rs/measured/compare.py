@@ -123,10 +123,8 @@ class Comparison(ReadOnly, Viewed):
         head = ["dof", "a_hz", "b_hz", "diff_%", "std_%", "z", "p", ""]
         lines = [f"antiresonances compared, force at {self.excitation}", *aligned(head, rows)]
         for name, alone in (("a", self.unmatched_a), ("b", self.unmatched_b)):
-            lines += [
-                f"only in {name}: dof {dof}, " + ", ".join(f"{f:.3f}" for f in values) + " Hz"
-                for dof, values in alone.items()
-            ]
+            listed = {dof: ", ".join(f"{f:.3f}" for f in values) for dof, values in alone.items()}
+            lines += [f"only in {name}: dof {dof}, {values} Hz" for dof, values in listed.items()]
         if not self.freedom:
             return "\n".join([*lines, "not tested: no standard deviations; give std_between"])
         lines.append(
@@ -242,20 +240,6 @@ def compare(
     p = of_each(difference, std, averages)
     shared = common_part(difference / own, alike / own)
     total, freedom, p_all = of_all(of_each(difference - alike * shared, own, averages), shared)
-    return Comparison(
-        excitation=a.excitation,
-        dof=label_array(dofs),
-        a_hz=frozen(a_hz),
-        b_hz=frozen(b_hz),
-        std_hz=frozen(std),
-        z=frozen(difference / std),
-        p=frozen(p),
-        changed=frozen(holm(p, rate)),
-        chi_square=total,
-        freedom=freedom,
-        p_all=p_all,
-        alpha=rate,
-        unmatched_a=FrozenDict(alone[0]),
-        unmatched_b=FrozenDict(alone[1]),
-        level_ratio=_level(b) / _level(a),
-    )
+    columns: Any = map(frozen, (a_hz, b_hz, std, difference / std, p, holm(p, rate)))
+    rests: Any = total, freedom, p_all, rate, *map(FrozenDict, alone), _level(b) / _level(a)
+    return Comparison(a.excitation, label_array(dofs), *columns, *rests)

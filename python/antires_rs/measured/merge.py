@@ -53,9 +53,8 @@ def joined(tables: Sequence[ResponseTable], shift: float, between: float) -> Res
     if not rows:
         return tables[0].take([])
     names = sorted(set.intersection(*(set(one.scores) for one in rows)))
-    return ResponseTable.concatenated(
-        [replace(row, scores={name: row.scores[name] for name in names}) for row in rows]
-    )
+    kept = [{name: row.scores[name] for name in names} for row in rows]
+    return ResponseTable.concatenated([replace(row, scores=s) for row, s in zip(rows, kept, strict=True)])
 
 
 def disagreements(
@@ -198,12 +197,11 @@ def merge_setups(
     if copies:
         text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
         if check == "raise":
-            got, wanted = "the same numbers to the last bit", "measurements of their own"
-            wanted += ", whose errors are independent"
-            raise UnsuitableDataError("sets", f"{got}: {text}", wanted, "Give each setup once.")
+            got, wanted = f"the same numbers to the last bit: {text}", "measurements with errors of their own"
+            raise UnsuitableDataError("sets", got, wanted, "Give each setup once.")
         if check == "warn":
-            text = f"merge_setups: {text} to the last bit: one measurement, which counts once."
-            warn("copied_setups", text)
+            said = f"merge_setups: {text} to the last bit: one measurement, which counts once."
+            warn("copied_setups", said)
     common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
     if common and check != "off":
         found = disagreements(common, len(given), shift, between, rate)

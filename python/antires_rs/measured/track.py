@@ -146,8 +146,6 @@ def _first(freq_hz: FloatArray) -> FloatArray:
 
 # Two values nearer than this may become one; farther apart, one of them was lost.
 NEIGHBOUR = 0.02
-
-
 # A track lives while half of the last so many tests have it; what lives is assigned first, so that a value
 # seen once does not take over an antiresonance that drifts past its place.
 RECENT = 10
@@ -272,14 +270,8 @@ def followed(
             columns.append(column)
             labels.append(dof)
     freq, std = np.stack(columns, axis=2) if columns else np.empty((2, len(given), 0))
-    return Tracks(
-        first.excitation,
-        names,
-        label_array(labels),
-        frozen(freq),
-        frozen(std),
-        tuple(sorted(events, key=lambda event: (event.test, event.track))),
-    )
+    happened = tuple(sorted(events, key=lambda event: (event.test, event.track)))
+    return Tracks(first.excitation, names, label_array(labels), frozen(freq), frozen(std), happened)
 
 
 def _followed(

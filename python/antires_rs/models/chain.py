@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..support.checks import FloatArray, finite_scalar, real_array
-from .matrices import as_dense
+from .matrices import as_sparse
 from .penalties import lost_beside, warn_penalties, warn_softly_held
 from .recipes import ChainRecipe
 from .structural_model import ModelDescription, StructuralModel
@@ -77,9 +77,8 @@ class MassSpringChain(StructuralModel):
     def element_label(self, element: int) -> str:
         """``spring 0`` to ``spring n-2`` between the masses, then the two ground springs."""
         between = self.n_dof - 1
-        if element < between:
-            return f"spring {element}"
-        return "first ground spring" if element == between else "last ground spring"
+        ends = {between: "first ground spring", between + 1: "last ground spring"}
+        return ends.get(element, f"spring {element}")
 
     def dof_label(self, dof: int) -> str:
         """``mass 0`` for dof 0 and on, counted from 0 like the springs."""
@@ -99,11 +98,11 @@ class MassSpringChain(StructuralModel):
 
     def stiffness(self) -> FloatArray:
         """Stiffness matrix, (n, n), N/m."""
-        return as_dense(self._core.stiffness())
+        return np.asarray(as_sparse(self._core.stiffness()).toarray())
 
     def mass(self) -> FloatArray:
         """Mass matrix, (n, n), kg."""
-        return as_dense(self._core.mass())
+        return np.asarray(as_sparse(self._core.mass()).toarray())
 
     def __repr__(self) -> str:
         return f"MassSpringChain({self.n_dof} masses)"

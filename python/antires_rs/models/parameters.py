@@ -1,8 +1,8 @@
 """Updating parameters of any model: they act on the terms of its stiffness and mass.
 
-Each function returns one :class:`Parameter` for a single element, or a list with one parameter for
-each element of a sequence; add the lists to mix kinds. With ``together=True`` a sequence forms one
-parameter that acts on all its elements. Several parameters on one element multiply.
+Each function returns one :class:`Parameter` for a single element, or a list of one for each element of a
+sequence, or with ``together=True`` one that acts on all of them; add the lists to mix kinds. Several
+parameters on one element multiply.
 """
 
 from __future__ import annotations
@@ -358,10 +358,8 @@ def mass_factor(terms: Any, *, bounds: Bounds, together: bool = False) -> Any:
     return _made("mass_factor", terms, bounds, together)
 
 
-# -- Updating parameters of a :class:`~antires_rs.FrameModel`: sections, masses and supports
-#
-# Values have units, and replace those of the model; with ``relative=True`` they are factors on them, which
-# also lets one parameter act on carriers of different values. Sections are named, or counted from zero.
+# -- Of a :class:`~antires_rs.FrameModel`: sections, masses and supports. Values replace those of the model;
+# with ``relative=True`` they are factors on them, and one parameter may act on carriers of different values
 
 
 @_documented(_SECTIONS, "Positive; in Pa, or factors.")
@@ -434,10 +432,8 @@ def support_stiffness(springs: Any, *, bounds: Bounds, relative: bool = False, t
     return _made("support_stiffness", springs, bounds, together, relative)
 
 
-# -- Updating parameters that move nodes of a :class:`~antires_rs.FrameModel`: angles, lengths and positions
-#
-# The elements are formed again from the moved nodes, so that a free structure stays free. Parameters act in
-# their order, each on the nodes where they then are; supports and sensors keep their directions.
+# -- Angles, lengths and positions move nodes, and the elements are formed again: a free structure stays free.
+# They act in their order, each on the nodes where these then are; supports and sensors keep their directions
 
 #: Names of directions.
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

@@ -45,9 +45,8 @@ class ChainRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The chain, made anew."""
-        return CoreModel.chain(
-            self.masses_kg, self.springs_n_per_m, self.ground_first_n_per_m, self.ground_last_n_per_m
-        )
+        ends = self.ground_first_n_per_m, self.ground_last_n_per_m
+        return CoreModel.chain(self.masses_kg, self.springs_n_per_m, *ends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +95,7 @@ class MatrixRecipe(_Recipe):
                 touched = term.rows[multiplier[term.rows]]
                 if touched.size:
                     got = f"an entry in row {int(touched[0])}, which is a Lagrange multiplier"
-                    wanted = (
-                        "terms of the structure: an equation has no stiffness that a parameter could scale"
-                    )
+                    wanted = "terms of the structure: an equation has no stiffness that could be scaled"
                     reject(part(name, i), got, wanted, "Leave the rows of the equations out of the term.")
         equations: dict[int, Equation] = {int(row): {} for row in np.flatnonzero(multiplier)}
         of_rows = k.those(multiplier[k.rows])
@@ -121,9 +118,8 @@ class Independent(NamedTuple):
     def core(self) -> CoreModel:
         """The core's model."""
         own = self.matrices
-        return CoreModel.from_matrices(
-            own.n_dof, own.stiffness, own.mass, own.stiffness_terms, own.mass_terms
-        )
+        terms = own.stiffness_terms, own.mass_terms
+        return CoreModel.from_matrices(own.n_dof, own.stiffness, own.mass, *terms)
 
 
 @dataclass(frozen=True, eq=False)

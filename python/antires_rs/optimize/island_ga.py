@@ -151,9 +151,7 @@ def resumed(checkpoint: Any, rng: Any, fingerprint: Callable[[], bytes]) -> tupl
 
 def thread_count(workers: int | None) -> int:
     """Threads to use: the given number, or the processors this process may run on."""
-    if workers is not None:
-        return integer("workers", workers, low=1, high=MOST_WORKERS)
-    return processors()
+    return processors() if workers is None else integer("workers", workers, low=1, high=MOST_WORKERS)
 
 
 def check_bounds(bounds: Any) -> FloatArray:
@@ -301,20 +299,15 @@ class Batch:
                 raise TypeError("complex costs")
             costs = costs.astype(np.float64)
         except (TypeError, ValueError) as exc:
-            raise ObjectiveError(
-                "fun", f"{type(answer).__name__} that is not numeric ({exc})", wanted, _RETURN
-            ) from exc
+            got = f"{type(answer).__name__} that is not numeric ({exc})"
+            raise ObjectiveError("fun", got, wanted, _RETURN) from exc
         if costs.shape != (count,):
             raise ObjectiveError("fun", f"an array of shape {costs.shape}", wanted, _RETURN)
         # A whole first generation that is not finite is a mistake.
         self._seen_finite = self._seen_finite or bool(np.isfinite(costs).any())
         if whole and not self._seen_finite:
-            raise ObjectiveError(
-                "fun",
-                f"no finite cost for any of {count} candidates",
-                wanted,
-                "Call the function at a point inside the bounds to see why.",
-            )
+            got = f"no finite cost for any of {count} candidates"
+            raise ObjectiveError("fun", got, wanted, "Call it at a point within the bounds to see why.")
         return np.where(np.isfinite(costs), costs, np.inf)
 
 
@@ -392,9 +385,9 @@ class IslandGA:
     """
 
     def __init__(self, *, max_seconds: float | None = None, **options: Any) -> None:
-        self.max_seconds = (
-            None if max_seconds is None else finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
-        )
+        if max_seconds is not None:
+            max_seconds = finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
+        self.max_seconds = max_seconds
         #: Every option with its value in force.
         self.options = _core.island_options({name: _check_type(name, each) for name, each in options.items()})
 

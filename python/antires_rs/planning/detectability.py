@@ -135,10 +135,8 @@ def detectability(
         if method == "predicted":
             count = integer("n_tests", 12 if n_tests is None else n_tests, low=1)
             shares, calls, done = predicted(test, grid, *judging, seed.spawn(count), threads)
-            rows = {
-                e: (frozen(a), frozen(p), crossing(a, p, 0.5), crossing(a, p, 0.9))
-                for e, a, p in zip(chosen, grid, shares, strict=True)
-            }
+            for e, a, p in zip(chosen, grid, shares, strict=True):
+                rows[e] = frozen(a), frozen(p), crossing(a, p, 0.5), crossing(a, p, 0.9)
             return _curves("predicted", rows, names, calls, done, count)
         count = integer("n_tests", 60 if n_tests is None else n_tests, low=10)
         scouts, own = seed.spawn(2)
@@ -173,14 +171,10 @@ def _curves(
     method: str, rows: dict[int, tuple[Any, ...]], names: dict[int, str], calls: float, done: int, wanted: int
 ) -> DetectionCurves:
     """The curves of ``rows``: of each element severities, pod, a50, a90 and, of tests, a90_95 and these."""
-    columns: list[Any] = [
-        FrozenDict(zip(rows, column, strict=True)) for column in zip(*rows.values(), strict=True)
-    ]
+    columns: Any = [FrozenDict(zip(rows, own, strict=True)) for own in zip(*rows.values(), strict=True)]
     severity, pod, a50, a90, bound, tests = columns + [FrozenDict()] * (6 - len(columns))
-    ended = done < wanted
-    return DetectionCurves(
-        method, severity, pod, a50, a90, bound, calls, tests, done, ended, FrozenDict(names)
-    )
+    told: Any = calls, tests, done, done < wanted, FrozenDict(names)
+    return DetectionCurves(method, severity, pod, a50, a90, bound, *told)
 
 
 def _virtual_test(

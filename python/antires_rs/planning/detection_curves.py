@@ -74,15 +74,10 @@ class DetectionCurves(ReadOnly, Viewed):
         head = ["stiffness loss (%)", "a50", "a90", *(["a90/95"] if self.a90_95 else [])]
         rows = [[name, *(percent(column[e]) for column in columns)] for e, name in self.names.items()]
         kind = "structures" if self.method == "predicted" else "tests"
-        last = f"false calls: {100.0 * self.false_call_rate:.2g} % of intact tests"
         stopped = ", stopped before the end" if self.interrupted else ""
-        return "\n".join(
-            [
-                f"probability of detection, {self.method} by {self.n_tests} {kind}{stopped}",
-                *aligned(head, rows, left=head[:1]),
-                last,
-            ]
-        )
+        title = f"probability of detection, {self.method} by {self.n_tests} {kind}{stopped}"
+        last = f"false calls: {100.0 * self.false_call_rate:.2g} % of intact tests"
+        return "\n".join([title, *aligned(head, rows, left=head[:1]), last])
 
     def plot(self, ax: Any = None) -> Any:
         """The curves; see :func:`antires_rs.figures.plot_detectability`."""

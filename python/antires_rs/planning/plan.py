@@ -9,13 +9,13 @@ from typing import Any, Literal
 import numpy as np
 
 from .. import _core
-from ..damage.assess import checked_model, elements_of
+from ..damage.assess import elements_of
 from ..damage.inference import smallest_found
 from ..damage.options import DamagePrior
 from ..exceptions import reject
 from ..measured.antiresonance_set import aligned
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, frequency_band, integer, shape_of
 from ..support.progress import one_blas_thread, step, waiting
@@ -165,29 +165,22 @@ class SensorPlan(ReadOnly, Viewed):
             f" (a sensor on every candidate: {self._value(self.value_of_all)})",
         ]
         if self.errors:
-            lines.append(f"values known to {self._known()}: {self.errors}")
+            std = np.concatenate([np.empty(0), *self.value_std.values()])
+            ends = [f"{100.0 * end:.2g}" for end in (std.min(initial=np.inf), std.max(initial=0.0))]
+            lines.append(f"values known to {' to '.join(dict.fromkeys(ends))} %: {self.errors}")
         if len(self.excitations) > 1:
             best = list(self.excitations.items())[:_FORCES]
-            lines.append(
-                "forces: " + ", ".join(f"{self.labels[dof]} {self._value(value)}" for dof, value in best)
-            )
+            forces = [f"{self.labels[dof]} {self._value(value)}" for dof, value in best]
+            lines.append(f"forces: {', '.join(forces)}")
         if self.detectable:
-            rows = [
-                [self.names[e], percent(self.detectable[e]), percent(self.detectable_by_all[e])]
-                for e in self.detectable
-            ]
+            both = self.detectable, self.detectable_by_all
+            rows = [[self.names[e], *(percent(losses[e]) for losses in both)] for e in self.detectable]
             head = ["stiffness loss seen in 9 of 10 tests (%)", "these sensors", "all candidates"]
             lines += ["", *aligned(head, rows, left=head[:1])]
         else:
             rows = [[name, f"{std:.3g}"] for name, std in self.std.items()]
             lines += ["", *aligned(["parameter", "std"], rows, left=["parameter"])]
         return "\n".join(lines)
-
-    def _known(self) -> str:
-        """The least and the largest error of a value."""
-        std = np.concatenate([np.empty(0), *self.value_std.values()])
-        ends = [f"{100.0 * end:.2g}" for end in (std.min(initial=np.inf), std.max(initial=0.0))]
-        return " to ".join(dict.fromkeys(ends)) + " %"
 
     def _value(self, value: float) -> str:
         if self.criterion == "determinant":

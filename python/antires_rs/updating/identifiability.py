@@ -14,6 +14,7 @@ from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..support.checks import FloatArray, finite_scalar, integer
+from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
 from ..views import Viewed
@@ -58,22 +59,18 @@ class Identifiability(Value):
             part = (np.sqrt(np.sum(self.unseen**2, axis=0)) > _SHARE) & ~self.blind
             everyone = bool(np.all(part | self.blind))
             names = "all parameters that are seen" if everyone else self._named(part)
-            combinations = "One combination" if mixed == 1 else f"{mixed} combinations"
+            open_ones = "One combination" if mixed == 1 else f"{mixed} combinations"
             why = f"no measured {self.noun} moves with them"
             if self.scale_unseen and mixed == 1:
                 why = f"a common scale moves no {self.noun}, only ratios are known"
             elif self.scale_unseen:
                 why += ", a common scale among them"
-            notes.append(
-                f"{combinations} of {names} cannot be told: {why} "
-                f"({self.rank} of {len(self.names)} combinations are)."
-            )
+            told = f"({self.rank} of {len(self.names)} combinations are)"
+            notes.append(f"{open_ones} of {names} cannot be told: {why} {told}.")
         if np.any(self.weak):
             names = self._named(self.weak, [f" (\u00b1 {std:.2g})" for std in self.std])
-            notes.append(
-                f"Hardly determined, by the scatter of the residuals: {names}. What fits as well "
-                "lies within these standard deviations."
-            )
+            said = f"Hardly determined, by the scatter of the residuals: {names}. What fits as well lies"
+            notes.append(f"{said} within these standard deviations.")
         return notes
 
     def _named(self, which: NDArray[np.bool_], endings: Iterable[str] | None = None) -> str:
@@ -91,11 +88,9 @@ def at_solution(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     low, high = problem.bounds.T
     width = np.where(high > low, high - low, 1.0)
     columns = []
-    for j in range(len(x)):
-        step = np.zeros(len(x))
-        step[j] = STEP_OF_SLOPES * width[j]
+    for h in np.diag(STEP_OF_SLOPES * width):
         # Straight from the core: a step below the snap threshold must not be snapped away.
-        ahead, behind = (problem._targets.errors(problem._core, at) for at in (x + step, x - step))
+        ahead, behind = (problem._targets.errors(problem._core, at) for at in (x + h, x - h))
         columns.append((ahead - behind) / (2.0 * STEP_OF_SLOPES))
     jacobian = np.stack(columns, axis=1)
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=True)
@@ -107,9 +102,8 @@ def at_solution(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     std = _standard_deviations(problem, x, jacobian) * width
     sensitivity = np.linalg.norm(jacobian, axis=0)
     weak = np.isfinite(std) & (std > _WEAK * width) & (sensitivity > UNSEEN)
-    return Identifiability(
-        tuple(problem.names), sensitivity, rank, rows[rank:], scale_unseen, std, weak, problem.noun
-    )
+    told = sensitivity, rank, rows[rank:], scale_unseen, std, weak
+    return Identifiability(tuple(problem.names), *told, problem.noun)
 
 
 def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: FloatArray) -> FloatArray:
@@ -326,17 +320,10 @@ def identifiability(
     if np.linalg.eigvalsh(covariance)[-1] >= TOLD**2:
         tried = _candidates(problem, forces, sensors)
         helpful = [*_fixed(names, covariance), *helpful, *_further(problem, x, jacobians, error, tried)]
-    return BoxIdentifiability(
-        names=names,
-        noise=float(taken),
-        points=x[:, box.free],
-        singular_values=np.array([_singular_values(j, error) for j in jacobians]),
-        left=np.sqrt(np.clip(np.diag(covariance), 0.0, 1.0)),
-        combinations=vectors,
-        combinations_left=left,
-        words=tuple(words),
-        suggestions=tuple(helpful),
-    )
+    seen = np.array([_singular_values(j, error) for j in jacobians])
+    of_each = np.sqrt(np.clip(np.diag(covariance), 0.0, 1.0))
+    told = of_each, vectors, left, tuple(words), tuple(helpful)
+    return BoxIdentifiability(names, taken, x[:, box.free], seen, *told)
 
 
 def _candidates(
@@ -348,22 +335,19 @@ def _candidates(
     def dofs(name: str, labels: Any) -> list[int]:
         return [model_dof(model, name, label) for label in labels]
 
+    def tried(name: str, given: Any, default: list[int]) -> list[int]:
+        """Those named, or all of a few, or some of many, evenly."""
+        if given is not None:
+            return dofs(name, given)
+        some_of = np.linspace(0, len(default) - 1, min(len(default), _MOST_TRIED)).round().astype(int)
+        return [default[i] for i in some_of]
+
     seen = {dof for s in problem.measured for dof in dofs("measured dof", s.dofs if of_modes else s)}
-    given = None if sensors is None else dofs("sensors", sensors)
-    free = [dof for dof in model._sensor_dofs if dof not in seen]
-    found = {"sensor": _some(free) if given is None else given}
+    found = {"sensor": tried("sensors", sensors, [d for d in model._sensor_dofs if d not in seen])}
     if of_modes:
         return found
-    pushed = {dof for s in problem.measured for dof in dofs("excitation", [s.excitation])}
-    asked = _some(sorted(seen - pushed)) if forces is None else dofs("forces", forces)
-    return {"force": asked, **found}
-
-
-def _some(dofs: list[int]) -> list[int]:
-    """All of a few, or some of many, evenly."""
-    if len(dofs) <= _MOST_TRIED:
-        return dofs
-    return [dofs[i] for i in np.linspace(0, len(dofs) - 1, _MOST_TRIED).round().astype(int)]
+    pushed = {*dofs("excitation", [s.excitation for s in problem.measured])}
+    return {"force": tried("forces", forces, sorted(seen - pushed)), **found}
 
 
 # -- What a test of the structure with parameters x would measure exactly, and how that changes with them
@@ -458,8 +442,8 @@ def _singular_values(jacobian: FloatArray, noise: float) -> FloatArray:
 
 # -- Combinations of parameters that the data do not tell, in words
 
-#: Members of a combination have at least this share of its largest coefficient; so many are named.
-_MEMBER, _NAMED = 0.3, 4
+#: Members of a combination have at least this share of its largest coefficient.
+_MEMBER = 0.3
 #: From this share of all parameters on, all of one sign, it is the common scale.
 _COMMON = 0.7
 #: Combinations with at least this share left are as good as not seen, and may be turned into simpler ones.
@@ -516,8 +500,8 @@ def combination_in_words(names: Sequence[str], direction: FloatArray) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    if len(names) > _NAMED:
-        return f"{', '.join(names[:_NAMED])} and {len(names) - _NAMED} more"
+    if len(names) > 4:
+        return some(names)
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 

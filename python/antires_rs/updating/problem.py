@@ -15,7 +15,7 @@ from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, warn_far
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
@@ -115,8 +115,8 @@ class DamagePenalty:
         else:
             wanted = "a number of values, or the weight of each"
             w = real_array("weights", weights, ndim=1, wanted=wanted)
-            if w.size == 0 or w.min() < 0.0 or not w.any():
-                got = f"{w.size} numbers" + (f" from {w.min():g} to {w.max():g}" if w.size else "")
+            if w.min() < 0.0 or not w.any():
+                got = f"{w.size} numbers from {w.min():g} to {w.max():g}"
                 reject("weights", got, f"{wanted}, at least 0", "Pass how many values are compared.")
         if misfit == "squared":
             unit = float(np.sum(w**2) * (_PAPER / _PAPER_VALUES) ** 2)
@@ -238,14 +238,11 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         penalty: DamagePenalty | Literal["scaled"] | tuple[float | None, ...] | None = None,
         weights: Any = None,
     ) -> None:
-        if not isinstance(model, StructuralModel):
-            wanted = "a MassSpringChain, FrameModel or MatrixModel"
-            reject("model", model, wanted, "Build the model as one of these first.")
         chosen = parameter_tuple(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
         choice("misfit", misfit, get_args(Misfit))
-        targets = targets_of(model, measured, objective)
+        targets = targets_of(checked_model(model), measured, objective)
         bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
         parts = model.description.core_parameters(chosen)
         nominal = _core.nominal_values(model._core, parts)
@@ -256,22 +253,14 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         counted = np.ones(targets.hz.size) if factors is None else factors
         if targets.noun == "mode":
             counted = np.tile(counted, 2)  # each has two residuals
+        self._fill(model=model, parameters=chosen, misfit=misfit, bounds=frozen(bounds))
+        self._fill(measured=targets.sets, noun=targets.noun, left_out=targets.left_out, _targets=targets)
+        self._fill(measured_hz=frozen(targets.hz), _nominal=frozen(nominal), _names=names)
         self._fill(
-            model=model,
-            parameters=chosen,
-            measured=targets.sets,
-            noun=targets.noun,
-            misfit=misfit,
             penalty=penalty_of(penalty, counted, misfit),
-            bounds=frozen(bounds),
-            measured_hz=frozen(targets.hz),
             measured_dofs=frozen_or_none(getattr(targets, "dofs", None)),
             measured_excitations=frozen_or_none(getattr(targets, "excitations", None)),
             weights=frozen_or_none(factors),
-            left_out=targets.left_out,
-            _targets=targets,
-            _nominal=frozen(nominal),
-            _names=names,
         )
         self._fill(_core=self._made_core())
 
@@ -360,23 +349,10 @@ def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list
     # measured and how it is weighed shows in the residuals and the cost.
     low, high = problem.bounds.T
     points = (problem.nominal, low + 0.37 * (high - low))
-    matrices = (
-        array.tobytes()
-        for model in (problem.model, problem.model_at(points[1]))
-        for matrix in (model._core.stiffness(), model._core.mass())
-        for array in matrix
-    )
-    return digest_of(
-        *matrices,
-        __version__,
-        problem.objective,
-        problem.bounds.tobytes(),
-        [astuple(p) for p in problem.parameters],
-        problem.measured_hz.tobytes(),
-        problem.misfit,
-        problem.penalty,
-        sorted(options.items()),
-        guesses,
-        *(problem.residuals(x).tobytes() for x in points),
-        *(problem.cost(x).hex() for x in points),
-    )
+    cores = [model._core for model in (problem.model, problem.model_at(points[1]))]
+    matrices = [a.tobytes() for core in cores for matrix in (core.stiffness(), core.mass()) for a in matrix]
+    parameters = problem.bounds.tobytes(), [astuple(p) for p in problem.parameters]
+    weighing = problem.measured_hz.tobytes(), problem.misfit, problem.penalty
+    answers = [problem.residuals(x).tobytes() for x in points] + [problem.cost(x).hex() for x in points]
+    stated = __version__, problem.objective, *parameters, *weighing, sorted(options.items()), guesses
+    return digest_of(*matrices, *stated, *answers)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..exceptions import InvalidInputError, reject
-from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.antiresonance_set import AntiresonanceSet, number
 from ..measured.modal_set import ModalSet
 from ..support.checks import ComplexArray, FloatArray, real_array
 from ..support.values import Value
@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 
 def signed(percent: float) -> str:
     """A difference with its sign; what rounds to nothing has none; a dash where there is no partner."""
-    if np.isnan(percent):
-        return "-"
-    said = f"{percent:+.2f}"
-    return said[1:] if said in ("+0.00", "-0.00") else said
+    said = number(percent, 2, sign=True)
+    return "0.00" if said in ("+0.00", "-0.00") else said
 
 
 class _Differences:
@@ -66,11 +64,10 @@ class _Differences:
         if not self.measured_hz.size:
             return "nothing was measured"
         both = {"before": self.largest_before_percent, "after": self.largest_after_percent}
-        if np.isnan(list(both.values())).all():
+        if np.isnan([*both.values()]).all():
             return "largest difference: none, no value has a partner in the model"
-        return "largest difference: " + ", ".join(
-            f"no partner {when}" if np.isnan(each) else f"{each:.2f} % {when}" for when, each in both.items()
-        )
+        said = [f"{'no partner' if x != x else f'{x:.2f} %'} {when}" for when, x in both.items()]
+        return f"largest difference: {', '.join(said)}"
 
     def _text(self, head: list[str], labels: Sequence[str], *mac: FloatArray) -> str:
         """The table in print; ``mac`` are columns of both states, where there are some."""
@@ -79,8 +76,8 @@ class _Differences:
         for row, label in enumerate(labels):
             line = f"{label} {self.measured_hz[row]:10.3f}"
             for state, (hz, percent) in enumerate(states):
-                line += f"  {_number(hz[row]):>10} {signed(percent[row]):>7}"
-                line += f" {_number(mac[state][row]):>6}" if mac else ""
+                line += f"  {number(hz[row], 3):>10} {signed(percent[row]):>7}"
+                line += f" {number(mac[state][row], 3):>6}" if mac else ""
             lines.append(line)
         return "\n".join([*lines, self._closing])
 
@@ -169,22 +166,15 @@ class ModalTable(_Differences, Value):
         return self._text(head, [f"{mode:4d}" for mode in self.mode], self.before_mac, self.after_mac)
 
 
-def _number(value: float) -> str:
-    """A number, or a dash where the model has no partner."""
-    return "-" if np.isnan(value) else f"{value:.3f}"
-
-
 def _largest(percent: FloatArray) -> float:
-    found = np.abs(percent[~np.isnan(percent)])
-    return float(found.max()) if found.size else float("nan")
+    return float(np.fmax.reduce(np.abs(percent), initial=np.nan))
 
 
-# -- Measured values that are no antiresonances: halves of complex zeros
+# -- Measured values that are no antiresonances: halves of complex zeros (see the page on theory)
 #
-# See the page on theory. A value is left out, and named, if the nominal model has a complex zero nearer to it
-# than any real root, its damping being nearer to a half of that than to the median of the set; or one so much
-# nearer that damping need not tell; or if its damping differs from the median by more than 2 % and by more
-# than twice the median.
+# A value is left out, and named, if the nominal model has a complex zero nearer to it than any real root, its
+# damping being nearer to a half of that than to the median of the set; or one so much nearer that damping
+# need not tell; or if its damping is far from the median.
 
 #: Damping ratios whose median says what is usual.
 _LEAST_KNOWN = 4
@@ -200,8 +190,6 @@ _CLEAR, _FAR = 0.01, 0.05
 _ODD, _ODD_TIMES = 0.02, 2.0
 #: Modes up to this multiple of the band make the series.
 _MODES = 6.0
-
-
 #: Computes complex zeros, as :func:`complex_zeros` gives them.
 Series = Callable[[], tuple[FloatArray, FloatArray]]
 
@@ -216,11 +204,10 @@ def complex_zeros(
     """Complex zeros f (1 + j d) of an undamped response up to a frequency: f (Hz), and d within ``parts``."""
     from scipy.linalg import eigvals
 
-    # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues.
-
     modes = model.modes(f_max_hz=_MODES * f_max_hz)
     n = modes.freq_hz.size
-    # In units of the band, so that the lowest are not lost in rounding.
+    # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues, in
+    # units of the band, so that the lowest are not lost in rounding.
     pencil, mass = np.zeros((n + 1, n + 1)), np.eye(n + 1)
     pencil[np.arange(n), np.arange(n)] = (modes.freq_hz / f_max_hz) ** 2
     shapes = modes.shapes.real / np.abs(modes.shapes).max(initial=1e-300)
@@ -232,8 +219,8 @@ def complex_zeros(
     freq = np.abs(root) * f_max_hz
     part = np.abs(root.imag) / np.abs(root)
     kept = (root.imag > 0.0) & (part > parts[0]) & (part <= parts[1]) & (freq <= f_max_hz)
-    order = np.argsort(freq[kept])
-    return freq[kept][order], part[kept][order]
+    order = np.flatnonzero(kept)[np.argsort(freq[kept])]
+    return freq[order], part[order]
 
 
 def zeros_beside(
@@ -297,10 +284,9 @@ def _complex(
 
 # -- Roots of the intact model that a test shows, and how far they can be counted on
 #
-# The smallest damage that can be seen follows from the antiresonances that the intact structure has and a
-# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show, nor new
-# ones, made of zeros that were complex; less or not at all those that small differences between the members
-# move far, damage or not. The sensitivities of an ordinary root to all stiffnesses add up to about one.
+# The smallest visible damage follows from the antiresonances that both the intact and a damaged structure
+# have. Not counted are those that the test does not show, nor new ones, made of zeros that were complex; less
+# or not at all those that small differences between the members move far, damage or not.
 
 #: Roots of all responses within this share are taken for one: a hidden mode, with double roots beside it that
 #: hardly any difference between the members splits by so much.
@@ -310,8 +296,7 @@ _ON_POLE = 0.005
 #: Loss of stiffness by which a root is tried.
 STEP = 0.005
 #: Sum of the sensitivities of omega squared up to which a root counts in full, and from which on it does not
-#: count. By far most roots of symmetric chains, rings, frames and grillages have 1 to 3, those that a broken
-#: symmetry makes, or one that is all but double, 10 to 10000.
+#: count: by far most have 1 to 3, those of a broken symmetry, or all but double ones, 10 to 10000.
 _ORDINARY, _UNSTEADY = 3.0, 6.0
 #: Intact roots are as good as one if they lie within this share.
 _TWIN = 0.01
@@ -396,10 +381,8 @@ def _near(freq: FloatArray, others: FloatArray, within: float) -> NDArray[np.boo
     return np.asarray(apart.min(axis=1, initial=np.inf) <= within * freq)
 
 
-# -- Measured antiresonances, as an updating problem sees them: those of the kind that the model has
-#
-# What a set was identified from (``sees``) decides which roots of the model may be partners; the core knows
-# them by that name.
+# -- Measured antiresonances, as an updating problem sees them: what a set was identified from (``sees``)
+# decides which roots of the model may be partners
 
 #: Relative error of omega^2 that a model has anyway: values known better than this get no more weight.
 MODEL_ERROR = 2e-3
@@ -442,14 +425,12 @@ class AntiresonanceTargets:
         self.dofs_of = [[model_dof(model, "measured dof", dof) for dof in s] for s in sets]
         self._channels = [_channels(model, s) for s in sets]
         self.parts: list[Part] = []
-        #: Whether each part was identified from one curve, without averages that tell its scatter.
-        self.single: list[bool] = []
-        #: Standard deviations (Hz) of the values of each part.
-        self.stds: list[FloatArray] = []
+        self.single: list[bool] = []  # whether each is of one curve, without averages that tell its scatter
+        self.stds: list[FloatArray] = []  # standard deviations (Hz) of their values
         self._kept = np.empty(0, dtype=bool)
         self.left_out: tuple[str, ...] = ()
-        for number in range(len(sets)):
-            self._add(model, number)
+        for nth in range(len(sets)):
+            self._add(model, nth)
         counts = [len(freq) for _, _, freq, _, _ in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
         self.dofs = np.repeat([part[0] for part in self.parts], counts)

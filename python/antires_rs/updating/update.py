@@ -117,26 +117,14 @@ def search(
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
 
         def minimize(
-            core: Any,
-            low: FloatArray,
-            high: FloatArray,
-            at: FloatArray | None,
-            options: dict[str, Any] | None,
+            core: Any, low: Any, high: Any, at: FloatArray | None, options: dict[str, Any] | None
         ) -> OptimizeResult:
             own = [] if at is None else [at.tolist()]
-            raw = core.minimize(
-                np.ascontiguousarray(low),
-                np.ascontiguousarray(high),
-                [*first, *own] if options is None else own,
-                ga.options if options is None else options,
-                seed,
-                thread_count(workers),
-                None if ga.max_seconds is None else seconds_left(),
-                watcher,
-                kept,
-                own[0] if own else None,
-            )
-            return OptimizeResult._of(raw, ga._in_force)
+            box = np.ascontiguousarray(low), np.ascontiguousarray(high)
+            how = ([*first, *own], ga.options) if options is None else (own, options)
+            seconds = None if ga.max_seconds is None else seconds_left()
+            run = seed, thread_count(workers), seconds, watcher, kept, own[0] if own else None
+            return OptimizeResult._of(core.minimize(*box, *how, *run), ga._in_force)
 
         if reduction is None:
             found, report = minimize(problem._core, low, high, None, None), None
@@ -214,9 +202,8 @@ class UpdateEnsemble:
             names, columns = there[0].problem.names, np.array([result.x for result in there]).T
             width = max(map(len, names))
             lines.append(f"{'parameter':{width}s}       mean        std     lowest    highest")
-            for name, column in zip(names, columns, strict=True):
-                spread = column.std(ddof=1) if column.size > 1 else 0.0
-                numbers = (column.mean(), spread, column.min(), column.max())
+            for name, own in zip(names, columns, strict=True):
+                numbers = own.mean(), own.std(ddof=1) if own.size > 1 else 0.0, own.min(), own.max()
                 lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in numbers))
         lines += [f"updating {k} failed: {why}" for k, why in self.failed.items()]
         if self.interrupted:
@@ -308,16 +295,15 @@ def update_ensemble(
         answers = in_order(_updated, tasks(), workers, shared=shared, errors="return", what="problem")
         try:
             for k, answer in enumerate(answers):
-                if isinstance(answer, Failed):
-                    if isinstance(answer.error, KeyboardInterrupt):
-                        raise answer.error
-                    failed[k] = f"{type(answer.error).__name__}: {answer.error}"
-                    results.append(None)
+                if not isinstance(answer, Failed):
+                    results.append(UpdateResult(kept[k], *answer))
+                    if interrupted := answer[0].status == "interrupted":
+                        break
                     continue
-                results.append(UpdateResult(kept[k], *answer))
-                if answer[0].status == "interrupted":
-                    interrupted = True
-                    break
+                if isinstance(answer.error, KeyboardInterrupt):
+                    raise answer.error
+                failed[k] = f"{type(answer.error).__name__}: {answer.error}"
+                results.append(None)
         except KeyboardInterrupt:
             if not results:
                 raise
