@@ -115,11 +115,10 @@ class DamageResult(Answered, UpdateResult):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> damaged = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 300.0])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
-    >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
-    >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
-    ([1], 0.4, 0.01)
+    >>> case = ar.cases.chain8()
+    >>> result = ar.assess_damage(case.model, case.exact(level=1), rng=0)
+    >>> result.damaged, round(result.severity[4], 2)
+    ([4], 0.55)
     """
 
     _assessment: Assessment | None
@@ -244,10 +243,8 @@ class DamageResult(Answered, UpdateResult):
     def _values(self) -> list[str]:
         """The damaged elements, the worst first; the others are exactly 0 and take one line."""
         width, at = max(map(len, self.problem.names)), list(map(self.elements.index, self.damaged))
-        lines = [
-            f"{self.problem.names[i]:<{width}}  {100 * self.x[i]:6.2f} % \u00b1 {100 * self.std[i]:.2g} %"
-            for i in at
-        ]
+        rows = [(self.problem.names[i], 100 * self.x[i], 100 * self.std[i]) for i in at]
+        lines = [f"{name:<{width}}  {loss:6.2f} % \u00b1 {std:.2g} %" for name, loss, std in rows]
         others = len(self.elements) - len(lines)
         rest = "all others" if lines else "all of them"
         return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
@@ -387,14 +384,10 @@ def assess_damage(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 297.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> model = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> result = ar.assess_damage(model, now, baseline=before)
-    >>> {element: round(beta, 2) for element, beta in result.severity.items()}, result.probability[1] > 0.99
-    ({0: 0.0, 1: 0.4, 2: 0.0}, True)
+    >>> case = ar.cases.chain8(perturbation=0.05, rng=3)
+    >>> result = ar.assess_damage(case.model, case.exact(level=1), baseline=case.exact(level=0))
+    >>> result.damaged, round(result.severity[4], 2), result.probability[4] > 0.99
+    ([4], 0.55, True)
     """
     checked_model(model)
     chosen = elements_of(model, elements)

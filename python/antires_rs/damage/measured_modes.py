@@ -67,12 +67,8 @@ class ModeRoots(Roots):
         """Some of the modes; ``kept`` is by root."""
         modes, rest = kept[:: self.each], super().only(kept)
         assert isinstance(rest, ModeRoots)
-        return replace(
-            rest,
-            shapes=tuple(shapes[modes] for shapes in self.shapes),
-            bases=tuple(basis[modes] for basis in self.bases),
-            mixed=self.mixed[modes],
-        )
+        shapes, bases = (tuple(each[modes] for each in own) for own in (self.shapes, self.bases))
+        return replace(rest, shapes=shapes, bases=bases, mixed=self.mixed[modes])
 
     def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
         """These with their shapes turned from those of ``before``, and which root there each has been."""
@@ -336,10 +332,11 @@ def measured_modes(
     model: StructuralModel, baseline: Sequence[ModalSet], measured: Sequence[ModalSet]
 ) -> tuple[ModeResponses, ModeValues, ModeValues]:
     """The sensors of all sets, the intact modes and those of now."""
-    listed = [
-        [tuple(model_dof(model, "measured dof", dof) for dof in each.dofs) for each in sets]
-        for sets in (baseline, measured)
-    ]
+
+    def dofs_of(each: ModalSet) -> _Dofs:
+        return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
+
+    listed = [[*map(dofs_of, baseline)], [*map(dofs_of, measured)]]
     before, after = ([tuple(sorted(dofs)) for dofs in each] for each in listed)
     for each, dofs in zip(measured, after, strict=True):
         if before and dofs not in before:

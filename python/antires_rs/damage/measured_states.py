@@ -206,11 +206,8 @@ def same_data(sets: Sequence[Mapping[Any, Column]]) -> dict[int, int]:
 
     def repeated(own: Mapping[Hashable, Column], other: Mapping[Hashable, Column]) -> bool:
         shared = [key for key in own if key in other and own[key].freq.size and other[key].freq.size]
-        return bool(shared) and all(
-            np.array_equal(own[key].freq, other[key].freq)
-            and np.array_equal(own[key].std, other[key].std, equal_nan=True)
-            for key in shared
-        )
+        both = [pair for key in shared for pair in zip(own[key][:2], other[key][:2], strict=True)]
+        return bool(shared) and all(np.array_equal(*pair, equal_nan=True) for pair in both)
 
     pairs = [(j, i) for i, j in combinations(range(len(sets)), 2) if repeated(sets[j], sets[i])]
     return {later: earlier for later, earlier in reversed(pairs)}
@@ -218,11 +215,9 @@ def same_data(sets: Sequence[Mapping[Any, Column]]) -> dict[int, int]:
 
 def note_of_same_data(name: str, twice: Mapping[int, int]) -> list[str]:
     """What was counted once, in words."""
-    return [
-        f"{name}[{later}] repeats the values of {name}[{earlier}] number for number, as no second test does: "
-        "they are counted once."
-        for later, earlier in sorted(twice.items())
-    ]
+    why = "number for number, as no second test does: they are counted once."
+    pairs = sorted(twice.items())
+    return [f"{name}[{later}] repeats the values of {name}[{earlier}] {why}" for later, earlier in pairs]
 
 
 def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) -> Values:
@@ -311,14 +306,9 @@ def measured_states(
         *note_of_same_data("baseline", twice[0]),
         *note_of_same_data("measured", twice[1]),
     ]
-    responses = Responses(
-        [(*each, np.concatenate(own), common[each[1]], together[each[1]]) for each, own in freq.items()],
-        labels,
-        tuple(notes),
-        any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
-        tuple(measured),
-        tuple(forces),
-    )
+    parts = [(*each, np.concatenate(own), common[each[1]], together[each[1]]) for each, own in freq.items()]
+    assumed = any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds)
+    responses = Responses(parts, labels, tuple(notes), assumed, tuple(measured), tuple(forces))
     return responses, values_of(columns[0], twice[0]), values_of(columns[1], twice[1])
 
 

@@ -276,11 +276,8 @@ def severity_intervals(
             low[at], high[at] = part.quantiles(nth, shares) if sure else fit.interval(nth, central)
             if not sure and level == LEVEL:  # as the assessment has it, from where its search came to rest
                 low[at], high[at] = declared.low[nth], declared.high[nth]
-    changed = [
-        f"{found.hypotheses.called(one)} {each:.2f} instead of {one.probability:.2f}"
-        for one, each in zip(near, confirmed, strict=True)
-        if abs(each - one.probability) >= _CHANGED
-    ]
+    moved = [(h, c) for h, c in zip(near, confirmed, strict=True) if abs(c - h.probability) >= _CHANGED]
+    changed = [f"{found.hypotheses.called(h)} {c:.2f} instead of {h.probability:.2f}" for h, c in moved]
     if sure and changed:
         notes.insert(0, f"Sampling changes probabilities: {'; '.join(changed)}.")
     elif sure and near:

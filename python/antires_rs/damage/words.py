@@ -98,11 +98,9 @@ def _unexplained(found: Assessment) -> list[str]:
         lines = [f"Something has changed that none of the candidates explains ({sure})."]
     else:
         what = "Something" if changed >= _SURE else "It cannot be told whether something"
-        lines = [
-            f"{what} has changed (probability {percent(changed)}), perhaps what none of the candidates "
-            f"explains (probability {percent(share)}).",
-            _else(found, found.hypotheses[1:]),
-        ]
+        perhaps = f"perhaps what none of the candidates explains (probability {percent(share)})"
+        first = f"{what} has changed (probability {percent(changed)}), {perhaps}."
+        lines = [first, _else(found, found.hypotheses[1:])]
     if not best.unknown:
         loss = f"{_loss_of(found, best)} ({_intervals(best)})"
         lines.append(f"What would explain it, and was no candidate: {loss}.")
@@ -116,10 +114,8 @@ def _nothing(found: Assessment) -> list[str]:
     # What was no candidate and shows in no value stays as probable as before: no reason to doubt the test.
     blind = [one for one in found.hypotheses if not one.candidate and one.elements and _unseen(one)]
     if found.best.elements:
-        first = (
-            f"No damage declared: it is probable ({percent(1.0 - none)}), but not enough for the rate of "
-            "false alarms asked for."
-        )
+        enough = "but not enough for the rate of false alarms asked for"
+        first = f"No damage declared: it is probable ({percent(1.0 - none)}), {enough}."
     elif none >= _SURE:
         return [f"No damage found: nothing has changed (probability {percent(none)}).", *left]
     elif none + sum(one.probability for one in blind) >= _SURE:
@@ -139,10 +135,8 @@ def _damage(found: Assessment, declared: Hypothesis) -> list[str]:
         first = f"Perhaps damage ({percent(changed)})"
         if changed < _EVEN:
             first = "Damage is declared for the rate of false alarms asked for, though it is improbable"
-        return [
-            f"{first}: {lost}.",
-            f"{sized} Probability that nothing has changed: {percent(1.0 - changed)}.",
-        ]
+        nothing = f"Probability that nothing has changed: {percent(1.0 - changed)}."
+        return [f"{first}: {lost}.", f"{sized} {nothing}"]
     if declared.probability >= _SURE:
         k, matched = len(declared.elements), found.n_matched
         if matched - k < _BARELY:
@@ -179,11 +173,9 @@ def _alike(found: Assessment) -> str:
 def _shares(found: Assessment) -> list[str]:
     """How probable each set of the group is, and what it has lost."""
     share = sum(one.probability for one in found.group)
-    losses = "; ".join(
-        f"{percent(one.probability)}: {_loss_of(found, one)} ({_intervals(one)})"
-        for one in sorted(found.group, key=lambda one: (-one.probability, one.elements))
-    )
-    lines = [f"Together {percent(share)}. {losses}."]
+    group = sorted(found.group, key=lambda one: (-one.probability, one.elements))
+    losses = [f"{percent(one.probability)}: {_loss_of(found, one)} ({_intervals(one)})" for one in group]
+    lines = [f"Together {percent(share)}. {'; '.join(losses)}."]
     if share < _SURE:
         lines.append(_else(found, (one for one in found.hypotheses if one not in found.group)))
     return lines

@@ -311,18 +311,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         choice("sees", sees, ("frf", "transmissibility", None))
         tables = tables_of(freq_hz, damping_ratio, std_hz, scores)
         drawn = {dof: one for dof, one in (diagrams or {}).items() if hasattr(one, "unexplained_hz")}
-        self._fill(
-            excitation=label("excitation", excitation),
-            tables=FrozenDict(tables),
-            sees=sees,
-            channels=_channels_of(channels, tuple(tables)),
-            options=FrozenDict(options or {}),
-            diagrams=FrozenDict(diagrams or {}),
-            left_out=FrozenDict({dof: one.left_out for dof, one in drawn.items()}),
-            unexplained_hz=FrozenDict({dof: one.unexplained_hz for dof, one in drawn.items()}),
-            data_check=data_check,
-            cross_check=cross_check,
-        )
+        self._fill(excitation=label("excitation", excitation), tables=FrozenDict(tables), sees=sees)
+        self._fill(channels=_channels_of(channels, tuple(tables)), options=FrozenDict(options or {}))
+        self._fill(diagrams=FrozenDict(diagrams or {}), data_check=data_check, cross_check=cross_check)
+        for name in ("left_out", "unexplained_hz"):
+            self._fill(**{name: FrozenDict({dof: getattr(one, name) for dof, one in drawn.items()})})
 
     @classmethod
     def from_tables(
@@ -544,18 +537,12 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         def moved(tables: Mapping[Any, Any]) -> dict[Any, Any]:
             return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}
 
-        edits = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
-        return self.from_tables(
-            excitation,
-            moved(self.tables),
-            edits=edits,
-            before=moved(self.original().tables),
-            left_out=moved(self.left_out),
-            unexplained_hz=moved(self.unexplained_hz),
-            sees=self.sees,
-            channels=[dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else (),
-            options=self.options,
-        )
+        channels = [dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else ()
+        told: dict[str, Any] = {"sees": self.sees, "channels": channels, "options": self.options}
+        told |= {name: moved(getattr(self, name)) for name in ("left_out", "unexplained_hz")}
+        told["edits"] = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
+        before = moved(self.original().tables)
+        return self.from_tables(excitation, moved(self.tables), before=before, **told)
 
     def __str__(self) -> str:
         lines = [f"antiresonances, force at {self.excitation}"]

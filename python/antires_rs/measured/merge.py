@@ -218,15 +218,11 @@ def merge_setups(
         warn("nothing_in_common", f"{text}whether they agree.")
     kinds = {one.sees for one in given}
     stayed = all(one.excitation == force and one.channels for one in given)
-    return AntiresonanceSet.from_tables(
-        force,
-        {
-            dof: joined([*tables.values()], shift, between) if dof in common else [*tables.values()][0]
-            for dof, tables in shared.items()
-        },
-        sees=kinds.pop() if len(kinds) == 1 else None,
-        channels=tuple(dict.fromkeys(dof for one in given for dof in one.channels)) if stayed else (),
-    )
+    channels = tuple(dict.fromkeys(dof for one in given for dof in one.channels)) if stayed else ()
+    every = {dof: [*tables.values()] for dof, tables in shared.items()}
+    means = {dof: joined(own, shift, between) if dof in common else own[0] for dof, own in every.items()}
+    sees = kinds.pop() if len(kinds) == 1 else None
+    return AntiresonanceSet.from_tables(force, means, sees=sees, channels=channels)
 
 
 def _tables(name: str, one: AntiresonanceSet, force: Any, *, stated: bool) -> dict[Any, ResponseTable]:

@@ -84,15 +84,11 @@ class ModalSet(ReadOnly):
         if not np.all(np.isfinite(array)):
             remedy = "Leave out the modes or dofs that were not measured."
             reject("shapes", "NaN or infinite values", "finite shapes", remedy)
-        self._fill(
-            freq_hz=freq,
-            shapes=frozen(array),
-            dofs=dof_labels("dofs", dofs, array.shape[1]),
-            damping_ratio=_each("damping_ratio", damping_ratio, freq.size),
-            diagram=diagram,
-            std_hz=_each("std_hz", std_hz, freq.size, least=0.0),
-            std_shapes=_each("std_shapes", std_shapes, freq.size, least=0.0),
-        )
+        names = dof_labels("dofs", dofs, array.shape[1])
+        self._fill(freq_hz=freq, shapes=frozen(array), dofs=names, diagram=diagram)
+        self._fill(damping_ratio=_each("damping_ratio", damping_ratio, freq.size))
+        for name, std in (("std_hz", std_hz), ("std_shapes", std_shapes)):
+            self._fill(**{name: _each(name, std, freq.size, least=0.0)})
 
     def mac(self, other: ModalSet) -> FloatArray:
         """Modal assurance criterion between two sets of shapes, over the dofs that both have.

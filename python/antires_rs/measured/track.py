@@ -115,9 +115,8 @@ class Tracks(ReadOnly, Viewed):
             words[event.track].append(f"{event.kind} at {self.conditions[event.test]}")
         change = 100.0 * (last / first - 1.0)
         rows = [
-            [str(self.dof[i]), str(seen[i]), number(first[i], 3), number(last[i], 3)]
-            + [number(change[i], 3, sign=True), ", ".join(words[i])]
-            for i in range(len(self))
+            [str(dof), str(n), number(a, 3), number(b, 3), number(by, 3, sign=True), ", ".join(own)]
+            for dof, n, a, b, by, own in zip(self.dof, seen, first, last, change, words, strict=True)
         ]
         title = f"antiresonances followed over {len(self.conditions)} tests, force at {self.excitation}"
         return "\n".join([title, *aligned(["dof", "tests", "first_hz", "last_hz", "change_%", ""], rows)])

@@ -60,14 +60,10 @@ class MassSpringChain(StructuralModel):
         if np.size(springs_n_per_m) > 0:
             wanted = "an array (n - 1,) of stiffnesses in N/m"
             springs = real_array("springs_n_per_m", springs_n_per_m, ndim=1, wanted=wanted)
-        recipe = ChainRecipe(
-            masses,
-            springs,
-            finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
-            finite_scalar("ground_last_n_per_m", ground_last_n_per_m),
-        )
-        self._build(ModelDescription(recipe))
-        lost = lost_beside(recipe.ground_first_n_per_m + recipe.ground_last_n_per_m, springs)
+        first = finite_scalar("ground_first_n_per_m", ground_first_n_per_m)
+        last = finite_scalar("ground_last_n_per_m", ground_last_n_per_m)
+        self._build(ModelDescription(ChainRecipe(masses, springs, first, last)))
+        lost = lost_beside(first + last, springs)
         if lost is not None:
             warn_softly_held(self.dof_label, range(self.n_dof), lost)
             return

@@ -63,7 +63,8 @@ def square(name: str, matrix: Any, n: int | None = None) -> Any:
 
 def _listed(given: Any) -> bool:
     """Whether it has items that are no letters: an array of no axis has none."""
-    return isinstance(given, Iterable) and not isinstance(given, str | bytes) and getattr(given, "ndim", 1)
+    has_axis: bool = getattr(given, "ndim", 1) != 0
+    return isinstance(given, Iterable) and not isinstance(given, str | bytes) and has_axis
 
 
 def _numbers(n: int) -> Number:
@@ -270,10 +271,8 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
             reject(argument, got, wanted, "Leave it out: as it stands it would tie or hold these dofs.")
         free = {q: value for q, value in own.items() if q not in kept}
         if not free:
-            got, wanted = (
-                f"an equation between dofs to keep: {named}",
-                "equations that leave these independent",
-            )
+            got = f"an equation between dofs to keep: {named}"
+            wanted = "equations that leave these independent"
             reject(argument, got, wanted, "Leave one of them out of keep: it follows from the others.")
         bar = _PIVOT * max(map(abs, free.values()))
         # Of equals the first, as in the multi-point constraints of most programs.

@@ -178,17 +178,16 @@ class FrameModel(StructuralModel, Viewed):
                 said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
                 warn("softer_than_rubber", f"{argument}: {modulus:g} Pa {said}")
         self._build(ModelDescription(recipe))
-        warn_penalties(
-            self.dof_label, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties."
-        )
+        remedy = "Use fixed= for rigid supports, and softer springs for ties."
+        warn_penalties(self.dof_label, self.stiffness(), remedy)
         part_of = np.array(self._frame.parts())
         if part_of.max() > 0:
             alone = np.flatnonzero(part_of != part_of[0]).tolist()
-            said = (
-                f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are nodes "
+            parts = f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are"
+            warn(
+                "frame_in_parts",
+                f"{parts} nodes {alone}. A response in one part to a force in another is zero.",
             )
-            said += f"{alone}. A response in one part to a force in another is zero."
-            warn("frame_in_parts", said)
 
     @property
     def _frame(self) -> CoreFrame:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self, cast
+from typing import Any, ClassVar, Self
 
 from ..exceptions import Argument, part, reject
 from ..support.checks import finite_scalar, integer, shape_of
@@ -21,13 +21,11 @@ class _Spring:
     stiffness_n_per_m: float
 
     def _checked(self, name: str, i: int) -> Self:
-        along, kind = self.direction is None and len(self._nodes) > 1, cast(Any, type(self))
-        checked: Self = kind(
-            **{each: _node(name, i, getattr(self, each)) for each in self._nodes},
-            direction=None if along else text(name, i, self.direction),
-            stiffness_n_per_m=_number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
-        )
-        return checked
+        along = self.direction is None and len(self._nodes) > 1
+        nodes = [_node(name, i, getattr(self, each)) for each in self._nodes]
+        direction = None if along else text(name, i, self.direction)
+        stiffness = _number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m)
+        return self._of_row((nodes, direction, [stiffness]))
 
     def _row(self) -> Row:
         return [getattr(self, each) for each in self._nodes], self.direction, [self.stiffness_n_per_m]
@@ -324,11 +322,9 @@ class Section:
             argument, wanted = Argument(name).attribute("torsion_m4"), "the torsion constant in m^4, in space"
             reject(argument, None, wanted, "Give the section its torsion_m4, or use a plane frame.")
         bending = self.inertia_m4
-        whole = replace(
-            self,
-            inertia_y_m4=bending if self.inertia_y_m4 is None else self.inertia_y_m4,
-            torsion_m4=bending if self.torsion_m4 is None else self.torsion_m4,
-        )
+        across = bending if self.inertia_y_m4 is None else self.inertia_y_m4
+        torsion = bending if self.torsion_m4 is None else self.torsion_m4
+        whole = replace(self, inertia_y_m4=across, torsion_m4=torsion)
         return _parts(whole, name, "general", "area_m2", "inertia_y_m4", "inertia_m4", "torsion_m4")
 
 
@@ -336,12 +332,10 @@ AnySection = Tube | Rectangle | Section
 
 
 def _parts(section: Any, name: str, kind: str, *sizes: str) -> SectionParts:
-    material = ("youngs_modulus_pa", "density_kg_per_m3", "poisson")
-    size, (youngs, density, poisson) = (
-        [finite_scalar(Argument(name).attribute(each), getattr(section, each)) for each in names]
-        for names in (sizes, material)
-    )
-    return kind, size, youngs, density, poisson
+    names = *sizes, "youngs_modulus_pa", "density_kg_per_m3", "poisson"
+    found = [finite_scalar(Argument(name).attribute(each), getattr(section, each)) for each in names]
+    youngs, density, poisson = found[-3:]
+    return kind, found[:-3], youngs, density, poisson
 
 
 def shear_of(section: AnySection, name: str) -> list[float] | None:

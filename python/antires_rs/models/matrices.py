@@ -45,11 +45,8 @@ class Entries(NamedTuple):
     def joined(cls, rows: Any, columns: Any, values: Any) -> Entries:
         """Of arrays in any order; row by row."""
         order = np.lexsort((columns, rows))
-        return cls(
-            np.asarray(rows)[order].astype(np.uint32),
-            np.asarray(columns)[order].astype(np.uint32),
-            np.asarray(values, dtype=np.float64)[order],
-        )
+        ends = (np.asarray(each)[order].astype(np.uint32) for each in (rows, columns))
+        return cls(*ends, np.asarray(values, dtype=np.float64)[order])
 
     def sparse(self, n: int, n_columns: int | None = None) -> Any:
         """As ``scipy.sparse.csr_array``."""
@@ -181,8 +178,5 @@ def check_room_for_all_modes(n_dof: int) -> None:
     try:
         np.empty(MATRICES * n_dof * n_dof)
     except MemoryError:
-        raise OutOfMemoryError(
-            f"all modes of {n_dof} dofs",
-            8 * MATRICES * n_dof**2,
-            "All modes need dense matrices. Ask for the modes up to f_max_hz, or for the lowest n_modes.",
-        ) from None
+        why = "All modes need dense matrices. Ask for the modes up to f_max_hz, or for the lowest n_modes."
+        raise OutOfMemoryError(f"all modes of {n_dof} dofs", 8 * MATRICES * n_dof**2, why) from None

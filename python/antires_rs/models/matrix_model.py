@@ -18,8 +18,6 @@ from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
 from .structural_model import ModelDescription, StructuralModel
 
-#: Cores for other dofs, made when asked for.
-_REMADE = {"_other"}
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
 
@@ -104,9 +102,7 @@ class MatrixModel(StructuralModel):
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)
-        remedy = (
-            "Give ties, rigid links and supports as constraints=, or use penalties a million times softer."
-        )
+        remedy = "Give ties, rigid links and supports as constraints=, or penalties a million times softer."
         warn_penalties(self.dof_label, self.stiffness(), remedy)
 
     def dof(self, name: str) -> int:
@@ -139,10 +135,7 @@ class MatrixModel(StructuralModel):
             reject(name, got, "a dof of the structure", "Its row is an equation; name one of the other rows.")
         if dependent.has(dof) and not dependent.masters(dof):
             got = f"{self.dof_label(dof)}, which the constraints hold at zero"
-            remedy = (
-                "Nothing is measured there and no force moves it: name another dof, or mend the equations."
-            )
-            reject(name, got, "a dof that moves", remedy)
+            reject(name, got, "a dof that moves", "Name another dof, or mend the equations.")
         return dof
 
     @cached_property
@@ -184,7 +177,7 @@ class MatrixModel(StructuralModel):
         return known[1], known[2]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name not in _REMADE}
+        return {name: value for name, value in super().__getstate__().items() if name != "_other"}
 
     @property
     def n_dof(self) -> int:
@@ -230,10 +223,8 @@ class MatrixModel(StructuralModel):
     def __repr__(self) -> str:
         gone = self._independent.dependent.dofs.size
         out = f", {gone} of them taken out" if gone else ""
-        return (
-            f"MatrixModel({self.n_dof} dofs{out}, {self._core.n_stiffness_terms} stiffness terms, "
-            f"{self._core.n_mass_terms} mass terms)"
-        )
+        terms = f"{self._core.n_stiffness_terms} stiffness terms, {self._core.n_mass_terms} mass terms"
+        return f"MatrixModel({self.n_dof} dofs{out}, {terms})"
 
 
 def _label(names: tuple[str, ...], dof: int) -> str:

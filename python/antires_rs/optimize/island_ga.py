@@ -68,8 +68,8 @@ class OptimizeResult(Value):
     nfev : int
         Evaluations, as the budget counts them: costs and linearizations, one each.
     njev : int or None
-        Linearizations among them: cost, residuals and all their slopes at one point. The polish asks for them
-        of an :class:`UpdatingProblem`; a Python function has none. None in the file of an older version.
+        Linearizations among them: cost, residuals and all their slopes at one point, of which a Python function
+        has none. None in the file of an older version.
     nit : int
         Generations.
     history : History
@@ -108,10 +108,7 @@ class OptimizeResult(Value):
 
     @property
     def migrations(self) -> int:
-        """Exchanges between the islands. Bests that agree after none were found by each island alone.
-
-        With a polish that may be one local search, made from each.
-        """
+        """Exchanges between the islands. Bests that agree after none were found by each island alone."""
         return len(self.history.migrations)
 
     @property
@@ -314,12 +311,10 @@ class Batch:
 class IslandGA:
     """Island genetic algorithm of Meruane, J. Sound Vib. 332 (2013) 807-820.
 
-    Each island selects by normalized geometric ranking, crosses by an operator of its own (arithmetic,
-    heuristic, BLX-0.5, uniform, in turn), mutates genes to a bound or anywhere, and never loses its
-    best. An island that finds nothing better for ``patience`` generations waits; when all wait they
-    compare their bests, and stop or exchange them with their ring neighbours (best out, worst
-    replaced). The algorithm as printed is :meth:`IslandGA.paper`.
-    Parameters not given take the defaults of the Rust core, shown by ``.options``.
+    Each island selects by normalized geometric ranking, crosses by an operator of its own, mutates genes to a
+    bound or anywhere, and never loses its best. An island that finds nothing better for ``patience``
+    generations waits; when all wait they compare their bests, and stop or exchange them with their ring
+    neighbours (best out, worst replaced). The algorithm as printed is :meth:`IslandGA.paper`.
 
     Parameters
     ----------
@@ -347,18 +342,16 @@ class IslandGA:
         Bests agree in cost within ``cost_tolerance`` (1e-6, relative) plus ``cost_floor`` at
         ``cost_migrations`` (3) migrations in a row.
     polish : bool, optional
-        Local search from the nominal model and from the islands' bests. By default where the objective
-        tells how it is composed, as an :class:`UpdatingProblem` does: sequential linear programming with
-        analytic sensitivities, and moves that drop, add or exchange single damages, which a count of damages
-        needs. ``True`` polishes plain functions too, without derivatives; variables with lower bound 0 may
-        then be dropped and exchanged. ``False`` leaves the polish out and nothing else.
+        Local search from the nominal model and from the islands' bests. By default for an
+        :class:`UpdatingProblem`: sequential linear programming with analytic sensitivities, and moves that
+        drop, add or exchange single damages. ``True`` polishes plain functions too, without derivatives;
+        variables with lower bound 0 may then be dropped and exchanged.
     polish_interval : int, default 10
         Generations after which the bests are polished, even if not all islands wait.
     polish_evaluations : int, default 1000
         Evaluations after which the polish of one point begins no new move; all count in ``nfev``.
     max_evaluations : int, default 200000
-        Budget of evaluations, never exceeded. A linearization, which takes one solution of the eigenproblem
-        like a cost, counts as one: see ``njev`` of :class:`OptimizeResult`.
+        Budget of evaluations, never exceeded; linearizations count.
     max_generations : int, optional
         Budget of generations.
     max_seconds : float, optional
@@ -376,12 +369,9 @@ class IslandGA:
 
     Examples
     --------
-    >>> import numpy as np, antires_rs as ar
-    >>> def sphere(x):
-    ...     return float(np.sum((x - 0.3) ** 2))
-    >>> result = ar.IslandGA(max_evaluations=5000).minimize(sphere, [(-1, 1)] * 2, rng=0)
-    >>> result.fun < 1e-3
-    True
+    >>> import antires_rs as ar
+    >>> ar.IslandGA(islands=2, population=20).options["crossover_probability"]
+    0.8
     """
 
     def __init__(self, *, max_seconds: float | None = None, **options: Any) -> None:
@@ -395,9 +385,9 @@ class IslandGA:
     def paper(cls, **options: Any) -> Self:
         """The algorithm as the paper prints it, as a whole.
 
-        ``polish=False, improvement_tolerance=0, agreement='genes', gene_tolerance=0``: no local search, any
-        gain counts, and only equal genes end the search. For damage give the problem ``snap=0`` as well, by
-        ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper rounds no severity to zero.
+        ``polish=False, improvement_tolerance=0, agreement='genes', gene_tolerance=0``. For damage give the
+        problem ``snap=0`` as well, by ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper rounds
+        no severity to zero.
 
         Parameters
         ----------
@@ -406,10 +396,10 @@ class IslandGA:
 
         Notes
         -----
-        What is still ours, because the paper does not say it: the selection pressure q = 0.08, which mutation
-        a mutating gene gets (either, equally likely), three tries of the heuristic crossover before the
-        parents are copied, the neighbours of a ring, and the budget ``max_evaluations``, without which a flat
-        valley would never end. Where the paper contradicts itself we have four populations, not five.
+        What is still ours, because the paper does not say it: the selection pressure, which mutation a mutating
+        gene gets (either, equally likely), three tries of the heuristic crossover before the parents are
+        copied, the neighbours of a ring, and the budget ``max_evaluations``. Where the paper contradicts itself
+        we have four populations, not five.
 
         Examples
         --------
@@ -443,8 +433,6 @@ class IslandGA:
         checkpoint: str | os.PathLike[str] | None = None,
     ) -> OptimizeResult:
         """Minimize any Python function inside a box.
-
-        The candidates of a generation are evaluated together.
 
         Parameters
         ----------

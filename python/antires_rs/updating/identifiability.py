@@ -294,12 +294,10 @@ def identifiability(
         remedy = "Join model, parameters and a measured or virtual set."
         reject("problem", problem, "an UpdatingProblem", remedy)
     integer("points", points, low=4, high=4096)
-    if noise is None:
-        std = problem._targets.error_rows()[2]  # of omega squared
-        std = std[np.isfinite(std) & (std > 0.0)]
-        taken = float(0.5 * np.median(std)) if std.size else _NOISE
-    else:
-        taken = finite_scalar("noise", noise, low=1e-8, high=1.0)
+    std = problem._targets.error_rows()[2]  # of omega squared
+    std = std[np.isfinite(std) & (std > 0.0)]
+    stated = float(0.5 * np.median(std)) if std.size else _NOISE
+    taken = stated if noise is None else finite_scalar("noise", noise, low=1e-8, high=1.0)
     box = BoxResiduals(problem, problem.bounds.mean(axis=1))
     n = box.free.size
     if n == 0:
@@ -350,17 +348,15 @@ def _candidates(
     return {"force": tried("forces", forces, sorted(seen - pushed)), **found}
 
 
-# -- What a test of the structure with parameters x would measure exactly, and how that changes with them
-#
-# The measured values are those of the model itself, at the same responses and in the same band, with more
-# forces or sensors if asked for.
+# -- What a test of the structure with parameters x would measure exactly, and how that changes with them:
+# values of the model itself, at the same responses and in the same band, with more forces or sensors if asked
+# for
 
-#: Below this share of the lowest measured frequency a root on its way to zero would count without bound.
-_LOWEST = 0.5
+#: Roots are followed by their numbers between these multiples of the lowest and highest measured frequency:
+#: one on its way to zero would count without bound.
+_LOWEST, _BEYOND = 0.5, 2.0
 #: Error of an entry of a shape over that of omega squared: ten times that of the frequency.
 _SHAPES = 5.0
-#: Roots are followed by their numbers to this multiple of the highest measured frequency.
-_BEYOND = 2.0
 #: A value that the model at x itself does not meet is paired with another.
 _MET = 1e-6
 
@@ -429,8 +425,7 @@ def _modes(problem: UpdatingProblem, model: StructuralModel, sensors: tuple[int,
 
 def expected_covariance(jacobians: Sequence[FloatArray], noise: float) -> FloatArray:
     """Mean over the points of the posterior's covariance, in prior standard deviations, (n, n)."""
-    n = jacobians[0].shape[1]
-    found = [np.linalg.inv(np.eye(n) + j.T @ j / (12.0 * noise**2)) for j in jacobians]
+    found = [np.linalg.inv(np.eye(j.shape[1]) + j.T @ j / (12.0 * noise**2)) for j in jacobians]
     return np.asarray(np.mean(found, axis=0))
 
 
@@ -542,10 +537,8 @@ def _further(
         before, after = (len(each) - _count_open(each) for each in (now, then))
         least, larger = (np.median([_singular_values(j, noise)[-1] for j in js]) for js in (own, with_it))
         gain = f", smallest singular value {larger:.2g} instead of {least:.2g}" if least >= _SEEN else ""
-        found.append(
-            f"A {kind} at {problem.model.dof_label(best)} as well: {after} of {len(now)} "
-            f"combinations are told instead of {before}{gain}."
-        )
+        told = f"{after} of {len(now)} combinations are told instead of {before}{gain}"
+        found.append(f"A {kind} at {problem.model.dof_label(best)} as well: {told}.")
     return found
 
 
@@ -575,8 +568,7 @@ def _alike(names: Sequence[str], jacobians: Sequence[FloatArray]) -> list[str]:
         cosines.append(unit.T @ unit)
     usual = np.quantile(np.abs(cosines), 0.1, axis=0)
     pairs = np.argwhere(np.triu(usual, 1) > _ALIKE)
+    found = [(names[a], names[b], f"(cosine {usual[a, b]:.3f})") for a, b in pairs[:4]]
     return [
-        f"One parameter for {names[a]} and {names[b]}: they move the measured values alike "
-        f"(cosine {usual[a, b]:.3f})."
-        for a, b in pairs[:4]
+        f"One parameter for {a} and {b}: they move the measured values alike {how}." for a, b, how in found
     ]

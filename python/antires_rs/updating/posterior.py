@@ -90,10 +90,8 @@ class ParameterIntervals(Value, Viewed):
     def __str__(self) -> str:
         width = max(len(name) for name in self.names)
         lines = [f"intervals at {100 * self.level:g} %, {self.method}, {len(self.draws)} draws"]
-        lines += [
-            f"{name:<{width}}  {low:#10.5g} to {high:#10.5g}  {words}"
-            for name, low, high, words in zip(self.names, self.low, self.high, self.words, strict=True)
-        ]
+        rows = zip(self.names, self.low, self.high, self.words, strict=True)
+        lines += [f"{name:<{width}}  {a:#10.5g} to {b:#10.5g}  {words}" for name, a, b, words in rows]
         if np.isfinite(self.chi_square):
             lines.append(f"reduced chi-square by the stated errors: {self.chi_square:.3g}")
         lines.append(f"error that the model leaves, of frequencies: {50 * self.model_error:.2g} %")
@@ -467,10 +465,9 @@ class ProfileLikelihood(Value):
 
     def __str__(self) -> str:
         lines = [f"{self.name}: {self.kind}, {100 * self.level:g} % within [{self.low:.6g}, {self.high:.6g}]"]
-        lines += [
-            f"{value:12.6g} {rise:12.4g}{'  ' + ', '.join(names) + ' on a bound' if names else ''}"
-            for value, rise, names in zip(self.values, self.rise, self.others_on_bound, strict=True)
-        ]
+        for value, rise, names in zip(self.values, self.rise, self.others_on_bound, strict=True):
+            on = f"  {', '.join(names)} on a bound" if names else ""
+            lines.append(f"{value:12.6g} {rise:12.4g}{on}")
         return "\n".join(lines)
 
 

@@ -37,19 +37,15 @@ class DamagePenalty:
     Attributes
     ----------
     gamma1, gamma2 : float
-        Weights, at least 0; the paper's are 0.1 each, whatever was measured. For numbers that grow with the
-        data see :meth:`scaled`.
+        Weights, at least 0; the paper's are 0.1 each, whatever was measured. See also :meth:`scaled`.
     snap : float
-        Severities below it count as exactly 0, and are evaluated as 0; within [0, 1e-3]. 0 is the
-        algorithm as printed.
+        Severities below it are evaluated as 0; within [0, 1e-3]. 0 is the algorithm as printed.
 
     Examples
     --------
     >>> import antires_rs as ar
     >>> ar.DamagePenalty(gamma1=0.05)
     DamagePenalty(gamma1=0.05, gamma2=0.1, snap=0.001)
-    >>> ar.DamagePenalty.scaled(84)
-    DamagePenalty(gamma1=0.3, gamma2=0.3, snap=0.001)
     """
 
     gamma1: float = _PAPER
@@ -83,11 +79,9 @@ class DamagePenalty:
     ) -> DamagePenalty:
         """Penalties that grow with the number of measured values and with their weights.
 
-        Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, so that an element is
-        named if it explains more than that on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1
-        on its chain of 28 values; ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. The
-        same data given three times, or all weights doubled, leave the located elements and their severities.
-        A mode counts as two values, since it has two residuals.
+        Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, which an element has to
+        explain on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1 on its chain of 28 values;
+        ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. A mode counts as two values.
 
         Parameters
         ----------
@@ -193,9 +187,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     -----
     Partners are sought up to 1.5 times the highest measured frequency; from 1.49 times on they fade out, so
     that J does not jump. A measured mode is paired with the mode of the model for which
-    ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` is least, ties go to the lower; one mode of the model may
-    serve several. For a repeated mode the MAC is that of the most alike combination of its shapes. What has
-    no partner counts 1, a mode for its frequency and for its shape. The page on theory has the rest.
+    ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` is least, the lower of equals; one mode of the model may serve
+    several. For a repeated mode the MAC is that of the most alike combination of its shapes. What has no
+    partner counts 1, a mode twice.
 
     Examples
     --------
@@ -203,12 +197,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.6, 5.2], 1: [2.6]})
     >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-    >>> round(problem.cost([1.0, 1.0]), 3)
-    0.216
-    >>> modes = ar.ModalSet([3.2, 5.2], [[1.0, 0.6, -0.8], [-0.5, 1.0, -0.25]], dofs=[0, 1, 2])
-    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), modes)
-    >>> problem.paired_hz([1.0, 1.0]).round(2), problem.paired_mac([1.0, 1.0]).round(2)
-    (array([3.02, 5.93]), array([0.95, 1.  ]))
+    >>> round(problem.cost([1.0, 1.0]), 3), problem.paired_hz([1.0, 1.0]).round(2)
+    (0.216, array([1.67, 5.37, 2.52]))
     """
 
     model: StructuralModel
@@ -256,12 +246,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         self._fill(model=model, parameters=chosen, misfit=misfit, bounds=frozen(bounds))
         self._fill(measured=targets.sets, noun=targets.noun, left_out=targets.left_out, _targets=targets)
         self._fill(measured_hz=frozen(targets.hz), _nominal=frozen(nominal), _names=names)
-        self._fill(
-            penalty=penalty_of(penalty, counted, misfit),
-            measured_dofs=frozen_or_none(getattr(targets, "dofs", None)),
-            measured_excitations=frozen_or_none(getattr(targets, "excitations", None)),
-            weights=frozen_or_none(factors),
-        )
+        dofs, forces = (frozen_or_none(getattr(targets, name, None)) for name in ("dofs", "excitations"))
+        self._fill(measured_dofs=dofs, measured_excitations=forces, weights=frozen_or_none(factors))
+        self._fill(penalty=penalty_of(penalty, counted, misfit))
         self._fill(_core=self._made_core())
 
     def _made_core(self) -> _core.Objective:

@@ -163,11 +163,9 @@ def basis_at(
     basis, moving = point_basis(affine, x, depth)
     needed = moving.shape[1]
     if size < needed:
-        raise NumericalError(
-            f"a reduced model of {size} vectors",
-            f"the modes to {affine.limit_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
-            f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
-        )
+        why = f"the modes to {affine.limit_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
+        why += f"reduction=Reduction(size={2 * needed}) or more, or reduction=False."
+        raise NumericalError(f"a reduced model of {size} vectors", why)
     own = basis.vectors[:, :size]
     moved = _moved(basis, affine, half_widths, moving, own, _PART * least)
     more = _beside(basis.shifted, own, moved, size - own.shape[1], least)
@@ -344,16 +342,10 @@ def aligned_descent(
         seen = shown > 0.5  # roots that can be measured
         slopes, log_f = np.reshape(slopes, (freq_hz.size, x.size))[seen], np.log(freq_hz[seen])
         price = 0.5 * np.log(2.0 * np.pi) + np.log(std) + 0.5 * _ALONE**2
-        partner = _core.associate(
-            response,
-            measured,
-            np.full(measured.size, std),
-            target[seen].astype(np.int64),
-            log_f,
-            np.full(log_f.size, 1e-6),
-            float(price),
-            0.5 * np.where(freq_hz[seen] > highest, _ALONE_ABOVE, _ALONE_ROOT) ** 2,
-        )
+        roots = target[seen].astype(np.int64), log_f, np.full(log_f.size, 1e-6)
+        alone = 0.5 * np.where(freq_hz[seen] > highest, _ALONE_ABOVE, _ALONE_ROOT) ** 2
+        values = response, measured, np.full(measured.size, std)
+        partner = _core.associate(*values, *roots, float(price), alone)
         paired = partner >= 0
         if not paired.any():
             break
@@ -669,15 +661,10 @@ def reduced_search(
     last = search.found[-1]
     if search.stopped and ended is None:
         ended = (last.status, last.message) if last.status in _STOPPED else _NO_TIME
-    report = ReductionReport(
-        n_dof=problem.model.n_dof,
-        size=best.reduced.size,
-        rounds=search.bases,
-        estimate=best.reduced.estimate(best.x),
-        difference=best.difference,
-        agreed=best.difference <= reduction.tolerance,
-        full_evaluations=len(search.found),
-    )
+    reduced, apart = best.reduced, best.difference
+    sizes = problem.model.n_dof, reduced.size, search.bases
+    agreement = reduced.estimate(best.x), apart, apart <= reduction.tolerance
+    report = ReductionReport(*sizes, *agreement, len(search.found))
     nfev, njev = (sum(getattr(each, name) or 0 for each in search.found) for name in ("nfev", "njev"))
     found = replace(search.found[0], x=best.x, fun=best.cost, nfev=nfev, njev=njev)
     if ended is not None:

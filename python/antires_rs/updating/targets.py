@@ -112,10 +112,8 @@ class FrequencyTable(_Differences, Value):
     dof_names: dict[int, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        pairs = [
-            ", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
-            for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
-        ]
+        ends = zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
+        pairs = [", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair) for pair in ends]
         width = max([7, *map(len, pairs)])
         head = [
             f"{'H_ik':>{width}}   measured      before             after",
@@ -230,10 +228,8 @@ def zeros_beside(
     limit_hz = (1.0 + 2.0 * _REACH) * highest_hz
     core, rows = model._core_for([*responses, force])
     found = core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)
-    return [
-        (real, partial(complex_zeros, model, dof, force, limit_hz, (_REAL, _MOST)))
-        for dof, (real, *_) in zip(responses, found, strict=True)
-    ]
+    series = [partial(complex_zeros, model, dof, force, limit_hz, (_REAL, _MOST)) for dof in responses]
+    return [(real, own) for (real, *_), own in zip(found, series, strict=True)]
 
 
 def usual_damping(found: AntiresonanceSet) -> float | None:
@@ -259,10 +255,8 @@ def sorted_out(
         why = _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros)
         if why:
             keep[at] = False
-            notes.append(
-                f"Left out: {freq:.2f} Hz at dof {label}, damped by "
-                f"{100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %): {why}."
-            )
+            damped = f"damped by {100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %)"
+            notes.append(f"Left out: {freq:.2f} Hz at dof {label}, {damped}: {why}.")
     return notes
 
 
@@ -288,11 +282,9 @@ def _complex(
 # have. Not counted are those that the test does not show, nor new ones, made of zeros that were complex; less
 # or not at all those that small differences between the members move far, damage or not.
 
-#: Roots of all responses within this share are taken for one: a hidden mode, with double roots beside it that
-#: hardly any difference between the members splits by so much.
-_SHARED = 0.02
-#: A root this near to a resonance, in Hz, is not told from it in an FRF.
-_ON_POLE = 0.005
+#: Roots of all responses within this share are one, a hidden mode; and a root is one with a resonance in an
+#: FRF.
+_SHARED, _ON_POLE = 0.02, 0.005
 #: Loss of stiffness by which a root is tried.
 STEP = 0.005
 #: Sum of the sensitivities of omega squared up to which a root counts in full, and from which on it does not
@@ -474,12 +466,9 @@ class AntiresonanceTargets:
             return _given_weights(given, self.hz.size, self._kept, wanted, _ALIKE)
         spread = self.relative_std
         if not np.isfinite(spread).any():
-            reject(
-                "weights",
-                "'std' for values without standard deviations",
-                "sets with std_hz",
-                "Identify an averaged record with formulation='numerators' (its default), or give std_hz.",
-            )
+            got = "'std' for values without standard deviations"
+            remedy = "Identify an averaged record with formulation='numerators' (its default)."
+            reject("weights", got, "sets with std_hz", remedy)
         spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
         made = 1.0 / np.hypot(spread, MODEL_ERROR)
         return np.asarray(made / made.mean(), dtype=np.float64)
