@@ -1,9 +1,8 @@
 """The eight-mass chain of Meruane, J. Sound Vib. 332 (2013) 807-820, section 4.
 
-Eight masses (559.3 g, then seven of 419.4 g) on seven springs of 56.7 kN/m, free at both ends, force at
-mass 0. The responses H_00 to H_70 have 7, 6, 5, 4, 3, 2, 1 and 0 antiresonances, 28 in all. (The paper
-counts eight springs; the eighth would be one to ground.) In the damaged
-state spring 4, the fifth, has lost 55 %.
+Eight masses (559.3 g, then seven of 419.4 g) on seven springs of 56.7 kN/m, free at both ends, force at mass
+0. The responses H_00 to H_70 have 7, 6, 5, 4, 3, 2, 1 and 0 antiresonances, 28 in all. (The paper counts
+eight springs; the eighth would be one to ground.) In the damaged state spring 4, the fifth, has lost 55 %.
 """
 
 from __future__ import annotations

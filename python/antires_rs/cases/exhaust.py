@@ -201,8 +201,7 @@ def exhaust(
     wall_scatter : float
         Relative standard deviation of the wall thickness from one element's pipe to the next; [0, 0.1].
     joint_m : float
-        Flexibility of the joints at catalyst, mufflers and flange: that of so many metres of pipe;
-        [0, 0.2].
+        Flexibility of the joints at catalyst, mufflers and flange: that of so many metres of pipe; [0, 0.2].
     shear_coefficient : 'cowper' or float, optional
         The tested pipe as Timoshenko beams; the model's are Euler-Bernoulli beams.
     cord_kg : float

@@ -61,13 +61,12 @@ class Unfollowed:
 # .. math:: C = \frac{4}{\pi E R^2 t} \int_0^\theta \vartheta F_b(\vartheta)^2 \, d\vartheta, \qquad
 #           K_I = \frac{M}{\pi R^2 t} \sqrt{\pi R \vartheta} \, F_b(\vartheta)
 #
-# with R the mean radius and t the wall thickness. The factor is Zahoor's, a fit to finite elements for R/t
-# of 5 to 20 and cracks up to some 55 % of the perimeter: A. Zahoor, J. Pressure Vessel Technol. 107 (1985)
+# with R the mean radius and t the wall thickness. The factor is Zahoor's, a fit to finite elements for R/t of
+# 5 to 20 and cracks up to some 55 % of the perimeter: A. Zahoor, J. Pressure Vessel Technol. 107 (1985)
 # 203-205, and Ductile Fracture Handbook, EPRI NP-6301-D (1989); printed in T. L. Anderson, Fracture
-# Mechanics, Table 12.29. Longer cracks are extrapolated: a spring wants a magnitude, not a margin of
-# safety. (The net section of the ligament says that a real crack of 85 % would be softer still.) The crack
-# is always open, on the side that the frame's bending opens; that it also lets the pipe stretch is left
-# out.
+# Mechanics, Table 12.29. Longer cracks are extrapolated: a spring wants a magnitude, not a margin of safety.
+# (The net section of the ligament says that a real crack of 85 % would be softer still.) The crack is always
+# open, on the side that the frame's bending opens; that it also lets the pipe stretch is left out.
 
 
 def bending_factor(share: float, radius_over_wall: float) -> float:

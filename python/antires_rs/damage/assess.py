@@ -359,8 +359,7 @@ def assess_damage(
     baseline : AntiresonanceSet, ModalSet, or several of one kind, optional
         The intact structure, identified with the same sensors and forces. Standard deviations of both count.
     elements : sequence of int, optional
-        Candidate elements, zero-based. Default: all springs between masses, all beams,
-        all stiffness terms.
+        Candidate elements, zero-based. Default: all springs between masses, all beams, all stiffness terms.
     prior : DamagePrior, optional
         What is believed before the test; with a baseline.
     search : SearchOptions, optional
@@ -543,8 +542,7 @@ class Assessor(ReadOnly, Viewed):
     What does not depend on the test is done once: the model's errors are learned from the baseline, its
     antiresonances and their sensitivities computed over the severity of each element. A test is then judged
     by the likelihood of :func:`assess_damage`, and the antiresonances of the answer are computed and
-    compared. Where the answer may not be that of a full run it says so, see
-    :class:`AssessedTest`.
+    compared. Where the answer may not be that of a full run it says so, see :class:`AssessedTest`.
 
     Parameters
     ----------

@@ -313,6 +313,5 @@ class FrameModel(StructuralModel, Viewed):
         return self._view("plot")(self, values, ax=ax, **options)
 
     def __repr__(self) -> str:
-        where = "space" if self.nodes_m.shape[1] == 3 else "plane"
-        nodes, beams = len(self.nodes_m), len(self._recipe.beams)
-        return f"FrameModel({where}, {nodes} nodes, {beams} elements, {self.n_dof} dofs)"
+        where, nodes = "space" if self._recipe.in_space else "plane", len(self._recipe.nodes_m)
+        return f"FrameModel({where}, {nodes} nodes, {len(self._recipe.beams)} elements, {self.n_dof} dofs)"

@@ -21,11 +21,11 @@ class _Spring:
     stiffness_n_per_m: float
 
     def _checked(self, name: str, i: int) -> Self:
-        along = self.direction is None and len(self._nodes) > 1
-        nodes = [_node(name, i, getattr(self, each)) for each in self._nodes]
-        direction = None if along else text(name, i, self.direction)
-        stiffness = _number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m)
-        return self._of_row((nodes, direction, [stiffness]))
+        nodes, direction, (stiffness,) = self._row()
+        nodes = [integer(part(name, i).attribute("node"), node, low=0) for node in nodes]
+        if direction is not None or len(nodes) == 1:
+            direction = text(name, i, direction)
+        return self._of_row((nodes, direction, [_number(name, i, "stiffness_n_per_m", stiffness)]))
 
     def _row(self) -> Row:
         return [getattr(self, each) for each in self._nodes], self.direction, [self.stiffness_n_per_m]
@@ -70,12 +70,10 @@ class PointMass:
         if shape_of(inertia) not in ((), (3,)):
             argument = part(name, i).attribute("inertia_kg_m2")
             reject(argument, inertia, wanted, "Give it in kg m^2, about the centre of mass.")
-        three = (inertia,) * 3 if shape_of(inertia) == () else inertia
-        return type(self)(
-            _node(name, i, self.node),
-            _number(name, i, "mass_kg", self.mass_kg),
-            tuple(_number(name, i, "inertia_kg_m2", value) for value in three),  # type: ignore[union-attr]
-        )
+        three: Any = (inertia,) * 3 if shape_of(inertia) == () else inertia
+        node = integer(part(name, i).attribute("node"), self.node, low=0)
+        mass = _number(name, i, "mass_kg", self.mass_kg)
+        return type(self)(node, mass, tuple(_number(name, i, "inertia_kg_m2", each) for each in three))
 
     def _row(self) -> Row:
         return [self.node], None, [self.mass_kg, *self.inertia_kg_m2]  # type: ignore[misc]
@@ -187,10 +185,6 @@ def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:
         for direction in held:
             found[integer(part("fixed", i), node, low=0), text("fixed", i, direction)] = None
     return list(found)
-
-
-def _node(name: str, i: int, node: Any) -> int:
-    return integer(part(name, i).attribute("node"), node, low=0)
 
 
 def _number(name: str, i: int, attribute: str, value: Any) -> float:
@@ -340,20 +334,16 @@ def _parts(section: Any, name: str, kind: str, *sizes: str) -> SectionParts:
 
 def shear_of(section: AnySection, name: str) -> list[float] | None:
     """As the core takes it: coefficients along y and z, an empty list for Cowper's, None for rigid."""
-    given = section.shear_coefficient
-    across = getattr(section, "shear_coefficient_y", None)
-    if given is None and across is None:
-        return None
-    if given == "cowper":
-        return []
+    given, across = section.shear_coefficient, getattr(section, "shear_coefficient_y", None)
+    if given == "cowper" or (given is None and across is None):
+        return [] if given else None
     argument = Argument(name).attribute("shear_coefficient")
     if given is None or isinstance(given, str):
         allowed = "a number" if isinstance(section, Section) else "a number, 'cowper' or None"
         reject(argument, given, allowed, "It is the shear area over the area, 5/6 for a rectangle.")
     own = finite_scalar(argument, given)
-    if across is None:
-        return [own, own]
-    return [own, finite_scalar(Argument(name).attribute("shear_coefficient_y"), across)]
+    other = Argument(name).attribute("shear_coefficient_y")
+    return [own, own if across is None else finite_scalar(other, across)]
 
 
 def section_of(parts: SectionParts, given: AnySection) -> AnySection:

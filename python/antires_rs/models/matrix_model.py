@@ -40,8 +40,7 @@ class MatrixModel(StructuralModel):
     keep : sequence of int or str
         Dofs that must not be taken out: those of sensors and of the force.
     dofs : sequence of str or (int, str), or mapping of them to rows, optional
-        Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what
-        :func:`antires_rs.io.read_dof_map`
+        Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what :func:`antires_rs.io.read_dof_map`
         returns. A dof may then be given by its name wherever its number may.
 
     Raises

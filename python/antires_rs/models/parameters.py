@@ -159,12 +159,9 @@ def core_parameters(
         moves = (p.pivot or 0, p.axis) if p.quantity in _MOVES else None
         indices = [term if isinstance(term, int) else section_index(term) for term in p.terms]
         parts.append((p.quantity, indices, p.relative, moves))
-    # Several angles, lengths and positions may move one node.
-    acting = [
-        (quantity, moves, tuple(terms)) if moves else (quantity, term)
-        for quantity, terms, _, moves in parts
-        for term in (terms[:1] if moves else terms)
-    ]
+    acting: list[Any] = []
+    for quantity, terms, _, moves in parts:  # several angles, lengths and positions may move one node
+        acting += [(quantity, moves, tuple(terms))] if moves else [(quantity, term) for term in terms]
     twice = {pair for pair in acting if acting.count(pair) > 1}
     if twice:
         got = f"{sorted(twice)} more than once"
@@ -205,18 +202,14 @@ def _made(
 
 def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
     kind = KINDS["stiffness_factor" if relative else quantity]
-    unit, least, excluded = kind.unit, kind.least, kind.excluded
     most = 1.0 if quantity == "stiffness_reduction" else np.inf
-    sign = "<" if excluded else "<="
-    left = f"{least:g} {sign} " if np.isfinite(least) else ""
+    left = f"{kind.least:g} {'<' if kind.excluded else '<='} " if np.isfinite(kind.least) else ""
     wanted = f"a pair (lower, upper) with {left}lower <= upper{' <= 1' if most == 1.0 else ''}"
-    wanted += f" in {unit}" if unit else ""
+    wanted += f" in {kind.unit}" if kind.unit else ""
     if shape_of(bounds) != (2,):
         reject("bounds", bounds, wanted, "Write them as in (0.9, 1.1).")
-    lower, upper = (
-        finite_scalar(part("bounds", i), b, low=least, high=most, low_open=excluded)
-        for i, b in enumerate(bounds)
-    )
+    limits: Any = {"low": kind.least, "high": most, "low_open": kind.excluded}
+    lower, upper = (finite_scalar(part("bounds", i), b, **limits) for i, b in enumerate(bounds))
     if lower > upper:
         reject("bounds", (lower, upper), wanted, "Swap them.")
     return lower, upper

@@ -430,10 +430,10 @@ class StructuralModel(AroundCore[CoreModel]):
         ndarray, (n,)
             Hz, ascending; with ``bounds`` a pair of arrays (n,), frequencies and bounds of their errors in
             Hz, infinite for one that is not certain: too close to others to be told from them, or moved by
-            more than 1e-3 in frequency squared by rounding of the entries. A list for a sequence of responses.
-            Dropped are roots that are infinite or zero at working precision (an ulp of K and M moves them by
-            more than 1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9
-            of the modulus, or above ten times that uncertainty, at most 3e-7).
+            more than 1e-3 in frequency squared by rounding of the entries. A list for a sequence of
+            responses. Dropped are roots that are infinite or zero at working precision (an ulp of K and M
+            moves them by more than 1e-3 of their own distance from there), negative, or complex (imaginary
+            part above 1e-9 of the modulus, or above ten times that uncertainty, at most 3e-7).
 
         Raises
         ------
@@ -445,8 +445,9 @@ class StructuralModel(AroundCore[CoreModel]):
         Warns
         -----
         AntiresWarning
-            The response is not connected to the excitation; rounding leaves a doubt about the number of roots,
-            which only models of up to 2,000 dofs can settle; with ``bounds``, some roots are not certain.
+            The response is not connected to the excitation; rounding leaves a doubt about the number of
+            roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some roots are not
+            certain.
 
         Examples
         --------

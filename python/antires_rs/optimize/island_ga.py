@@ -59,17 +59,16 @@ class OptimizeResult(Value):
     success : bool
         Whether the search ended by its own stop rule, not by a budget or an interruption.
     status : str
-        ``'agreed'`` (the islands' bests are the same point), ``'cost agreed'`` (they have the same cost,
-        at different points: a flat valley), ``'stagnated'`` (a single island), ``'budget'``,
-        ``'interrupted'``, ``'callback'``, ``'collapsed'``, or in the ``result`` of an exception
-        ``'objective error'``.
+        ``'agreed'`` (the islands' bests are the same point), ``'cost agreed'`` (they have the same cost, at
+        different points: a flat valley), ``'stagnated'`` (a single island), ``'budget'``, ``'interrupted'``,
+        ``'callback'``, ``'collapsed'``, or in the ``result`` of an exception ``'objective error'``.
     message : str
         The status in a sentence.
     nfev : int
         Evaluations, as the budget counts them: costs and linearizations, one each.
     njev : int or None
-        Linearizations among them: cost, residuals and all their slopes at one point, of which a Python function
-        has none. None in the file of an older version.
+        Linearizations among them: cost, residuals and all their slopes at one point, of which a Python
+        function has none. None in the file of an older version.
     nit : int
         Generations.
     history : History
@@ -179,12 +178,14 @@ def guesses(x0: Any, n: int) -> list[list[float]]:
 
 def _check_type(name: str, value: Any) -> Any:
     """An option of the right type; its range is the core's to judge, and so is an unknown name."""
-    if name == "crossovers":
-        listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
-        return [_text(name, each, value) for each in listed]
-    if name == "agreement":
-        return _text(name, value, value)
     default = _core.island_options({}).get(name)
+    if name in ("crossovers", "agreement"):
+        several = name == "crossovers" and isinstance(value, Iterable) and not isinstance(value, str)
+        texts = list(value) if several else [value]
+        if not all(isinstance(each, str) for each in texts):
+            wanted = "text, or a list of texts where several are possible"
+            reject(name, value, wanted, "Put it in quotes; see the docstring for the names.")
+        return texts if name == "crossovers" else value
     if name == "polish":
         if value is not None and not isinstance(value, bool):
             reject(name, value, "True, False or None", "None lets the optimizer choose.")
@@ -192,13 +193,6 @@ def _check_type(name: str, value: Any) -> Any:
         integer(name, value, low=0, high=_MOST)
     elif isinstance(default, float):
         finite_scalar(name, value)
-    return value
-
-
-def _text(name: str, value: Any, given: Any) -> str:
-    if not isinstance(value, str):
-        wanted = "text, or a list of texts where several are possible"
-        reject(name, given, wanted, "Put it in quotes; see the docstring for the names.")
     return value
 
 
@@ -386,8 +380,8 @@ class IslandGA:
         """The algorithm as the paper prints it, as a whole.
 
         ``polish=False, improvement_tolerance=0, agreement='genes', gene_tolerance=0``. For damage give the
-        problem ``snap=0`` as well, by ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper rounds
-        no severity to zero.
+        problem ``snap=0`` as well, by ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper
+        rounds no severity to zero.
 
         Parameters
         ----------
@@ -396,10 +390,10 @@ class IslandGA:
 
         Notes
         -----
-        What is still ours, because the paper does not say it: the selection pressure, which mutation a mutating
-        gene gets (either, equally likely), three tries of the heuristic crossover before the parents are
-        copied, the neighbours of a ring, and the budget ``max_evaluations``. Where the paper contradicts itself
-        we have four populations, not five.
+        What is still ours, because the paper does not say it: the selection pressure, which mutation a
+        mutating gene gets (either, equally likely), three tries of the heuristic crossover before the parents
+        are copied, the neighbours of a ring, and the budget ``max_evaluations``. Where the paper contradicts
+        itself we have four populations, not five.
 
         Examples
         --------

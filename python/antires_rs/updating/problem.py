@@ -154,8 +154,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
         Sum of abs(e), the paper's, which a few wrong values do not move; sum of e**2, which shares out a
-        contradiction that no model resolves; or the largest abs(e). Shapes always count by
-        sum((1 - MAC)**2).
+        contradiction that no model resolves; or the largest abs(e). Shapes always count by sum((1 - MAC)**2).
     penalty : DamagePenalty, 'scaled' or (gamma1, gamma2), optional
         Applied to the stiffness reductions. 'scaled', or None in place of a number, takes what
         :meth:`DamagePenalty.scaled` gives for these values and weights.
@@ -186,10 +185,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     Notes
     -----
     Partners are sought up to 1.5 times the highest measured frequency; from 1.49 times on they fade out, so
-    that J does not jump. A measured mode is paired with the mode of the model for which
-    ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` is least, the lower of equals; one mode of the model may serve
-    several. For a repeated mode the MAC is that of the most alike combination of its shapes. What has no
-    partner counts 1, a mode twice.
+    that J does not jump. A measured mode is paired with the mode of the model for which ``abs(log(w_A**2 /
+    w_E**2)) + (1 - MAC)**2`` is least, the lower of equals; one mode of the model may serve several. For a
+    repeated mode the MAC is that of the most alike combination of its shapes. What has no partner counts 1, a
+    mode twice.
 
     Examples
     --------

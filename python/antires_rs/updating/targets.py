@@ -423,15 +423,13 @@ class AntiresonanceTargets:
         self.left_out: tuple[str, ...] = ()
         for nth in range(len(sets)):
             self._add(model, nth)
-        counts = [len(freq) for _, _, freq, _, _ in self.parts]
+        counts = [len(part[2]) for part in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
         self.dofs = np.repeat([part[0] for part in self.parts], counts)
         self.excitations = np.repeat([part[1] for part in self.parts], counts)
         #: What the tables call the dofs: "mass 3", "node 3 v"; none where they are numbers only.
         labels = {dof: model.dof_label(dof) for part in self.parts for dof in part[:2]}
-        self.names = {
-            dof: label.removeprefix("node ") for dof, label in labels.items() if label != f"dof {dof}"
-        }
+        self.names = {d: own.removeprefix("node ") for d, own in labels.items() if own != f"dof {d}"}
 
     def _add(self, model: StructuralModel, number: int) -> None:
         """The parts of one set: its responses, and channels without values that decide what is shared."""
@@ -656,16 +654,11 @@ Targets: TypeAlias = AntiresonanceTargets | ModalTargets
 def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> Targets:
     """The kind that the measured sets are, which must be the one asked for."""
     sets = (measured,) if isinstance(measured, AntiresonanceSet | ModalSet) else measured
+    kinds: dict[type, Any] = {AntiresonanceSet: AntiresonanceTargets, ModalSet: ModalTargets}
     listed = isinstance(sets, Sequence) and len(sets) > 0
-    kind: Any = None
-    if listed and all(isinstance(s, AntiresonanceSet) for s in sets):
-        kind = AntiresonanceTargets
-    elif listed and all(isinstance(s, ModalSet) for s in sets):
-        kind = ModalTargets
+    kind = next((kinds[of] for of in kinds if listed and all(isinstance(s, of) for s in sets)), None)
     if kind is None:
-        remedy = (
-            "Identify it from a record, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]})."
-        )
+        remedy = "Identify it, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]})."
         reject("measured", measured, "an AntiresonanceSet or a ModalSet, or several of one kind", remedy)
     if objective is not None and objective != kind.objective:
         needed = "an AntiresonanceSet" if objective == "antiresonance" else "a ModalSet"
