@@ -250,9 +250,8 @@ class TestedStructure:
         order = np.argsort(squares)
         self.freq_hz: FloatArray = np.sqrt(squares[order]) / (2 * np.pi)
         self.shapes: FloatArray = shapes[:, order].T
-        self.damping_ratio = np.concatenate(
-            [np.full(RIGID_MODES, RIGID_DAMPING), np.resize(ELASTIC_DAMPING, MODES - RIGID_MODES)]
-        )
+        elastic = np.resize(ELASTIC_DAMPING, MODES - RIGID_MODES)
+        self.damping_ratio = np.append(np.full(RIGID_MODES, RIGID_DAMPING), elastic)
         unit = np.zeros(self.model.n_dof)
         unit[self.excitation] = 1.0
         # Receptance at the shift, less what the modes give: the quasi-static part of the modes left out.

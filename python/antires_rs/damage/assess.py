@@ -394,9 +394,8 @@ def assess_damage(
     if baseline is None:
         _without({"prior": prior}, "together with a baseline")
         options = options.of(ONE_STATE)
-        problem = UpdatingProblem(
-            model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
-        )
+        how: Any = {"penalty": options.prices, "weights": options.weights}
+        problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, **how)
         found, seed, _ = find(problem, optimizer, rng, workers, callback, options.x0, progress, checkpoint)
         held = {"antires_rs": __version__, **options.held(ONE_STATE), **found.options}
         return DamageResult(problem, found, seed, options=held)

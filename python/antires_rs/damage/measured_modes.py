@@ -103,10 +103,8 @@ class ModeRoots(Roots):
             faced.append(shapes)
         identity = np.where(was[:, None] >= 0, was[:, None] * self.each + np.arange(self.each), -1)
         moved_slopes = self.slopes if slopes is None else slopes.reshape(self.slopes.shape)
-        found = replace(
-            self, log_f=place.ravel(), slopes=moved_slopes, shapes=tuple(faced), bases=tuple(bases)
-        )
-        return found, identity.ravel()
+        seen = replace(self, log_f=place.ravel(), slopes=moved_slopes)
+        return replace(seen, shapes=tuple(faced), bases=tuple(bases)), identity.ravel()
 
 
 @dataclass(frozen=True)
@@ -320,11 +318,9 @@ class ModeResponses:
                 shapes.append(shape)
             if freq:
                 order, dofs = np.argsort(freq), list(self.groups)[group]
-                std_hz, std_shapes = (
-                    None if std is None else std[kept][order] for std in (each.std_hz, each.std_shapes)
-                )
-                columns = np.array(freq)[order], np.array(shapes)[order], dofs
-                sets.append(ModalSet(*columns, std_hz=std_hz, std_shapes=std_shapes))
+                names = [name for name in ("std_hz", "std_shapes") if getattr(each, name) is not None]
+                std = {name: getattr(each, name)[kept][order] for name in names}
+                sets.append(ModalSet(np.array(freq)[order], np.array(shapes)[order], dofs, **std))
         return sets
 
 
@@ -341,9 +337,7 @@ def measured_modes(
     for each, dofs in zip(measured, after, strict=True):
         if before and dofs not in before:
             got, wanted = f"no set at the dofs {list(each.dofs)}", "intact sets with the same sensors"
-            remedy = (
-                "Test the intact structure with these sensors too, or keep the dofs that both tests have."
-            )
+            remedy = "Test the intact structure with these too, or keep the dofs that both tests have."
             reject("baseline", got, wanted, remedy)
     groups = {dofs: nth for nth, dofs in enumerate(dict.fromkeys((*before, *after)))}
     both = (*baseline, *measured)

@@ -301,10 +301,8 @@ def _contradiction(found: Assessment) -> str:
         said = f"{sets[0]} differs from the others by {gap}, these among themselves by "
         said += f"{figure(found.usual_gap)}. Leave it out, or find out what was different."
     else:
-        said = (
-            f"{', '.join(sets[:-1])} and {sets[-1]} differ by up to {gap}, and which of them is wrong cannot "
-        )
-        said += "be told. Test the intact structure again, or leave out what is not of it."
+        said = f"{', '.join(sets[:-1])} and {sets[-1]} differ by up to {gap}, and which of them is wrong"
+        said += " cannot be told. Test the intact structure again, or leave out what is not of it."
     return f"The baseline contradicts itself: {said}"
 
 

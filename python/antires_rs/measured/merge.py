@@ -128,12 +128,9 @@ def merge_setups(
 ) -> AntiresonanceSet:
     """Join setups of one test to one set.
 
-    Roving sensors: the force stays, a reference sensor stays, the others move. Every setup is identified by
-    itself, and the values of the reference, which all of them have, tell whether they agree.
-
-    Roving hammer: the sensors stay and the force moves. H_ik = H_ki, so that the response at a sensor under a
-    force at k has the antiresonances of the response at k under a force at that sensor: name the sensor by
-    ``excitation``.
+    Roving sensors: force and a reference sensor stay, and its values tell whether the setups agree. Roving
+    hammer: the sensors stay. H_ik = H_ki, so that the response at a sensor under a force at k has the
+    antiresonances of the response at k under a force at that sensor: name the sensor by ``excitation``.
 
     Parameters
     ----------
@@ -156,8 +153,7 @@ def merge_setups(
     -------
     AntiresonanceSet
         A dof that several setups have gets the means of its values, weighted by their variances, without
-        those that fewer than half of these setups show; the standard deviations grow where the values scatter
-        more than they say. Diagrams and data checks stay with the setups.
+        those that fewer than half of these setups show; the standard deviations grow with the scatter.
 
     Raises
     ------
@@ -180,9 +176,6 @@ def merge_setups(
     >>> two = ar.AntiresonanceSet(0, {0: [8.72], 2: [16.70]}, std_hz={0: [0.02], 2: [0.03]})
     >>> {dof: f.round(2).tolist() for dof, f in ar.merge_setups([one, two]).items()}
     {0: [8.71], 1: [14.4], 2: [16.7]}
-    >>> roving = [ar.AntiresonanceSet(k, {"tip": [f]}) for k, f in ((3, 20.1), (4, 25.3))]
-    >>> {dof: f.tolist() for dof, f in ar.merge_setups(roving, excitation="tip", check="off").items()}
-    {3: [20.1], 4: [25.3]}
     """
     given = check_sets("sets", sets, 2)
     shift, rate = within("max_shift", max_shift), within("alpha", alpha)

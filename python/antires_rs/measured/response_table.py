@@ -65,9 +65,7 @@ class ResponseTable(ReadOnly):
     # "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen by
     # most of the fits over windows; "directions": seen again by perturbed local fits; "followed": near the
     # place of a value that was known.
-    how = _score(
-        "how", "Why it was accepted: chain, persistent, likeliest order, windows, directions, followed."
-    )
+    how = _score("how", "Why accepted: chain, persistent, likeliest order, windows, directions, followed.")
     residual = _score("residual", "Relative misfit of the fit around it.")
     prominence_db = _score("prominence_db", "Height of its peak.")
 

@@ -211,13 +211,12 @@ def track(
 
     Notes
     -----
-    Values that were followed (``near=``) from one value are one track. The other values of a response are,
-    from test to test, assigned to the tracks, all at once and none twice
-    (:mod:`antires_rs.measured.matching`), each track being where it was seen last: first to those that half
-    of the last ten tests have, what is left to the others. What was not seen in 100 tests, and in ten times
-    as many as have it, is not looked for any more. What a track loses has
-    "merged" if a neighbour, nearer than 2 % when both were last seen, is still there: two
-    antiresonances that cannot be told apart any more, or have become a complex pair. Else it is "lost".
+    Values that were followed (``near=``) from one value are one track. The others of a response are, from
+    test to test, assigned to the tracks, all at once (:mod:`antires_rs.measured.matching`), each track being
+    where it was seen last: first to those that half of the last ten tests have, what is left to the others.
+    What was not seen in 100 tests, and in ten times as many as have it, is not looked for any more. What a
+    track loses has "merged" if a neighbour, nearer than 2 % when both were last seen, is still there; else it
+    is "lost".
 
     Examples
     --------

@@ -183,11 +183,9 @@ class FrameModel(StructuralModel, Viewed):
         part_of = np.array(self._frame.parts())
         if part_of.max() > 0:
             alone = np.flatnonzero(part_of != part_of[0]).tolist()
-            parts = f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are"
-            warn(
-                "frame_in_parts",
-                f"{parts} nodes {alone}. A response in one part to a force in another is zero.",
-            )
+            said = f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are "
+            said += f"nodes {alone}. A response in one part to a force in another is zero."
+            warn("frame_in_parts", said)
 
     @property
     def _frame(self) -> CoreFrame:

@@ -45,8 +45,8 @@ class Entries(NamedTuple):
     def joined(cls, rows: Any, columns: Any, values: Any) -> Entries:
         """Of arrays in any order; row by row."""
         order = np.lexsort((columns, rows))
-        ends = (np.asarray(each)[order].astype(np.uint32) for each in (rows, columns))
-        return cls(*ends, np.asarray(values, dtype=np.float64)[order])
+        i, k = (np.asarray(each)[order].astype(np.uint32) for each in (rows, columns))
+        return cls(i, k, np.asarray(values, dtype=np.float64)[order])
 
     def sparse(self, n: int, n_columns: int | None = None) -> Any:
         """As ``scipy.sparse.csr_array``."""
@@ -147,10 +147,8 @@ def _undamped(name: str, matrix: Any) -> Any:
     size = abs(own.real).max()
     loss = float(abs(own.imag).max() / size) if size else 0.0
     if loss > 0.0:
-        said = (
-            f"{name}: its imaginary part, {loss:.2g} of the real one, is left out: antiresonances are those "
-        )
-        said += "of the undamped structure. Give damping_ratio= to frf and simulate."
+        said = f"{name}: its imaginary part, {loss:.2g} of the real one, is left out: antiresonances are"
+        said += " those of the undamped structure. Give damping_ratio= to frf and simulate."
         warn("complex_matrix", said)
     return own.real
 

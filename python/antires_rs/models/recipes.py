@@ -149,11 +149,9 @@ class FrameRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""
-        named = [
-            (one, part("sections", name)) for one, name in zip(self.sections, self.section_names, strict=True)
-        ]
-        sections = [section._parts(name, self.in_space) for section, name in named]
-        shear = [shear_of(section, name) for section, name in named]
+        names = [part("sections", name) for name in self.section_names]
+        sections = [own._parts(name, self.in_space) for own, name in zip(self.sections, names, strict=True)]
+        shear = list(map(shear_of, self.sections, names))
         rows: list[Any] = [("elements", [(list(beam), None, []) for beam in self.beams])]
         rows += [(kind, [each._row() for each in parts]) for kind, parts in self.parts.items()]
         how = [] if all(one is None for one in shear) else [shear]

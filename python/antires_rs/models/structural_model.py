@@ -318,12 +318,12 @@ class StructuralModel(AroundCore[CoreModel]):
             moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
             named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
             why = (
-                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, "
+                f"the stiffness is indefinite: {np.isnan(freq).sum()} motion(s) grow without bound, most at "
             )
             why += (
-                f"most at {named}. Check its signs, or with geometric stiffness whether the load is beyond "
+                f"{named}. Check its signs, or with geometric stiffness whether the load is beyond buckling;"
             )
-            raise NumericalError("modes of (K, M)", why + "buckling; antiresonances are still found.")
+            raise NumericalError("modes of (K, M)", f"{why} antiresonances are still found.")
         if every:
             whole: Any = self  # every kind of model has these matrices
             _warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)

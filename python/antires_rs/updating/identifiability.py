@@ -142,13 +142,13 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
 
     visible = []
     for index, (_, high) in enumerate(problem.bounds):
-        grid = np.linspace(0.01, high, 40)
-        first = next((i for i, beta in enumerate(grid) if gain(index, beta) > 0), None)
-        if first is None:
-            visible.append(float("inf"))
-            continue
-        low, top = (grid[first - 1] if first else 0.0), grid[first]
-        while top - low > 1e-3:
+        low, top = 0.0, float("inf")
+        for beta in np.linspace(0.01, high, 40):
+            if gain(index, beta) > 0:
+                top = beta
+                break
+            low = beta
+        while np.isfinite(top) and top - low > 1e-3:
             middle = 0.5 * (low + top)
             low, top = (low, middle) if gain(index, middle) > 0 else (middle, top)
         visible.append(float(top))
@@ -463,10 +463,8 @@ def _varimax(rows: FloatArray) -> FloatArray:
         for a in range(len(rows)):
             for b in range(a + 1, len(rows)):
                 u, v = turned[a] ** 2 - turned[b] ** 2, 2.0 * turned[a] * turned[b]
-                n = rows.shape[1]
-                angle = 0.25 * np.arctan2(
-                    2.0 * (u @ v - u.sum() * v.sum() / n), u @ u - v @ v - (u.sum() ** 2 - v.sum() ** 2) / n
-                )
+                n, p, q = rows.shape[1], u.sum(), v.sum()
+                angle = 0.25 * np.arctan2(2.0 * (u @ v - p * q / n), u @ u - v @ v - (p**2 - q**2) / n)
                 c, s = np.cos(angle), np.sin(angle)
                 turned[[a, b]] = c * turned[a] + s * turned[b], c * turned[b] - s * turned[a]
         if np.allclose(before, turned, atol=1e-9):
@@ -569,6 +567,4 @@ def _alike(names: Sequence[str], jacobians: Sequence[FloatArray]) -> list[str]:
     usual = np.quantile(np.abs(cosines), 0.1, axis=0)
     pairs = np.argwhere(np.triu(usual, 1) > _ALIKE)
     found = [(names[a], names[b], f"(cosine {usual[a, b]:.3f})") for a, b in pairs[:4]]
-    return [
-        f"One parameter for {a} and {b}: they move the measured values alike {how}." for a, b, how in found
-    ]
+    return [f"One parameter for {a} and {b}: they move the values alike {how}." for a, b, how in found]

@@ -182,9 +182,8 @@ def point_basis(large: Large, x: FloatArray, depth: int) -> tuple[Basis, FloatAr
     limit = (2.0 * np.pi * large.limit_hz) ** 2
     sigma = _SHIFT * limit
     shifted = sparse.csc_matrix(stiffness + sigma * mass)
-    factors = splu(
-        shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    symmetric: Any = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
+    factors = splu(shifted, diag_pivot_thresh=0.0, **symmetric)
     freq_hz, shapes = core.modes(large.limit_hz, None)
     blocks = [np.asarray(shapes[:, freq_hz <= large.limit_hz])]
     moving = blocks[:1]
@@ -581,7 +580,7 @@ class ReductionReport:
     def note(self) -> str:
         """A sentence for the reader."""
         return self.note_with(
-            "The basis is too small; give reduction=Reduction(size=...) more vectors, or reduction=False."
+            "The basis is too small; give reduction=Reduction(size=...), or reduction=False."
         )
 
     def note_with(self, remedy: str) -> str:
