@@ -36,10 +36,8 @@ class Chain8:
     ----------
     model : MassSpringChain
         The nominal model, the one to be updated.
-    excitation : int
-        Dof of the force, 0.
-    responses : list of int
-        Dofs of the accelerometers, all eight.
+    excitation, responses : int, list of int
+        Dofs of the force, 0, and of the accelerometers, all eight.
     band_hz : (float, float)
         Band for the identification.
     """

@@ -34,10 +34,8 @@ class Exhaust:
     ----------
     model : FrameModel
         The nominal model, the one to be updated: 48 nodes, 47 elements, 144 dofs.
-    excitation : int
-        Dof of the shaker.
-    responses : list of int
-        Dofs of the 16 accelerometers.
+    excitation, responses : int, list of int
+        Dofs of the shaker and of the 16 accelerometers.
     held_out, fitted : list of int
         The 4 of them that stay out of the updating fit, and the other 12.
     updating_band_hz, damage_band_hz : (float, float)
@@ -77,9 +75,6 @@ class Exhaust:
         progress: bool | None = None,
     ) -> Recording:
         """Record of the virtual test at 1024 Hz: random force, accelerations of the 16 places.
-
-        Made by the tested structure, a finer frame with other properties than ``model``. The default
-        record of 10 minutes takes some seconds to make.
 
         ``level`` 0 is undamaged, 1 to 3 a crack over 60, 70, 85 % of the perimeter; ``noise`` is white sensor
         noise as a fraction of each channel's own rms. Channels are named by the dofs of ``model``; the force

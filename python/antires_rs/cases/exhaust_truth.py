@@ -1,9 +1,7 @@
 """The exhaust that is tested: not the model that is updated.
 
 Its mesh is four times finer. Wall thicknesses, moduli, masses, bends, inertias and cords differ from
-nominal, wall thicknesses also from one piece of pipe to the next; every mode has its own damping. More
-errors that the model cannot follow are in :mod:`.unfollowed`. Cracked, it has a rotational spring in the
-pipe 2 cm behind a weld, between two nodes of the coarse mesh.
+nominal; every mode has its own damping. Cracked, it has a rotational spring in the pipe 2 cm behind a weld.
 """
 
 from __future__ import annotations
@@ -64,9 +62,8 @@ class Unfollowed:
 # with R the mean radius and t the wall thickness. The factor is Zahoor's, a fit to finite elements for R/t of
 # 5 to 20 and cracks up to some 55 % of the perimeter: A. Zahoor, J. Pressure Vessel Technol. 107 (1985)
 # 203-205, and Ductile Fracture Handbook, EPRI NP-6301-D (1989); printed in T. L. Anderson, Fracture
-# Mechanics, Table 12.29. Longer cracks are extrapolated: a spring wants a magnitude, not a margin of safety.
-# (The net section of the ligament says that a real crack of 85 % would be softer still.) The crack is always
-# open, on the side that the frame's bending opens; that it also lets the pipe stretch is left out.
+# Mechanics, Table 12.29. Longer cracks are extrapolated. The crack is always open; that it also lets the pipe
+# stretch is left out.
 
 
 def bending_factor(share: float, radius_over_wall: float) -> float:
@@ -92,8 +89,8 @@ def crack_compliance(
 
 #: Beams of the tested structure for each of the model.
 PIECES = 4
-#: The crack: element of the model (the paper counts it as 31). The pipe sits in the flange's socket, from
-#: node 30 on; the weld runs around its end, and the crack around the pipe behind the weld.
+#: The crack: element of the model (the paper counts it as 31); the pipe sits in the flange's socket, from
+#: node 30 on, and the crack runs around it behind the weld.
 CRACKED_ELEMENT, SOCKET_M, BEHIND_WELD_M = 30, 0.02, 0.02
 #: Share of the perimeter at levels 1 to 3.
 SHARES = (0.60, 0.70, 0.85)

@@ -214,7 +214,7 @@ class DamageResult(Answered, UpdateResult):
 
         With a baseline: what nine of ten such tests would show, with the errors of the values and those that
         the baseline leaves to the model. Without one: below it the penalties cost more than the damage
-        explains, on exact data, so that an undamaged structure is the better answer to the objective.
+        explains, on exact data.
         """
         return dict(zip(self.elements, self._detectable, strict=True))
 
@@ -343,10 +343,9 @@ def assess_damage(
 ) -> DamageResult:
     """Locate and size damage: the stiffness loss of each element that explains the measurement.
 
-    With a baseline, the way to go, changes of the measured values are set against changes of the model,
-    whose own errors are learned from the baseline; the answer is the most probable set of damaged elements,
-    with its probability. Without one, the paper's search, in which every error of the model may come out as
-    damage.
+    With a baseline, the way to go, changes of the measured values are set against changes of the model, whose
+    own errors are learned from the baseline. Without one, the paper's search, in which every error of the
+    model may come out as damage.
 
     Parameters
     ----------
@@ -540,8 +539,7 @@ class Assessor(ReadOnly, Viewed):
 
     What does not depend on the test is done once: the model's errors are learned from the baseline, its
     antiresonances and their sensitivities computed over the severity of each element. A test is then judged
-    by the likelihood of :func:`assess_damage`, and the antiresonances of the answer are computed and
-    compared. Where the answer may not be that of a full run it says so, see :class:`AssessedTest`.
+    by the likelihood of :func:`assess_damage`; :class:`AssessedTest` says where that may not be enough.
 
     Parameters
     ----------
@@ -631,8 +629,7 @@ class Assessor(ReadOnly, Viewed):
         Parameters
         ----------
         zeros : AntiresonanceSet, or one for each position of the force
-            Identified as the baseline was. Responses that the baseline does not have are left out, which is
-            among the reasons for a full run.
+            Identified as the baseline was. Responses that the baseline does not have are left out.
 
         Raises
         ------

@@ -69,9 +69,8 @@ class SeverityIntervals(ParameterIntervals):
     that bound; "not damaged". ``model_error`` is what no factor of the model explains of the baseline.
 
     ``'laplace'`` takes ln f as linear in ln(1 - severity) around the most probable severities; ``'ensemble'``
-    has the model's antiresonances at every draw, values and antiresonances associated anew there, and
-    estimates also how probable the hypotheses are: some hundred evaluations of the model for the likeliest.
-    The result of an older file lacks the values of the baseline, and has neither.
+    has the model's antiresonances at every draw, and estimates also how probable the hypotheses are. The
+    result of an older file lacks the values of the baseline, and has neither.
 
     Attributes
     ----------
@@ -91,9 +90,6 @@ class SeverityIntervals(ParameterIntervals):
     >>> quick = damage.intervals()
     >>> quick[4] == damage.interval[4], quick.words[4], quick.mixture.shape
     (True, 'two-sided', (1000, 7))
-    >>> sure = damage.intervals("ensemble", draws=200)
-    >>> bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
-    (True, (200, 7))
     """
 
     elements: tuple[int, ...]

@@ -58,8 +58,7 @@ class Comparison(ReadOnly, Viewed):
         Values in Hz that the other set does not have; dofs without any are left out.
     level_ratio : float
         How strongly the structure shook in b, as a multiple of a (0.999 quantiles of the samples, in the unit
-        of both records); NaN where a set is not of a record. Where sets differ and it is beyond 1.5 either
-        way, printing says that amplitude alone may be the reason.
+        of both records); NaN where a set is not of a record.
 
     Examples
     --------
@@ -176,12 +175,10 @@ def compare(
     max_shift : float
         Largest relative difference of two values that are taken for one, up to 0.5, see
         :mod:`antires_rs.measured.matching`. Values that were followed (``near=``) from one value are one.
-    std_between : float
-        Relative standard deviation of one value from test to test of an unchanged structure (mounting,
-        sensors), each by itself, which the standard deviations of a set from a single test do not contain.
-    std_common : float
-        The same of what moves all values alike (temperature). Repeats tell both: ``track([...]).std_between``
-        and ``.std_common``. Without them every change counts, that of the weather too.
+    std_between, std_common : float
+        Relative standard deviation from test to test of an unchanged structure (mounting, sensors): of each
+        value by itself, and of what moves all alike (temperature). Repeats tell both, as
+        ``track([...]).std_between`` and ``.std_common``; without them every change counts.
 
     Returns
     -------

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import FloatArray, finite_scalar, real_array
-from .matrices import as_sparse
+from ..support.checks import finite_scalar, real_array
+from .matrices import Columns
 from .penalties import lost_beside, warn_penalties, warn_softly_held
 from .recipes import ChainRecipe
 from .structural_model import ModelDescription, StructuralModel
@@ -92,13 +92,8 @@ class MassSpringChain(StructuralModel):
         to_ground = enumerate(ends, start=self.n_dof - 1)
         return self.default_elements + [term for term, stiffness in to_ground if stiffness != 0.0]
 
-    def stiffness(self) -> FloatArray:
-        """Stiffness matrix, (n, n), N/m."""
-        return np.asarray(as_sparse(self._core.stiffness()).toarray())
-
-    def mass(self) -> FloatArray:
-        """Mass matrix, (n, n), kg."""
-        return np.asarray(as_sparse(self._core.mass()).toarray())
+    def _matrix(self, columns: Columns) -> Any:
+        return super()._matrix(columns).toarray()
 
     def __repr__(self) -> str:
         return f"MassSpringChain({self.n_dof} masses)"

@@ -171,9 +171,8 @@ def eliminate_constraints(
 
     Notes
     -----
-    Of each equation the dof that occurs in the fewest equations is taken out, the first of equals, among
-    those with a coefficient of at least a tenth of the largest. Equations that follow from others are passed
-    over.
+    Of each equation the dof that occurs in the fewest is taken out, the first of equals, among those with a
+    coefficient of at least a tenth of the largest. Equations that follow from others are passed over.
 
     Examples
     --------

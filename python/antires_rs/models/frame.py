@@ -15,7 +15,6 @@ from ..support.messages import warn
 from ..views import Viewed
 from . import frame_parts
 from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, iterable
-from .matrices import as_sparse
 from .penalties import warn_penalties
 from .recipes import FrameRecipe
 from .structural_model import ModelDescription, StructuralModel
@@ -90,9 +89,7 @@ class FrameModel(StructuralModel, Viewed):
         Nodes of each beam, and its section by name or index.
     sections : Tube, Rectangle or Section, or a sequence or mapping of them
         One for all beams; one each, in the order of the beams; or those that ``elements`` refer to.
-    point_masses : sequence of PointMass
-    ground_springs : sequence of GroundSpring
-    node_springs : sequence of NodeSpring
+    point_masses, ground_springs, node_springs : sequence of PointMass, of GroundSpring, of NodeSpring
     fixed : sequence of int or (int, str) or (int, sequence of str)
         Nodes with all dofs fixed, or single dofs. Fixed dofs are left out of the matrices.
     orientation : array_like, (3,) or (n_elements, 3), optional
@@ -123,9 +120,6 @@ class FrameModel(StructuralModel, Viewed):
     >>> beam = ar.FrameModel(nodes, [(i, i + 1) for i in range(10)], rod, fixed=[0])
     >>> beam.modes(1).freq_hz.round(3)   # 3.516 / (2 pi L**2) sqrt(EI / rho A)
     array([14.472])
-    >>> tip = beam.dof(10, "v")
-    >>> beam.antiresonances(tip, tip, f_max_hz=300.0).round(1)
-    array([ 63.5, 205.7])
     """
 
     _recipe_type = FrameRecipe
@@ -240,18 +234,13 @@ class FrameModel(StructuralModel, Viewed):
         return list(self._recipe.fixed)
 
     def dof(self, node: int, direction: str) -> int:
-        """Number of the dof ``direction`` of ``node``, zero-based.
+        """Number of the dof ``direction`` of ``node``, both zero-based.
 
         Parameters
         ----------
         node : int
-            Zero-based node.
         direction : str
             ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
-
-        Returns
-        -------
-        int
 
         Raises
         ------
@@ -297,14 +286,6 @@ class FrameModel(StructuralModel, Viewed):
     def default_elements(self) -> list[int]:
         """The beams, in order; springs only on request."""
         return list(range(len(self._recipe.beams)))
-
-    def stiffness(self) -> Any:
-        """Stiffness of the free dofs as ``scipy.sparse.csc_array``, (n, n), N/m."""
-        return as_sparse(self._core.stiffness())
-
-    def mass(self) -> Any:
-        """Mass of the free dofs as ``scipy.sparse.csc_array``, (n, n), kg."""
-        return as_sparse(self._core.mass())
 
     def plot(self, values: Any = None, ax: Any = None, **options: Any) -> Any:
         """Draw the frame; ``values`` and ``options`` as in :func:`antires_rs.figures.plot_frame`."""

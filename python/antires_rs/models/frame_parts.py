@@ -217,10 +217,8 @@ class Tube:
     ----------
     outer_diameter_m, thickness_m : float
         Outer diameter and thickness of the wall.
-    youngs_modulus_pa, density_kg_per_m3 : float
-        Material.
-    poisson : float
-        Poisson's ratio, for torsion and shear.
+    youngs_modulus_pa, density_kg_per_m3, poisson : float
+        Material; Poisson's ratio is for torsion and shear.
     shear_coefficient : float, "cowper" or None
         Shear area over area, for Timoshenko beams, which have the rotary inertia of the section too; "cowper"
         takes it from shape and Poisson's ratio. Default: none, that is, Euler-Bernoulli beams.
@@ -278,18 +276,14 @@ class Section:
 
     Attributes
     ----------
-    area_m2 : float
-        Area.
-    inertia_m4 : float
-        Second moment for bending in the plane of a plane frame; in space, in the plane of the element and
-        its reference direction.
-    youngs_modulus_pa, density_kg_per_m3 : float
-        Material.
+    area_m2, inertia_m4 : float
+        Area, and second moment for bending in the plane of a plane frame; in space, in the plane of the
+        element and its reference direction.
+    youngs_modulus_pa, density_kg_per_m3, poisson
+        As of a :class:`Tube`.
     inertia_y_m4, torsion_m4 : float, optional
         Second moment for bending across that plane (default: the same), and St. Venant torsion constant;
         used in space only, where ``torsion_m4`` must be given.
-    poisson : float
-        Poisson's ratio, for torsion and shear.
     shear_coefficient, shear_coefficient_y : float, optional
         As of a :class:`Tube`, for forces in the plane of ``inertia_m4``, and, in space, for those in the
         other plane (default: the same).

@@ -13,7 +13,7 @@ from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
 from ..support.directions import names_of
 from .constraints import equations_by_number
-from .matrices import Columns, as_masses, as_sparse, as_square, as_term
+from .matrices import Columns, as_masses, as_square, as_term
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
 from .structural_model import ModelDescription, StructuralModel
@@ -197,18 +197,11 @@ class MatrixModel(StructuralModel):
         whole[:, here.rows >= 0] = shapes
         return np.ascontiguousarray((here.dependent.transformation(self.n_dof) @ whole.T).T)
 
-    def stiffness(self) -> Any:
-        """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m; rows of dofs taken out are empty."""
-        return self._whole(self._core.stiffness())
-
-    def mass(self) -> Any:
-        """Mass matrix as ``scipy.sparse.csc_array``, (n, n), kg; rows of dofs taken out are empty."""
-        return self._whole(self._core.mass())
-
-    def _whole(self, columns: Columns) -> Any:
+    def _matrix(self, columns: Columns) -> Any:
+        """Rows of dofs that were taken out are empty."""
         from scipy.sparse import csc_array
 
-        matrix, number = as_sparse(columns), self._free_dofs
+        matrix, number = super()._matrix(columns), self._free_dofs
         if len(number) == self.n_dof:
             return matrix
         entries = matrix.tocoo()

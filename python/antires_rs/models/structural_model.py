@@ -28,7 +28,7 @@ from ..support.directions import DofNames, point_of
 from ..support.messages import some, warn
 from ..support.progress import interruptible, patient, step
 from ..support.values import AroundCore, Value
-from .matrices import check_room_for_all_modes
+from .matrices import Columns, as_sparse, check_room_for_all_modes
 from .parameters import CoreParameter, Parameter, core_parameters, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
@@ -273,6 +273,17 @@ class StructuralModel(AroundCore[CoreModel]):
         """Stiffness terms that have a stiffness."""
         return self.default_elements
 
+    def stiffness(self) -> Any:
+        """Stiffness of the free dofs, (n, n), N/m: ``scipy.sparse.csc_array``, of a chain ``ndarray``."""
+        return self._matrix(self._core.stiffness())
+
+    def mass(self) -> Any:
+        """Mass of the free dofs, (n, n), kg: ``scipy.sparse.csc_array``, of a chain ``ndarray``."""
+        return self._matrix(self._core.mass())
+
+    def _matrix(self, columns: Columns) -> Any:
+        return as_sparse(columns)
+
     def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
         """Undamped resonances and mass-normalised shapes.
 
@@ -325,8 +336,7 @@ class StructuralModel(AroundCore[CoreModel]):
             )
             raise NumericalError("modes of (K, M)", f"{why} antiresonances are still found.")
         if every:
-            whole: Any = self  # every kind of model has these matrices
-            _warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
+            _warn_modes_left_out(freq, self.stiffness(), self.mass(), self.dof_label)
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
             wanted = f"at least the first resonance, {freq[0]:.6g} Hz"

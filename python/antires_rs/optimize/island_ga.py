@@ -440,9 +440,8 @@ class IslandGA:
             Who evaluates ``fun``: from 2 on that many processes (``fun`` is then to be at the top of a
             module), ``"processes"`` for one a processor, ``"threads"``, or anything with ``submit`` or
             ``map``: an executor of ``concurrent.futures``, a Dask ``Client``, ``mpi4py.futures``, a
-            ``multiprocessing.Pool``, or a callable used as ``map``. Candidates go there in chunks of about a
-            quarter of a second; the same seed gives the same bits for any workers, each of which has one BLAS
-            thread. A worker that is lost is replaced. Not with ``vectorized``.
+            ``multiprocessing.Pool``, or a callable used as ``map``. The bits are the same for any workers,
+            each of which has one BLAS thread; one that is lost is replaced. Not with ``vectorized``.
         vectorized : bool
             Whether ``fun`` takes all candidates at once.
         callback : callable, optional
@@ -454,8 +453,7 @@ class IslandGA:
             Show progress on standard error; by default on a terminal, after one second.
         checkpoint : path-like, optional
             File in which the search is kept, written every two seconds and at the end. If it is there, the
-            search goes on from it, bit-identical to one that never stopped. That ``fun`` is the same is for
-            the caller to know.
+            search goes on from it, bit-identical to one that never stopped, if ``fun`` is the same.
 
         Returns
         -------

@@ -327,13 +327,12 @@ def greedy(information: Information, n: int, criterion: str) -> Placed:
 def exhaustive(information: Information, n: int, criterion: str) -> Placed:
     """Of all sets of n candidates the best."""
     every = combinations(range(information.own.shape[0]), n)
-    worth, chosen = -np.inf, tuple(range(n))
+    best = -np.inf, tuple(range(n))
     while some := list(islice(every, _MOST_EXCHANGES)):
         worths = information.worths(np.array(some), criterion)
-        best = int(np.argmax(worths))
-        if worths[best] > worth:
-            worth, chosen = float(worths[best]), some[best]
-    return Placed(chosen, worth, ())
+        at = int(np.argmax(worths))
+        best = max(best, (float(worths[at]), some[at]), key=lambda one: one[0])
+    return Placed(best[1], best[0], ())
 
 
 def _one_by_one(information: Information, n: int, criterion: str, backwards: bool) -> Placed:

@@ -103,12 +103,10 @@ class SensorPlan(ReadOnly, Viewed):
         Dofs of the model, in the order of their rounds.
     excitation : int
         Dof of the force.
-    criterion : str
-        ``'determinant'`` or ``'worst'``.
+    criterion : {'determinant', 'worst'}
     value, value_of_all : float
         Of the criterion: information in nats that the test is expected to give; or the largest of
-        ``detectable`` (of parameters, of ``std`` over the spread before the test). And the same with a
-        sensor on every candidate.
+        ``detectable`` (of parameters, of ``std`` over ``std_before``). And with a sensor on every candidate.
     n_values : int
         Antiresonances in the band that the test would show.
     detectable, detectable_by_all : dict of int to float
@@ -232,15 +230,11 @@ def plan_test(
         Dofs where the force may act; one of them is chosen. Default: the candidates.
     band_hz : (float, float), optional
         Band of the identification in Hz. Default: from 0 to above the twelfth elastic resonance.
-    noise : float
-        Noise of each sensor as a fraction of its rms, in [0, 10].
-    duration_s : float
-        Length of the record under random excitation, s.
-    damping_ratio : float
-        Of every mode, in [1e-4, 0.5]; 0.01 is 1 %.
+    noise, duration_s, damping_ratio : float
+        Noise of each sensor as a fraction of its rms, in [0, 10]; length of the record under random
+        excitation, s; damping of every mode, in [1e-4, 0.5].
     std : float, optional
-        Relative standard deviation of every antiresonance, in (0, 0.5], instead of what noise, duration and
-        damping let expect (:mod:`antires_rs.planning.placement`).
+        Relative standard deviation of every antiresonance, in (0, 0.5], instead of what these let expect.
     criterion : {'determinant', 'worst'}
         Most information on all together, or the smallest loss to be seen in the element where it is largest.
     sees : {'transmissibility', 'frf'}
@@ -269,8 +263,7 @@ def plan_test(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> case = ar.cases.chain8()
-    >>> plan = ar.plan_test(case.model, n_sensors=3, excitations=[0, 3], criterion="worst")
+    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=[0, 3], criterion="worst")
     >>> plan.excitation, len(plan.sensors), max(plan.detectable.values()) < 0.01
     (3, 3, True)
     """

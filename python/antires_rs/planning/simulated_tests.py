@@ -310,17 +310,16 @@ def predicted(
         _, call = judge.found(intact.log_f[kept], np.ones(kept.size, dtype=bool), 4 * _DRAWS)
         return found, call
 
-    shares, calls = [], []
+    found: list[tuple[list[FloatArray], float]] = []
     try:
         for nth, seed in enumerate(seeds):
             step(f"structure {nth + 1} of {len(seeds)}")
-            share, call = of_structure(np.random.default_rng(seed))
-            shares.append(share)
-            calls.append(call)
+            found.append(of_structure(np.random.default_rng(seed)))
     except KeyboardInterrupt:
-        if not shares:
+        if not found:
             raise
-    mean = [rising(np.mean([share[e] for share in shares], axis=0)) for e in range(len(severities))]
+    shares, calls = zip(*found, strict=True)
+    mean = [rising(np.mean(of_element, axis=0)) for of_element in zip(*shares, strict=True)]
     return mean, float(np.mean(calls)), len(shares)
 
 
