@@ -420,13 +420,20 @@ def _result(
         penalty=DamagePenalty(0.0, 0.0, 0.0),
     )
     x = np.array([found.severities.get(e, 0.0) for e in question.elements])
-    none, status, when = np.empty(0), "judged", ""
-    if found.interrupted:
-        status, when = "interrupted", " before Ctrl-C"
-    message = f"{len(found.hypotheses)} hypotheses were judged{when}"
-    history = History(none, np.empty((0, 1)), none)
-    ended = problem.cost(x), not found.interrupted, status, message, nfev, None, 0, history
-    search_result = OptimizeResult(x, *ended, np.empty((0, 0, x.size)), np.empty((0, 0)))
+    none, when = np.empty(0), " before Ctrl-C" if found.interrupted else ""
+    search_result = OptimizeResult(
+        x=x,
+        fun=problem.cost(x),
+        success=not found.interrupted,
+        status="interrupted" if found.interrupted else "judged",
+        message=f"{len(found.hypotheses)} hypotheses were judged{when}",
+        nfev=nfev,
+        njev=None,
+        nit=0,
+        history=History(none, np.empty((0, 1)), none),
+        populations=np.empty((0, 0, x.size)),
+        population_costs=np.empty((0, 0)),
+    )
     held = {"antires_rs": __version__, "prior": vars(question.prior), **question.options.held(TWO_STATES)}
     return DamageResult(problem, search_result, seed, found, question, reduction, options=held)
 

@@ -660,10 +660,15 @@ def reduced_search(
     last = search.found[-1]
     if search.stopped and ended is None:
         ended = (last.status, last.message) if last.status in _STOPPED else _NO_TIME
-    reduced, apart = best.reduced, best.difference
-    sizes = problem.model.n_dof, reduced.size, search.bases
-    agreement = reduced.estimate(best.x), apart, apart <= reduction.tolerance
-    report = ReductionReport(*sizes, *agreement, len(search.found))
+    report = ReductionReport(
+        n_dof=problem.model.n_dof,
+        size=best.reduced.size,
+        rounds=search.bases,
+        estimate=best.reduced.estimate(best.x),
+        difference=best.difference,
+        agreed=best.difference <= reduction.tolerance,
+        full_evaluations=len(search.found),
+    )
     nfev, njev = (sum(getattr(each, name) or 0 for each in search.found) for name in ("nfev", "njev"))
     found = replace(search.found[0], x=best.x, fun=best.cost, nfev=nfev, njev=njev)
     if ended is not None:
