@@ -274,11 +274,14 @@ class StructuralModel(AroundCore[CoreModel]):
         return self.default_elements
 
     def stiffness(self) -> Any:
-        """Stiffness of the free dofs, (n, n), N/m: ``scipy.sparse.csc_array``, of a chain ``ndarray``."""
+        """Stiffness matrix, (n, n), N/m, as ``scipy.sparse.csc_array``, of a chain as ``ndarray``.
+
+        Fixed dofs of a frame have no row, those that a MatrixModel has taken out an empty one.
+        """
         return self._matrix(self._core.stiffness())
 
     def mass(self) -> Any:
-        """Mass of the free dofs, (n, n), kg: ``scipy.sparse.csc_array``, of a chain ``ndarray``."""
+        """Mass matrix, (n, n), kg, as :meth:`stiffness`."""
         return self._matrix(self._core.mass())
 
     def _matrix(self, columns: Columns) -> Any:
@@ -328,13 +331,9 @@ class StructuralModel(AroundCore[CoreModel]):
         if np.isnan(freq).any():
             moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
             named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
-            why = (
-                f"the stiffness is indefinite: {np.isnan(freq).sum()} motion(s) grow without bound, most at "
-            )
-            why += (
-                f"{named}. Check its signs, or with geometric stiffness whether the load is beyond buckling;"
-            )
-            raise NumericalError("modes of (K, M)", f"{why} antiresonances are still found.")
+            why = f"the stiffness is indefinite: {np.isnan(freq).sum()} motion(s) grow without bound, most at"
+            why += f" {named}. Check its signs, or with geometric stiffness whether the load is beyond"
+            raise NumericalError("modes of (K, M)", f"{why} buckling; antiresonances are still found.")
         if every:
             _warn_modes_left_out(freq, self.stiffness(), self.mass(), self.dof_label)
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))

@@ -185,10 +185,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     Notes
     -----
     Partners are sought up to 1.5 times the highest measured frequency; from 1.49 times on they fade out, so
-    that J does not jump. A measured mode is paired with the mode of the model for which ``abs(log(w_A**2 /
-    w_E**2)) + (1 - MAC)**2`` is least, the lower of equals; one mode of the model may serve several. For a
-    repeated mode the MAC is that of the most alike combination of its shapes. What has no partner counts 1, a
-    mode twice.
+    that J does not jump. A measured mode is paired with the mode of least ``abs(log(w_A**2 / w_E**2)) + (1 -
+    MAC)**2``, the lower of equals; one mode of the model may serve several. For a repeated mode the MAC is
+    that of the most alike combination of its shapes. What has no partner counts 1, a mode twice.
 
     Examples
     --------
