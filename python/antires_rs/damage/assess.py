@@ -28,6 +28,7 @@ from ..updating.model_check import Explained, explained
 from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
 from ..updating.reduced_model import ReductionReport
 from ..updating.result import UpdateResult
+from ..updating.targets import sets_of
 from ..updating.update import search as find
 from ..views import Viewed
 from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
@@ -64,20 +65,10 @@ def elements_of(model: StructuralModel, elements: Any) -> list[int]:
     if not chosen:
         remedy = f"Name some of 0 to {terms - 1}." if terms else "Give the MatrixModel its stiffness_terms."
         reject("elements", "no candidate", "at least one stiffness term", remedy)
-    return [integer(part("elements", i), e, low=0, high=terms - 1) for i, e in enumerate(chosen)]
-
-
-def sets_of(name: str, given: Any, *, modes: bool = True) -> tuple[Any, ...]:
-    """One or several measured sets of one kind."""
-    kinds = (AntiresonanceSet, ModalSet) if modes else (AntiresonanceSet,)
-    sets = (given,) if isinstance(given, kinds) else given
-    own = {type(each) for each in sets} if isinstance(sets, Sequence) else set()
-    if own not in [{kind} for kind in kinds]:
-        wanted, remedy = "an AntiresonanceSet, or several", "the antiresonances first."
-        if modes:
-            wanted, remedy = "an AntiresonanceSet or a ModalSet, or several of one kind", "both states alike."
-        reject(name, type(given).__name__, wanted, f"Identify {remedy}")
-    return tuple(sets)
+    numbers = [integer(part("elements", i), e, low=0, high=terms - 1) for i, e in enumerate(chosen)]
+    if len({*numbers}) < len(numbers):
+        reject("elements", f"{numbers}, one of them twice", "each element once", "Drop the second one.")
+    return numbers
 
 
 def question_of(

@@ -7,20 +7,21 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..damage.assess import elements_of
 from ..damage.evidence import HIGHEST
 from ..damage.inference import smallest_found
 from ..damage.measured_states import roots_at
 from ..damage.options import DamagePrior, SearchOptions, checked_prior
 from ..exceptions import reject
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array
 from ..support.progress import one_blas_thread, waiting
 from ..support.values import FrozenDict, frozen
 from .detection_curves import DetectionCurves, crossing, fit_logit, reached
 from .placement import ExpectedErrors, Layout
-from .plan import Sees, band_of, chosen_elements, dofs_of
+from .plan import Sees, band_of, dofs_of
 from .simulated_tests import Task, VirtualTest, predicted, simulated
 
 #: Severities of a prediction, in units of the linear estimate; and where that is none.
@@ -110,7 +111,7 @@ def detectability(
     >>> sorted(curves.a90), max(curves.a90.values()) < 0.05, curves.false_call_rate < 0.05
     ([0, 1, 2], True, True)
     """
-    chosen = chosen_elements(model, elements)
+    chosen = tuple(elements_of(checked_model(model), elements))
     (force,) = dofs_of("excitation", model, excitation)
     dofs = dofs_of("sensors", model, sensors)
     band, errors = band_of(model, band_hz), ExpectedErrors(noise, duration_s, damping_ratio, std)

@@ -45,14 +45,6 @@ _RIGID = 1e-4
 UNIFORM = 1.0 / float(np.sqrt(12.0))
 
 
-def chosen_elements(model: Any, elements: Any) -> tuple[int, ...]:
-    """Elements of a model by number, each once."""
-    numbers = tuple(elements_of(checked_model(model), elements))
-    if len(set(numbers)) < len(numbers):
-        reject("elements", "an element twice", "each element once", "Drop the second one.")
-    return numbers
-
-
 def _unknowns_of(
     model: StructuralModel, elements: Any
 ) -> tuple[tuple[Parameter, ...], tuple[str, ...], tuple[int, ...] | None]:
@@ -61,7 +53,7 @@ def _unknowns_of(
     if isinstance(given, Sequence) and any(isinstance(p, Parameter) for p in given):
         parameters = parameter_tuple(given)
         return parameters, tuple(parameter_name(model, p) for p in parameters), None
-    numbers = chosen_elements(model, elements)
+    numbers = tuple(elements_of(model, elements))
     return tuple(stiffness_reduction(numbers)), tuple(map(model.element_label, numbers)), numbers
 
 

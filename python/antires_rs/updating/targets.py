@@ -646,18 +646,25 @@ def _apart(one: FloatArray, other: FloatArray) -> FloatArray:
 Targets: TypeAlias = AntiresonanceTargets | ModalTargets
 
 
+def sets_of(name: str, given: Any, *, modes: bool = True) -> tuple[Any, ...]:
+    """One or several measured sets of one kind."""
+    kinds = (AntiresonanceSet, ModalSet) if modes else (AntiresonanceSet,)
+    sets = (given,) if isinstance(given, kinds) else given
+    listed = isinstance(sets, Sequence) and len(sets) > 0
+    if not (listed and any(all(isinstance(each, kind) for each in sets) for kind in kinds)):
+        wanted = f"an AntiresonanceSet{' or a ModalSet' if modes else ''}, or several of one kind"
+        remedy = "Identify it first, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]})."
+        reject(name, given, wanted, remedy)
+    return tuple(sets)
+
+
 def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> Targets:
     """The kind that the measured sets are, which must be the one asked for."""
-    sets = (measured,) if isinstance(measured, AntiresonanceSet | ModalSet) else measured
-    kinds: dict[type, Any] = {AntiresonanceSet: AntiresonanceTargets, ModalSet: ModalTargets}
-    listed = isinstance(sets, Sequence) and len(sets) > 0
-    kind = next((kinds[of] for of in kinds if listed and all(isinstance(s, of) for s in sets)), None)
-    if kind is None:
-        remedy = "Identify it, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]})."
-        reject("measured", measured, "an AntiresonanceSet or a ModalSet, or several of one kind", remedy)
+    sets = sets_of("measured", measured)
+    kind: Any = AntiresonanceTargets if isinstance(sets[0], AntiresonanceSet) else ModalTargets
     if objective is not None and objective != kind.objective:
         needed = "an AntiresonanceSet" if objective == "antiresonance" else "a ModalSet"
         remedy = "Leave objective out: the measured set tells it."
         reject("measured", f"a {type(sets[0]).__name__}", f"{needed} for objective={objective!r}", remedy)
-    made: Targets = kind(model, tuple(sets))
+    made: Targets = kind(model, sets)
     return made
