@@ -120,15 +120,13 @@ MODES = 36
 
 def true_nodes() -> FloatArray:
     """Coarse nodes with the true bends: each run turned about its pivot, with all behind it."""
-    found = geometry.nodes()
-    ends = geometry.beams()
+    found, ends = geometry.nodes(), geometry.beams()
     for name, group, pivot in geometry.BENDS:
         behind = {ends[group[0]][1]}
         for first, second, _ in ends:  # ordered away from the root, except at the branch
             if first in behind:
                 behind.add(second)
-        rows = sorted(behind)
-        turn = np.deg2rad(ANGLE_DEG[name])
+        rows, turn = sorted(behind), np.deg2rad(ANGLE_DEG[name])
         matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
         found[rows] = found[pivot] + (found[rows] - found[pivot]) @ matrix.T
     return found
@@ -151,10 +149,8 @@ def compliance(level: int, errors: Unfollowed = USUAL) -> float:
 
 def equivalent_loss(level: int, errors: Unfollowed = USUAL) -> float:
     """Stiffness loss of the whole cracked element with the same rotation under a moment as with the crack."""
-    first, second, _ = geometry.beams()[CRACKED_ELEMENT]
-    nodes = true_nodes()
-    wall = float(walls_m(errors)[CRACKED_ELEMENT])
-    added = compliance(level, errors) * _modulus() * _inertia(wall)
+    (first, second, _), nodes = geometry.beams()[CRACKED_ELEMENT], true_nodes()
+    added = compliance(level, errors) * _modulus() * _inertia(float(walls_m(errors)[CRACKED_ELEMENT]))
     return float(added / (added + np.linalg.norm(nodes[second] - nodes[first])))
 
 
@@ -171,11 +167,8 @@ def true_model(level: int, errors: Unfollowed = USUAL) -> FrameModel:
         tube = Tube(geometry.DIAMETER_M, float(wall), *material, shear_coefficient=errors.shear_coefficient)
         span = coarse[second] - coarse[first]
         cuts, soft = _cuts(element, float(np.linalg.norm(span)))
-        ends = [first]
-        for cut in cuts:
-            ends.append(len(nodes))
-            nodes.append(coarse[first] + cut * span)
-        ends.append(second)
+        ends = [first, *range(len(nodes), len(nodes) + len(cuts)), second]
+        nodes += [coarse[first] + cut * span for cut in cuts]
         sections.append(tube)
         tube_index = len(sections) - 1
         for piece, pair in enumerate(zip(ends[:-1], ends[1:], strict=True)):
@@ -188,11 +181,8 @@ def true_model(level: int, errors: Unfollowed = USUAL) -> FrameModel:
             beams[-1] = (*beams[-1][:2], len(sections))
             turns = errors.joint_m / (tube.youngs_modulus_pa * _inertia(tube.thickness_m))
             sections.append(_soft(tube, length_m, turns))
-    masses = [
-        PointMass(node, mass * MASS[name], inertia * INERTIA[name])
-        for name, node, mass, inertia in geometry.MASSES
-    ]
-    masses += errors.masses
+    own = ((node, m * MASS[name], inertia * INERTIA[name]) for name, node, m, inertia in geometry.MASSES)
+    masses = [*(PointMass(*each) for each in own), *errors.masses]
     springs = geometry.hangers(HANGER) + errors.springs
     return FrameModel(np.array(nodes), beams, sections, point_masses=masses, ground_springs=springs)
 

@@ -29,8 +29,10 @@ def _else(found: Assessment, hypotheses: Iterable[Hypothesis], first: str = "Wha
 
 
 def _explanation(found: Assessment, one: Hypothesis) -> str:
-    if one.unknown or not one.elements:
-        return "a change that no element explains" if one.elements else "nothing"
+    if not one.elements:
+        return "nothing"
+    if one.unknown:
+        return "a change that no element explains"
     if _unseen(one) or max(one.severities) < _NO_LOSS:
         return f"damage of {found.hypotheses.named(one.elements[:1])}, which these values do not show"
     return _loss_of(found, one)

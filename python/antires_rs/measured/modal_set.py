@@ -118,8 +118,7 @@ class ModalSet(ReadOnly):
         [[0.0, 1.0]]
         """
         if not isinstance(other, ModalSet):
-            remedy = "Build it from frequencies and shapes: ModalSet(freq_hz, shapes, dofs)."
-            reject("other", type(other).__name__, "a ModalSet", remedy)
+            reject("other", type(other).__name__, "a ModalSet", "Make it: ModalSet(freq_hz, shapes, dofs).")
         common = [dof for dof in self.dofs if dof in other.dofs]
         if not common:
             reject("other", f"dofs {other.dofs}", f"some of {self.dofs}", "Name the dofs of both sets alike.")
@@ -127,8 +126,7 @@ class ModalSet(ReadOnly):
         norms = [np.sum(np.abs(x) ** 2, axis=1) for x in (a, b)]
         for name, norm in zip(("self", "other"), norms, strict=True):
             if not norm.all():
-                still = int(np.argmin(norm))
-                got = f"mode {still} of {name} without motion at the common dofs {tuple(common)}"
+                got = f"mode {np.argmin(norm)} of {name} without motion at the common dofs {tuple(common)}"
                 remedy = "Leave that mode out, or compare at more dofs."
                 reject("other", got, "shapes that do not vanish there", remedy)
         product = np.abs(a.conj() @ b.T) ** 2

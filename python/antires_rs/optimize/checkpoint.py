@@ -101,9 +101,9 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     """Seed, fingerprint and payload; ValueError says what is wrong."""
     data = file.read_bytes()
     if not data.startswith(_MAGIC):
-        line, _, _ = data[:40].partition(b"\n")
-        if line.startswith(_NAME) and line[len(_NAME) :].isdigit():
-            version = int(line[len(_NAME) :])
+        number = data[:40].partition(b"\n")[0].removeprefix(_NAME)
+        if data.startswith(_NAME) and number.isdigit():
+            version = int(number)
             maker = "an older" if version < _VERSION else "a newer"
             # A whole file of another version: no older one beside it will do either.
             got = f"{file.name}, the search of {maker} antires_rs (layout {version})"

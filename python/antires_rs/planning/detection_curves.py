@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,11 +103,12 @@ _SLOPES, _STEPS = np.geomspace(0.3, 60.0, 26), 160
 _FINE = 31
 
 
-class Logit:
+class Logit(NamedTuple):
     """A fitted curve: a90, its slope b, and a90/95."""
 
-    def __init__(self, a90: float, slope: float, bound: float) -> None:
-        self.a90, self.slope, self.bound = a90, slope, bound
+    a90: float
+    slope: float
+    bound: float
 
     def at(self, severity: FloatArray) -> FloatArray:
         """POD."""
