@@ -21,20 +21,8 @@ from ..support.checks import FloatArray, choice, frequency_band, integer, shape_
 from ..support.progress import one_blas_thread, step, waiting
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
+from . import placement
 from .detection_curves import percent
-from .placement import (
-    CRITERIA,
-    ExpectedErrors,
-    Information,
-    Layout,
-    Placed,
-    Round,
-    VirtualRoots,
-    exhaustive,
-    greedy,
-    information,
-    virtual_roots,
-)
 
 Sees = Literal["transmissibility", "frf"]
 #: By default the band ends above so many elastic resonances, by this factor.
@@ -136,7 +124,7 @@ class SensorPlan(ReadOnly, Viewed):
     std: Mapping[str, float]
     std_before: Mapping[str, float]
     excitations: Mapping[int, float]
-    rounds: tuple[Round, ...]
+    rounds: tuple[placement.Round, ...]
     band_hz: tuple[float, float]
     names: Mapping[int, str]
     labels: Mapping[int, str]
@@ -265,8 +253,8 @@ def plan_test(
     sensors = dofs_of("candidates", model, candidates)
     forces = dofs_of("excitations", model, excitations, sensors)
     band = band_of(model, band_hz)
-    errors = ExpectedErrors(noise, duration_s, damping_ratio, std)
-    choice("criterion", criterion, CRITERIA)
+    errors = placement.ExpectedErrors(noise, duration_s, damping_ratio, std)
+    choice("criterion", criterion, placement.CRITERIA)
     choice("sees", sees, ("transmissibility", "frf"))
     choice("search", search, ("greedy", "exhaustive"))
     least = 1 if sees == "frf" else 2
@@ -274,27 +262,27 @@ def plan_test(
     if n > most:
         reject("n_sensors", f"{n} of {most} candidates", f"{least} to {most}", "Allow more dofs.")
     threads = thread_count(workers)
-    find = exhaustive if search == "exhaustive" else greedy
-    plans: dict[int, tuple[Placed, Information]] = {}
-    found: dict[int, VirtualRoots] = {}
+    find = placement.exhaustive if search == "exhaustive" else placement.greedy
+    plans: dict[int, tuple[placement.Placed, placement.Information]] = {}
+    found: dict[int, placement.VirtualRoots] = {}
     with waiting("planning", progress):
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
-            layout = Layout(model, tuple(sensors), force, band, sees)
-            roots = virtual_roots(layout, parameters, nominal, errors, threads)
+            layout = placement.Layout(model, tuple(sensors), force, band, sees)
+            roots = placement.virtual_roots(layout, parameters, nominal, errors, threads)
             found[force] = roots
             # Severities come from the difference of two tests, parameters from one.
-            told = information(roots, len(sensors), spread, 1 if numbers is None else 2)
+            told = placement.information(roots, len(sensors), spread, 1 if numbers is None else 2)
             plans[force] = find(told, n, criterion), told
     if not any(_shown(found[force], placed.chosen) for force, (placed, _) in plans.items()):
         reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
 
-    def detectable(told: Information, chosen: Sequence[int]) -> FloatArray:
+    def detectable(told: placement.Information, chosen: Sequence[int]) -> FloatArray:
         """Of each element alone, as :func:`assess_damage` tells it after a test."""
         slopes = np.sqrt(np.diag(told.of(chosen))) / spread
         return smallest_found(np.diag(slopes), prior or DamagePrior())
 
-    def value(told: Information, chosen: Sequence[int]) -> float:
+    def value(told: placement.Information, chosen: Sequence[int]) -> float:
         if criterion == "determinant":
             return told.worth(chosen, criterion)
         if numbers is not None:
@@ -325,7 +313,7 @@ def plan_test(
         std=FrozenDict(zip(names, after.tolist(), strict=True)),
         std_before=FrozenDict(zip(names, spread.tolist(), strict=True)),
         excitations=FrozenDict({force: value(plans[force][1], plans[force][0].chosen) for force in order}),
-        rounds=tuple(Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
+        rounds=tuple(placement.Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
         band_hz=band,
         names=FrozenDict(zip(elements, names, strict=False)),
         labels=FrozenDict({dof: model.dof_label(dof) for dof in {*sensors, *order}}),
@@ -334,7 +322,7 @@ def plan_test(
     )
 
 
-def _shown(roots: VirtualRoots, chosen: tuple[int, ...]) -> int:
+def _shown(roots: placement.VirtualRoots, chosen: tuple[int, ...]) -> int:
     """Antiresonances of the chosen that at least one other of them does not share."""
     mine = np.flatnonzero(np.isin(roots.sensor, chosen)).tolist()
     others = {root: [c for c in chosen if c != roots.sensor[root]] for root in mine if root in roots.common}
