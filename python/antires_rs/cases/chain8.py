@@ -1,9 +1,8 @@
 """The eight-mass chain of Meruane, J. Sound Vib. 332 (2013) 807-820, section 4.
 
-Eight masses (559.3 g, then seven of 419.4 g) on seven springs of 56.7 kN/m, free at both ends, force at
-mass 0. The responses H_00 to H_70 have 7, 6, 5, 4, 3, 2, 1 and 0 antiresonances, 28 in all. (The paper
-counts eight springs; the eighth would be one to ground.) In the damaged
-state spring 4, the fifth, has lost 55 %.
+Eight masses (559.3 g, then seven of 419.4 g) on seven springs of 56.7 kN/m, free at both ends, force at mass
+0. The responses H_00 to H_70 have 7, 6, 5, 4, 3, 2, 1 and 0 antiresonances, 28 in all. (The paper counts
+eight springs; the eighth would be one to ground.) In the damaged state spring 4, the fifth, has lost 55 %.
 """
 
 from __future__ import annotations
@@ -37,10 +36,8 @@ class Chain8:
     ----------
     model : MassSpringChain
         The nominal model, the one to be updated.
-    excitation : int
-        Dof of the force, 0.
-    responses : list of int
-        Dofs of the accelerometers, all eight.
+    excitation, responses : int, list of int
+        Dofs of the force, 0, and of the accelerometers, all eight.
     band_hz : (float, float)
         Band for the identification.
     """
@@ -87,8 +84,8 @@ class Chain8:
 
         ``noise`` is white sensor noise as a fraction of each channel's own rms.
         """
-        test: dict[str, Any] = {"fs_hz": FS_HZ, "duration_s": duration_s, "damping_ratio": damping_ratio}
-        test |= {"excitation": self.excitation, "responses": self.responses, "noise": noise}
+        test: dict[str, Any] = {"fs_hz": FS_HZ, "excitation": self.excitation, "responses": self.responses}
+        test |= {"duration_s": duration_s, "damping_ratio": damping_ratio, "noise": noise}
         return self.true_model(level).simulate(**test, rng=rng, progress=progress)
 
     def exact_modes(self, level: int = 0) -> ModalSet:
@@ -117,18 +114,16 @@ class Chain8:
 
     def search_problem(self, element: int, beta: float) -> UpdatingProblem:
         """Exact targets of this very model with one damage: for studies of optimizers only."""
-        springs: FloatArray = SPRINGS_N_PER_M.copy()
         loss = finite_scalar("beta", beta, low=0.0, high=0.99)
-        springs[integer("element", element, low=0, high=6)] *= 1.0 - loss
+        chosen = integer("element", element, low=0, high=6)
+        springs = SPRINGS_N_PER_M * np.where(np.arange(7) == chosen, 1.0 - loss, 1.0)
         zeros = MassSpringChain(MASSES_KG, springs).antiresonances(self.responses, self.excitation)
         return self.damage_problem(AntiresonanceSet(self.excitation, dict(enumerate(zeros))))
 
     @staticmethod
     def _intact(level: int) -> FloatArray:
-        factors = np.ones(7)
-        if integer("level", level, low=0, high=1) == 1:
-            factors[DAMAGED_ELEMENT] = 1.0 - SEVERITY
-        return factors
+        loss = SEVERITY * integer("level", level, low=0, high=1)
+        return 1.0 - np.where(np.arange(7) == DAMAGED_ELEMENT, loss, 0.0)
 
     def __repr__(self) -> str:
         return f"Chain8({self.model!r}, force at dof {self.excitation})"

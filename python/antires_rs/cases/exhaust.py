@@ -34,10 +34,8 @@ class Exhaust:
     ----------
     model : FrameModel
         The nominal model, the one to be updated: 48 nodes, 47 elements, 144 dofs.
-    excitation : int
-        Dof of the shaker.
-    responses : list of int
-        Dofs of the 16 accelerometers.
+    excitation, responses : int, list of int
+        Dofs of the shaker and of the 16 accelerometers.
     held_out, fitted : list of int
         The 4 of them that stay out of the updating fit, and the other 12.
     updating_band_hz, damage_band_hz : (float, float)
@@ -78,22 +76,14 @@ class Exhaust:
     ) -> Recording:
         """Record of the virtual test at 1024 Hz: random force, accelerations of the 16 places.
 
-        Made by the tested structure, a finer frame with other properties than ``model``. The default
-        record of 10 minutes takes some seconds to make.
-
         ``level`` 0 is undamaged, 1 to 3 a crack over 60, 70, 85 % of the perimeter; ``noise`` is white sensor
         noise as a fraction of each channel's own rms. Channels are named by the dofs of ``model``; the force
         is kept, unused by default.
         """
         tested = experiment.TestedStructure(self._level(level), self.unfollowed)
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
-        test: dict[str, Any] = {
-            "fs_hz": FS_HZ,
-            "band_hz": FORCE_HZ,
-            "damping_ratio": experiment.RIGID_DAMPING,
-        }
-        test |= {"duration_s": duration_s, "noise": noise, "rng": rng, "progress": progress}
-        return simulate(tested, self.responses, self.excitation, float(tested.freq_hz[0]), **test)
+        test = float(tested.freq_hz[0]), FS_HZ, duration_s, experiment.RIGID_DAMPING, FORCE_HZ, noise, rng
+        return simulate(tested, self.responses, self.excitation, *test, progress=progress)
 
     def truth(self, level: int = 0) -> dict[str, Any]:
         """What was tested, by name.
@@ -167,9 +157,8 @@ class Exhaust:
         loss = finite_scalar("beta", beta, low=0.0, high=0.99)
         damaged = self.model.with_parameters(stiffness_reduction(chosen), loss)
         found = damaged.antiresonances(self.responses, self.excitation, f_max_hz=self.damage_band_hz[1])
-        return self.damage_problem(
-            AntiresonanceSet(self.excitation, dict(zip(self.responses, found, strict=True)))
-        )
+        zeros = dict(zip(self.responses, found, strict=True))
+        return self.damage_problem(AntiresonanceSet(self.excitation, zeros))
 
     @staticmethod
     def _within(
@@ -207,8 +196,7 @@ def exhaust(
     wall_scatter : float
         Relative standard deviation of the wall thickness from one element's pipe to the next; [0, 0.1].
     joint_m : float
-        Flexibility of the joints at catalyst, mufflers and flange: that of so many metres of pipe;
-        [0, 0.2].
+        Flexibility of the joints at catalyst, mufflers and flange: that of so many metres of pipe; [0, 0.2].
     shear_coefficient : 'cowper' or float, optional
         The tested pipe as Timoshenko beams; the model's are Euler-Bernoulli beams.
     cord_kg : float

@@ -1,10 +1,9 @@
 """Shape, sections, masses and hangers of the exhaust: the numbers of the model that is updated.
 
 A surrogate of Fig. 10 of Meruane, J. Sound Vib. 332 (2013) 807-820, which gives the size (2.3 m x 0.45 m,
-pipe 38 mm, 47 beams on 48 nodes, 5 lumped inertias, 144 dof) but not the coordinates. Ours is the exhaust
-of a small car: front pipe with a catalyst, a link to the side, front muffler, a hump over the axle, a flange
-with a weld behind it, the rear pipe into the rear muffler, and two tail pipes. 19 kg, of which 4 kg are
-pipe.
+pipe 38 mm, 47 beams on 48 nodes, 5 lumped inertias, 144 dof) but not the coordinates. Ours is the exhaust of
+a small car: front pipe with a catalyst, a link to the side, front muffler, a hump over the axle, a flange
+with a weld behind it, the rear pipe into the rear muffler, and two tail pipes. 19 kg, of which 4 kg are pipe.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """The exhaust that is tested: not the model that is updated.
 
 Its mesh is four times finer. Wall thicknesses, moduli, masses, bends, inertias and cords differ from
-nominal, wall thicknesses also from one piece of pipe to the next; every mode has its own damping. More
-errors that the model cannot follow are in :mod:`.unfollowed`. Cracked, it has a rotational spring in the
-pipe 2 cm behind a weld, between two nodes of the coarse mesh.
+nominal; every mode has its own damping. Cracked, it has a rotational spring in the pipe 2 cm behind a weld.
 """
 
 from __future__ import annotations
@@ -61,13 +59,11 @@ class Unfollowed:
 # .. math:: C = \frac{4}{\pi E R^2 t} \int_0^\theta \vartheta F_b(\vartheta)^2 \, d\vartheta, \qquad
 #           K_I = \frac{M}{\pi R^2 t} \sqrt{\pi R \vartheta} \, F_b(\vartheta)
 #
-# with R the mean radius and t the wall thickness. The factor is Zahoor's, a fit to finite elements for R/t
-# of 5 to 20 and cracks up to some 55 % of the perimeter: A. Zahoor, J. Pressure Vessel Technol. 107 (1985)
+# with R the mean radius and t the wall thickness. The factor is Zahoor's, a fit to finite elements for R/t of
+# 5 to 20 and cracks up to some 55 % of the perimeter: A. Zahoor, J. Pressure Vessel Technol. 107 (1985)
 # 203-205, and Ductile Fracture Handbook, EPRI NP-6301-D (1989); printed in T. L. Anderson, Fracture
-# Mechanics, Table 12.29. Longer cracks are extrapolated: a spring wants a magnitude, not a margin of
-# safety. (The net section of the ligament says that a real crack of 85 % would be softer still.) The crack
-# is always open, on the side that the frame's bending opens; that it also lets the pipe stretch is left
-# out.
+# Mechanics, Table 12.29. Longer cracks are extrapolated. The crack is always open; that it also lets the pipe
+# stretch is left out.
 
 
 def bending_factor(share: float, radius_over_wall: float) -> float:
@@ -93,8 +89,8 @@ def crack_compliance(
 
 #: Beams of the tested structure for each of the model.
 PIECES = 4
-#: The crack: element of the model (the paper counts it as 31). The pipe sits in the flange's socket, from
-#: node 30 on; the weld runs around its end, and the crack around the pipe behind the weld.
+#: The crack: element of the model (the paper counts it as 31); the pipe sits in the flange's socket, from
+#: node 30 on, and the crack runs around it behind the weld.
 CRACKED_ELEMENT, SOCKET_M, BEHIND_WELD_M = 30, 0.02, 0.02
 #: Share of the perimeter at levels 1 to 3.
 SHARES = (0.60, 0.70, 0.85)
@@ -124,15 +120,13 @@ MODES = 36
 
 def true_nodes() -> FloatArray:
     """Coarse nodes with the true bends: each run turned about its pivot, with all behind it."""
-    found = geometry.nodes()
-    ends = geometry.beams()
+    found, ends = geometry.nodes(), geometry.beams()
     for name, group, pivot in geometry.BENDS:
         behind = {ends[group[0]][1]}
         for first, second, _ in ends:  # ordered away from the root, except at the branch
             if first in behind:
                 behind.add(second)
-        rows = sorted(behind)
-        turn = np.deg2rad(ANGLE_DEG[name])
+        rows, turn = sorted(behind), np.deg2rad(ANGLE_DEG[name])
         matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
         found[rows] = found[pivot] + (found[rows] - found[pivot]) @ matrix.T
     return found
@@ -155,10 +149,8 @@ def compliance(level: int, errors: Unfollowed = USUAL) -> float:
 
 def equivalent_loss(level: int, errors: Unfollowed = USUAL) -> float:
     """Stiffness loss of the whole cracked element with the same rotation under a moment as with the crack."""
-    first, second, _ = geometry.beams()[CRACKED_ELEMENT]
-    nodes = true_nodes()
-    wall = float(walls_m(errors)[CRACKED_ELEMENT])
-    added = compliance(level, errors) * _modulus() * _inertia(wall)
+    (first, second, _), nodes = geometry.beams()[CRACKED_ELEMENT], true_nodes()
+    added = compliance(level, errors) * _modulus() * _inertia(float(walls_m(errors)[CRACKED_ELEMENT]))
     return float(added / (added + np.linalg.norm(nodes[second] - nodes[first])))
 
 
@@ -175,11 +167,8 @@ def true_model(level: int, errors: Unfollowed = USUAL) -> FrameModel:
         tube = Tube(geometry.DIAMETER_M, float(wall), *material, shear_coefficient=errors.shear_coefficient)
         span = coarse[second] - coarse[first]
         cuts, soft = _cuts(element, float(np.linalg.norm(span)))
-        ends = [first]
-        for cut in cuts:
-            ends.append(len(nodes))
-            nodes.append(coarse[first] + cut * span)
-        ends.append(second)
+        ends = [first, *range(len(nodes), len(nodes) + len(cuts)), second]
+        nodes += [coarse[first] + cut * span for cut in cuts]
         sections.append(tube)
         tube_index = len(sections) - 1
         for piece, pair in enumerate(zip(ends[:-1], ends[1:], strict=True)):
@@ -192,11 +181,8 @@ def true_model(level: int, errors: Unfollowed = USUAL) -> FrameModel:
             beams[-1] = (*beams[-1][:2], len(sections))
             turns = errors.joint_m / (tube.youngs_modulus_pa * _inertia(tube.thickness_m))
             sections.append(_soft(tube, length_m, turns))
-    masses = [
-        PointMass(node, mass * MASS[name], inertia * INERTIA[name])
-        for name, node, mass, inertia in geometry.MASSES
-    ]
-    masses += errors.masses
+    own = ((node, m * MASS[name], inertia * INERTIA[name]) for name, node, m, inertia in geometry.MASSES)
+    masses = [*(PointMass(*each) for each in own), *errors.masses]
     springs = geometry.hangers(HANGER) + errors.springs
     return FrameModel(np.array(nodes), beams, sections, point_masses=masses, ground_springs=springs)
 
@@ -251,9 +237,8 @@ class TestedStructure:
         order = np.argsort(squares)
         self.freq_hz: FloatArray = np.sqrt(squares[order]) / (2 * np.pi)
         self.shapes: FloatArray = shapes[:, order].T
-        self.damping_ratio = np.concatenate(
-            [np.full(RIGID_MODES, RIGID_DAMPING), np.resize(ELASTIC_DAMPING, MODES - RIGID_MODES)]
-        )
+        elastic = np.resize(ELASTIC_DAMPING, MODES - RIGID_MODES)
+        self.damping_ratio = np.append(np.full(RIGID_MODES, RIGID_DAMPING), elastic)
         unit = np.zeros(self.model.n_dof)
         unit[self.excitation] = 1.0
         # Receptance at the shift, less what the modes give: the quasi-static part of the modes left out.

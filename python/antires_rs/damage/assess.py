@@ -16,9 +16,10 @@ from ..exceptions import part, reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thread_count
 from ..support.checks import FloatArray, integer, shape_of
+from ..support.messages import some
 from ..support.options import gathered
 from ..support.progress import patient, waiting
 from ..support.values import FrozenDict, ReadOnly
@@ -27,6 +28,7 @@ from ..updating.model_check import Explained, explained
 from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
 from ..updating.reduced_model import ReductionReport
 from ..updating.result import UpdateResult
+from ..updating.targets import sets_of
 from ..updating.update import search as find
 from ..views import Viewed
 from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
@@ -42,14 +44,6 @@ if TYPE_CHECKING:
 
 
 # -- The model, the elements and the sets that a question about damage names
-
-
-def checked_model(model: Any) -> StructuralModel:
-    """A model of ours."""
-    if not isinstance(model, StructuralModel):
-        wanted = "a MassSpringChain, FrameModel or MatrixModel"
-        reject("model", model, wanted, "Build the model as one of these first.")
-    return model
 
 
 def checked_search(search: Any) -> SearchOptions:
@@ -71,25 +65,10 @@ def elements_of(model: StructuralModel, elements: Any) -> list[int]:
     if not chosen:
         remedy = f"Name some of 0 to {terms - 1}." if terms else "Give the MatrixModel its stiffness_terms."
         reject("elements", "no candidate", "at least one stiffness term", remedy)
-    return [integer(part("elements", i), e, low=0, high=terms - 1) for i, e in enumerate(chosen)]
-
-
-def sets_of(name: str, given: Any, *, modes: bool = True) -> tuple[Any, ...]:
-    """One or several measured sets of one kind."""
-    kinds = (AntiresonanceSet, ModalSet) if modes else (AntiresonanceSet,)
-    sets = (given,) if isinstance(given, kinds) else given
-    own = {type(each) for each in sets} if isinstance(sets, Sequence) else set()
-    if own not in [{kind} for kind in kinds]:
-        if modes:
-            wanted, remedy = (
-                "an AntiresonanceSet or a ModalSet, or several of one kind",
-                "both states in the same way.",
-            )
-        else:
-            given, wanted = type(given).__name__, "an AntiresonanceSet, or several"
-            remedy = "the antiresonances first: ar.identify_antiresonances(record, ...)."
-        reject(name, given, wanted, f"Identify {remedy}")
-    return tuple(sets)
+    numbers = [integer(part("elements", i), e, low=0, high=terms - 1) for i, e in enumerate(chosen)]
+    if len({*numbers}) < len(numbers):
+        reject("elements", f"{numbers}, one of them twice", "each element once", "Drop the second one.")
+    return numbers
 
 
 def question_of(
@@ -117,8 +96,6 @@ def question_of(
 
 #: Width of the 90 % interval of a Gaussian, in standard deviations.
 _WIDTH_90 = 2.0 * 1.6448536269514722
-#: Elements that a note calls by name.
-_NAMED = 4
 #: Relative scatter of stiffnesses and masses that probabilities without a baseline assume.
 ASSUMED_MODEL_ERROR = 0.03
 
@@ -129,11 +106,10 @@ class DamageResult(Answered, UpdateResult):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> damaged = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 300.0])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(damaged.antiresonances([0, 1, 2], 0))))
-    >>> result = ar.assess_damage(ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0]), measured, rng=0)
-    >>> result.damaged, round(result.severity[1], 3), round(result.detectable[1], 2)
-    ([1], 0.4, 0.01)
+    >>> case = ar.cases.chain8()
+    >>> result = ar.assess_damage(case.model, case.exact(level=1), rng=0)
+    >>> result.damaged, round(result.severity[4], 2)
+    ([4], 0.55)
     """
 
     _assessment: Assessment | None
@@ -195,8 +171,8 @@ class DamageResult(Answered, UpdateResult):
     def _headline(self) -> list[str]:
         if self._assessment is not None:
             return headline(self._assessment)
-        label, finished = self.problem.model.element_label, self.search.status != "interrupted"
-        return headline_of_one_state(self._losses, label, self._fit, len(self.elements), finished=finished)
+        found = self._losses, self.problem.model.element_label, self._fit, len(self.elements)
+        return headline_of_one_state(*found, finished=self.search.status != "interrupted")
 
     @property
     def _losses(self) -> dict[int, float]:
@@ -229,7 +205,7 @@ class DamageResult(Answered, UpdateResult):
 
         With a baseline: what nine of ten such tests would show, with the errors of the values and those that
         the baseline leaves to the model. Without one: below it the penalties cost more than the damage
-        explains, on exact data, so that an undamaged structure is the better answer to the objective.
+        explains, on exact data.
         """
         return dict(zip(self.elements, self._detectable, strict=True))
 
@@ -257,14 +233,10 @@ class DamageResult(Answered, UpdateResult):
 
     def _values(self) -> list[str]:
         """The damaged elements, the worst first; the others are exactly 0 and take one line."""
-        names = dict(zip(self.elements, self.problem.names, strict=True))
-        width = max(len(name) for name in names.values())
-        std = dict(zip(self.elements, 100 * self.std, strict=True))
-        lines = [
-            f"{names[e]:<{width}}  {100 * self.severity[e]:6.2f} % \u00b1 {std[e]:.2g} %"
-            for e in self.damaged
-        ]
-        others = len(names) - len(lines)
+        width, at = max(map(len, self.problem.names)), list(map(self.elements.index, self.damaged))
+        rows = [(self.problem.names[i], 100 * self.x[i], 100 * self.std[i]) for i in at]
+        lines = [f"{name:<{width}}  {loss:6.2f} % \u00b1 {std:.2g} %" for name, loss, std in rows]
+        others = len(self.elements) - len(lines)
         rest = "all others" if lines else "all of them"
         return [*lines, *([f"{rest} ({others}): exactly 0"] if others else [])]
 
@@ -280,14 +252,12 @@ class DamageResult(Answered, UpdateResult):
             if self.reduction is not None:
                 notes.append(self.reduction.note_with(UNREDUCED))
             notes += self._of_the_values()
-            if self._visible():
-                notes.append(f"Smallest damage that nine of ten such tests would show: {self._visible()}.")
+            if seen := self._visible():
+                notes.append(f"Smallest damage that nine of ten such tests would show: {seen}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
         if others:
-            named = ", ".join(others[:_NAMED])
-            named += f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
             blamed = "would be blamed on others" if self._assessment is None else "counts as elsewhere"
-            notes.append(f"No candidates: {named}. Damage there {blamed}.")
+            notes.append(f"No candidates: {some(others)}. Damage there {blamed}.")
         hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
         if hidden:
             notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
@@ -310,12 +280,10 @@ class DamageResult(Answered, UpdateResult):
             "Without a baseline every error of the model may come out as damage: give the values of the "
             "intact structure as baseline=, or see .probability."
         ]
-        if self._visible():
-            notes.append(
-                f"Smallest damage that would be seen: {self._visible()}. An element with less than its own "
-                "limit counts as undamaged"
-                + (f": {penalty.text} outweigh what its damage explains." if penalty else ".")
-            )
+        if seen := self._visible():
+            why = f": {penalty.text} outweigh what its damage explains." if penalty else "."
+            less = f"An element with less than its own limit counts as undamaged{why}"
+            notes.append(f"Smallest damage that would be seen: {seen}. {less}")
         if penalty is not None and penalty.snap > 0:
             notes.append(f"Severities below {penalty.snap:g} were set to exactly 0.")
         return notes
@@ -366,10 +334,9 @@ def assess_damage(
 ) -> DamageResult:
     """Locate and size damage: the stiffness loss of each element that explains the measurement.
 
-    With a baseline, the way to go, changes of the measured values are set against changes of the model,
-    whose own errors are learned from the baseline; the answer is the most probable set of damaged elements,
-    with its probability. Without one, the paper's search, in which every error of the model may come out as
-    damage.
+    With a baseline, the way to go, changes of the measured values are set against changes of the model, whose
+    own errors are learned from the baseline. Without one, the paper's search, in which every error of the
+    model may come out as damage.
 
     Parameters
     ----------
@@ -382,8 +349,7 @@ def assess_damage(
     baseline : AntiresonanceSet, ModalSet, or several of one kind, optional
         The intact structure, identified with the same sensors and forces. Standard deviations of both count.
     elements : sequence of int, optional
-        Candidate elements, zero-based. Default: all springs between masses, all beams,
-        all stiffness terms.
+        Candidate elements, zero-based. Default: all springs between masses, all beams, all stiffness terms.
     prior : DamagePrior, optional
         What is believed before the test; with a baseline.
     search : SearchOptions, optional
@@ -407,14 +373,10 @@ def assess_damage(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 495.0, 500.0])
-    >>> damaged = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [510.0, 297.0, 500.0])
-    >>> before, now = (ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances([0, 1, 2, 3], 0))))
-    ...                for m in (intact, damaged))
-    >>> model = ar.MassSpringChain([1.0, 1.0, 1.0, 1.0], [500.0, 500.0, 500.0])
-    >>> result = ar.assess_damage(model, now, baseline=before)
-    >>> {element: round(beta, 2) for element, beta in result.severity.items()}, result.probability[1] > 0.99
-    ({0: 0.0, 1: 0.4, 2: 0.0}, True)
+    >>> case = ar.cases.chain8(perturbation=0.05, rng=3)
+    >>> result = ar.assess_damage(case.model, case.exact(level=1), baseline=case.exact(level=0))
+    >>> result.damaged, round(result.severity[4], 2), result.probability[4] > 0.99
+    ([4], 0.55, True)
     """
     checked_model(model)
     chosen = elements_of(model, elements)
@@ -422,9 +384,8 @@ def assess_damage(
     if baseline is None:
         _without({"prior": prior}, "together with a baseline")
         options = options.of(ONE_STATE)
-        problem = UpdatingProblem(
-            model, stiffness_reduction(chosen), measured, penalty=options.prices, weights=options.weights
-        )
+        how: Any = {"penalty": options.prices, "weights": options.weights}
+        problem = UpdatingProblem(model, stiffness_reduction(chosen), measured, **how)
         found, seed, _ = find(problem, optimizer, rng, workers, callback, options.x0, progress, checkpoint)
         held = {"antires_rs": __version__, **options.held(ONE_STATE), **found.options}
         return DamageResult(problem, found, seed, options=held)
@@ -450,14 +411,13 @@ def _result(
         penalty=DamagePenalty(0.0, 0.0, 0.0),
     )
     x = np.array([found.severities.get(e, 0.0) for e in question.elements])
-    none = np.empty(0)
+    none, when = np.empty(0), " before Ctrl-C" if found.interrupted else ""
     search_result = OptimizeResult(
         x=x,
         fun=problem.cost(x),
         success=not found.interrupted,
         status="interrupted" if found.interrupted else "judged",
-        message=f"{len(found.hypotheses)} hypotheses were judged"
-        + (" before Ctrl-C" if found.interrupted else ""),
+        message=f"{len(found.hypotheses)} hypotheses were judged{when}",
         nfev=nfev,
         njev=None,
         nit=0,
@@ -540,18 +500,14 @@ class AssessedTest(Answered, ReadOnly):
 
 # -- Whether the answer of the tables holds
 
-#: Two hypotheses within this (log probability) may change places in a full run.
-_CLOSE = 0.1
-#: Probability of something else from which on the full run is to look for it.
-_UNKNOWN = 0.1
+#: Two hypotheses within this (log probability) may change places in a full run, which is also to look for
+#: something else from this probability on.
+_CLOSE, _UNKNOWN = 0.1, 0.1
 #: Share of values without a root that is too much, and how many are usual.
 _LOST, _USUALLY_LOST = 0.1, 2
-#: Severity beyond which the slopes say little.
-_LARGE = 0.97
-#: Values so far outside of the baseline's band (ln f) are not looked at.
-_OUTSIDE = 0.3
-#: Hypotheses of less than this probability are not listed.
-_LISTED = 1e-3
+#: Severity beyond which the slopes say little; values so far outside of the baseline's band (ln f) are not
+#: looked at; hypotheses of less than this probability are not listed.
+_LARGE, _OUTSIDE, _LISTED = 0.97, 0.3, 1e-3
 
 
 def doubts(search: QuickSearch, found: Assessment) -> list[str]:
@@ -562,14 +518,13 @@ def doubts(search: QuickSearch, found: Assessment) -> list[str]:
     unknown = sum(one.probability for one in found.hypotheses if one.unknown)
     lost = found.n_values - found.n_matched
     outside = (now.log_f < band.low - _OUTSIDE) | (now.log_f > band.high + _OUTSIDE)
+    many = lost > max(_USUALLY_LOST, _LOST * now.size)
     reasons = {
         "more hypotheses are likely than were judged": search.cut,
         "two hypotheses are about equally probable": close and not search.cut,
         "something else than damage of the elements may have changed": unknown > _UNKNOWN,
         "what was found does not explain all values": not search.finished,
-        f"{lost} of {now.size} values have no antiresonance of the model": (
-            lost > max(_USUALLY_LOST, _LOST * now.size)
-        ),
+        f"{lost} of {now.size} values have no antiresonance of the model": many,
         f"a loss above {100 * _LARGE:.0f} %": max(best.severities, default=0.0) > _LARGE,
         "more than two damaged elements, of which a full run judges more sets": len(best.elements) > 2,
         "values are far outside of the band of the baseline": outside.any(),
@@ -583,8 +538,7 @@ class Assessor(ReadOnly, Viewed):
     What does not depend on the test is done once: the model's errors are learned from the baseline, its
     antiresonances and their sensitivities computed over the severity of each element. A test is then searched
     in these tables, and what may be the answer is judged by the likelihood of :func:`assess_damage`, its
-    antiresonances computed. Where the answer may not be that of a full run it says so, see
-    :class:`AssessedTest`.
+    antiresonances computed; :class:`AssessedTest` says where that may not be enough.
 
     Parameters
     ----------
@@ -674,8 +628,7 @@ class Assessor(ReadOnly, Viewed):
         Parameters
         ----------
         zeros : AntiresonanceSet, or one for each position of the force
-            Identified as the baseline was. Responses that the baseline does not have are left out, which is
-            among the reasons for a full run.
+            Identified as the baseline was. Responses that the baseline does not have are left out.
 
         Raises
         ------

@@ -24,9 +24,8 @@ if TYPE_CHECKING:
 # -- Modes of the model as roots: a natural frequency each, and where its shape lies beside the intact one
 #
 # A shape u of unit length at n sensors is told by its n - 1 coordinates :math:`a = Q^T (u' - u)` in an
-# orthonormal basis Q of the directions across it, which neither sign nor size touches. Along a change of the
-# model the basis is turned with the shape, without any rotation about it, so that an error of a shape has the
-# same coordinates in both states. Modes are followed by their shapes, with a little weight on the frequency.
+# orthonormal basis Q across it, which neither sign nor size touches. Along a change of the model the basis is
+# turned with the shape, without rotation about it: its error has the same coordinates in both states.
 
 #: Modes whose frequencies lie nearer together (ln f): the model does not tell how their shapes mix.
 _MIXED = 1e-3
@@ -41,6 +40,7 @@ class ModeRoots(Roots):
     shapes: tuple[FloatArray, ...]  # of each group of sensors, unit length, (modes, n)
     bases: tuple[FloatArray, ...]  # across these, (modes, n, n - 1)
     mixed: NDArray[np.bool_]  # whether another mode is so near that the shape says nothing, (modes,)
+    _has_shapes = True
 
     @property
     def each(self) -> int:
@@ -48,16 +48,11 @@ class ModeRoots(Roots):
         return 1 + sum(int(basis.shape[2]) for basis in self.bases)
 
     @property
-    def kind(self) -> NDArray[np.intp]:
-        """0 of frequencies, 1 of shapes."""
-        return (self.response > 0).astype(np.intp)
-
-    @property
     def frequencies(self) -> FloatArray:
         """ln f of each mode."""
         return self.log_f[:: self.each]
 
-    def coordinates(self, group: int) -> slice:
+    def coordinates(self, group: Any) -> slice:
         """Where those of a group are, among the roots of a mode."""
         sizes = [1, *(basis.shape[2] for basis in self.bases)]
         first = int(sum(sizes[: group + 1]))
@@ -72,22 +67,16 @@ class ModeRoots(Roots):
         """Some of the modes; ``kept`` is by root."""
         modes, rest = kept[:: self.each], super().only(kept)
         assert isinstance(rest, ModeRoots)
-        return replace(
-            rest,
-            shapes=tuple(shapes[modes] for shapes in self.shapes),
-            bases=tuple(basis[modes] for basis in self.bases),
-            mixed=self.mixed[modes],
-        )
+        shapes, bases = (tuple(each[modes] for each in own) for own in (self.shapes, self.bases))
+        return replace(rest, shapes=shapes, bases=bases, mixed=self.mixed[modes])
 
     def since(self, before: Roots) -> tuple[Roots, NDArray[np.intp]]:
         """These with their shapes turned from those of ``before``, and which root there each has been."""
         from scipy.optimize import linear_sum_assignment
 
         assert isinstance(before, ModeRoots)
-        # MAC over all groups of sensors, (modes, modes before).
-        alike = np.mean(
-            [(own @ theirs.T) ** 2 for own, theirs in zip(self.shapes, before.shapes, strict=True)], axis=0
-        )
+        both = zip(self.shapes, before.shapes, strict=True)
+        alike = np.mean([(own @ theirs.T) ** 2 for own, theirs in both], axis=0)  # MAC over all groups
         cost = 1.0 - alike + _BY_FREQUENCY * np.abs(self.frequencies[:, None] - before.frequencies)
         rows, columns = linear_sum_assignment(cost)
         same = alike[rows, columns] > _ALIKE
@@ -114,10 +103,8 @@ class ModeRoots(Roots):
             faced.append(shapes)
         identity = np.where(was[:, None] >= 0, was[:, None] * self.each + np.arange(self.each), -1)
         moved_slopes = self.slopes if slopes is None else slopes.reshape(self.slopes.shape)
-        found = replace(
-            self, log_f=place.ravel(), slopes=moved_slopes, shapes=tuple(faced), bases=tuple(bases)
-        )
-        return found, identity.ravel()
+        seen = replace(self, log_f=place.ravel(), slopes=moved_slopes)
+        return replace(seen, shapes=tuple(faced), bases=tuple(bases)), identity.ravel()
 
 
 @dataclass(frozen=True)
@@ -137,8 +124,7 @@ class ModeSource:
     ) -> ModeRoots:
         log_f = np.log(hz)
         gap = np.diff(log_f, prepend=-np.inf, append=np.inf)
-        shapes, bases, rows = [], [], [logs[:, None, :]]
-        response = [0]
+        shapes, bases, rows, response = [], [], [logs[:, None, :]], [0]
         for number, own in enumerate(self.groups):
             size = np.linalg.norm(at[:, own], axis=1)
             size = np.where(size > 0.0, size, 1.0)  # at rest there, and never measured there
@@ -151,15 +137,10 @@ class ModeSource:
                 rows.append(basis.transpose(0, 2, 1) @ (moves[:, own] / size[:, None, None]))
         places = np.zeros((hz.size, len(response)))
         places[:, 0] = log_f
-        joined = np.concatenate(rows, axis=1) if with_slopes else logs
-        return ModeRoots(
-            np.tile(np.array(response, dtype=np.intp), hz.size),
-            places.ravel(),
-            joined.reshape(hz.size * len(response), -1) if with_slopes else logs,
-            tuple(shapes),
-            tuple(bases),
-            np.minimum(gap[:-1], gap[1:]) < _MIXED,
-        )
+        every = np.tile(np.array(response, dtype=np.intp), hz.size)
+        joined = np.concatenate(rows, axis=1).reshape(every.size, -1) if with_slopes else logs
+        mixed = np.minimum(gap[:-1], gap[1:]) < _MIXED
+        return ModeRoots(every, places.ravel(), joined, tuple(shapes), tuple(bases), mixed)
 
 
 def _across(unit: FloatArray) -> FloatArray:
@@ -195,17 +176,13 @@ class ModeValues(Values):
     start: NDArray[np.intp]  # the first value of each mode
     group: NDArray[np.intp]  # its sensors
     shape: tuple[FloatArray, ...]  # its unit shape there
+    _has_shapes = True
 
     @cached_property
     def plain(self) -> Values:
         """Frequencies alone."""
         at = self.start
         return Values(self.response[at], self.log_f[at], self.std[at], self.test[at])
-
-    @property
-    def kind(self) -> NDArray[np.intp]:
-        """0 of frequencies, 1 of shapes."""
-        return (self.response > 0).astype(np.intp)
 
     def times_measured(self, response: NDArray[np.intp]) -> FloatArray:
         """A mode moves the sensors of every test."""
@@ -249,19 +226,17 @@ class ModeValues(Values):
                 if roots.mixed[column]:
                     lost += any_shape[modes[row]]
                     continue
-                found[own.start + 1 : own.stop] = at + np.arange(roots.each)[self._at(modes[row], roots)]
+                places = np.arange(roots.each)[roots.coordinates(self.group[modes[row]])]
+                found[own.start + 1 : own.stop] = at + places
                 seen[own.start + 1 : own.stop] = pairs[row][1][column]
         return found, seen, lost
-
-    def _at(self, mode: int, roots: ModeRoots) -> slice:
-        """Where the coordinates of its shape are, among the roots of a mode of the model."""
-        return roots.coordinates(int(self.group[mode]))
 
     def _beside(
         self, mode: int, roots: ModeRoots, place: FloatArray, sigma: FloatArray, wider: float
     ) -> tuple[FloatArray, FloatArray]:
         """What it costs that a mode belongs to each of the model's, and its shape as seen from these."""
-        own, group, at, shape = self.own(mode), self.group[mode], self._at(mode, roots), self.shape[mode]
+        own, group, shape = self.own(mode), self.group[mode], self.shape[mode]
+        at = roots.coordinates(group)
         log_f, places, sigmas = (each.reshape(-1, roots.each) for each in (roots.log_f, place, sigma))
 
         def cost(value: Any, std: FloatArray, columns: Any) -> FloatArray:
@@ -319,15 +294,11 @@ class ModeResponses:
     def source(self, model: StructuralModel, parts: Any) -> ModeSource:
         """The model's modes, to be asked for."""
         own, rows = model._core_for([dof for group in self.groups for dof in group])
-        left = iter(rows)
+        left, hz = iter(rows), np.array([self.highest_hz])
         groups = [[next(left) for _ in group] for group in self.groups]
-        sensors = sorted({*rows})
-        asked = [
-            (np.array([self.highest_hz]), group, np.ones((1, len(group)), dtype=np.complex128))
-            for group in groups
-        ]
+        asked = [(hz, group, np.ones((1, len(group)), dtype=np.complex128)) for group in groups]
         core = _core.Objective.modal(own, parts, asked, "squared", None, 0.0, None)
-        return ModeSource(core, tuple(np.searchsorted(sensors, group) for group in groups))
+        return ModeSource(core, tuple(np.searchsorted(sorted({*rows}), group) for group in groups))
 
     def corrected(
         self, now: ModeValues, roots: Roots, partner: NDArray[np.intp], beside: FloatArray
@@ -347,11 +318,9 @@ class ModeResponses:
                 shapes.append(shape)
             if freq:
                 order, dofs = np.argsort(freq), list(self.groups)[group]
-                std_hz, std_shapes = (
-                    None if std is None else std[kept][order] for std in (each.std_hz, each.std_shapes)
-                )
-                columns = np.array(freq)[order], np.array(shapes)[order], dofs
-                sets.append(ModalSet(*columns, std_hz=std_hz, std_shapes=std_shapes))
+                names = [name for name in ("std_hz", "std_shapes") if getattr(each, name) is not None]
+                std = {name: getattr(each, name)[kept][order] for name in names}
+                sets.append(ModalSet(np.array(freq)[order], np.array(shapes)[order], dofs, **std))
         return sets
 
 
@@ -359,19 +328,17 @@ def measured_modes(
     model: StructuralModel, baseline: Sequence[ModalSet], measured: Sequence[ModalSet]
 ) -> tuple[ModeResponses, ModeValues, ModeValues]:
     """The sensors of all sets, the intact modes and those of now."""
-    listed = [
-        [tuple(model_dof(model, "measured dof", dof) for dof in each.dofs) for each in sets]
-        for sets in (baseline, measured)
-    ]
+
+    def dofs_of(each: ModalSet) -> _Dofs:
+        return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
+
+    listed = [[*map(dofs_of, baseline)], [*map(dofs_of, measured)]]
     before, after = ([tuple(sorted(dofs)) for dofs in each] for each in listed)
     for each, dofs in zip(measured, after, strict=True):
         if before and dofs not in before:
-            reject(
-                "baseline",
-                f"no set at the dofs {list(each.dofs)}",
-                "sets of the intact structure with the same sensors as measured",
-                "Test the intact structure with these sensors too, or keep the dofs that both tests have.",
-            )
+            got, wanted = f"no set at the dofs {list(each.dofs)}", "intact sets with the same sensors"
+            remedy = "Test the intact structure with these too, or keep the dofs that both tests have."
+            reject("baseline", got, wanted, remedy)
     groups = {dofs: nth for nth, dofs in enumerate(dict.fromkeys((*before, *after)))}
     both = (*baseline, *measured)
     highest = max((float(each.freq_hz.max(initial=0.0)) for each in both), default=0.0)
@@ -382,24 +349,11 @@ def measured_modes(
     if any(each.std_shapes is None for each in both):
         share = f"{100 * ASSUMED_SHAPE_STD:g} % of the shape's length"
         notes.insert(0, f"Components of shapes without standard deviation count as known to {share}.")
-    responses = ModeResponses(
-        groups,
-        tuple(measured),
-        tuple(
-            np.flatnonzero((each.freq_hz > 0.0) & (nth not in twice[1])) for nth, each in enumerate(measured)
-        ),
-        highest,
-        tuple(notes),
-        any(each.std_hz is None for each in both),
-        tuple(groups[dofs] for dofs in before),
-    )
-    intact, now = (
-        _values(name, sets, dofs, groups, repeated)
-        for name, sets, dofs, repeated in zip(
-            ("baseline", "measured"), (baseline, measured), listed, twice, strict=True
-        )
-    )
-    return responses, intact, now
+    flexible = [np.flatnonzero((s.freq_hz > 0.0) & (nth not in twice[1])) for nth, s in enumerate(measured)]
+    assumed, tests = any(each.std_hz is None for each in both), tuple(groups[dofs] for dofs in before)
+    responses = ModeResponses(groups, tuple(measured), tuple(flexible), highest, tuple(notes), assumed, tests)
+    intact = _values("baseline", baseline, listed[0], groups, twice[0])
+    return responses, intact, _values("measured", measured, listed[1], groups, twice[1])
 
 
 def _column(each: ModalSet) -> dict[Any, Column]:
@@ -411,7 +365,7 @@ def _column(each: ModalSet) -> dict[Any, Column]:
 def _values(
     name: str, sets: Sequence[ModalSet], dofs: list[_Dofs], groups: dict[_Dofs, int], twice: Container[int]
 ) -> ModeValues:
-    rows: list[tuple[int, float, float, int]] = []  # response, ln f, standard deviation, test
+    rows: list[tuple[Any, ...]] = []  # response, ln f, standard deviation, test
     start, group, shape = [], [], []
     for nth, each in enumerate(sets):
         if nth in twice:
@@ -427,10 +381,9 @@ def _values(
             start.append(len(rows))
             group.append(own)
             shape.append(np.asarray(shapes[mode] / size, dtype=np.float64))
-            rows.append((0, float(np.log(each.freq_hz[mode])), max(float(of_hz), LEAST_STD), nth))
+            rows.append((0, np.log(each.freq_hz[mode]), max(float(of_hz), LEAST_STD), nth))
             rows += [(1 + own, 0.0, max(float(of_shape), _LEAST_SHAPE_STD), nth)] * (shapes.shape[1] - 1)
-    table = np.array(rows, dtype=np.float64).reshape(-1, 4)
-    response, test = table[:, [0, 3]].T.astype(np.intp)
-    begin, sensors = (np.array(column, dtype=np.intp) for column in (start, group))
-    columns = response, table[:, 1].copy(), table[:, 2].copy(), test
-    return ModeValues(*columns, start=begin, group=sensors, shape=tuple(shape))
+    response, log_f, std, test = np.array(rows, dtype=np.float64).reshape(-1, 4).T.copy()
+    numbers: Any = {"start": np.array(start, dtype=np.intp), "group": np.array(group, dtype=np.intp)}
+    kinds = response.astype(np.intp), log_f, std, test.astype(np.intp)
+    return ModeValues(*kinds, **numbers, shape=tuple(shape))

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from .. import _core
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.checks import FloatArray
+from ..support.messages import some
 from ..updating.targets import AntiresonanceTargets, Part, antiresonance_objective
 
 if TYPE_CHECKING:
@@ -29,12 +30,12 @@ _BORN = 0.15
 
 
 @dataclass(frozen=True)
-class Roots:
-    """Roots that a test shows: response, ln f (n,) and, where asked for, d ln f / dp (n, parameters)."""
+class _Frequencies:
+    """Frequencies of responses; modes have coordinates of their shapes among them."""
 
     response: NDArray[np.intp]
     log_f: FloatArray
-    slopes: FloatArray
+    _has_shapes: ClassVar[bool] = False
 
     @property
     def size(self) -> int:
@@ -43,8 +44,15 @@ class Roots:
 
     @property
     def kind(self) -> NDArray[np.intp]:
-        """0: all are frequencies."""
-        return np.zeros(self.size, dtype=np.intp)
+        """0 of frequencies, 1 of shapes."""
+        return ((self.response > 0) & self._has_shapes).astype(np.intp)
+
+
+@dataclass(frozen=True)
+class Roots(_Frequencies):
+    """Roots that a test shows: response, ln f (n,) and, where asked for, d ln f / dp (n, parameters)."""
+
+    slopes: FloatArray
 
     def between(self, low: float, high: float) -> NDArray[np.bool_]:
         """Which lie between two ln f."""
@@ -97,16 +105,13 @@ def follow(before: Roots, after: Roots) -> NDArray[np.intp]:
 # -- Which value belongs to which root: one to one within a response, in ascending order, with gaps
 #
 # Along a change of the model the roots of one response keep their order, but for pairs that merge, vanish or
-# appear; and so do the values that were measured of them. So the assignment that explains a whole response
-# best is an alignment of two ascending lists: a pair costs its distance, what stays alone costs a price.
+# appear. So the best assignment is an alignment of two ascending lists: a pair costs its distance, what stays
+# alone costs a price.
 
 #: Probability that a root in the band is found, if the other state showed it and else; that a value is a
-#: false one, anywhere in the band.
-FOUND, FOUND_ONCE, FALSE = 0.97, 0.5, 0.01
-#: The band has at least this width in ln f.
-_LEAST_BAND = 0.1
-#: In the scan: distance in ln f beyond which a value counts as unexplained; places of the responses on one
-#: line, so that one search in it serves all.
+#: false one, anywhere in the band; and the least width of that in ln f.
+FOUND, FOUND_ONCE, FALSE, _LEAST_BAND = 0.97, 0.5, 0.01, 0.1
+#: In the scan: distance in ln f beyond which a value counts as unexplained, and of the responses on one line.
 _FAR, _APART = 0.2, 100.0
 
 
@@ -116,25 +121,13 @@ def price_alone(low: float, high: float) -> float:
 
 
 @dataclass(frozen=True)
-class Values:
+class Values(_Frequencies):
     """Measured values (m,) of one state, ascending within each response of each test."""
 
-    response: NDArray[np.intp]  # by number
-    log_f: FloatArray
     std: FloatArray  # relative
     test: NDArray[np.intp]  # by number
     #: Response and test (k, 2) of all measured, with or without a value; None for those that have one.
     asked: NDArray[np.intp] | None = field(default=None, kw_only=True)
-
-    @property
-    def size(self) -> int:
-        """How many."""
-        return int(self.log_f.size)
-
-    @property
-    def kind(self) -> NDArray[np.intp]:
-        """0 for each frequency."""
-        return np.zeros(self.size, dtype=np.intp)
 
     @cached_property
     def tests(self) -> NDArray[np.intp]:
@@ -189,11 +182,8 @@ class Values:
         return float(np.minimum(near, _FAR).sum())
 
 
-# -- What was measured as values; one record given twice tells no more than once
-#
-# Two tests at the same force are independent, and their scatter counts; no two of them come out with the
-# same numbers at every response. Values and standard deviations that are equal bit by bit at all responses
-# that two sets share are of one record, which would make every error look smaller than it is.
+# -- What was measured as values; one record given twice tells no more than once: sets that are equal bit by
+# bit at all responses that they share are of one, and their scatter would make every error look too small
 
 #: Relative standard deviation of a value that has none, and the least of one from a single curve: its noise
 #: tells little of how another test would come out.
@@ -216,11 +206,8 @@ def same_data(sets: Sequence[Mapping[Any, Column]]) -> dict[int, int]:
 
     def repeated(own: Mapping[Hashable, Column], other: Mapping[Hashable, Column]) -> bool:
         shared = [key for key in own if key in other and own[key].freq.size and other[key].freq.size]
-        return bool(shared) and all(
-            np.array_equal(own[key].freq, other[key].freq)
-            and np.array_equal(own[key].std, other[key].std, equal_nan=True)
-            for key in shared
-        )
+        both = [pair for key in shared for pair in zip(own[key][:2], other[key][:2], strict=True)]
+        return bool(shared) and all(np.array_equal(*pair, equal_nan=True) for pair in both)
 
     pairs = [(j, i) for i, j in combinations(range(len(sets)), 2) if repeated(sets[j], sets[i])]
     return {later: earlier for later, earlier in reversed(pairs)}
@@ -228,16 +215,14 @@ def same_data(sets: Sequence[Mapping[Any, Column]]) -> dict[int, int]:
 
 def note_of_same_data(name: str, twice: Mapping[int, int]) -> list[str]:
     """What was counted once, in words."""
-    return [
-        f"{name}[{later}] repeats the values of {name}[{earlier}] number for number, as no second test does: "
-        "they are counted once."
-        for later, earlier in sorted(twice.items())
-    ]
+    why = "number for number, as no second test does: they are counted once."
+    pairs = sorted(twice.items())
+    return [f"{name}[{later}] repeats the values of {name}[{earlier}] {why}" for later, earlier in pairs]
 
 
 def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) -> Values:
     """All values, by number of the response; of sets ``twice`` those of the earlier one only."""
-    rows: list[tuple[int, int, float, float]] = []
+    rows: list[tuple[Any, ...]] = []
     asked: list[tuple[int, int]] = []
     for nth, columns in enumerate(sets):
         earlier = sets[twice[nth]] if nth in twice else {}
@@ -246,20 +231,12 @@ def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) ->
                 continue
             if was_asked:
                 asked.append((number, nth))
-            least = ASSUMED_STD if single else LEAST_STD
             relative = np.where(np.isfinite(std), std / freq, ASSUMED_STD)
-            rows += [
-                (nth, number, float(np.log(f)), max(float(s), least))
-                for f, s in zip(freq, relative, strict=True)
-            ]
-    table = np.array(sorted(rows), dtype=np.float64).reshape(-1, 4)
-    return Values(
-        table[:, 1].astype(np.intp),
-        table[:, 2].copy(),
-        table[:, 3].copy(),
-        table[:, 0].astype(np.intp),
-        asked=np.array(asked, dtype=np.intp).reshape(-1, 2),
-    )
+            relative = np.maximum(relative, ASSUMED_STD if single else LEAST_STD)
+            rows += [(nth, number, np.log(f), s) for f, s in zip(freq, relative, strict=True)]
+    test, response, log_f, relative = np.array(sorted(rows), dtype=np.float64).reshape(-1, 4).T.copy()
+    looked_for = np.array(asked, dtype=np.intp).reshape(-1, 2)
+    return Values(response.astype(np.intp), log_f, relative, test.astype(np.intp), asked=looked_for)
 
 
 @dataclass(frozen=True)
@@ -291,14 +268,10 @@ class Responses:
             freq, std = {}, {}
             for label, number in labels.items():
                 own = (now.test == nth) & (now.response == number)
-                corrected = np.exp(now.log_f[own] - beside[own])
-                order = np.argsort(corrected, kind="stable")
-                freq[label] = corrected[order]
-                std[label] = now.std[own][order] * freq[label]
-            channels = each.channels or None
-            sets.append(
-                AntiresonanceSet(each.excitation, freq, std_hz=std, sees=each.sees, channels=channels)
-            )
+                freq[label] = np.exp(now.log_f[own] - beside[own])
+                std[label] = now.std[own] * freq[label]
+            kept: Any = {"sees": each.sees, "channels": each.channels or None}
+            sets.append(AntiresonanceSet(each.excitation, freq, std_hz=std, **kept))
         return sets
 
 
@@ -337,14 +310,9 @@ def measured_states(
         *note_of_same_data("baseline", twice[0]),
         *note_of_same_data("measured", twice[1]),
     ]
-    responses = Responses(
-        [(*each, np.concatenate(own), common[each[1]], together[each[1]]) for each, own in freq.items()],
-        labels,
-        tuple(notes),
-        any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds),
-        tuple(measured),
-        tuple(forces),
-    )
+    parts = [(*each, np.concatenate(own), common[each[1]], together[each[1]]) for each, own in freq.items()]
+    assumed = any(not np.isfinite(std).all() for target in (*before, *after) for std in target.stds)
+    responses = Responses(parts, labels, tuple(notes), assumed, tuple(measured), tuple(forces))
     return responses, values_of(columns[0], twice[0]), values_of(columns[1], twice[1])
 
 
@@ -359,9 +327,6 @@ def _columns(target: AntiresonanceTargets, numbers: Mapping[Response, int]) -> d
 
 
 # -- Which responses both states have, and what to say of the others
-
-#: So many are named.
-_NAMED = 6
 
 #: Dof and force.
 Response = tuple[int, int]
@@ -398,18 +363,13 @@ def _not_in_both(
 
 def _named(model: StructuralModel, responses: Sequence[Response] | Mapping[Response, int]) -> str:
     forces = {force for _, force in responses}
-    names = [
-        model.dof_label(dof) + (f" (force at {model.dof_label(force)})" if len(forces) > 1 else "")
-        for dof, force in sorted(responses, key=lambda one: (one[1], one[0]))
-    ]
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return ", ".join(names[:_NAMED]) + more
+    at = {force: f" (force at {model.dof_label(force)})" if len(forces) > 1 else "" for force in forces}
+    ordered = sorted(responses, key=lambda one: (one[1], one[0]))
+    return some((model.dof_label(dof) + at[force] for dof, force in ordered), 6)
 
 
-# -- How tests of the intact structure scatter, and which of them contradict each other, by how much
-#
-# How far two tests are apart is the upper quartile of the differences of ln f, so that a few false values
-# count for nothing. An odd test differs from all others by several times what these differ among themselves.
+# -- How tests of the intact structure scatter, and which of them contradict each other, by how much: two are
+# apart by the upper quartile of the differences of ln f, so that a few false values count for nothing
 
 #: So many repeated values tell how much tests scatter.
 _LEAST_REPEATS = 5
@@ -463,11 +423,9 @@ def _worst(tests: list[int], known: dict[Response, tuple[float, float]]) -> Cont
         least, usual = min(apart for apart, _ in own), max(others)
         if least > max(_TIMES * usual, _ODD, _DEVIATIONS * max(std for _, std in own)):
             return Contradiction((odd,), float(np.median([apart for apart, _ in own])), usual)
-    far = {
-        pair: apart for pair, (apart, std) in known.items() if apart > max(_CONTRADICTING, _DEVIATIONS * std)
-    }
+    far = {pair: apart for pair, (apart, s) in known.items() if apart > max(_CONTRADICTING, _DEVIATIONS * s)}
     every = {nth for pair in far for nth in pair}
-    return Contradiction(tuple(sorted(every)), max(far.values(), default=0.0), 0.0)
+    return Contradiction(tuple(sorted(every)), max(far.values(), default=0.0))
 
 
 def _apart(values: Values, one: int, other: int) -> tuple[float, float] | None:
@@ -497,8 +455,7 @@ def _changes(
     return by[has, partner[has]], np.hypot(one.std[a[has]], other.std[b[partner[has]]])
 
 
-# -- Values that have risen since the intact state: lost stiffness lowers most of them, so it is something
-#    else
+# -- Values that have risen since the intact state: lost stiffness lowers most of them
 
 #: Difference of ln f up to which values of both states are paired.
 _PAIRED_STATES = 0.3

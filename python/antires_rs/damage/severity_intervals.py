@@ -69,9 +69,8 @@ class SeverityIntervals(ParameterIntervals):
     that bound; "not damaged". ``model_error`` is what no factor of the model explains of the baseline.
 
     ``'laplace'`` takes ln f as linear in ln(1 - severity) around the most probable severities; ``'ensemble'``
-    has the model's antiresonances at every draw, values and antiresonances associated anew there, and
-    estimates also how probable the hypotheses are: some hundred evaluations of the model for the likeliest.
-    The result of an older file lacks the values of the baseline, and has neither.
+    has the model's antiresonances at every draw, and estimates also how probable the hypotheses are. The
+    result of an older file lacks the values of the baseline, and has neither.
 
     Attributes
     ----------
@@ -91,9 +90,6 @@ class SeverityIntervals(ParameterIntervals):
     >>> quick = damage.intervals()
     >>> quick[4] == damage.interval[4], quick.words[4], quick.mixture.shape
     (True, 'two-sided', (1000, 7))
-    >>> sure = damage.intervals("ensemble", draws=200)
-    >>> bool(sure.sets[0].confirmed > 0.99), sure.draws.shape
-    (True, (200, 7))
     """
 
     elements: tuple[int, ...]
@@ -111,10 +107,9 @@ class SeverityIntervals(ParameterIntervals):
 
 # -- Severities of one set of damaged elements drawn from their posterior, and its evidence, by sampling
 #
-# The density is that of :mod:`~antires_rs.damage.evidence`, p(ln f | u) exp(-sum u), with the model's roots
-# at every point and values and roots associated anew there. Points are drawn from the Gaussian of the fit,
-# widened and within its bounds, and weighted. Where hardly any of them count, particles go by steps from the
-# widest Gaussian to the density.
+# The density is that of :mod:`~antires_rs.damage.evidence`, p(ln f | u) exp(-sum u), with values and roots
+# associated anew at every point. Points are drawn from the Gaussian of the fit, widened and within its
+# bounds, and weighted; where hardly any count, particles go by steps from the widest Gaussian to the density.
 
 #: Standard deviations of the Gaussians, in those of the fit, and the shares of the points in them.
 _WIDER = ((1.25, 0.7), (3.0, 0.3))
@@ -173,9 +168,8 @@ def sampled(
         found = []
         for first in range(0, len(u), _BATCH):
             step(f"severities of {name}")
-            part = u[first : first + _BATCH]
-            views = likelihood.views(likelihood.rows(fit.elements, -np.expm1(-part)))
-            found += [view.log_likelihood for view in views]
+            beta = -np.expm1(-u[first : first + _BATCH])
+            found += [view.log_likelihood for view in likelihood.views(likelihood.rows(fit.elements, beta))]
         return np.asarray(np.array(found) - u.sum(axis=1) - n * float(np.log(HIGHEST)))
 
     gaussians = [truncated(fit.mean, s**2 * fit.covariance) for s, _ in _WIDER]
@@ -215,12 +209,11 @@ def _evenly(count: int, n: int, rng: np.random.Generator) -> FloatArray:
 
 # -- Intervals of severities after an assessment against a baseline: quick ones, and sure ones by sampling
 
-#: Hypotheses of at least this probability are sampled, so many of them.
-_NEAR, _MOST = 0.01, 4
+#: Hypotheses of at least this probability are sampled, so many of them; and by particles, where no Gaussian
+#: serves, from the last on.
+_NEAR, _MOST, _MAIN = 0.01, 4, 0.2
 #: Share of the draws that the points of the severities declared should be worth; least number of any set.
 _WORTH, _LEAST = 0.15, 30
-#: Sets of at least this probability are worth particles, where no Gaussian serves.
-_MAIN = 0.2
 #: Change of a probability that is worth a word, and share of the wanted draws that are too few.
 _CHANGED, _FEW = 0.02, 0.5
 
@@ -244,23 +237,18 @@ def severity_intervals(
     parts: list[tuple[Fit, Sampled]] = []
     notes: list[str] = []
     for nth, one in enumerate(near):
-        fit, _ = settled(
-            prepared.likelihood, tuple(map(prepared.numbers.index, one.elements)), np.array(one.severities)
-        )
-        own = np.random.default_rng([seed, nth])
+        places = tuple(map(prepared.numbers.index, one.elements))
+        fit, _ = settled(prepared.likelihood, places, np.array(one.severities))
+        rng = np.random.default_rng([seed, nth])
         few = max(int(_WORTH * draws * (1.0 if one is declared else one.probability)), _LEAST)
         name, main = found.hypotheses.called(one), one is declared or one.probability >= _MAIN
-        part = sampled(prepared.likelihood, fit, few, own, name, main) if sure else linear(fit, draws, own)
+        part = sampled(prepared.likelihood, fit, few, rng, name, main) if sure else linear(fit, draws, rng)
         if sure and part.effective < _FEW * few:
             notes.append(f"Draws of {name} are worth {part.effective:.0f} independent ones: take more.")
         parts.append((fit, part))
     # Probabilities with the evidence of the draws; the weights of the others as they were.
-    weights = np.array(
-        [
-            h.probability * float(np.exp(p.log_evidence - fit.log_evidence))
-            for h, (fit, p) in zip(near, parts, strict=True)
-        ]
-    )
+    own = np.array([one.probability for one in near])
+    weights = own * np.exp([p.log_evidence - fit.log_evidence for fit, p in parts])
     others = sum(one.probability for one in found.hypotheses) - sum(one.probability for one in near)
     total = float(weights.sum()) + max(others, 0.0)
     confirmed, nothing = (weights / total).tolist(), found.probability_of_nothing / total
@@ -284,16 +272,13 @@ def severity_intervals(
             low[at], high[at] = part.quantiles(nth, shares) if sure else fit.interval(nth, central)
             if not sure and level == LEVEL:  # as the assessment has it, from where its search came to rest
                 low[at], high[at] = declared.low[nth], declared.high[nth]
-    changes = [abs(each - one.probability) for one, each in zip(near, confirmed, strict=True)]
-    changed = [
-        f"{found.hypotheses.called(one)} {each:.2f} instead of {one.probability:.2f}"
-        for one, each, by in zip(near, confirmed, changes, strict=True)
-        if by >= _CHANGED
-    ]
+    moved = [(h, c) for h, c in zip(near, confirmed, strict=True) if abs(c - h.probability) >= _CHANGED]
+    changed = [f"{found.hypotheses.called(h)} {c:.2f} instead of {h.probability:.2f}" for h, c in moved]
     if sure and changed:
         notes.insert(0, f"Sampling changes probabilities: {'; '.join(changed)}.")
-    elif sure and changes:
-        notes.insert(0, f"Sampling confirms the probabilities to within {max(*changes, 0.001):.3f}.")
+    elif sure and near:
+        most = max(np.abs(own - confirmed).max(), 0.001)
+        notes.insert(0, f"Sampling confirms the probabilities to within {most:.3f}.")
     # Draws of no damage and of the near sets of candidates, each as often as it is probable.
     mixture, mine = np.zeros_like(own_draws), [k for k, one in enumerate(near) if one.candidate]
     p = np.array([nothing, *(confirmed[k] for k in mine)])
@@ -303,28 +288,12 @@ def severity_intervals(
         if rows.size:
             columns = [column[e] for e in near[k].elements]
             mixture[rows[:, None], columns] = parts[k][1].resampled(rows.size, rng)
-    return SeverityIntervals(
-        tuple(names),
-        method,
-        level,
-        low,
-        high,
-        np.median(own_draws, axis=0),
-        np.std(own_draws, axis=0),
-        tuple(words),
-        own_draws,
-        found.chi_square,
-        2.0 * found.root_std,
-        tuple(notes),
-        question.elements,
-        mixture,
-        sets,
-    )
+    ends = low, high, np.median(own_draws, axis=0), np.std(own_draws, axis=0), tuple(words), own_draws
+    rests = found.chi_square, 2.0 * found.root_std, tuple(notes), question.elements, mixture, sets
+    return SeverityIntervals(tuple(names), method, level, *ends, *rests)
 
 
-# -- Profile likelihood of one severity, after an assessment against a baseline
-#
-# In u = -ln(1 - beta), by the likelihood of the assessment, with the errors of values and model in it.
+# -- Profile likelihood of one severity, in u = -ln(1 - beta), by the likelihood of the assessment
 
 #: Newton steps of the other severities, the longest of them, and one that ends them.
 _STEPS, _LONGEST, _RESTS = 4, 0.3, 1e-4
@@ -362,14 +331,6 @@ def severity_profile(
 
     begin = -np.log1p(-np.minimum(one.severities, HIGHEST))
     squares, u, curvature = refitted(np.ones(at.size, dtype=bool), begin)
-    section = Section(
-        j,
-        u,
-        squares,
-        float(np.sqrt(np.linalg.inv(curvature)[j, j])),
-        FURTHEST,
-        lambda u: refitted(own != j, u)[:2],
-        lambda place: -float(np.expm1(-place)),
-        resting,
-    )
-    return section.profile(name, level, points)
+    std = float(np.sqrt(np.linalg.inv(curvature)[j, j]))
+    held = (lambda u: refitted(own != j, u)[:2]), (lambda place: -float(np.expm1(-place))), resting
+    return Section(j, u, squares, std, FURTHEST, *held).profile(name, level, points)

@@ -45,10 +45,10 @@ def _unseen(one: Hypothesis) -> bool:
 
 def _loss_of(found: Assessment, one: Hypothesis) -> str:
     """Losses in words, without intervals."""
-    names = [found.hypotheses.named((e,)) for e in one.elements]
-    losses = [f"{100 * severity:.1f} %" for severity in one.severities]
-    more = [f"{name} {loss}" for name, loss in zip(names[1:], losses[1:], strict=True)]
-    return " and ".join([f"{names[0]} has lost {losses[0]} of its stiffness", *more])
+    rows = zip(map(found.hypotheses.named, zip(one.elements, strict=True)), one.severities, strict=True)
+    (name, loss), *others = ((name, f"{100 * severity:.1f} %") for name, severity in rows)
+    more = [f"{name} {loss}" for name, loss in others]
+    return " and ".join([f"{name} has lost {loss} of its stiffness", *more])
 
 
 def _intervals(one: Hypothesis) -> str:
@@ -63,13 +63,6 @@ def _intervals(one: Hypothesis) -> str:
 _SURE, _EVEN = 0.9, 0.5
 #: With fewer values to spare, sets with one element more explain them as well.
 _BARELY = 2
-_UNEXPLAINED = (
-    "But that does not explain all of the values; something may have changed that no hypothesis knows."
-)
-_RISEN = (
-    "Values have risen ({0.n_risen} of {0.n_moved} that moved): are the sets swapped, or has something been "
-    "stiffened?"
-)
 
 
 def _answer(found: Assessment) -> list[str]:
@@ -84,63 +77,55 @@ def _answer(found: Assessment) -> list[str]:
     else:
         lines = _damage(found, declared)
         if not found.explained:
-            lines.append(
-                "But it does not explain all of the values; something else may have changed as well."
-            )
-    return [*lines, *([_RISEN.format(found)] if found.n_risen else [])]
+            lines += ["But it does not explain all of the values; something else may have changed as well."]
+    if found.n_risen:
+        risen = f"Values have risen ({found.n_risen} of {found.n_moved} that moved)"
+        lines.append(f"{risen}: are the sets swapped, or has something been stiffened?")
+    return lines
 
 
 def _shifted(found: Assessment) -> list[str]:
     """All values have moved alike."""
     way, share = "higher" if found.moved_alike > 0.0 else "lower", found.best.probability
     first = "No damage found" if share >= _SURE else "Probably no damage"
-    lines = [
-        f"{first}: all values are {figure(abs(found.moved_alike))} {way} than in the intact state, as "
-        f"another temperature or sampling clock would have it (probability {percent(share)})."
-    ]
-    return lines if share >= _SURE else [*lines, _else(found, found.hypotheses[1:])]
+    first += f": all values are {figure(abs(found.moved_alike))} {way} than in the intact state, as another "
+    first += f"temperature or sampling clock would have it (probability {percent(share)})."
+    return [first] if share >= _SURE else [first, _else(found, found.hypotheses[1:])]
 
 
 def _unexplained(found: Assessment) -> list[str]:
     best, share, changed = found.best, found.probability_elsewhere, 1.0 - found.probability_of_nothing
     if share >= _SURE:
-        lines = [
-            f"Something has changed that none of the candidates explains (probability {percent(share)})."
-        ]
+        sure = f"probability {percent(share)}"
+        lines = [f"Something has changed that none of the candidates explains ({sure})."]
     else:
         what = "Something" if changed >= _SURE else "It cannot be told whether something"
-        lines = [
-            f"{what} has changed (probability {percent(changed)}), perhaps what none of the candidates "
-            f"explains (probability {percent(share)}).",
-            _else(found, found.hypotheses[1:]),
-        ]
+        perhaps = f"perhaps what none of the candidates explains (probability {percent(share)})"
+        first = f"{what} has changed (probability {percent(changed)}), {perhaps}."
+        lines = [first, _else(found, found.hypotheses[1:])]
     if not best.unknown:
-        explained = f"{_loss_of(found, best)} ({_intervals(best)})"
-        lines.append(f"What would explain it, and was no candidate: {explained}.")
+        loss = f"{_loss_of(found, best)} ({_intervals(best)})"
+        lines.append(f"What would explain it, and was no candidate: {loss}.")
     return lines
 
 
 def _nothing(found: Assessment) -> list[str]:
     none, left = found.probability_of_nothing, []
     if not found.explained and not found.best.elements:
-        left.append(_UNEXPLAINED)
+        left = ["But that does not explain all of the values; something unknown may have changed."]
     # What was no candidate and shows in no value stays as probable as before: no reason to doubt the test.
     blind = [one for one in found.hypotheses if not one.candidate and one.elements and _unseen(one)]
     if found.best.elements:
-        first = (
-            f"No damage declared: it is probable ({percent(1.0 - none)}), but not enough for the rate of "
-            "false alarms asked for."
-        )
+        enough = "but not enough for the rate of false alarms asked for"
+        first = f"No damage declared: it is probable ({percent(1.0 - none)}), {enough}."
     elif none >= _SURE:
         return [f"No damage found: nothing has changed (probability {percent(none)}).", *left]
     elif none + sum(one.probability for one in blind) >= _SURE:
         first = f"No damage found: probably nothing has changed (probability {percent(none)})."
         return [first, _else(found, blind, "Not to be excluded"), *left]
     else:
-        first = (
-            "It cannot be told whether there is damage; probably nothing has changed "
-            f"(probability {percent(none)})."
-        )
+        first = "It cannot be told whether there is damage; probably nothing has changed (probability "
+        first += f"{percent(none)})."
     return [first, _else(found, (one for one in found.hypotheses if one.elements)), *left]
 
 
@@ -149,11 +134,11 @@ def _damage(found: Assessment, declared: Hypothesis) -> list[str]:
     sized = f"Probability {percent(declared.probability)}; {_intervals(declared)}."
     lost = _loss_of(found, declared)
     if changed < _SURE:
-        first = f"Perhaps damage ({percent(changed)}): {lost}."
+        first = f"Perhaps damage ({percent(changed)})"
         if changed < _EVEN:
-            asked = "Damage is declared for the rate of false alarms asked for, though it is improbable"
-            first = f"{asked}: {lost}."
-        return [first, f"{sized} Probability that nothing has changed: {percent(1.0 - changed)}."]
+            first = "Damage is declared for the rate of false alarms asked for, though it is improbable"
+        nothing = f"Probability that nothing has changed: {percent(1.0 - changed)}."
+        return [f"{first}: {lost}.", f"{sized} {nothing}"]
     if declared.probability >= _SURE:
         k, matched = len(declared.elements), found.n_matched
         if matched - k < _BARELY:
@@ -190,11 +175,9 @@ def _alike(found: Assessment) -> str:
 def _shares(found: Assessment) -> list[str]:
     """How probable each set of the group is, and what it has lost."""
     share = sum(one.probability for one in found.group)
-    losses = "; ".join(
-        f"{percent(one.probability)}: {_loss_of(found, one)} ({_intervals(one)})"
-        for one in sorted(found.group, key=lambda one: (-one.probability, one.elements))
-    )
-    lines = [f"Together {percent(share)}. {losses}."]
+    group = sorted(found.group, key=lambda one: (-one.probability, one.elements))
+    losses = [f"{percent(one.probability)}: {_loss_of(found, one)} ({_intervals(one)})" for one in group]
+    lines = [f"Together {percent(share)}. {'; '.join(losses)}."]
     if share < _SURE:
         lines.append(_else(found, (one for one in found.hypotheses if one not in found.group)))
     return lines
@@ -210,9 +193,8 @@ def _common(found: Assessment) -> tuple[int, ...]:
 
 def _with_share(found: Assessment, elements: tuple[int, ...]) -> str:
     """Elements, and the probability that they are damaged, whatever else is."""
-    share = sum(
-        one.probability for one in found.hypotheses if one.candidate and {*elements} <= {*one.elements}
-    )
+    every = (one for one in found.hypotheses if one.candidate and {*elements} <= {*one.elements})
+    share = sum(one.probability for one in every)
     return f"{found.hypotheses.named(elements)} ({percent(share)})"
 
 
@@ -236,13 +218,10 @@ def without_idle(found: Assessment) -> Assessment:
     of = {one.elements: told[less.elements] for one, less in zip(rows, smaller, strict=True)}
     first = of[rows[0].elements]
     ordered = sorted(told.values(), key=lambda one: (one is not first, -one.probability, one.elements))
-    group = [*dict.fromkeys(of[one.elements] for one in found.group)] or together(ordered)
-    return replace(
-        found,
-        hypotheses=Hypotheses(ordered, found.hypotheses.names),
-        group=tuple(group),
-        declared=of[found.declared].elements if found.declared in of else found.declared,
-    )
+    group = tuple([*dict.fromkeys(of[one.elements] for one in found.group)] or together(ordered))
+    declared = of[found.declared].elements if found.declared in of else found.declared
+    named = Hypotheses(ordered, found.hypotheses.names)
+    return replace(found, hypotheses=named, group=group, declared=declared)
 
 
 def _smaller(one: Hypothesis) -> Hypothesis:
@@ -261,34 +240,30 @@ def _smaller(one: Hypothesis) -> Hypothesis:
 def headline(found: Assessment) -> list[str]:
     """Is there damage, where, how sure, how much, and what else it may be."""
     doubts = [_contradiction(found)] if found.odd_baselines else []
-    if not found.model_fits:
-        doubts.append(_no_model(found))
-    elif not found.states_fit:  # the values of now have nothing to do with those of the intact structure
-        have = "has" if found.n_matched == 1 else "have"
-        why = f"{found.n_matched} of {found.n_values} values of now {have} a partner in it, damaged or not"
-        doubts.append(_not_explained(found, why, "units, dofs, force and band of both tests"))
+    if not (found.model_fits and found.states_fit):
+        doubts.append(_not_explained(found))
     merged = without_idle(found)
     if found.interrupted:
         return [*_stopped(merged, len(found.hypotheses)), *doubts]
     return [*doubts, _if_trusted(merged)] if doubts else _answer(merged)
 
 
-def _no_model(found: Assessment) -> str:
-    """The model cannot be that of the structure: why, and what to look at."""
-    why = f"{found.n_intact_matched} of {found.n_intact} values of the intact structure have a partner in it"
-    if few_alone(found.n_intact_matched, found.n_intact):
-        why = (
-            f"its stiffnesses and masses would have to be off by {figure(found.factor_std)}, and its "
-            f"frequencies by {figure(found.root_std)} beyond that"
-        )
-        if found.near:
-            why = f"it has {found.n_intact_roots} roots where {found.n_intact} values were measured"
-    return _not_explained(found, why, "its units, dofs, force and supports")
-
-
-def _not_explained(found: Assessment, why: str, check: str) -> str:
-    hint = f"{found.hint} " if found.hint else ""
-    return NOT_EXPLAINED.format(why, hint, check)
+def _not_explained(found: Assessment) -> str:
+    """The model cannot be that of the structure, or of both tests: why, and what to look at."""
+    check = "its units, dofs, force and supports"
+    if found.model_fits:  # the values of now have nothing to do with those of the intact structure
+        have = "has" if found.n_matched == 1 else "have"
+        why = f"{found.n_matched} of {found.n_values} values of now {have} a partner in it, damaged or not"
+        check = "units, dofs, force and band of both tests"
+    elif not few_alone(found.n_intact_matched, found.n_intact):
+        why = f"{found.n_intact_matched} of {found.n_intact} values of the intact structure"
+        why += " have a partner in it"
+    elif found.near:
+        why = f"it has {found.n_intact_roots} roots where {found.n_intact} values were measured"
+    else:
+        why = f"its stiffnesses and masses would have to be off by {figure(found.factor_std)}, and its "
+        why += f"frequencies by {figure(found.root_std)} beyond that"
+    return NOT_EXPLAINED.format(why, f"{found.hint} " if found.hint else "", check)
 
 
 def _stopped(found: Assessment, many: int) -> list[str]:
@@ -325,15 +300,12 @@ def _contradiction(found: Assessment) -> str:
     sets = [f"baseline set {nth}" for nth in found.odd_baselines]
     gap = figure(found.baseline_gap)
     if len(sets) == 1:
-        return (
-            f"The baseline contradicts itself: {sets[0]} differs from the others by {gap}, these among "
-            f"themselves by {figure(found.usual_gap)}. Leave it out, or find out what was different."
-        )
-    return (
-        f"The baseline contradicts itself: {', '.join(sets[:-1])} and {sets[-1]} differ by up to {gap}, and "
-        "which of them is wrong cannot be told. Test the intact structure again, or leave out what is not "
-        "of it."
-    )
+        said = f"{sets[0]} differs from the others by {gap}, these among themselves by "
+        said += f"{figure(found.usual_gap)}. Leave it out, or find out what was different."
+    else:
+        said = f"{', '.join(sets[:-1])} and {sets[-1]} differ by up to {gap}, and which of them is wrong"
+        said += " cannot be told. Test the intact structure again, or leave out what is not of it."
+    return f"The baseline contradicts itself: {said}"
 
 
 # -- Without a baseline: one state is compared with the model
@@ -345,9 +317,7 @@ _CAVEAT = (
     "Without a baseline an error of the model comes out as damage, and the values cannot tell which it is: "
     "give the values of the intact structure as baseline=."
 )
-_NO_BEFORE = (
-    "Without a baseline it is not known what was there before, and errors of the model may hide damage."
-)
+_NO_BEFORE = "Without a baseline it is not known what was there before; errors of the model may hide damage."
 
 
 def headline_of_one_state(
@@ -359,9 +329,8 @@ def headline_of_one_state(
     finished: bool,
 ) -> list[str]:
     """The first lines of a report; ``losses`` are the severities found, the worst first."""
-    found = "; ".join(
-        f"{label(e)} has lost {100.0 * beta:.1f} % of its stiffness" for e, beta in losses.items()
-    )
+    each = [f"{label(e)} has lost {100.0 * beta:.1f} % of its stiffness" for e, beta in losses.items()]
+    found = "; ".join(each)
     if not finished:
         best = f"the best so far, if the model is exact, is that {found}" if losses else "no damage so far"
         return [f"The search was stopped: {best}.", _CAVEAT if losses else _NO_BEFORE]
@@ -378,8 +347,6 @@ def all_lost(losses: Mapping[int, float], n_elements: int) -> bool:
     nearly = sum(beta >= _LOST for beta in losses.values())
     return nearly >= min(_MOST_LOST, max(0.5 * n_elements, 2.0))
 
-
-# -- What a reader should know before trusting an assessment
 
 #: With fewer values to spare a fit says little.
 _FEW = 4
@@ -423,11 +390,8 @@ def reservations(found: Assessment) -> list[str]:
 UNREDUCED = "Severities and probabilities move by as much; reduction=False takes the full model, and long."
 
 
-# -- What the most probable hypothesis leaves unexplained, in words
-
-_NAMED = 3
-#: Differences below it, in %, are no news.
-_LEAST_PERCENT = 0.05
+#: Values that are named, with differences (in %) of at least so much.
+_NAMED, _LEAST_PERCENT = 3, 0.05
 
 
 def largest_left(table: FrequencyTable | ModalTable) -> str:

@@ -56,12 +56,10 @@ class CrossCheck(Protocol):
 # -- Why an antiresonance asks for a look: a few words for each
 
 Tests = tuple[tuple[str, Callable[[ResponseTable], NDArray[np.bool_]]], ...]
-#: What a grade's tests are called where they fail: of all fits, of the sweep over orders, of windows.
-_OF_ALL: Tests = (
-    ("second force or noise", lambda table: ~(table.scores.get("second", np.zeros(1)) > MOST_SECOND)),
-)
+_SECOND = ("second force or noise", lambda t: ~(t.scores.get("second", np.zeros(1)) > MOST_SECOND))
+#: What a grade's tests are called where they fail: of the sweep over orders, and of windows.
 _TESTS: Tests = (
-    *_OF_ALL,
+    _SECOND,
     ("few orders", lambda table: table.rows > MORE_ROWS),
     ("unsteady", lambda table: table.spread <= MOST_SPREAD),
     ("owns little of its curve", lambda table: table.dominance >= LEAST_DOMINANCE),
@@ -69,13 +67,10 @@ _TESTS: Tests = (
     ("no clear peak", lambda table: table.prominence_db >= LEAST_PROMINENCE_DB),
 )
 _OF_WINDOWS: Tests = (
-    *_OF_ALL,
+    _SECOND,
     ("not in all fits", lambda table: table.scores["share"] >= SURE_SHARE),
     ("unsteady", lambda table: table.spread <= SURE_SPREAD),
-    (
-        "shallow dip",
-        lambda table: np.fmin(table.scores["depth_db"], table.scores["own_depth_db"]) >= SURE_DEPTH_DB,
-    ),
+    ("shallow dip", lambda t: np.fmin(t.scores["depth_db"], t.scores["own_depth_db"]) >= SURE_DEPTH_DB),
 )
 #: How a value was accepted, where that is a doubt.
 _HOW = {"persistent": "does not stand still", "likeliest order": "one order only"}
@@ -94,9 +89,7 @@ def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = N
     for words, freq in zip(found, table.freq_hz.tolist(), strict=True):
         if cross_check is not None and cross_check.is_confirmed(dof, freq) is False:
             words.append("not confirmed")
-    return [
-        ["added by hand"] if by_hand else words for words, by_hand in zip(found, table.by_hand, strict=True)
-    ]
+    return [["added by hand"] if hand else words for hand, words in zip(table.by_hand, found, strict=True)]
 
 
 # -- Tables as text, in columns that stand under each other
@@ -109,19 +102,16 @@ def number(value: float, digits: int, *, sign: bool = False) -> str:
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[str] = ("",)) -> list[str]:
     """Lines of a table: columns right-aligned, those named in ``left`` left-aligned."""
-    table = [head, *rows]
-    widths = [max(len(row[i]) for row in table) for i in range(len(head))]
-    return [
-        "  ".join(
-            cell.ljust(width) if name in left else cell.rjust(width)
-            for cell, width, name in zip(row, widths, head, strict=True)
-        ).rstrip()
-        for row in table
-    ]
+    columns = []
+    for name, *cells in zip(head, *rows, strict=True):
+        width = max(map(len, (name, *cells)))
+        columns.append([cell.ljust(width) if name in left else cell.rjust(width) for cell in (name, *cells)])
+    return ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
 
 
 # Decimals of frequencies without a deviation, and the most that are printed.
 PLAIN, MOST = 3, 6
+_HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
 
 
 def _rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck | None) -> list[str]:
@@ -147,17 +137,10 @@ def _rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck |
     return aligned(head, kept, left=_HEAD[3:])
 
 
-_HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
+# -- A set as JSON: version 1 has excitation and, by dof, the columns; version 2 the scores, the edits made by
+# hand, and the values before the first of them; the rest is optional
 
-
-# -- A set as JSON
-#
-# Version 1 has excitation and, by dof, the columns; version 2 the scores, the edits made by hand, and the
-# values before the first of them. What else follows is optional, older versions of the package read such
-# files too.
-
-FORMAT = "antires_rs.AntiresonanceSet"
-VERSION = 2
+FORMAT, VERSION = "antires_rs.AntiresonanceSet", 2
 _WANTED = f"a file written by AntiresonanceSet.save, version {VERSION} or older"
 _ANOTHER = "It was cut, or is another file: save the set again, or name the file that holds it."
 
@@ -173,15 +156,13 @@ def _unknown(column: FloatArray) -> bool:
 
 def _row(table: ResponseTable) -> dict[str, Any]:
     """A table as a file has it; a column of which nothing is known is left out, NaN becomes null."""
+
+    def plain(columns: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        return {name: [None if x != x else x for x in own.tolist()] for name, own in columns.items()}
+
     columns = {name: getattr(table, name) for name in NUMBERS}
-    row: dict[str, Any] = {name: _plain(column) for name, column in columns.items() if not _unknown(column)}
-    if table.scores:
-        row["scores"] = {name: _plain(values) for name, values in table.scores.items()}
-    return row
-
-
-def _plain(values: NDArray[Any]) -> list[Any]:
-    return [None if value != value else value for value in values.tolist()]
+    known = plain({name: own for name, own in columns.items() if not _unknown(own)})
+    return known | ({"scores": plain(table.scores)} if table.scores else {})
 
 
 def _read(rows: Any) -> dict[Any, ResponseTable]:
@@ -278,19 +259,15 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     Notes
     -----
     Where a sensor sits on a node of a mode, the root of its numerator on that resonance cancels in its FRF.
-    In transmissibilities to it the other responses still resonate: they have a peak there. They lose only
-    roots that all ``channels`` share. So a model is compared with its antiresonances less the cancelled ones
-    for ``sees="frf"``, and for ``sees="transmissibility"`` with the cancelled ones that not all channels
-    share. With None, for sets made by hand and from older files, a cancelled root may be the partner of a
-    measured value, and nothing is missed where none is. :func:`~antires_rs.identify_antiresonances` sets it
-    by its route.
+    Transmissibilities to it have a peak there: they lose only roots that all ``channels`` share. So a model
+    is compared with its antiresonances less the cancelled ones for ``sees="frf"``, and for
+    ``sees="transmissibility"`` with the cancelled ones that not all channels share. With None, for sets made
+    by hand and from older files, a cancelled root may be the partner of a value, and need not be.
 
     Examples
     --------
     >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
     >>> table = AntiresonanceSet(0, {0: [23.9, 8.7], 1: 14.4, 2: []})
-    >>> table[0].tolist(), len(table), 3 in table
-    ([8.7, 23.9], 3, False)
     >>> print(table)
     antiresonances, force at 0
     dof  freq_hz
@@ -328,23 +305,14 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         cross_check: CrossCheck | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> None:
-        if sees not in ("frf", "transmissibility", None):
-            wanted = "'frf', 'transmissibility' or None"
-            reject("sees", repr(sees), wanted, "Leave it out where it is not known.")
+        choice("sees", sees, ("frf", "transmissibility", None))
         tables = tables_of(freq_hz, damping_ratio, std_hz, scores)
         drawn = {dof: one for dof, one in (diagrams or {}).items() if hasattr(one, "unexplained_hz")}
-        self._fill(
-            excitation=label("excitation", excitation),
-            tables=FrozenDict(tables),
-            sees=sees,
-            channels=_channels_of(channels, tuple(tables)),
-            options=FrozenDict(options or {}),
-            diagrams=FrozenDict(diagrams or {}),
-            left_out=FrozenDict({dof: one.left_out for dof, one in drawn.items()}),
-            unexplained_hz=FrozenDict({dof: one.unexplained_hz for dof, one in drawn.items()}),
-            data_check=data_check,
-            cross_check=cross_check,
-        )
+        self._fill(excitation=label("excitation", excitation), tables=FrozenDict(tables), sees=sees)
+        self._fill(channels=_channels_of(channels, tuple(tables)), options=FrozenDict(options or {}))
+        self._fill(diagrams=FrozenDict(diagrams or {}), data_check=data_check, cross_check=cross_check)
+        for name in ("left_out", "unexplained_hz"):
+            self._fill(**{name: FrozenDict({dof: getattr(one, name) for dof, one in drawn.items()})})
 
     @classmethod
     def from_tables(
@@ -381,12 +349,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     @property
     def share(self) -> Mapping[Any, FloatArray]:
         """How often perturbed fits, or fits over windows, saw each value, 0 to 1; NaN for other fits."""
-        return FrozenDict(
-            {
-                dof: frozen(np.asarray(t.scores.get("share", np.full(len(t), np.nan)), dtype=np.float64))
-                for dof, t in self.tables.items()
-            }
-        )
+        found = {dof: t.scores.get("share", np.full(len(t), np.nan)) for dof, t in self.tables.items()}
+        return FrozenDict({dof: frozen(own.astype(np.float64)) for dof, own in found.items()})
 
     @property
     def expected_false(self) -> float | None:
@@ -421,24 +385,16 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         >>> zeros.followed[0].tolist()
         [1, -1]
         """
-        return FrozenDict(
-            {
-                dof: frozen(np.nan_to_num(t.scores["followed"], nan=-1).astype(np.int64))
-                for dof, t in self.tables.items()
-                if "followed" in t.scores
-            }
-        )
+        given = {dof: t.scores["followed"] for dof, t in self.tables.items() if "followed" in t.scores}
+        numbers = {dof: np.nan_to_num(own, nan=-1).astype(np.int64) for dof, own in given.items()}
+        return FrozenDict({dof: frozen(own) for dof, own in numbers.items()})
 
     @property
     def not_seen(self) -> Mapping[Any, FloatArray]:
         """By dof, where values were followed: those in Hz that are not seen in this test."""
-        return FrozenDict(
-            {
-                dof: frozen(t.freq_hz[t.scores["why"] == NOT_SEEN] if len(t) else np.empty(0))
-                for dof, t in self.left_out.items()
-                if dof in self.followed
-            }
-        )
+        out = {dof: t for dof, t in self.left_out.items() if dof in self.followed}
+        unseen = {dof: t.scores["why"] == NOT_SEEN if len(t) else [] for dof, t in out.items()}
+        return FrozenDict({dof: out[dof].take(rows).freq_hz for dof, rows in unseen.items()})
 
     @property
     def std_hz(self) -> Mapping[Any, FloatArray]:
@@ -519,13 +475,10 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
         Examples
         --------
-        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-        >>> table = AntiresonanceSet(0, {0: [8.7, 12.2], 1: 14.4})
-        >>> fewer = table.drop(0, 12.2, reason="mains hum of the shaker")
-        >>> table[0].tolist(), fewer[0].tolist()
-        ([8.7, 12.2], [8.7])
-        >>> print(fewer.edits[0])
-        dropped 12.20 Hz at dof 0 (mains hum of the shaker)
+        >>> import antires_rs as ar
+        >>> fewer = ar.AntiresonanceSet(0, {0: [8.7, 12.2], 1: 14.4}).drop(0, 12.2, reason="mains hum")
+        >>> fewer[0].tolist(), str(fewer.edits[0])
+        ([8.7], 'dropped 12.20 Hz at dof 0 (mains hum)')
         """
         dof = self._dof(dof)
         return self._edited(dof, *dropped(dof, self.tables[dof], freq_hz, reason, tol_hz))
@@ -552,14 +505,12 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
         Examples
         --------
-        >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-        >>> more = AntiresonanceSet(0, {0: [8.7], 1: 14.4}).add(0, 12.2, reason="clear in the phase")
-        >>> print(more)
+        >>> import antires_rs as ar
+        >>> print(ar.AntiresonanceSet(0, {0: [8.7]}).add(0, 12.2, reason="clear in the phase"))
         antiresonances, force at 0
         dof  freq_hz  doubts
           0    8.700
               12.200  added by hand
-          1   14.400
         edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
         """
         dof = self._dof(dof)
@@ -571,12 +522,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     def _edited(self, dof: Any, table: ResponseTable, records: Sequence[Edit]) -> Self:
         """A copy with another table of a dof; whatever else the set carries stays with it."""
-        new = copy.copy(self)
-        new._fill(
-            tables=FrozenDict({**self.tables, dof: table}),
-            edits=(*self.edits, *records),
-            _original=self.original(),
-        )
+        new, tables = copy.copy(self), FrozenDict({**self.tables, dof: table})
+        new._fill(tables=tables, edits=(*self.edits, *records), _original=self.original())
         return new
 
     def relabelled(self, excitation: Any, dofs: Mapping[Any, Any]) -> Self:
@@ -604,18 +551,12 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         def moved(tables: Mapping[Any, Any]) -> dict[Any, Any]:
             return {dofs[dof]: table for dof, table in tables.items() if dof in dofs}
 
-        edits = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
-        return self.from_tables(
-            excitation,
-            moved(self.tables),
-            edits=edits,
-            before=moved(self.original().tables),
-            left_out=moved(self.left_out),
-            unexplained_hz=moved(self.unexplained_hz),
-            sees=self.sees,
-            channels=[dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else (),
-            options=self.options,
-        )
+        channels = [dofs[dof] for dof in self.channels] if all(c in dofs for c in self.channels) else ()
+        told: dict[str, Any] = {"sees": self.sees, "channels": channels, "options": self.options}
+        told |= {name: moved(getattr(self, name)) for name in ("left_out", "unexplained_hz")}
+        told["edits"] = [replace(edit, dof=dofs[edit.dof]) for edit in self.edits if edit.dof in dofs]
+        before = moved(self.original().tables)
+        return self.from_tables(excitation, moved(self.tables), before=before, **told)
 
     def __str__(self) -> str:
         lines = [f"antiresonances, force at {self.excitation}"]
@@ -624,10 +565,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         lines += _rows_printed(self.tables, self.cross_check)
         count = sum(len(table) for table in self.left_out.values())
         if count:
-            whys = (
-                str(why) for table in self.left_out.values() for why in table.scores.get("why", ()) if why
-            )
-            reasons = "; ".join(f"{n} {why}" for why, n in Counter(whys).most_common())
+            whys = [str(why) for table in self.left_out.values() for why in table.scores.get("why", ())]
+            reasons = "; ".join(f"{n} {why}" for why, n in Counter(filter(None, whys)).most_common())
             lines.append(f"left out: {count}{f' ({reasons})' if reasons else ''}, see .left_out")
         unexplained = sum(len(one) for one in self.unexplained_hz.values())
         if unexplained:
@@ -659,13 +598,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             wanted = "a dof of a set that was identified, not made by hand or loaded"
             remedy = "Identify it from the measurement to have its diagram."
             reject("dof", f"{dof!r}, which has no stabilization diagram", wanted, remedy)
-        found = self.original()[dof]
-        return self._view(f"plot {kind}")(
-            self.diagrams[dof],
-            ax=ax,
-            dropped=found[~np.isin(found, self[dof])],
-            added=self[dof][~np.isin(self[dof], found)],
-        )
+        found, own = self.original()[dof], self[dof]
+        edits = {"dropped": found[~np.isin(found, own)], "added": own[~np.isin(own, found)]}
+        return self._view(f"plot {kind}")(self.diagrams[dof], ax=ax, **edits)
 
     def look(
         self,
@@ -679,7 +614,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         """Open a page of this computer on which the set is looked at and edited.
 
         It has diagram, curve, coherence and singular values of each response, and the values with grade,
-        error and doubts. A click drops or adds a value, with a reason if one is typed.
+        error and doubts. A click drops or adds a value.
 
         Parameters
         ----------

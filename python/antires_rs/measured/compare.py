@@ -58,8 +58,7 @@ class Comparison(ReadOnly, Viewed):
         Values in Hz that the other set does not have; dofs without any are left out.
     level_ratio : float
         How strongly the structure shook in b, as a multiple of a (0.999 quantiles of the samples, in the unit
-        of both records); NaN where a set is not of a record. Where sets differ and it is beyond 1.5 either
-        way, printing says that amplitude alone may be the reason.
+        of both records); NaN where a set is not of a record.
 
     Examples
     --------
@@ -123,10 +122,8 @@ class Comparison(ReadOnly, Viewed):
         head = ["dof", "a_hz", "b_hz", "diff_%", "std_%", "z", "p", ""]
         lines = [f"antiresonances compared, force at {self.excitation}", *aligned(head, rows)]
         for name, alone in (("a", self.unmatched_a), ("b", self.unmatched_b)):
-            lines += [
-                f"only in {name}: dof {dof}, " + ", ".join(f"{f:.3f}" for f in values) + " Hz"
-                for dof, values in alone.items()
-            ]
+            listed = {dof: ", ".join(f"{f:.3f}" for f in values) for dof, values in alone.items()}
+            lines += [f"only in {name}: dof {dof}, {values} Hz" for dof, values in listed.items()]
         if not self.freedom:
             return "\n".join([*lines, "not tested: no standard deviations; give std_between"])
         lines.append(
@@ -178,12 +175,10 @@ def compare(
     max_shift : float
         Largest relative difference of two values that are taken for one, up to 0.5, see
         :mod:`antires_rs.measured.matching`. Values that were followed (``near=``) from one value are one.
-    std_between : float
-        Relative standard deviation of one value from test to test of an unchanged structure (mounting,
-        sensors), each by itself, which the standard deviations of a set from a single test do not contain.
-    std_common : float
-        The same of what moves all values alike (temperature). Repeats tell both: ``track([...]).std_between``
-        and ``.std_common``. Without them every change counts, that of the weather too.
+    std_between, std_common : float
+        Relative standard deviation from test to test of an unchanged structure (mounting, sensors): of each
+        value by itself, and of what moves all alike (temperature). Repeats tell both, as
+        ``track([...]).std_between`` and ``.std_common``; without them every change counts.
 
     Returns
     -------
@@ -242,20 +237,6 @@ def compare(
     p = of_each(difference, std, averages)
     shared = common_part(difference / own, alike / own)
     total, freedom, p_all = of_all(of_each(difference - alike * shared, own, averages), shared)
-    return Comparison(
-        excitation=a.excitation,
-        dof=label_array(dofs),
-        a_hz=frozen(a_hz),
-        b_hz=frozen(b_hz),
-        std_hz=frozen(std),
-        z=frozen(difference / std),
-        p=frozen(p),
-        changed=frozen(holm(p, rate)),
-        chi_square=total,
-        freedom=freedom,
-        p_all=p_all,
-        alpha=rate,
-        unmatched_a=FrozenDict(alone[0]),
-        unmatched_b=FrozenDict(alone[1]),
-        level_ratio=_level(b) / _level(a),
-    )
+    columns: Any = map(frozen, (a_hz, b_hz, std, difference / std, p, holm(p, rate)))
+    rests: Any = total, freedom, p_all, rate, *map(FrozenDict, alone), _level(b) / _level(a)
+    return Comparison(a.excitation, label_array(dofs), *columns, *rests)

@@ -68,29 +68,19 @@ def dropped(
         within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
         gap = np.abs(table.freq_hz - asked)
         if not gap.size or gap.min() > within:
-            got, wanted = (
-                f"{asked:g} Hz at dof {dof!r}, which has {there}",
-                f"a frequency within {within:.3g} Hz",
-            )
+            got, wanted = f"{asked:g} Hz at dof {dof!r}, which has {there}", f"one within {within:.3g} Hz"
             reject("freq_hz", got, f"{wanted} of a value", "Name one of them, or widen tol_hz.")
         at = int(np.argmin(gap))
         if at in chosen:
             got = f"{table.freq_hz[at]:.3f} Hz of dof {dof!r} meant twice"
             reject("freq_hz", got, "each value once", f"Dof {dof!r} has {there}.")
         chosen.append(at)
-    records = [
-        Edit(
-            "drop",
-            dof,
-            float(table.freq_hz[i]),
-            reason,
-            _known(table.damping_ratio[i]),
-            _known(table.std_hz[i]),
-            # NaN is not equal to itself
-            {name: values[i].item() for name, values in table.scores.items() if values[i] == values[i]},
-        )
-        for i in chosen
-    ]
+    records = []
+    for i in chosen:
+        # NaN is not equal to itself
+        scores = {name: values[i].item() for name, values in table.scores.items() if values[i] == values[i]}
+        known = reason, _known(table.damping_ratio[i]), _known(table.std_hz[i]), scores
+        records.append(Edit("drop", dof, float(table.freq_hz[i]), *known))
     return table.take(np.delete(np.arange(len(table)), chosen)), records
 
 
@@ -110,15 +100,11 @@ def added(
     check_std("std_hz", std)
     _check_reason(reason)
     # No method found them: their scores are not known.
-    scores = {
-        name: np.full(new.size, BY_HAND if values.dtype.kind == "U" else np.nan)
-        for name, values in table.scores.items()
-    }
+    unknown = {name: BY_HAND if own.dtype.kind == "U" else np.nan for name, own in table.scores.items()}
+    scores = {name: np.full(new.size, value) for name, value in unknown.items()}
     rows = ResponseTable(new, damping, std, scores, np.full(new.size, True))
-    records = [
-        Edit("add", dof, float(f), reason, _known(zeta), _known(deviation))
-        for f, zeta, deviation in zip(new, damping, std, strict=True)
-    ]
+    each = zip(new, damping, std, strict=True)
+    records = [Edit("add", dof, float(f), reason, _known(zeta), _known(s)) for f, zeta, s in each]
     return ResponseTable.concatenated([table, rows]), records
 
 

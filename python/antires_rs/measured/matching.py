@@ -79,14 +79,11 @@ def matched(
     if KNOWN in a.scores or KNOWN in b.scores:
         where = {freq: k for k, freq in enumerate(_origin(b).tolist())}
         sure = [(i, where[freq]) for i, freq in enumerate(_origin(a).tolist()) if freq in where]
-    i, k = (np.setdiff1d(np.arange(len(one)), rows) for one, rows in zip((a, b), _columns(sure), strict=True))
+    i = np.setdiff1d(np.arange(len(a)), [row for row, _ in sure])
+    k = np.setdiff1d(np.arange(len(b)), [row for _, row in sure])
     rest = None if variance is None else np.broadcast_to(variance, (len(a), len(b)))[np.ix_(i, k)]
     more = paired(a.freq_hz[i], b.freq_hz[k], max_shift, rest)
     return sorted(sure + [(int(i[m]), int(k[n])) for m, n in more])
-
-
-def _columns(pairs: list[tuple[int, int]]) -> NDArray[np.intp]:
-    return np.array(pairs, dtype=np.intp).reshape(-1, 2).T
 
 
 def _origin(table: ResponseTable) -> FloatArray:

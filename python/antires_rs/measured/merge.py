@@ -53,9 +53,8 @@ def joined(tables: Sequence[ResponseTable], shift: float, between: float) -> Res
     if not rows:
         return tables[0].take([])
     names = sorted(set.intersection(*(set(one.scores) for one in rows)))
-    return ResponseTable.concatenated(
-        [replace(row, scores={name: row.scores[name] for name in names}) for row in rows]
-    )
+    kept = [{name: row.scores[name] for name in names} for row in rows]
+    return ResponseTable.concatenated([replace(row, scores=s) for row, s in zip(rows, kept, strict=True)])
 
 
 def disagreements(
@@ -129,12 +128,9 @@ def merge_setups(
 ) -> AntiresonanceSet:
     """Join setups of one test to one set.
 
-    Roving sensors: the force stays, a reference sensor stays, the others move. Every setup is identified by
-    itself, and the values of the reference, which all of them have, tell whether they agree.
-
-    Roving hammer: the sensors stay and the force moves. H_ik = H_ki, so that the response at a sensor under a
-    force at k has the antiresonances of the response at k under a force at that sensor: name the sensor by
-    ``excitation``.
+    Roving sensors: force and a reference sensor stay, and its values tell whether the setups agree. Roving
+    hammer: the sensors stay. H_ik = H_ki, so that the response at a sensor under a force at k has the
+    antiresonances of the response at k under a force at that sensor: name the sensor by ``excitation``.
 
     Parameters
     ----------
@@ -157,8 +153,7 @@ def merge_setups(
     -------
     AntiresonanceSet
         A dof that several setups have gets the means of its values, weighted by their variances, without
-        those that fewer than half of these setups show; the standard deviations grow where the values scatter
-        more than they say. Diagrams and data checks stay with the setups.
+        those that fewer than half of these setups show; the standard deviations grow with the scatter.
 
     Raises
     ------
@@ -181,9 +176,6 @@ def merge_setups(
     >>> two = ar.AntiresonanceSet(0, {0: [8.72], 2: [16.70]}, std_hz={0: [0.02], 2: [0.03]})
     >>> {dof: f.round(2).tolist() for dof, f in ar.merge_setups([one, two]).items()}
     {0: [8.71], 1: [14.4], 2: [16.7]}
-    >>> roving = [ar.AntiresonanceSet(k, {"tip": [f]}) for k, f in ((3, 20.1), (4, 25.3))]
-    >>> {dof: f.tolist() for dof, f in ar.merge_setups(roving, excitation="tip", check="off").items()}
-    {3: [20.1], 4: [25.3]}
     """
     given = check_sets("sets", sets, 2)
     shift, rate = within("max_shift", max_shift), within("alpha", alpha)
@@ -198,12 +190,11 @@ def merge_setups(
     if copies:
         text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
         if check == "raise":
-            got, wanted = "the same numbers to the last bit", "measurements of their own"
-            wanted += ", whose errors are independent"
-            raise UnsuitableDataError("sets", f"{got}: {text}", wanted, "Give each setup once.")
+            got, wanted = f"the same numbers to the last bit: {text}", "measurements with errors of their own"
+            raise UnsuitableDataError("sets", got, wanted, "Give each setup once.")
         if check == "warn":
-            text = f"merge_setups: {text} to the last bit: one measurement, which counts once."
-            warn("copied_setups", text)
+            said = f"merge_setups: {text} to the last bit: one measurement, which counts once."
+            warn("copied_setups", said)
     common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
     if common and check != "off":
         found = disagreements(common, len(given), shift, between, rate)
@@ -220,15 +211,11 @@ def merge_setups(
         warn("nothing_in_common", f"{text}whether they agree.")
     kinds = {one.sees for one in given}
     stayed = all(one.excitation == force and one.channels for one in given)
-    return AntiresonanceSet.from_tables(
-        force,
-        {
-            dof: joined([*tables.values()], shift, between) if dof in common else [*tables.values()][0]
-            for dof, tables in shared.items()
-        },
-        sees=kinds.pop() if len(kinds) == 1 else None,
-        channels=tuple(dict.fromkeys(dof for one in given for dof in one.channels)) if stayed else (),
-    )
+    channels = tuple(dict.fromkeys(dof for one in given for dof in one.channels)) if stayed else ()
+    every = {dof: [*tables.values()] for dof, tables in shared.items()}
+    means = {dof: joined(own, shift, between) if dof in common else own[0] for dof, own in every.items()}
+    sees = kinds.pop() if len(kinds) == 1 else None
+    return AntiresonanceSet.from_tables(force, means, sees=sees, channels=channels)
 
 
 def _tables(name: str, one: AntiresonanceSet, force: Any, *, stated: bool) -> dict[Any, ResponseTable]:

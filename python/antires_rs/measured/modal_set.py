@@ -84,15 +84,11 @@ class ModalSet(ReadOnly):
         if not np.all(np.isfinite(array)):
             remedy = "Leave out the modes or dofs that were not measured."
             reject("shapes", "NaN or infinite values", "finite shapes", remedy)
-        self._fill(
-            freq_hz=freq,
-            shapes=frozen(array),
-            dofs=dof_labels("dofs", dofs, array.shape[1]),
-            damping_ratio=_each("damping_ratio", damping_ratio, freq.size),
-            diagram=diagram,
-            std_hz=_each("std_hz", std_hz, freq.size, least=0.0),
-            std_shapes=_each("std_shapes", std_shapes, freq.size, least=0.0),
-        )
+        names = dof_labels("dofs", dofs, array.shape[1])
+        self._fill(freq_hz=freq, shapes=frozen(array), dofs=names, diagram=diagram)
+        self._fill(damping_ratio=_each("damping_ratio", damping_ratio, freq.size))
+        for name, std in (("std_hz", std_hz), ("std_shapes", std_shapes)):
+            self._fill(**{name: _each(name, std, freq.size, least=0.0)})
 
     def mac(self, other: ModalSet) -> FloatArray:
         """Modal assurance criterion between two sets of shapes, over the dofs that both have.
@@ -122,8 +118,7 @@ class ModalSet(ReadOnly):
         [[0.0, 1.0]]
         """
         if not isinstance(other, ModalSet):
-            remedy = "Build it from frequencies and shapes: ModalSet(freq_hz, shapes, dofs)."
-            reject("other", type(other).__name__, "a ModalSet", remedy)
+            reject("other", type(other).__name__, "a ModalSet", "Make it: ModalSet(freq_hz, shapes, dofs).")
         common = [dof for dof in self.dofs if dof in other.dofs]
         if not common:
             reject("other", f"dofs {other.dofs}", f"some of {self.dofs}", "Name the dofs of both sets alike.")
@@ -131,8 +126,7 @@ class ModalSet(ReadOnly):
         norms = [np.sum(np.abs(x) ** 2, axis=1) for x in (a, b)]
         for name, norm in zip(("self", "other"), norms, strict=True):
             if not norm.all():
-                still = int(np.argmin(norm))
-                got = f"mode {still} of {name} without motion at the common dofs {tuple(common)}"
+                got = f"mode {np.argmin(norm)} of {name} without motion at the common dofs {tuple(common)}"
                 remedy = "Leave that mode out, or compare at more dofs."
                 reject("other", got, "shapes that do not vanish there", remedy)
         product = np.abs(a.conj() @ b.T) ** 2

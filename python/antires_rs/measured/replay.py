@@ -28,8 +28,8 @@ class Asked:
     def on(cls, base: AntiresonanceSet, edit: Edit) -> Asked:
         """An edit made on a set."""
         off = _off(base, edit)
-        beside = float(off[off > SAME].min(initial=np.inf))
-        return cls(edit, _near(off), min(NAMED_WITHIN, 0.5 * beside))
+        within = 0.5 * float(off[off > SAME].min(initial=np.inf))
+        return cls(edit, _near(off), min(NAMED_WITHIN, within))
 
     def reworded(self, reason: str) -> Asked:
         """The same with another reason."""

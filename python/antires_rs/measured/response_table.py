@@ -65,9 +65,7 @@ class ResponseTable(ReadOnly):
     # "likeliest order": accepted at once from the fit of the order that the data support; "windows": seen by
     # most of the fits over windows; "directions": seen again by perturbed local fits; "followed": near the
     # place of a value that was known.
-    how = _score(
-        "how", "Why it was accepted: chain, persistent, likeliest order, windows, directions, followed."
-    )
+    how = _score("how", "Why accepted: chain, persistent, likeliest order, windows, directions, followed.")
     residual = _score("residual", "Relative misfit of the fit around it.")
     prominence_db = _score("prominence_db", "Height of its peak.")
 
@@ -112,14 +110,10 @@ class ResponseTable(ReadOnly):
     ) -> ResponseTable:
         """What an order sweep tells; ``how`` is one for all, or one each. The other scores are not known."""
         n = len(rows)
-        scores = {
-            "rows": np.array(rows, dtype=np.int64),
-            "spread": np.array(spread, dtype=np.float64),
-            "dominance": np.array(dominance, dtype=np.float64),
-            "how": np.full(n, how) if isinstance(how, str) else np.array(how, dtype=np.str_),
-            "residual": np.full(n, np.nan),
-            "prominence_db": np.full(n, np.nan),
-        }
+        scores = {"rows": np.array(rows, dtype=np.int64)}
+        scores |= {"spread": np.array(spread, dtype=float), "dominance": np.array(dominance, dtype=float)}
+        scores["how"] = np.full(n, how) if isinstance(how, str) else np.array(how, dtype=np.str_)
+        scores |= {"residual": np.full(n, np.nan), "prominence_db": np.full(n, np.nan)}
         return cls(freq_hz, damping_ratio, std_hz, scores)
 
     @classmethod
@@ -146,9 +140,8 @@ class ResponseTable(ReadOnly):
 
     def same_as(self, other: ResponseTable) -> bool:
         """Same frequencies, damping ratios and standard deviations, bit for bit; scores do not count."""
-        return all(
-            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=True) for name in NUMBERS
-        )
+        both = ((getattr(self, name), getattr(other, name)) for name in NUMBERS)
+        return all(np.array_equal(*columns, equal_nan=True) for columns in both)
 
     def __len__(self) -> int:
         return int(self.freq_hz.size)
@@ -180,9 +173,7 @@ def tables_of(
     if not isinstance(freq_hz, Mapping) or not freq_hz:
         got = "an empty mapping" if isinstance(freq_hz, Mapping) else type(freq_hz).__name__
         wanted = "a mapping of dof to frequencies in Hz, e.g. {0: [12.2, 36.2], 1: []}"
-        reject(
-            "freq_hz", got, wanted, "Pass a dict, with an empty list for a response without antiresonances."
-        )
+        reject("freq_hz", got, wanted, "Pass a dict; an empty list stands for no antiresonance.")
     frequencies: dict[Any, FloatArray] = {}
     for key, value in freq_hz.items():
         dof = label("freq_hz", key)
@@ -195,14 +186,16 @@ def tables_of(
     )
     for dof, column in std.items():
         check_std(part("std_hz", dof), column)
-    known = {
-        dof: {name: _score_column(part("scores", dof).item(name), column, n) for name, column in own.items()}
-        for dof, own, n in _by_dof("scores", scores, frequencies)
-    }
-    return {
-        dof: ResponseTable(values, damping.get(dof), std.get(dof), known.get(dof))
-        for dof, values in frequencies.items()
-    }
+    known: dict[Any, dict[str, NDArray[Any]]] = {}
+    for dof, own, n in _by_dof("scores", scores, frequencies):
+        known[dof] = {name: np.asarray(given) for name, given in own.items()}
+        for name, array in known[dof].items():
+            if array.shape != (n,):
+                got, wanted = f"an array of shape {array.shape}", f"{n} scores, one for each frequency"
+                remedy = "Give a score for each frequency; NaN where it is not known."
+                reject(part("scores", dof).item(name), got, wanted, remedy)
+    each = frequencies.items()
+    return {d: ResponseTable(own, damping.get(d), std.get(d), known.get(d)) for d, own in each}
 
 
 def frequencies_hz(name: str, value: Any, *, empty: bool = True) -> FloatArray:
@@ -249,12 +242,4 @@ def _companion(name: str, value: Any, count: int) -> FloatArray:
         reject(name, f"{array.size} values", f"{count}, one for each frequency", remedy)
     if np.isinf(array).any():
         reject(name, "an infinite value", wanted, "Pass NaN where it is not known.")
-    return array
-
-
-def _score_column(name: str, value: Any, count: int) -> NDArray[Any]:
-    array = np.asarray(value)
-    if array.shape != (count,):
-        got, wanted = f"an array of shape {array.shape}", f"{count} scores, one for each frequency"
-        reject(name, got, wanted, "Give a score for each frequency; NaN where it is not known.")
     return array

@@ -115,9 +115,8 @@ class Tracks(ReadOnly, Viewed):
             words[event.track].append(f"{event.kind} at {self.conditions[event.test]}")
         change = 100.0 * (last / first - 1.0)
         rows = [
-            [str(self.dof[i]), str(seen[i]), number(first[i], 3), number(last[i], 3)]
-            + [number(change[i], 3, sign=True), ", ".join(words[i])]
-            for i in range(len(self))
+            [str(dof), str(n), number(a, 3), number(b, 3), number(by, 3, sign=True), ", ".join(own)]
+            for dof, n, a, b, by, own in zip(self.dof, seen, first, last, change, words, strict=True)
         ]
         title = f"antiresonances followed over {len(self.conditions)} tests, force at {self.excitation}"
         return "\n".join([title, *aligned(["dof", "tests", "first_hz", "last_hz", "change_%", ""], rows)])
@@ -146,8 +145,6 @@ def _first(freq_hz: FloatArray) -> FloatArray:
 
 # Two values nearer than this may become one; farther apart, one of them was lost.
 NEIGHBOUR = 0.02
-
-
 # A track lives while half of the last so many tests have it; what lives is assigned first, so that a value
 # seen once does not take over an antiresonance that drifts past its place.
 RECENT = 10
@@ -214,13 +211,12 @@ def track(
 
     Notes
     -----
-    Values that were followed (``near=``) from one value are one track. The other values of a response are,
-    from test to test, assigned to the tracks, all at once and none twice
-    (:mod:`antires_rs.measured.matching`), each track being where it was seen last: first to those that half
-    of the last ten tests have, what is left to the others. What was not seen in 100 tests, and in ten times
-    as many as have it, is not looked for any more. What a track loses has
-    "merged" if a neighbour, nearer than 2 % when both were last seen, is still there: two
-    antiresonances that cannot be told apart any more, or have become a complex pair. Else it is "lost".
+    Values that were followed (``near=``) from one value are one track. The others of a response are, from
+    test to test, assigned to the tracks, all at once (:mod:`antires_rs.measured.matching`), each track being
+    where it was seen last: first to those that half of the last ten tests have, what is left to the others.
+    What was not seen in 100 tests, and in ten times as many as have it, is not looked for any more. What a
+    track loses has "merged" if a neighbour, nearer than 2 % when both were last seen, is still there; else it
+    is "lost".
 
     Examples
     --------
@@ -272,14 +268,8 @@ def followed(
             columns.append(column)
             labels.append(dof)
     freq, std = np.stack(columns, axis=2) if columns else np.empty((2, len(given), 0))
-    return Tracks(
-        first.excitation,
-        names,
-        label_array(labels),
-        frozen(freq),
-        frozen(std),
-        tuple(sorted(events, key=lambda event: (event.test, event.track))),
-    )
+    happened = tuple(sorted(events, key=lambda event: (event.test, event.track)))
+    return Tracks(first.excitation, names, label_array(labels), frozen(freq), frozen(std), happened)
 
 
 def _followed(

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import FloatArray, finite_scalar, real_array
-from .matrices import as_dense
+from ..support.checks import finite_scalar, real_array
+from .matrices import Columns
 from .penalties import lost_beside, warn_penalties, warn_softly_held
 from .recipes import ChainRecipe
 from .structural_model import ModelDescription, StructuralModel
@@ -60,14 +60,10 @@ class MassSpringChain(StructuralModel):
         if np.size(springs_n_per_m) > 0:
             wanted = "an array (n - 1,) of stiffnesses in N/m"
             springs = real_array("springs_n_per_m", springs_n_per_m, ndim=1, wanted=wanted)
-        recipe = ChainRecipe(
-            masses,
-            springs,
-            finite_scalar("ground_first_n_per_m", ground_first_n_per_m),
-            finite_scalar("ground_last_n_per_m", ground_last_n_per_m),
-        )
-        self._build(ModelDescription(recipe))
-        lost = lost_beside(recipe.ground_first_n_per_m + recipe.ground_last_n_per_m, springs)
+        first = finite_scalar("ground_first_n_per_m", ground_first_n_per_m)
+        last = finite_scalar("ground_last_n_per_m", ground_last_n_per_m)
+        self._build(ModelDescription(ChainRecipe(masses, springs, first, last)))
+        lost = lost_beside(first + last, springs)
         if lost is not None:
             warn_softly_held(self.dof_label, range(self.n_dof), lost)
             return
@@ -77,9 +73,8 @@ class MassSpringChain(StructuralModel):
     def element_label(self, element: int) -> str:
         """``spring 0`` to ``spring n-2`` between the masses, then the two ground springs."""
         between = self.n_dof - 1
-        if element < between:
-            return f"spring {element}"
-        return "first ground spring" if element == between else "last ground spring"
+        ends = {between: "first ground spring", between + 1: "last ground spring"}
+        return ends.get(element, f"spring {element}")
 
     def dof_label(self, dof: int) -> str:
         """``mass 0`` for dof 0 and on, counted from 0 like the springs."""
@@ -97,13 +92,8 @@ class MassSpringChain(StructuralModel):
         to_ground = enumerate(ends, start=self.n_dof - 1)
         return self.default_elements + [term for term, stiffness in to_ground if stiffness != 0.0]
 
-    def stiffness(self) -> FloatArray:
-        """Stiffness matrix, (n, n), N/m."""
-        return as_dense(self._core.stiffness())
-
-    def mass(self) -> FloatArray:
-        """Mass matrix, (n, n), kg."""
-        return as_dense(self._core.mass())
+    def _matrix(self, columns: Columns) -> Any:
+        return super()._matrix(columns).toarray()
 
     def __repr__(self) -> str:
         return f"MassSpringChain({self.n_dof} masses)"

@@ -2,12 +2,9 @@ r"""Linear constraints between dofs, taken out of the matrices.
 
 .. math:: C u = 0 \;\Rightarrow\; u = T q, \qquad K_q = T^T K T, \quad M_q = T^T M T
 
-q are the dofs that remain, unchanged, so that a sensor on one of them is still a row of the model. A rigid
-link, a slab that is stiff in its plane, a multi-point constraint or a Lagrange row of an export is such an
-equation.
-
-Reference: R. D. Cook et al., Concepts and Applications of Finite Element Analysis, 4th ed., 2002,
-section 13.2.
+q are the dofs that remain, unchanged, so that a sensor on one of them is still a row of the model. Rigid
+links, multi-point constraints and Lagrange rows of an export are such equations (R. D. Cook et al., Concepts
+and Applications of Finite Element Analysis, 4th ed., 2002, section 13.2).
 """
 
 from __future__ import annotations
@@ -66,9 +63,8 @@ def square(name: str, matrix: Any, n: int | None = None) -> Any:
 
 def _listed(given: Any) -> bool:
     """Whether it has items that are no letters: an array of no axis has none."""
-    return (
-        isinstance(given, Iterable) and not isinstance(given, str | bytes) and getattr(given, "ndim", 1) > 0
-    )
+    has_axis: bool = getattr(given, "ndim", 1) != 0
+    return isinstance(given, Iterable) and not isinstance(given, str | bytes) and has_axis
 
 
 def _numbers(n: int) -> Number:
@@ -175,9 +171,8 @@ def eliminate_constraints(
 
     Notes
     -----
-    Of each equation the dof that occurs in the fewest equations is taken out, the first of equals, among
-    those with a coefficient of at least a tenth of the largest. Equations that follow from others are passed
-    over.
+    Of each equation the dof that occurs in the fewest is taken out, the first of equals, among those with a
+    coefficient of at least a tenth of the largest. Equations that follow from others are passed over.
 
     Examples
     --------
@@ -270,9 +265,7 @@ def solved(equations: list[Equation], kept: set[int]) -> dict[int, Equation]:
         new = max(map(abs, own.values())) / largest
         argument, named = part("constraints", i), ", ".join(map(str, sorted(own)))
         if new < _OWN:
-            got = (
-                f"an equation that repeats those before it but for {new:.1g} of its coefficients, at {named}"
-            )
+            got = f"an equation that repeats those before it but for {new:.1g} of it, at {named}"
             wanted = f"equations that are clearly apart (by {_OWN:g}), or the same in all digits"
             reject(argument, got, wanted, "Leave it out: as it stands it would tie or hold these dofs.")
         free = {q: value for q, value in own.items() if q not in kept}
@@ -315,10 +308,6 @@ def equations_by_number(
     return (Entries.joined(*map(np.array, zip(*entries, strict=True))) if entries else None), kept
 
 
-# -- Rows of matrices that are no dofs of their own: what follows from others by an equation, and multipliers
-#
-# Every dof keeps its number; which row of the core's matrices it is follows from what was taken out.
-
 #: Of what a dof is made, shares below this are rounding.
 _SHARE = 1e-8
 
@@ -347,14 +336,12 @@ class Dependent(NamedTuple):
 
     def rows(self, n: int) -> NDArray[np.intp]:
         """Row of each of ``n`` dofs in matrices without those taken out; -1 for these."""
-        there = np.ones(n, dtype=bool)
-        there[self.dofs] = False
+        there = ~np.isin(np.arange(n), self.dofs)
         return np.where(there, np.cumsum(there) - 1, -1)
 
     def has(self, dof: int) -> bool:
         """Whether a dof is taken out."""
-        at = int(np.searchsorted(self.dofs, dof))
-        return at < self.dofs.size and bool(self.dofs[at] == dof)
+        return bool((self.dofs == dof).any())
 
     def moving_as(self, dof: int) -> int:
         """The dof that moves as ``dof`` does: the one that it follows, or itself."""

@@ -15,7 +15,6 @@ from ..support.messages import warn
 from ..views import Viewed
 from . import frame_parts
 from .frame_parts import AnySection, GroundSpring, NodeSpring, PointMass, iterable
-from .matrices import as_sparse
 from .penalties import warn_penalties
 from .recipes import FrameRecipe
 from .structural_model import ModelDescription, StructuralModel
@@ -90,9 +89,7 @@ class FrameModel(StructuralModel, Viewed):
         Nodes of each beam, and its section by name or index.
     sections : Tube, Rectangle or Section, or a sequence or mapping of them
         One for all beams; one each, in the order of the beams; or those that ``elements`` refer to.
-    point_masses : sequence of PointMass
-    ground_springs : sequence of GroundSpring
-    node_springs : sequence of NodeSpring
+    point_masses, ground_springs, node_springs : sequence of PointMass, of GroundSpring, of NodeSpring
     fixed : sequence of int or (int, str) or (int, sequence of str)
         Nodes with all dofs fixed, or single dofs. Fixed dofs are left out of the matrices.
     orientation : array_like, (3,) or (n_elements, 3), optional
@@ -123,9 +120,6 @@ class FrameModel(StructuralModel, Viewed):
     >>> beam = ar.FrameModel(nodes, [(i, i + 1) for i in range(10)], rod, fixed=[0])
     >>> beam.modes(1).freq_hz.round(3)   # 3.516 / (2 pi L**2) sqrt(EI / rho A)
     array([14.472])
-    >>> tip = beam.dof(10, "v")
-    >>> beam.antiresonances(tip, tip, f_max_hz=300.0).round(1)
-    array([ 63.5, 205.7])
     """
 
     _recipe_type = FrameRecipe
@@ -178,16 +172,13 @@ class FrameModel(StructuralModel, Viewed):
                 said = "is softer than rubber. Steel has 2.1e11 Pa, and lengths are in metres."
                 warn("softer_than_rubber", f"{argument}: {modulus:g} Pa {said}")
         self._build(ModelDescription(recipe))
-        warn_penalties(
-            self.dof_label, self.stiffness(), "Use fixed= for rigid supports, and softer springs for ties."
-        )
+        remedy = "Use fixed= for rigid supports, and softer springs for ties."
+        warn_penalties(self.dof_label, self.stiffness(), remedy)
         part_of = np.array(self._frame.parts())
         if part_of.max() > 0:
             alone = np.flatnonzero(part_of != part_of[0]).tolist()
-            said = (
-                f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are nodes "
-            )
-            said += f"{alone}. A response in one part to a force in another is zero."
+            said = f"the frame is in {part_of.max() + 1} parts that nothing joins; apart from node 0 are "
+            said += f"nodes {alone}. A response in one part to a force in another is zero."
             warn("frame_in_parts", said)
 
     @property
@@ -243,18 +234,13 @@ class FrameModel(StructuralModel, Viewed):
         return list(self._recipe.fixed)
 
     def dof(self, node: int, direction: str) -> int:
-        """Number of the dof ``direction`` of ``node``, zero-based.
+        """Number of the dof ``direction`` of ``node``, both zero-based.
 
         Parameters
         ----------
         node : int
-            Zero-based node.
         direction : str
             ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
-
-        Returns
-        -------
-        int
 
         Raises
         ------
@@ -301,19 +287,10 @@ class FrameModel(StructuralModel, Viewed):
         """The beams, in order; springs only on request."""
         return list(range(len(self._recipe.beams)))
 
-    def stiffness(self) -> Any:
-        """Stiffness of the free dofs as ``scipy.sparse.csc_array``, (n, n), N/m."""
-        return as_sparse(self._core.stiffness())
-
-    def mass(self) -> Any:
-        """Mass of the free dofs as ``scipy.sparse.csc_array``, (n, n), kg."""
-        return as_sparse(self._core.mass())
-
     def plot(self, values: Any = None, ax: Any = None, **options: Any) -> Any:
         """Draw the frame; ``values`` and ``options`` as in :func:`antires_rs.figures.plot_frame`."""
         return self._view("plot")(self, values, ax=ax, **options)
 
     def __repr__(self) -> str:
-        where = "space" if self.nodes_m.shape[1] == 3 else "plane"
-        nodes, beams = len(self.nodes_m), len(self._recipe.beams)
-        return f"FrameModel({where}, {nodes} nodes, {beams} elements, {self.n_dof} dofs)"
+        where, nodes = "space" if self._recipe.in_space else "plane", len(self._recipe.nodes_m)
+        return f"FrameModel({where}, {nodes} nodes, {len(self._recipe.beams)} elements, {self.n_dof} dofs)"

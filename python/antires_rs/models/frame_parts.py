@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self, cast
+from typing import Any, ClassVar, Self
 
 from ..exceptions import Argument, part, reject
 from ..support.checks import finite_scalar, integer, shape_of
@@ -21,13 +21,11 @@ class _Spring:
     stiffness_n_per_m: float
 
     def _checked(self, name: str, i: int) -> Self:
-        along, kind = self.direction is None and len(self._nodes) > 1, cast(Any, type(self))
-        checked: Self = kind(
-            **{each: _node(name, i, getattr(self, each)) for each in self._nodes},
-            direction=None if along else text(name, i, self.direction),
-            stiffness_n_per_m=_number(name, i, "stiffness_n_per_m", self.stiffness_n_per_m),
-        )
-        return checked
+        nodes, direction, (stiffness,) = self._row()
+        nodes = [integer(part(name, i).attribute("node"), node, low=0) for node in nodes]
+        if direction is not None or len(nodes) == 1:
+            direction = text(name, i, direction)
+        return self._of_row((nodes, direction, [_number(name, i, "stiffness_n_per_m", stiffness)]))
 
     def _row(self) -> Row:
         return [getattr(self, each) for each in self._nodes], self.direction, [self.stiffness_n_per_m]
@@ -72,12 +70,10 @@ class PointMass:
         if shape_of(inertia) not in ((), (3,)):
             argument = part(name, i).attribute("inertia_kg_m2")
             reject(argument, inertia, wanted, "Give it in kg m^2, about the centre of mass.")
-        three = (inertia,) * 3 if shape_of(inertia) == () else inertia
-        return type(self)(
-            _node(name, i, self.node),
-            _number(name, i, "mass_kg", self.mass_kg),
-            tuple(_number(name, i, "inertia_kg_m2", value) for value in three),  # type: ignore[union-attr]
-        )
+        three: Any = (inertia,) * 3 if shape_of(inertia) == () else inertia
+        node = integer(part(name, i).attribute("node"), self.node, low=0)
+        mass = _number(name, i, "mass_kg", self.mass_kg)
+        return type(self)(node, mass, tuple(_number(name, i, "inertia_kg_m2", each) for each in three))
 
     def _row(self) -> Row:
         return [self.node], None, [self.mass_kg, *self.inertia_kg_m2]  # type: ignore[misc]
@@ -191,10 +187,6 @@ def fixed_dofs(fixed: Iterable[Any], in_space: bool) -> list[tuple[int, str]]:
     return list(found)
 
 
-def _node(name: str, i: int, node: Any) -> int:
-    return integer(part(name, i).attribute("node"), node, low=0)
-
-
 def _number(name: str, i: int, attribute: str, value: Any) -> float:
     return finite_scalar(part(name, i).attribute(attribute), value, low=0.0)
 
@@ -225,10 +217,8 @@ class Tube:
     ----------
     outer_diameter_m, thickness_m : float
         Outer diameter and thickness of the wall.
-    youngs_modulus_pa, density_kg_per_m3 : float
-        Material.
-    poisson : float
-        Poisson's ratio, for torsion and shear.
+    youngs_modulus_pa, density_kg_per_m3, poisson : float
+        Material; Poisson's ratio is for torsion and shear.
     shear_coefficient : float, "cowper" or None
         Shear area over area, for Timoshenko beams, which have the rotary inertia of the section too; "cowper"
         takes it from shape and Poisson's ratio. Default: none, that is, Euler-Bernoulli beams.
@@ -286,18 +276,14 @@ class Section:
 
     Attributes
     ----------
-    area_m2 : float
-        Area.
-    inertia_m4 : float
-        Second moment for bending in the plane of a plane frame; in space, in the plane of the element and
-        its reference direction.
-    youngs_modulus_pa, density_kg_per_m3 : float
-        Material.
+    area_m2, inertia_m4 : float
+        Area, and second moment for bending in the plane of a plane frame; in space, in the plane of the
+        element and its reference direction.
+    youngs_modulus_pa, density_kg_per_m3, poisson
+        As of a :class:`Tube`.
     inertia_y_m4, torsion_m4 : float, optional
         Second moment for bending across that plane (default: the same), and St. Venant torsion constant;
         used in space only, where ``torsion_m4`` must be given.
-    poisson : float
-        Poisson's ratio, for torsion and shear.
     shear_coefficient, shear_coefficient_y : float, optional
         As of a :class:`Tube`, for forces in the plane of ``inertia_m4``, and, in space, for those in the
         other plane (default: the same).
@@ -324,11 +310,9 @@ class Section:
             argument, wanted = Argument(name).attribute("torsion_m4"), "the torsion constant in m^4, in space"
             reject(argument, None, wanted, "Give the section its torsion_m4, or use a plane frame.")
         bending = self.inertia_m4
-        whole = replace(
-            self,
-            inertia_y_m4=bending if self.inertia_y_m4 is None else self.inertia_y_m4,
-            torsion_m4=bending if self.torsion_m4 is None else self.torsion_m4,
-        )
+        across = bending if self.inertia_y_m4 is None else self.inertia_y_m4
+        torsion = bending if self.torsion_m4 is None else self.torsion_m4
+        whole = replace(self, inertia_y_m4=across, torsion_m4=torsion)
         return _parts(whole, name, "general", "area_m2", "inertia_y_m4", "inertia_m4", "torsion_m4")
 
 
@@ -336,30 +320,24 @@ AnySection = Tube | Rectangle | Section
 
 
 def _parts(section: Any, name: str, kind: str, *sizes: str) -> SectionParts:
-    material = ("youngs_modulus_pa", "density_kg_per_m3", "poisson")
-    size, (youngs, density, poisson) = (
-        [finite_scalar(Argument(name).attribute(each), getattr(section, each)) for each in names]
-        for names in (sizes, material)
-    )
-    return kind, size, youngs, density, poisson
+    names = *sizes, "youngs_modulus_pa", "density_kg_per_m3", "poisson"
+    found = [finite_scalar(Argument(name).attribute(each), getattr(section, each)) for each in names]
+    youngs, density, poisson = found[-3:]
+    return kind, found[:-3], youngs, density, poisson
 
 
 def shear_of(section: AnySection, name: str) -> list[float] | None:
     """As the core takes it: coefficients along y and z, an empty list for Cowper's, None for rigid."""
-    given = section.shear_coefficient
-    across = getattr(section, "shear_coefficient_y", None)
-    if given is None and across is None:
-        return None
-    if given == "cowper":
-        return []
+    given, across = section.shear_coefficient, getattr(section, "shear_coefficient_y", None)
+    if given == "cowper" or (given is None and across is None):
+        return [] if given else None
     argument = Argument(name).attribute("shear_coefficient")
     if given is None or isinstance(given, str):
         allowed = "a number" if isinstance(section, Section) else "a number, 'cowper' or None"
         reject(argument, given, allowed, "It is the shear area over the area, 5/6 for a rectangle.")
     own = finite_scalar(argument, given)
-    if across is None:
-        return [own, own]
-    return [own, finite_scalar(Argument(name).attribute("shear_coefficient_y"), across)]
+    other = Argument(name).attribute("shear_coefficient_y")
+    return [own, own if across is None else finite_scalar(other, across)]
 
 
 def section_of(parts: SectionParts, given: AnySection) -> AnySection:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import OutOfMemoryError, part, reject
 from ..support.checks import FloatArray, real_array
-from ..support.messages import warn
+from ..support.messages import some, warn
 
 # -- Matrices by their entries, as recipes hold them and as the core takes them
 
@@ -45,11 +45,8 @@ class Entries(NamedTuple):
     def joined(cls, rows: Any, columns: Any, values: Any) -> Entries:
         """Of arrays in any order; row by row."""
         order = np.lexsort((columns, rows))
-        return cls(
-            np.asarray(rows)[order].astype(np.uint32),
-            np.asarray(columns)[order].astype(np.uint32),
-            np.asarray(values, dtype=np.float64)[order],
-        )
+        i, k = (np.asarray(each)[order].astype(np.uint32) for each in (rows, columns))
+        return cls(i, k, np.asarray(values, dtype=np.float64)[order])
 
     def sparse(self, n: int, n_columns: int | None = None) -> Any:
         """As ``scipy.sparse.csr_array``."""
@@ -68,6 +65,7 @@ class Entries(NamedTuple):
         return Entries(self.rows[kept], self.columns[kept], self.values[kept])
 
 
+#: What the messages call a matrix.
 WANTED = "a square matrix (n, n), dense or scipy.sparse"
 
 #: Relative asymmetry up to which a matrix counts as symmetric: assembly in another program rounds.
@@ -83,15 +81,6 @@ def as_sparse(columns: Columns) -> Any:
     starts, rows, values = columns
     n = len(starts) - 1
     return csc_array((values, rows, starts), shape=(n, n))
-
-
-def as_dense(columns: Columns) -> FloatArray:
-    """A matrix of the core as a dense array."""
-    starts, rows, values = columns
-    n = len(starts) - 1
-    dense = np.zeros((n, n))
-    dense[rows, np.repeat(np.arange(n), np.diff(starts))] = values
-    return dense
 
 
 def as_square(name: str, matrix: Any, n: int | None = None) -> tuple[int, Entries]:
@@ -119,13 +108,11 @@ def as_masses(mass: Entries, n: int, label: Callable[[int], str]) -> Entries:
         got = f"{own[real[0]]:.4g} kg at {label(int(real[0]))}{more}"
         remedy = "Check its signs, and that stiffness and mass are not exchanged."
         reject(part("mass", int(real[0])), got, "no negative mass", remedy)
-    named = ", ".join(label(int(dof)) for dof in negative[:6]) + (", ..." if negative.size > 6 else "")
-    warn(
-        "negative_mass", f"mass: negative by rounding at {named}, {own[negative].min():.2g}: counted as none."
-    )
-    without = np.zeros(n, dtype=bool)
-    without[negative] = True
-    return mass.those(~(without[mass.rows] | without[mass.columns]))
+    named = some((label(int(dof)) for dof in negative), 6)
+    said = f"mass: negative by rounding at {named}, {own[negative].min():.2g}: counted as none."
+    warn("negative_mass", said)
+    gone = np.isin(np.arange(n), negative)
+    return mass.those(~(gone[mass.rows] | gone[mass.columns]))
 
 
 def as_term(name: str, matrix: Any, n: int) -> Entries:
@@ -134,26 +121,15 @@ def as_term(name: str, matrix: Any, n: int) -> Entries:
     if shape != (n, n):
         wanted, remedy = f"shape ({n}, {n}), as the stiffness", "Expand it to all dofs, with zeros elsewhere."
         reject(name, f"a matrix of shape {shape}", wanted, remedy)
-    if not _is_symmetric(entries, n):
+    own = entries.sparse(n)
+    if abs(own - own.T).max() > SYMMETRY * abs(own).max():
         remedy = "Pass (A + A.T) / 2 if the difference is rounding."
         reject(name, "a matrix that is not symmetric", "a symmetric term", remedy)
     return entries
 
 
-def _is_symmetric(entries: Entries, n: int) -> bool:
-    """Whether each entry and its mirror image differ by rounding of the largest at most."""
-    if not entries.values.size:
-        return True
-    places = entries.rows.astype(np.int64) * n + entries.columns  # ascending, row by row
-    mirrored = entries.columns.astype(np.int64) * n + entries.rows
-    at = np.searchsorted(places, mirrored).clip(max=places.size - 1)
-    image = np.where(places[at] == mirrored, entries.values[at], 0.0)
-    difference = np.abs(entries.values - image).max()
-    return bool(difference <= SYMMETRY * np.abs(entries.values).max())
-
-
 def _entries(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
-    """Shape and finite entries of a matrix, undamped."""
+    """Shape and finite entries of a matrix; of a damped one the real part, as no antiresonance knows more."""
     shape, entries = _given(name, _undamped(name, matrix))
     above, below = (entries.rows < entries.columns).any(), (entries.rows > entries.columns).any()
     if shape[0] == shape[-1] and above != below:  # its mean with the mirror image would be wrong
@@ -171,11 +147,9 @@ def _undamped(name: str, matrix: Any) -> Any:
     size = abs(own.real).max()
     loss = float(abs(own.imag).max() / size) if size else 0.0
     if loss > 0.0:
-        warn(
-            "complex_matrix",
-            f"{name}: its imaginary part, {loss:.2g} of the real one, is left out: antiresonances are those "
-            "of the undamped structure. Give damping_ratio= to frf and simulate.",
-        )
+        said = f"{name}: its imaginary part, {loss:.2g} of the real one, is left out: antiresonances are"
+        said += " those of the undamped structure. Give damping_ratio= to frf and simulate."
+        warn("complex_matrix", said)
     return own.real
 
 
@@ -193,8 +167,6 @@ def _given(name: str, matrix: Any) -> tuple[tuple[int, ...], Entries]:
     return rows.shape, Entries.of_sparse(rows)
 
 
-# -- Whether there is room for what only dense matrices can tell
-
 #: Dense matrices (n, n) that all modes take: K, M, a factor, the standard problem, its vectors, the shapes.
 MATRICES = 6
 
@@ -204,8 +176,5 @@ def check_room_for_all_modes(n_dof: int) -> None:
     try:
         np.empty(MATRICES * n_dof * n_dof)
     except MemoryError:
-        raise OutOfMemoryError(
-            f"all modes of {n_dof} dofs",
-            8 * MATRICES * n_dof**2,
-            "All modes need dense matrices. Ask for the modes up to f_max_hz, or for the lowest n_modes.",
-        ) from None
+        why = "All modes need dense matrices. Ask for the modes up to f_max_hz, or for the lowest n_modes."
+        raise OutOfMemoryError(f"all modes of {n_dof} dofs", 8 * MATRICES * n_dof**2, why) from None

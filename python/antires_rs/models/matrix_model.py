@@ -13,13 +13,11 @@ from ..exceptions import InvalidInputError, part, reject
 from ..support.checks import FloatArray
 from ..support.directions import names_of
 from .constraints import equations_by_number
-from .matrices import Columns, as_masses, as_sparse, as_square, as_term
+from .matrices import Columns, as_masses, as_square, as_term
 from .penalties import warn_penalties
 from .recipes import Independent, MatrixRecipe
 from .structural_model import ModelDescription, StructuralModel
 
-#: Cores for other dofs, made when asked for.
-_REMADE = {"_other"}
 #: Decades between the K / M of dofs from which on one method alone loses roots; most dofs to ask both.
 _APART, _MOST_FOR_BOTH = 8.0, 200
 
@@ -42,8 +40,7 @@ class MatrixModel(StructuralModel):
     keep : sequence of int or str
         Dofs that must not be taken out: those of sensors and of the force.
     dofs : sequence of str or (int, str), or mapping of them to rows, optional
-        Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what
-        :func:`antires_rs.io.read_dof_map`
+        Names, one for each row: ``"1204:Z"`` or ``(1204, "+Z")``; or what :func:`antires_rs.io.read_dof_map`
         returns. A dof may then be given by its name wherever its number may.
 
     Raises
@@ -63,16 +60,12 @@ class MatrixModel(StructuralModel):
     -----
     Taken out are also Lagrange multipliers (rows without mass and with nothing on the diagonal of the
     stiffness). All dofs keep their numbers, and a sensor or force may be at any of them: where one was taken
-    out, another dof of its equation is taken out instead. A tie by a very stiff spring is no equation: it
-    stays in the matrices, where rounding takes as many digits as it is stiffer than its neighbours.
+    out, another dof of its equation is taken out instead. A tie by a very stiff spring stays in the matrices,
+    where rounding takes as many digits as it is stiffer than its neighbours.
 
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> spring = 500.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    >>> model = ar.MatrixModel(spring, np.eye(2), stiffness_terms=[spring])
-    >>> model.antiresonances(0, 0).round(3)
-    array([3.559])
     >>> stiffness = 500.0 * np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
     >>> names, rigid = ["1:Z", "2:Z", "3:Z"], [{"3:Z": 1.0, "2:Z": -1.0}]
     >>> bar = ar.MatrixModel(stiffness, np.eye(3), constraints=rigid, dofs=names)
@@ -104,9 +97,7 @@ class MatrixModel(StructuralModel):
         independent = recipe.independent()
         self._build(ModelDescription(recipe), independent.core())
         self._fill(_independent=independent)
-        remedy = (
-            "Give ties, rigid links and supports as constraints=, or use penalties a million times softer."
-        )
+        remedy = "Give ties, rigid links and supports as constraints=, or penalties a million times softer."
         warn_penalties(self.dof_label, self.stiffness(), remedy)
 
     def dof(self, name: str) -> int:
@@ -139,10 +130,7 @@ class MatrixModel(StructuralModel):
             reject(name, got, "a dof of the structure", "Its row is an equation; name one of the other rows.")
         if dependent.has(dof) and not dependent.masters(dof):
             got = f"{self.dof_label(dof)}, which the constraints hold at zero"
-            remedy = (
-                "Nothing is measured there and no force moves it: name another dof, or mend the equations."
-            )
-            reject(name, got, "a dof that moves", remedy)
+            reject(name, got, "a dof that moves", "Name another dof, or mend the equations.")
         return dof
 
     @cached_property
@@ -184,7 +172,7 @@ class MatrixModel(StructuralModel):
         return known[1], known[2]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name not in _REMADE}
+        return {name: value for name, value in super().__getstate__().items() if name != "_other"}
 
     @property
     def n_dof(self) -> int:
@@ -209,18 +197,11 @@ class MatrixModel(StructuralModel):
         whole[:, here.rows >= 0] = shapes
         return np.ascontiguousarray((here.dependent.transformation(self.n_dof) @ whole.T).T)
 
-    def stiffness(self) -> Any:
-        """Stiffness matrix as ``scipy.sparse.csc_array``, (n, n), N/m; rows of dofs taken out are empty."""
-        return self._whole(self._core.stiffness())
-
-    def mass(self) -> Any:
-        """Mass matrix as ``scipy.sparse.csc_array``, (n, n), kg; rows of dofs taken out are empty."""
-        return self._whole(self._core.mass())
-
-    def _whole(self, columns: Columns) -> Any:
+    def _matrix(self, columns: Columns) -> Any:
+        """Rows of dofs that were taken out are empty."""
         from scipy.sparse import csc_array
 
-        matrix, number = as_sparse(columns), self._free_dofs
+        matrix, number = super()._matrix(columns), self._free_dofs
         if len(number) == self.n_dof:
             return matrix
         entries = matrix.tocoo()
@@ -230,10 +211,8 @@ class MatrixModel(StructuralModel):
     def __repr__(self) -> str:
         gone = self._independent.dependent.dofs.size
         out = f", {gone} of them taken out" if gone else ""
-        return (
-            f"MatrixModel({self.n_dof} dofs{out}, {self._core.n_stiffness_terms} stiffness terms, "
-            f"{self._core.n_mass_terms} mass terms)"
-        )
+        terms = f"{self._core.n_stiffness_terms} stiffness terms, {self._core.n_mass_terms} mass terms"
+        return f"MatrixModel({self.n_dof} dofs{out}, {terms})"
 
 
 def _label(names: tuple[str, ...], dof: int) -> str:

@@ -1,8 +1,8 @@
 """Updating parameters of any model: they act on the terms of its stiffness and mass.
 
-Each function returns one :class:`Parameter` for a single element, or a list with one parameter for
-each element of a sequence; add the lists to mix kinds. With ``together=True`` a sequence forms one
-parameter that acts on all its elements. Several parameters on one element multiply.
+Each function returns one :class:`Parameter` for a single element, or a list of one for each element of a
+sequence, or with ``together=True`` one that acts on all of them; add the lists to mix kinds. Several
+parameters on one element multiply.
 """
 
 from __future__ import annotations
@@ -159,12 +159,9 @@ def core_parameters(
         moves = (p.pivot or 0, p.axis) if p.quantity in _MOVES else None
         indices = [term if isinstance(term, int) else section_index(term) for term in p.terms]
         parts.append((p.quantity, indices, p.relative, moves))
-    # Several angles, lengths and positions may move one node.
-    acting = [
-        (quantity, moves, tuple(terms)) if moves else (quantity, term)
-        for quantity, terms, _, moves in parts
-        for term in (terms[:1] if moves else terms)
-    ]
+    acting: list[Any] = []
+    for quantity, terms, _, moves in parts:  # several angles, lengths and positions may move one node
+        acting += [(quantity, moves, tuple(terms))] if moves else [(quantity, term) for term in terms]
     twice = {pair for pair in acting if acting.count(pair) > 1}
     if twice:
         got = f"{sorted(twice)} more than once"
@@ -205,18 +202,14 @@ def _made(
 
 def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
     kind = KINDS["stiffness_factor" if relative else quantity]
-    unit, least, excluded = kind.unit, kind.least, kind.excluded
     most = 1.0 if quantity == "stiffness_reduction" else np.inf
-    sign = "<" if excluded else "<="
-    left = f"{least:g} {sign} " if np.isfinite(least) else ""
+    left = f"{kind.least:g} {'<' if kind.excluded else '<='} " if np.isfinite(kind.least) else ""
     wanted = f"a pair (lower, upper) with {left}lower <= upper{' <= 1' if most == 1.0 else ''}"
-    wanted += f" in {unit}" if unit else ""
+    wanted += f" in {kind.unit}" if kind.unit else ""
     if shape_of(bounds) != (2,):
         reject("bounds", bounds, wanted, "Write them as in (0.9, 1.1).")
-    lower, upper = (
-        finite_scalar(part("bounds", i), b, low=least, high=most, low_open=excluded)
-        for i, b in enumerate(bounds)
-    )
+    limits: Any = {"low": kind.least, "high": most, "low_open": kind.excluded}
+    lower, upper = (finite_scalar(part("bounds", i), b, **limits) for i, b in enumerate(bounds))
     if lower > upper:
         reject("bounds", (lower, upper), wanted, "Swap them.")
     return lower, upper
@@ -358,10 +351,8 @@ def mass_factor(terms: Any, *, bounds: Bounds, together: bool = False) -> Any:
     return _made("mass_factor", terms, bounds, together)
 
 
-# -- Updating parameters of a :class:`~antires_rs.FrameModel`: sections, masses and supports
-#
-# Values have units, and replace those of the model; with ``relative=True`` they are factors on them, which
-# also lets one parameter act on carriers of different values. Sections are named, or counted from zero.
+# -- Of a :class:`~antires_rs.FrameModel`: sections, masses and supports. Values replace those of the model;
+# with ``relative=True`` they are factors on them, and one parameter may act on carriers of different values
 
 
 @_documented(_SECTIONS, "Positive; in Pa, or factors.")
@@ -434,10 +425,8 @@ def support_stiffness(springs: Any, *, bounds: Bounds, relative: bool = False, t
     return _made("support_stiffness", springs, bounds, together, relative)
 
 
-# -- Updating parameters that move nodes of a :class:`~antires_rs.FrameModel`: angles, lengths and positions
-#
-# The elements are formed again from the moved nodes, so that a free structure stays free. Parameters act in
-# their order, each on the nodes where they then are; supports and sensors keep their directions.
+# -- Angles, lengths and positions move nodes, and the elements are formed again: a free structure stays free.
+# They act in their order, each on the nodes where these then are; supports and sensors keep their directions
 
 #: Names of directions.
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

@@ -1,8 +1,7 @@
 """Springs so stiff that rounding takes what is beside them: supports and ties by penalties.
 
-A dof whose stiffness is r times that of the others leaves them about 16 - log10(r) digits, in the sums of the
-assembly already where it is a tie: a chain of five masses loses 1e-5 of its first frequency at r = 1e9, a
-cantilever on springs all of it at 1e13.
+A dof whose stiffness is r times that of the others leaves them about 16 - log10(r) digits: a chain of five
+masses loses 1e-5 of its first frequency at r = 1e9, a cantilever on springs all of it at 1e13.
 """
 
 from __future__ import annotations
@@ -14,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import FloatArray
-from ..support.messages import warn
+from ..support.messages import some, warn
 from .matrices import Entries
 
 # -- Parts of a structure that are held by next to nothing: all dofs tied together, on soft springs
 #
 # Scaled to a diagonal of ones, the stiffness of such a part has an eigenvalue :math:`\lambda` of 1e-8 and
-# less, and none up to 1e8 times that. Rounding of the entries takes :math:`\epsilon / \lambda` of it. Below
-# some ulps the part is free: the supports are not in the matrix any more. Whether there have been any is
-# not to be seen but by the size of the springs: those beyond what a material gives are ties.
+# less, and none up to 1e8 times that. Rounding of the entries takes :math:`\epsilon / \lambda` of it; below
+# some ulps the part is free. Whether it had supports shows by the size of the springs alone: those beyond
+# what a material gives are ties.
 
 #: Eigenvalue up to which rounding takes 2e-8 of it, its largest part of the next, and what may be rounding.
 _SOFT, _GAP, _ROUNDING = 1e-8, 1e-8, 1e-14
@@ -117,13 +116,11 @@ def _of_eigenvalues(scaled: FloatArray) -> float | None:
 # -- How stiff a dof is without the ties it is in
 #
 # Scaled to a diagonal of ones, :math:`|k_{ij}| / \sqrt{k_{ii} k_{jj}}`, dofs of a tie are joined by couplings
-# of the order of one, and to its neighbours by those that a penalty leaves, 2e-3 and less. Where what is
-# joined can move as a rigid body, these neighbours alone are what holds it. None of this depends on the units
-# of a dof, nor on how many of the dofs are soft.
+# of the order of one, and to its neighbours by 2e-3 and less. Where what is joined can move as a rigid body,
+# these neighbours alone hold it. None of this depends on the units of a dof.
 
-#: Part of its stiffness that a tie leaves, at most.
+#: Part of its stiffness that a tie leaves, at most, and its largest scaled coupling to soft neighbours.
 _LEFT = 1.0 / 3e5
-#: Largest scaled coupling of a tie to soft neighbours.
 _WEAK = float(np.sqrt(_LEFT))
 #: Most dofs of one tie, and of one between two nodes, of which couplings below ``_ROUNDING`` count too: those
 #: of others may be the rounding of an angle.
@@ -166,8 +163,6 @@ def without_ties(n: int, stiffness: Entries) -> FloatArray:
 
 #: Stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost.
 _MOST = 3e7
-#: So many dofs are named.
-_NAMED = 6
 
 
 def warn_penalties(label: Callable[[int], str], stiffness: Any, remedy: str) -> None:
@@ -188,26 +183,23 @@ def warn_penalties(label: Callable[[int], str], stiffness: Any, remedy: str) -> 
     for dofs, lost in soft:
         warn_softly_held(label, dofs, lost)
     for dofs, support in [] if soft else free_by_ties(n, entries):
-        warn(
-            "free_by_ties",
-            f"stiffness: nothing holds {_named(label, dofs)}, and up to {diagonal[dofs].max():.1g} is "
-            f"more than any part has: beside such ties supports softer than {support:.1g} are rounded "
-            "away in the sums, and a free body is left. Give ties and rigid links as constraints=, "
-            "without penalties.",
+        said = (
+            f"stiffness: nothing holds {_named(label, dofs)}, and up to {diagonal[dofs].max():.1g} is more "
+            f"than any part has: beside such ties supports softer than {support:.1g} are rounded away in the "
+            "sums, and a free body is left. Give ties and rigid links as constraints=, without penalties."
         )
+        warn("free_by_ties", said)
 
 
 def warn_softly_held(label: Callable[[int], str], dofs: Any, lost: float) -> None:
     """Name the dofs that move as one on supports a hundred million times softer."""
-    warn(
-        "softly_held",
-        f"stiffness: {_named(label, dofs)} move as one beside what holds them, and rounding in the "
-        f"assembly may have changed that by {lost:.1g} of it, and the lowest frequencies with it. Give ties "
-        "and rigid links as constraints=, without penalties, or one mass for what moves as one.",
+    said = (
+        f"stiffness: {_named(label, dofs)} move as one beside what holds them, and rounding in the assembly "
+        f"may have changed that by {lost:.1g} of it, and the lowest frequencies with it. Give ties and rigid "
+        "links as constraints=, without penalties, or one mass for what moves as one."
     )
+    warn("softly_held", said)
 
 
 def _named(label: Callable[[int], str], dofs: Any) -> str:
-    """The first of them by name."""
-    named = ", ".join(label(int(dof)) for dof in dofs[:_NAMED])
-    return f"{named} and {len(dofs) - _NAMED} more" if len(dofs) > _NAMED else named
+    return some((label(int(dof)) for dof in dofs), 6)

@@ -45,9 +45,8 @@ class ChainRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The chain, made anew."""
-        return CoreModel.chain(
-            self.masses_kg, self.springs_n_per_m, self.ground_first_n_per_m, self.ground_last_n_per_m
-        )
+        ends = self.ground_first_n_per_m, self.ground_last_n_per_m
+        return CoreModel.chain(self.masses_kg, self.springs_n_per_m, *ends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +95,7 @@ class MatrixRecipe(_Recipe):
                 touched = term.rows[multiplier[term.rows]]
                 if touched.size:
                     got = f"an entry in row {int(touched[0])}, which is a Lagrange multiplier"
-                    wanted = (
-                        "terms of the structure: an equation has no stiffness that a parameter could scale"
-                    )
+                    wanted = "terms of the structure: an equation has no stiffness that could be scaled"
                     reject(part(name, i), got, wanted, "Leave the rows of the equations out of the term.")
         equations: dict[int, Equation] = {int(row): {} for row in np.flatnonzero(multiplier)}
         of_rows = k.those(multiplier[k.rows])
@@ -121,9 +118,8 @@ class Independent(NamedTuple):
     def core(self) -> CoreModel:
         """The core's model."""
         own = self.matrices
-        return CoreModel.from_matrices(
-            own.n_dof, own.stiffness, own.mass, own.stiffness_terms, own.mass_terms
-        )
+        terms = own.stiffness_terms, own.mass_terms
+        return CoreModel.from_matrices(own.n_dof, own.stiffness, own.mass, *terms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,11 +149,9 @@ class FrameRecipe(_Recipe):
 
     def core(self) -> CoreModel:
         """The frame, assembled anew."""
-        named = [
-            (one, part("sections", name)) for one, name in zip(self.sections, self.section_names, strict=True)
-        ]
-        sections = [section._parts(name, self.in_space) for section, name in named]
-        shear = [shear_of(section, name) for section, name in named]
+        names = [part("sections", name) for name in self.section_names]
+        sections = [own._parts(name, self.in_space) for own, name in zip(self.sections, names, strict=True)]
+        shear = list(map(shear_of, self.sections, names))
         rows: list[Any] = [("elements", [(list(beam), None, []) for beam in self.beams])]
         rows += [(kind, [each._row() for each in parts]) for kind, parts in self.parts.items()]
         how = [] if all(one is None for one in shear) else [shear]

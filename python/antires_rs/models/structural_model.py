@@ -25,16 +25,14 @@ from ..support.checks import (
     shape_of,
 )
 from ..support.directions import DofNames, point_of
-from ..support.messages import warn
+from ..support.messages import some, warn
 from ..support.progress import interruptible, patient, step
 from ..support.values import AroundCore, Value
-from .matrices import check_room_for_all_modes
+from .matrices import Columns, as_sparse, check_room_for_all_modes
 from .parameters import CoreParameter, Parameter, core_parameters, parameter_tuple
 from .recipes import ChainRecipe, FrameRecipe, MatrixRecipe
 
-# -- One description of a model, by which it is built, copied, pickled and saved
-#
-# Rebuilding gives the same bits: first the recipe's matrices, then each set of parameters in its order.
+# -- One description of a model, by which it is built, copied, pickled and saved, to the same bits
 
 Recipe = ChainRecipe | MatrixRecipe | FrameRecipe
 
@@ -83,16 +81,8 @@ class ModelDescription(Value):
 
 # -- What the core leaves in doubt about antiresonances and modes, in words
 
-#: So many frequencies are named.
-_NAMED = 4
 #: Relative distance from which on a mode is above the highest one found.
 _EDGE = 1e-6
-
-
-def _some(named: Sequence[Any]) -> str:
-    """The first of them, and how many more there are."""
-    more = f" and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
-    return ", ".join(map(str, named[:_NAMED])) + more
 
 
 def _warn_doubts(
@@ -101,16 +91,14 @@ def _warn_doubts(
     """Say whether H is zero, whether roots may be missing, and which (by their bounds) are not certain."""
     response = f"response dof {dof}"
     if zero:
-        text = (
-            f"{response} is not connected to excitation dof {excitation}: H is identically zero and has no "
-        )
-        warn("not_connected", text + "antiresonance.")
+        text = f"is not connected to excitation dof {excitation}: H is identically zero and has no "
+        warn("not_connected", f"{response} {text}antiresonance.")
     if doubtful:
         text = f"{response}: rounding hides whether antiresonances of it are missing or double; with {n_dof} "
         text += "dofs only other units or fewer digits between the stiffest and the softest part would tell."
         warn("hidden_by_rounding", text)
     if len(values) == 2 and np.isinf(values[1]).any():
-        named = _some([f"{f:.6g}" for f in values[0][np.isinf(values[1])]])
+        named = some(f"{f:.6g}" for f in values[0][np.isinf(values[1])])
         text = f"{response}: {named} Hz are not certain: too close to others to be told from them, or moved "
         warn("uncertain_roots", text + "too far by the rounding of K and M.")
 
@@ -128,13 +116,13 @@ def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: 
     hz = np.sqrt(own[alone] / of_mass[alone]) / (2.0 * np.pi)
     out = hz > (1.0 + _EDGE) * float(freq_hz.max(initial=0.0))
     if out.any():
-        named = _some([label(int(dof)) for dof in alone[out]])
+        named = some(label(int(dof)) for dof in alone[out])
         text = f"modes at {named}, from {hz[out].min():.6g} Hz on, are left out: they lie too far above the "
         text += f"lowest, {freq_hz[0]:.6g} Hz, for double precision. Models of these dofs alone have them."
         warn("modes_left_out", text)
 
 
-#: From here on antiresonances may take seconds.
+#: From so many dofs on antiresonances may take seconds.
 MANY_DOFS = 200
 
 Method = Literal["modal", "pencil"]
@@ -150,12 +138,10 @@ class StructuralModel(AroundCore[CoreModel]):
     Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
     """
 
-    #: Kind of recipe that this class is built from.
-    _recipe_type: ClassVar[type | None] = None
+    _recipe_type: ClassVar[tuple[type, ...] | type] = ()  # what this class is built from
     _description: ModelDescription
 
     def _build(self, description: ModelDescription, core: CoreModel | None = None) -> None:
-        """Fill the model; ``core`` where it is at hand already."""
         self._fill(_description=description, _core=description.core() if core is None else core)
 
     def _made_core(self) -> CoreModel:
@@ -173,11 +159,9 @@ class StructuralModel(AroundCore[CoreModel]):
         --------
         >>> import antires_rs as ar
         >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0]).with_parameters(ar.stiffness_reduction(0), 0.4)
-        >>> chain.description.recipe.springs_n_per_m, chain.description.applied[0].values
-        (array([500.]), array([0.4]))
         >>> again = ar.MassSpringChain.from_description(chain.description)
-        >>> again.description == chain.description
-        True
+        >>> again.description == chain.description, again.description.applied[0].values
+        (True, array([0.4]))
         """
         return self._description
 
@@ -190,14 +174,12 @@ class StructuralModel(AroundCore[CoreModel]):
         InvalidInputError
             The description of another kind of model.
         """
-        wanted = cls._recipe_type
         if not isinstance(description, ModelDescription):
             reject("description", description, "a ModelDescription", "Take it from a model's .description.")
-        if wanted is None or not isinstance(description.recipe, wanted):
+        if not isinstance(description.recipe, cls._recipe_type):
             got = f"the recipe of another kind of model, a {type(description.recipe).__name__}"
-            needed = "one" if wanted is None else f"a {wanted.__name__}"
-            made_of = f"{needed} that a {cls.__name__} is made of"
-            reject("description", got, made_of, "Call from_description of its own class.")
+            wanted = f"that of a {cls.__name__}"
+            reject("description", got, wanted, "Call from_description of its own class.")
         model = object.__new__(cls)
         model._build(description)
         return model
@@ -291,6 +273,20 @@ class StructuralModel(AroundCore[CoreModel]):
         """Stiffness terms that have a stiffness."""
         return self.default_elements
 
+    def stiffness(self) -> Any:
+        """Stiffness matrix, (n, n), N/m, as ``scipy.sparse.csc_array``, of a chain as ``ndarray``.
+
+        Fixed dofs of a frame have no row, those that a MatrixModel has taken out an empty one.
+        """
+        return self._matrix(self._core.stiffness())
+
+    def mass(self) -> Any:
+        """Mass matrix, (n, n), kg, as :meth:`stiffness`."""
+        return self._matrix(self._core.mass())
+
+    def _matrix(self, columns: Columns) -> Any:
+        return as_sparse(columns)
+
     def modes(self, n_modes: int | None = None, f_max_hz: float | None = None) -> ModalSet:
         """Undamped resonances and mass-normalised shapes.
 
@@ -328,21 +324,18 @@ class StructuralModel(AroundCore[CoreModel]):
         """
         most = None if n_modes is None else integer("n_modes", n_modes, low=1)
         limit = None if f_max_hz is None else finite_scalar("f_max_hz", f_max_hz, low=0.0, unit="Hz")
-        if limit is None and most is None:
+        every = limit is None and most is None
+        if every:
             check_room_for_all_modes(self.n_dof)
         freq, shapes = self._core.modes(limit, most)
         if np.isnan(freq).any():
             moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
             named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
-            raise NumericalError(
-                "modes of (K, M)",
-                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, "
-                f"most at {named}. Check its signs, or with geometric stiffness whether the load is beyond "
-                "buckling; antiresonances are still found.",
-            )
-        if limit is None and most is None:
-            whole: Any = self  # every kind of model has these matrices
-            _warn_modes_left_out(freq, whole.stiffness(), whole.mass(), self.dof_label)
+            why = f"the stiffness is indefinite: {np.isnan(freq).sum()} motion(s) grow without bound, most at"
+            why += f" {named}. Check its signs, or with geometric stiffness whether the load is beyond"
+            raise NumericalError("modes of (K, M)", f"{why} buckling; antiresonances are still found.")
+        if every:
+            _warn_modes_left_out(freq, self.stiffness(), self.mass(), self.dof_label)
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
         if limit is not None and keep == 0:
             wanted = f"at least the first resonance, {freq[0]:.6g} Hz"
@@ -445,12 +438,11 @@ class StructuralModel(AroundCore[CoreModel]):
         -------
         ndarray, (n,)
             Hz, ascending; with ``bounds`` a pair of arrays (n,), frequencies and bounds of their errors in
-            Hz, infinite for one that is not certain: it lies too close to others to be told from them, or
-            rounding of the entries moves it by more than 1e-3 in frequency squared. A list for a sequence of
+            Hz, infinite for one that is not certain: too close to others to be told from them, or moved by
+            more than 1e-3 in frequency squared by rounding of the entries. A list for a sequence of
             responses. Dropped are roots that are infinite or zero at working precision (an ulp of K and M
             moves them by more than 1e-3 of their own distance from there), negative, or complex (imaginary
-            part above 1e-9 of the modulus, or above ten times that uncertainty, at most 3e-7). Each QZ root
-            has a backward error of at most 1e-10 (3e-7 within 1e-6 of another), or is polished on K and M.
+            part above 1e-9 of the modulus, or above ten times that uncertainty, at most 3e-7).
 
         Raises
         ------
@@ -462,9 +454,9 @@ class StructuralModel(AroundCore[CoreModel]):
         Warns
         -----
         AntiresWarning
-            The response is not connected to the excitation: H is identically zero; rounding leaves a doubt
-            about the number of roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some
-            roots are not certain.
+            The response is not connected to the excitation; rounding leaves a doubt about the number of
+            roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some roots are not
+            certain.
 
         Examples
         --------
@@ -548,9 +540,9 @@ class StructuralModel(AroundCore[CoreModel]):
         self._damping(damping_ratio)
         dofs = self._free_dofs if responses is None else self._dofs("responses", responses)
         lowest_hz = min((f for f in self._core.modes()[0] if f > 0), default=0.0)
-        test: dict[str, Any] = {"fs_hz": fs_hz, "duration_s": duration_s, "damping_ratio": damping_ratio}
-        test |= {"band_hz": band_hz, "noise": noise, "rng": rng, "progress": progress}
-        return simulate(self, dofs, self._dof("excitation", excitation), lowest_hz, **test)
+        force = self._dof("excitation", excitation)
+        test = fs_hz, duration_s, damping_ratio, band_hz, noise, rng
+        return simulate(self, dofs, force, lowest_hz, *test, progress=progress)
 
     def _dof(self, name: str, value: Any) -> int:
         """Number of a dof that is given by its number or its name."""
@@ -580,16 +572,22 @@ class StructuralModel(AroundCore[CoreModel]):
         return ratio
 
 
+def checked_model(model: Any) -> StructuralModel:
+    """A model of ours."""
+    if not isinstance(model, StructuralModel):
+        wanted = "a MassSpringChain, FrameModel or MatrixModel"
+        reject("model", model, wanted, "Build the model as one of these first.")
+    return model
+
+
 # -- Virtual experiments: what accelerometers would record on a model under a random force
 #
 # The response is synthesised in the frequency domain over a record longer than asked for, and a window is cut
 # out of its middle: an exact sample of the stationary response, and not periodic, so that an analysis meets
 # the leakage of a real test. (A zero-order-hold time integration would report 2.6 % damping for 0.51 %.)
 
-#: Longest memory of the structure that the lead-in must cover, in time constants 1 / (zeta omega).
-_TIME_CONSTANTS = 8.0
-#: Samples of lead-in that fit a memory of some hundred MB.
-_LONGEST_LEAD_IN = 4_000_000
+#: Time constants 1 / (zeta omega) that the lead-in must cover; its samples that fit some hundred MB.
+_TIME_CONSTANTS, _LONGEST_LEAD_IN = 8.0, 4_000_000
 #: More samples than this of one channel fit no memory.
 _MOST_SAMPLES = 1e10
 
@@ -600,13 +598,13 @@ def simulate(
     responses: list[int],
     excitation: int,
     lowest_hz: float,
-    *,
     fs_hz: float,
     duration_s: float,
     damping_ratio: Any,
     band_hz: tuple[float, float] | None = None,
     noise: float = 0.0,
     rng: int | np.random.Generator | None = None,
+    *,
     progress: bool | None = None,
 ) -> Recording:
     """Record accelerations under a band-limited random force; see ``MassSpringChain.simulate``."""
@@ -622,8 +620,7 @@ def simulate(
     if band_hz is not None:
         low, high = frequency_band("band_hz", band_hz, low_hz=0.0, high_hz=rate / 2)
 
-    lead = _lead_in(samples, rate, lowest_hz, damping_ratio)
-    total = samples + 2 * lead
+    total = samples + 2 * (lead := _lead_in(samples, rate, lowest_hz, damping_ratio))
     freq_hz = np.fft.rfftfreq(total, 1.0 / rate)
     inside = (freq_hz >= low) & (freq_hz <= high) & (freq_hz > 0.0)
     if not inside.any():

@@ -101,17 +101,14 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     """Seed, fingerprint and payload; ValueError says what is wrong."""
     data = file.read_bytes()
     if not data.startswith(_MAGIC):
-        line, _, _ = data[:40].partition(b"\n")
-        if line.startswith(_NAME) and line[len(_NAME) :].isdigit():
-            version = int(line[len(_NAME) :])
+        number = data[:40].partition(b"\n")[0].removeprefix(_NAME)
+        if data.startswith(_NAME) and number.isdigit():
+            version = int(number)
             maker = "an older" if version < _VERSION else "a newer"
             # A whole file of another version: no older one beside it will do either.
-            raise UnsuitableDataError(
-                "checkpoint",
-                f"{file.name}, the search of {maker} antires_rs (layout {version})",
-                f"layout {_VERSION}",
-                "End that search with the version that began it, or remove the file to begin anew.",
-            )
+            got = f"{file.name}, the search of {maker} antires_rs (layout {version})"
+            remedy = "End that search with the version that began it, or remove the file to begin anew."
+            raise UnsuitableDataError("checkpoint", got, f"layout {_VERSION}", remedy)
         raise ValueError("no checkpoint")
     if len(data) < len(_MAGIC) + _HEADER.size:
         raise ValueError("cut short")

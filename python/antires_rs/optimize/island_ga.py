@@ -59,17 +59,16 @@ class OptimizeResult(Value):
     success : bool
         Whether the search ended by its own stop rule, not by a budget or an interruption.
     status : str
-        ``'agreed'`` (the islands' bests are the same point), ``'cost agreed'`` (they have the same cost,
-        at different points: a flat valley), ``'stagnated'`` (a single island), ``'budget'``,
-        ``'interrupted'``, ``'callback'``, ``'collapsed'``, or in the ``result`` of an exception
-        ``'objective error'``.
+        ``'agreed'`` (the islands' bests are the same point), ``'cost agreed'`` (they have the same cost, at
+        different points: a flat valley), ``'stagnated'`` (a single island), ``'budget'``, ``'interrupted'``,
+        ``'callback'``, ``'collapsed'``, or in the ``result`` of an exception ``'objective error'``.
     message : str
         The status in a sentence.
     nfev : int
         Evaluations, as the budget counts them: costs and linearizations, one each.
     njev : int or None
-        Linearizations among them: cost, residuals and all their slopes at one point. The polish asks for them
-        of an :class:`UpdatingProblem`; a Python function has none. None in the file of an older version.
+        Linearizations among them: cost, residuals and all their slopes at one point, of which a Python
+        function has none. None in the file of an older version.
     nit : int
         Generations.
     history : History
@@ -108,10 +107,7 @@ class OptimizeResult(Value):
 
     @property
     def migrations(self) -> int:
-        """Exchanges between the islands. Bests that agree after none were found by each island alone.
-
-        With a polish that may be one local search, made from each.
-        """
+        """Exchanges between the islands. Bests that agree after none were found by each island alone."""
         return len(self.history.migrations)
 
     @property
@@ -151,9 +147,7 @@ def resumed(checkpoint: Any, rng: Any, fingerprint: Callable[[], bytes]) -> tupl
 
 def thread_count(workers: int | None) -> int:
     """Threads to use: the given number, or the processors this process may run on."""
-    if workers is not None:
-        return integer("workers", workers, low=1, high=MOST_WORKERS)
-    return processors()
+    return processors() if workers is None else integer("workers", workers, low=1, high=MOST_WORKERS)
 
 
 def check_bounds(bounds: Any) -> FloatArray:
@@ -184,12 +178,14 @@ def guesses(x0: Any, n: int) -> list[list[float]]:
 
 def _check_type(name: str, value: Any) -> Any:
     """An option of the right type; its range is the core's to judge, and so is an unknown name."""
-    if name == "crossovers":
-        listed = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [value]
-        return [_text(name, each, value) for each in listed]
-    if name == "agreement":
-        return _text(name, value, value)
     default = _core.island_options({}).get(name)
+    if name in ("crossovers", "agreement"):
+        several = name == "crossovers" and isinstance(value, Iterable) and not isinstance(value, str)
+        texts = list(value) if several else [value]
+        if not all(isinstance(each, str) for each in texts):
+            wanted = "text, or a list of texts where several are possible"
+            reject(name, value, wanted, "Put it in quotes; see the docstring for the names.")
+        return texts if name == "crossovers" else value
     if name == "polish":
         if value is not None and not isinstance(value, bool):
             reject(name, value, "True, False or None", "None lets the optimizer choose.")
@@ -197,13 +193,6 @@ def _check_type(name: str, value: Any) -> Any:
         integer(name, value, low=0, high=_MOST)
     elif isinstance(default, float):
         finite_scalar(name, value)
-    return value
-
-
-def _text(name: str, value: Any, given: Any) -> str:
-    if not isinstance(value, str):
-        wanted = "text, or a list of texts where several are possible"
-        reject(name, given, wanted, "Put it in quotes; see the docstring for the names.")
     return value
 
 
@@ -301,32 +290,25 @@ class Batch:
                 raise TypeError("complex costs")
             costs = costs.astype(np.float64)
         except (TypeError, ValueError) as exc:
-            raise ObjectiveError(
-                "fun", f"{type(answer).__name__} that is not numeric ({exc})", wanted, _RETURN
-            ) from exc
+            got = f"{type(answer).__name__} that is not numeric ({exc})"
+            raise ObjectiveError("fun", got, wanted, _RETURN) from exc
         if costs.shape != (count,):
             raise ObjectiveError("fun", f"an array of shape {costs.shape}", wanted, _RETURN)
         # A whole first generation that is not finite is a mistake.
         self._seen_finite = self._seen_finite or bool(np.isfinite(costs).any())
         if whole and not self._seen_finite:
-            raise ObjectiveError(
-                "fun",
-                f"no finite cost for any of {count} candidates",
-                wanted,
-                "Call the function at a point inside the bounds to see why.",
-            )
+            got = f"no finite cost for any of {count} candidates"
+            raise ObjectiveError("fun", got, wanted, "Call it at a point within the bounds to see why.")
         return np.where(np.isfinite(costs), costs, np.inf)
 
 
 class IslandGA:
     """Island genetic algorithm of Meruane, J. Sound Vib. 332 (2013) 807-820.
 
-    Each island selects by normalized geometric ranking, crosses by an operator of its own (arithmetic,
-    heuristic, BLX-0.5, uniform, in turn), mutates genes to a bound or anywhere, and never loses its
-    best. An island that finds nothing better for ``patience`` generations waits; when all wait they
-    compare their bests, and stop or exchange them with their ring neighbours (best out, worst
-    replaced). The algorithm as printed is :meth:`IslandGA.paper`.
-    Parameters not given take the defaults of the Rust core, shown by ``.options``.
+    Each island selects by normalized geometric ranking, crosses by an operator of its own, mutates genes to a
+    bound or anywhere, and never loses its best. An island that finds nothing better for ``patience``
+    generations waits; when all wait they compare their bests, and stop or exchange them with their ring
+    neighbours (best out, worst replaced). The algorithm as printed is :meth:`IslandGA.paper`.
 
     Parameters
     ----------
@@ -354,18 +336,16 @@ class IslandGA:
         Bests agree in cost within ``cost_tolerance`` (1e-6, relative) plus ``cost_floor`` at
         ``cost_migrations`` (3) migrations in a row.
     polish : bool, optional
-        Local search from the nominal model and from the islands' bests. By default where the objective
-        tells how it is composed, as an :class:`UpdatingProblem` does: sequential linear programming with
-        analytic sensitivities, and moves that drop, add or exchange single damages, which a count of damages
-        needs. ``True`` polishes plain functions too, without derivatives; variables with lower bound 0 may
-        then be dropped and exchanged. ``False`` leaves the polish out and nothing else.
+        Local search from the nominal model and from the islands' bests. By default for an
+        :class:`UpdatingProblem`: sequential linear programming with analytic sensitivities, and moves that
+        drop, add or exchange single damages. ``True`` polishes plain functions too, without derivatives;
+        variables with lower bound 0 may then be dropped and exchanged.
     polish_interval : int, default 10
         Generations after which the bests are polished, even if not all islands wait.
     polish_evaluations : int, default 1000
         Evaluations after which the polish of one point begins no new move; all count in ``nfev``.
     max_evaluations : int, default 200000
-        Budget of evaluations, never exceeded. A linearization, which takes one solution of the eigenproblem
-        like a cost, counts as one: see ``njev`` of :class:`OptimizeResult`.
+        Budget of evaluations, never exceeded; linearizations count.
     max_generations : int, optional
         Budget of generations.
     max_seconds : float, optional
@@ -383,18 +363,15 @@ class IslandGA:
 
     Examples
     --------
-    >>> import numpy as np, antires_rs as ar
-    >>> def sphere(x):
-    ...     return float(np.sum((x - 0.3) ** 2))
-    >>> result = ar.IslandGA(max_evaluations=5000).minimize(sphere, [(-1, 1)] * 2, rng=0)
-    >>> result.fun < 1e-3
-    True
+    >>> import antires_rs as ar
+    >>> ar.IslandGA(islands=2, population=20).options["crossover_probability"]
+    0.8
     """
 
     def __init__(self, *, max_seconds: float | None = None, **options: Any) -> None:
-        self.max_seconds = (
-            None if max_seconds is None else finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
-        )
+        if max_seconds is not None:
+            max_seconds = finite_scalar("max_seconds", max_seconds, low=0.0, unit="s")
+        self.max_seconds = max_seconds
         #: Every option with its value in force.
         self.options = _core.island_options({name: _check_type(name, each) for name, each in options.items()})
 
@@ -402,9 +379,9 @@ class IslandGA:
     def paper(cls, **options: Any) -> Self:
         """The algorithm as the paper prints it, as a whole.
 
-        ``polish=False, improvement_tolerance=0, agreement='genes', gene_tolerance=0``: no local search, any
-        gain counts, and only equal genes end the search. For damage give the problem ``snap=0`` as well, by
-        ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper rounds no severity to zero.
+        ``polish=False, improvement_tolerance=0, agreement='genes', gene_tolerance=0``. For damage give the
+        problem ``snap=0`` as well, by ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper
+        rounds no severity to zero.
 
         Parameters
         ----------
@@ -413,10 +390,10 @@ class IslandGA:
 
         Notes
         -----
-        What is still ours, because the paper does not say it: the selection pressure q = 0.08, which mutation
-        a mutating gene gets (either, equally likely), three tries of the heuristic crossover before the
-        parents are copied, the neighbours of a ring, and the budget ``max_evaluations``, without which a flat
-        valley would never end. Where the paper contradicts itself we have four populations, not five.
+        What is still ours, because the paper does not say it: the selection pressure, which mutation a
+        mutating gene gets (either, equally likely), three tries of the heuristic crossover before the parents
+        are copied, the neighbours of a ring, and the budget ``max_evaluations``. Where the paper contradicts
+        itself we have four populations, not five.
 
         Examples
         --------
@@ -451,8 +428,6 @@ class IslandGA:
     ) -> OptimizeResult:
         """Minimize any Python function inside a box.
 
-        The candidates of a generation are evaluated together.
-
         Parameters
         ----------
         fun : callable
@@ -465,9 +440,8 @@ class IslandGA:
             Who evaluates ``fun``: from 2 on that many processes (``fun`` is then to be at the top of a
             module), ``"processes"`` for one a processor, ``"threads"``, or anything with ``submit`` or
             ``map``: an executor of ``concurrent.futures``, a Dask ``Client``, ``mpi4py.futures``, a
-            ``multiprocessing.Pool``, or a callable used as ``map``. Candidates go there in chunks of about a
-            quarter of a second; the same seed gives the same bits for any workers, each of which has one BLAS
-            thread. A worker that is lost is replaced. Not with ``vectorized``.
+            ``multiprocessing.Pool``, or a callable used as ``map``. The bits are the same for any workers,
+            each of which has one BLAS thread; one that is lost is replaced. Not with ``vectorized``.
         vectorized : bool
             Whether ``fun`` takes all candidates at once.
         callback : callable, optional
@@ -479,8 +453,7 @@ class IslandGA:
             Show progress on standard error; by default on a terminal, after one second.
         checkpoint : path-like, optional
             File in which the search is kept, written every two seconds and at the end. If it is there, the
-            search goes on from it, bit-identical to one that never stopped. That ``fun`` is the same is for
-            the caller to know.
+            search goes on from it, bit-identical to one that never stopped, if ``fun`` is the same.
 
         Returns
         -------

@@ -7,20 +7,21 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..damage.assess import elements_of
 from ..damage.evidence import HIGHEST
 from ..damage.inference import smallest_found
 from ..damage.measured_states import roots_at
 from ..damage.options import DamagePrior, SearchOptions, checked_prior
 from ..exceptions import reject
 from ..models.parameters import stiffness_reduction
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.island_ga import seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array
 from ..support.progress import one_blas_thread, waiting
 from ..support.values import FrozenDict, frozen
 from .detection_curves import DetectionCurves, crossing, fit_logit, reached
 from .placement import ExpectedErrors, Layout
-from .plan import Sees, band_of, chosen_elements, dofs_of
+from .plan import Sees, band_of, dofs_of
 from .simulated_tests import Task, VirtualTest, predicted, simulated
 
 #: Severities of a prediction, in units of the linear estimate; and where that is none.
@@ -110,7 +111,7 @@ def detectability(
     >>> sorted(curves.a90), max(curves.a90.values()) < 0.05, curves.false_call_rate < 0.05
     ([0, 1, 2], True, True)
     """
-    chosen = chosen_elements(model, elements)
+    chosen = tuple(elements_of(checked_model(model), elements))
     (force,) = dofs_of("excitation", model, excitation)
     dofs = dofs_of("sensors", model, sensors)
     band, errors = band_of(model, band_hz), ExpectedErrors(noise, duration_s, damping_ratio, std)
@@ -135,10 +136,8 @@ def detectability(
         if method == "predicted":
             count = integer("n_tests", 12 if n_tests is None else n_tests, low=1)
             shares, calls, done = predicted(test, grid, *judging, seed.spawn(count), threads)
-            rows = {
-                e: (frozen(a), frozen(p), crossing(a, p, 0.5), crossing(a, p, 0.9))
-                for e, a, p in zip(chosen, grid, shares, strict=True)
-            }
+            for e, a, p in zip(chosen, grid, shares, strict=True):
+                rows[e] = frozen(a), frozen(p), crossing(a, p, 0.5), crossing(a, p, 0.9)
             return _curves("predicted", rows, names, calls, done, count)
         count = integer("n_tests", 60 if n_tests is None else n_tests, low=10)
         scouts, own = seed.spawn(2)
@@ -173,14 +172,10 @@ def _curves(
     method: str, rows: dict[int, tuple[Any, ...]], names: dict[int, str], calls: float, done: int, wanted: int
 ) -> DetectionCurves:
     """The curves of ``rows``: of each element severities, pod, a50, a90 and, of tests, a90_95 and these."""
-    columns: list[Any] = [
-        FrozenDict(zip(rows, column, strict=True)) for column in zip(*rows.values(), strict=True)
-    ]
+    columns: Any = [FrozenDict(zip(rows, own, strict=True)) for own in zip(*rows.values(), strict=True)]
     severity, pod, a50, a90, bound, tests = columns + [FrozenDict()] * (6 - len(columns))
-    ended = done < wanted
-    return DetectionCurves(
-        method, severity, pod, a50, a90, bound, calls, tests, done, ended, FrozenDict(names)
-    )
+    told: Any = calls, tests, done, done < wanted, FrozenDict(names)
+    return DetectionCurves(method, severity, pod, a50, a90, bound, *told)
 
 
 def _virtual_test(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,15 +74,10 @@ class DetectionCurves(ReadOnly, Viewed):
         head = ["stiffness loss (%)", "a50", "a90", *(["a90/95"] if self.a90_95 else [])]
         rows = [[name, *(percent(column[e]) for column in columns)] for e, name in self.names.items()]
         kind = "structures" if self.method == "predicted" else "tests"
-        last = f"false calls: {100.0 * self.false_call_rate:.2g} % of intact tests"
         stopped = ", stopped before the end" if self.interrupted else ""
-        return "\n".join(
-            [
-                f"probability of detection, {self.method} by {self.n_tests} {kind}{stopped}",
-                *aligned(head, rows, left=head[:1]),
-                last,
-            ]
-        )
+        title = f"probability of detection, {self.method} by {self.n_tests} {kind}{stopped}"
+        last = f"false calls: {100.0 * self.false_call_rate:.2g} % of intact tests"
+        return "\n".join([title, *aligned(head, rows, left=head[:1]), last])
 
     def plot(self, ax: Any = None) -> Any:
         """The curves; see :func:`antires_rs.figures.plot_detectability`."""
@@ -108,11 +103,12 @@ _SLOPES, _STEPS = np.geomspace(0.3, 60.0, 26), 160
 _FINE = 31
 
 
-class Logit:
+class Logit(NamedTuple):
     """A fitted curve: a90, its slope b, and a90/95."""
 
-    def __init__(self, a90: float, slope: float, bound: float) -> None:
-        self.a90, self.slope, self.bound = a90, slope, bound
+    a90: float
+    slope: float
+    bound: float
 
     def at(self, severity: FloatArray) -> FloatArray:
         """POD."""

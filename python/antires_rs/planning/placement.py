@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..damage.measured_states import LEAST_STD, Roots, roots_at
+from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
 from ..support.checks import FloatArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
@@ -63,8 +63,7 @@ class Layout:
 # is unknown too (L. Ljung, System Identification, 2nd ed. 1999, section 7.4).
 
 #: The band is looked at from this share of its upper end on, with so many lines in a half-power bandwidth.
-_LOWEST, _LINES = 1e-3, 4.0
-_FEWEST_LINES, _MOST_LINES = 2000, 20_000
+_LOWEST, _LINES, _FEWEST_LINES, _MOST_LINES = 1e-3, 4.0, 2000, 20_000
 
 
 @dataclass(frozen=True)
@@ -86,18 +85,15 @@ class ExpectedErrors:
     def __str__(self) -> str:
         if self.std is not None:
             return "std as given"
-        return (
-            f"the Cramer-Rao bound for {100.0 * self.noise:g} % noise, {self.duration_s:g} s and "
-            f"{100.0 * self.damping_ratio:g} % damping; tests repeat less well, say so by std="
-        )
+        bound = f"the Cramer-Rao bound for {100.0 * self.noise:g} % noise, {self.duration_s:g} s and "
+        return f"{bound}{100.0 * self.damping_ratio:g} % damping; tests repeat less well, say so by std="
 
     def of(self, layout: Layout, roots_hz: list[FloatArray]) -> list[FloatArray]:
         """Relative standard deviations of the roots of each sensor's response."""
         if self.std is not None:
             return [np.full(own.size, max(self.std, LEAST_STD)) for own in roots_hz]
         count = int(np.clip(-np.log(_LOWEST) * _LINES / self.damping_ratio, _FEWEST_LINES, _MOST_LINES))
-        high_hz = layout.band_hz[1]
-        freq = np.geomspace(_LOWEST * high_hz, high_hz, count)
+        freq = np.geomspace(_LOWEST * layout.band_hz[1], layout.band_hz[1], count)
         width = np.gradient(freq)
         found = []
         for sensor, own in zip(layout.sensors, roots_hz, strict=True):
@@ -120,10 +116,8 @@ class ExpectedErrors:
 
 
 #: Relative distance up to which roots of two responses are one, and from which on transmissibilities show
-#: both in full; as in the core (update/sight.rs).
+#: both in full, as in the core (update/sight.rs).
 ONE, APART = 1e-6, 1e-3
-#: What shows less of a root does not show it; as in ``damage.measured_states``.
-SEEN = 0.5
 #: A change of 1 % that moves a root by more than 3 % does so for a moment only: two roots are about to merge.
 _STEEPEST = 3.0
 
@@ -167,7 +161,7 @@ def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:
             # Each root has one counterpart at most.
             partner = _core.align(apart, np.full(own.size, 0.5 * APART), np.full(theirs.size, 0.5 * APART))
             for root in np.flatnonzero(partner >= 0):
-                share = (apart[root, partner[root]] - ONE) / (APART - ONE) >= SEEN
+                share = (apart[root, partner[root]] - ONE) / (APART - ONE) >= SHOWN
                 row = found.setdefault(int(starts[nth] + root), np.ones(len(log_f)))
                 row[other] = float(share)
     return found
@@ -175,10 +169,9 @@ def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:
 
 # -- The Fisher information of a set of sensors, and what it is worth
 #
-# With parameters in units of their spread before the test, so that a set that leaves some of them open has a
-# worth too: ln det (1 + I(S)) / 2 nats ("determinant"), or the least ln (1 + I_ee(S)) / 2 of any parameter
-# ("worst"), to which a hundredth of the mean is added, which decides between sets that leave the worst
-# equally badly seen. Reference: K. Chaloner and I. Verdinelli, Statistical Science 10 (1995) 273-304.
+# With parameters in units of their spread before the test: ln det (1 + I(S)) / 2 nats ("determinant"), or the
+# least ln (1 + I_ee(S)) / 2 of any parameter ("worst"), to which a hundredth of the mean is added to decide
+# between equals. Reference: K. Chaloner and I. Verdinelli, Statistical Science 10 (1995) 273-304.
 
 CRITERIA = ("determinant", "worst")
 #: Share of the mean in the criterion of the worst.
@@ -334,13 +327,12 @@ def greedy(information: Information, n: int, criterion: str) -> Placed:
 def exhaustive(information: Information, n: int, criterion: str) -> Placed:
     """Of all sets of n candidates the best."""
     every = combinations(range(information.own.shape[0]), n)
-    worth, chosen = -np.inf, tuple(range(n))
+    best = -np.inf, tuple(range(n))
     while some := list(islice(every, _MOST_EXCHANGES)):
         worths = information.worths(np.array(some), criterion)
-        best = int(np.argmax(worths))
-        if worths[best] > worth:
-            worth, chosen = float(worths[best]), some[best]
-    return Placed(chosen, worth, ())
+        at = int(np.argmax(worths))
+        best = max(best, (float(worths[at]), some[at]), key=lambda one: one[0])
+    return Placed(best[1], best[0], ())
 
 
 def _one_by_one(information: Information, n: int, criterion: str, backwards: bool) -> Placed:
@@ -362,14 +354,12 @@ def _one_by_one(information: Information, n: int, criterion: str, backwards: boo
 
 def _exchanged(information: Information, criterion: str, start: Placed) -> Placed:
     chosen, worth, rounds = list(start.chosen), start.worth, list(start.rounds)
-    while True:
-        better = _better(information, criterion, chosen, worth)
-        if better is None:
-            return Placed(tuple(chosen), worth, tuple(rounds))
+    while better := _better(information, criterion, chosen, worth):
         worth, joins, goes = better
         for new, old in zip(joins, goes, strict=True):
             chosen[chosen.index(old)] = new
             rounds.append(Round(new, old, worth))
+    return Placed(tuple(chosen), worth, tuple(rounds))
 
 
 def _better(

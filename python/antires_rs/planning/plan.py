@@ -9,32 +9,20 @@ from typing import Any, Literal
 import numpy as np
 
 from .. import _core
-from ..damage.assess import checked_model, elements_of
+from ..damage.assess import elements_of
 from ..damage.inference import smallest_found
 from ..damage.options import DamagePrior
 from ..exceptions import reject
 from ..measured.antiresonance_set import aligned
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, stiffness_reduction
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, frequency_band, integer, shape_of
 from ..support.progress import one_blas_thread, step, waiting
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
+from . import placement
 from .detection_curves import percent
-from .placement import (
-    CRITERIA,
-    ExpectedErrors,
-    Information,
-    Layout,
-    Placed,
-    Round,
-    VirtualRoots,
-    exhaustive,
-    greedy,
-    information,
-    virtual_roots,
-)
 
 Sees = Literal["transmissibility", "frf"]
 #: By default the band ends above so many elastic resonances, by this factor.
@@ -45,14 +33,6 @@ _RIGID = 1e-4
 UNIFORM = 1.0 / float(np.sqrt(12.0))
 
 
-def chosen_elements(model: Any, elements: Any) -> tuple[int, ...]:
-    """Elements of a model by number, each once."""
-    numbers = tuple(elements_of(checked_model(model), elements))
-    if len(set(numbers)) < len(numbers):
-        reject("elements", "an element twice", "each element once", "Drop the second one.")
-    return numbers
-
-
 def _unknowns_of(
     model: StructuralModel, elements: Any
 ) -> tuple[tuple[Parameter, ...], tuple[str, ...], tuple[int, ...] | None]:
@@ -61,7 +41,7 @@ def _unknowns_of(
     if isinstance(given, Sequence) and any(isinstance(p, Parameter) for p in given):
         parameters = parameter_tuple(given)
         return parameters, tuple(parameter_name(model, p) for p in parameters), None
-    numbers = chosen_elements(model, elements)
+    numbers = tuple(elements_of(model, elements))
     return tuple(stiffness_reduction(numbers)), tuple(map(model.element_label, numbers)), numbers
 
 
@@ -103,12 +83,10 @@ class SensorPlan(ReadOnly, Viewed):
         Dofs of the model, in the order of their rounds.
     excitation : int
         Dof of the force.
-    criterion : str
-        ``'determinant'`` or ``'worst'``.
+    criterion : {'determinant', 'worst'}
     value, value_of_all : float
         Of the criterion: information in nats that the test is expected to give; or the largest of
-        ``detectable`` (of parameters, of ``std`` over the spread before the test). And the same with a
-        sensor on every candidate.
+        ``detectable`` (of parameters, of ``std`` over ``std_before``). And with a sensor on every candidate.
     n_values : int
         Antiresonances in the band that the test would show.
     detectable, detectable_by_all : dict of int to float
@@ -146,7 +124,7 @@ class SensorPlan(ReadOnly, Viewed):
     std: Mapping[str, float]
     std_before: Mapping[str, float]
     excitations: Mapping[int, float]
-    rounds: tuple[Round, ...]
+    rounds: tuple[placement.Round, ...]
     band_hz: tuple[float, float]
     names: Mapping[int, str]
     labels: Mapping[int, str]
@@ -165,29 +143,22 @@ class SensorPlan(ReadOnly, Viewed):
             f" (a sensor on every candidate: {self._value(self.value_of_all)})",
         ]
         if self.errors:
-            lines.append(f"values known to {self._known()}: {self.errors}")
+            std = np.concatenate([np.empty(0), *self.value_std.values()])
+            ends = [f"{100.0 * end:.2g}" for end in (std.min(initial=np.inf), std.max(initial=0.0))]
+            lines.append(f"values known to {' to '.join(dict.fromkeys(ends))} %: {self.errors}")
         if len(self.excitations) > 1:
             best = list(self.excitations.items())[:_FORCES]
-            lines.append(
-                "forces: " + ", ".join(f"{self.labels[dof]} {self._value(value)}" for dof, value in best)
-            )
+            forces = [f"{self.labels[dof]} {self._value(value)}" for dof, value in best]
+            lines.append(f"forces: {', '.join(forces)}")
         if self.detectable:
-            rows = [
-                [self.names[e], percent(self.detectable[e]), percent(self.detectable_by_all[e])]
-                for e in self.detectable
-            ]
+            both = self.detectable, self.detectable_by_all
+            rows = [[self.names[e], *(percent(losses[e]) for losses in both)] for e in self.detectable]
             head = ["stiffness loss seen in 9 of 10 tests (%)", "these sensors", "all candidates"]
             lines += ["", *aligned(head, rows, left=head[:1])]
         else:
             rows = [[name, f"{std:.3g}"] for name, std in self.std.items()]
             lines += ["", *aligned(["parameter", "std"], rows, left=["parameter"])]
         return "\n".join(lines)
-
-    def _known(self) -> str:
-        """The least and the largest error of a value."""
-        std = np.concatenate([np.empty(0), *self.value_std.values()])
-        ends = [f"{100.0 * end:.2g}" for end in (std.min(initial=np.inf), std.max(initial=0.0))]
-        return " to ".join(dict.fromkeys(ends)) + " %"
 
     def _value(self, value: float) -> str:
         if self.criterion == "determinant":
@@ -239,15 +210,11 @@ def plan_test(
         Dofs where the force may act; one of them is chosen. Default: the candidates.
     band_hz : (float, float), optional
         Band of the identification in Hz. Default: from 0 to above the twelfth elastic resonance.
-    noise : float
-        Noise of each sensor as a fraction of its rms, in [0, 10].
-    duration_s : float
-        Length of the record under random excitation, s.
-    damping_ratio : float
-        Of every mode, in [1e-4, 0.5]; 0.01 is 1 %.
+    noise, duration_s, damping_ratio : float
+        Noise of each sensor as a fraction of its rms, in [0, 10]; length of the record under random
+        excitation, s; damping of every mode, in [1e-4, 0.5].
     std : float, optional
-        Relative standard deviation of every antiresonance, in (0, 0.5], instead of what noise, duration and
-        damping let expect (:mod:`antires_rs.planning.placement`).
+        Relative standard deviation of every antiresonance, in (0, 0.5], instead of what these let expect.
     criterion : {'determinant', 'worst'}
         Most information on all together, or the smallest loss to be seen in the element where it is largest.
     sees : {'transmissibility', 'frf'}
@@ -276,8 +243,7 @@ def plan_test(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> case = ar.cases.chain8()
-    >>> plan = ar.plan_test(case.model, n_sensors=3, excitations=[0, 3], criterion="worst")
+    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=[0, 3], criterion="worst")
     >>> plan.excitation, len(plan.sensors), max(plan.detectable.values()) < 0.01
     (3, 3, True)
     """
@@ -287,8 +253,8 @@ def plan_test(
     sensors = dofs_of("candidates", model, candidates)
     forces = dofs_of("excitations", model, excitations, sensors)
     band = band_of(model, band_hz)
-    errors = ExpectedErrors(noise, duration_s, damping_ratio, std)
-    choice("criterion", criterion, CRITERIA)
+    errors = placement.ExpectedErrors(noise, duration_s, damping_ratio, std)
+    choice("criterion", criterion, placement.CRITERIA)
     choice("sees", sees, ("transmissibility", "frf"))
     choice("search", search, ("greedy", "exhaustive"))
     least = 1 if sees == "frf" else 2
@@ -296,27 +262,27 @@ def plan_test(
     if n > most:
         reject("n_sensors", f"{n} of {most} candidates", f"{least} to {most}", "Allow more dofs.")
     threads = thread_count(workers)
-    find = exhaustive if search == "exhaustive" else greedy
-    plans: dict[int, tuple[Placed, Information]] = {}
-    found: dict[int, VirtualRoots] = {}
+    find = placement.exhaustive if search == "exhaustive" else placement.greedy
+    plans: dict[int, tuple[placement.Placed, placement.Information]] = {}
+    found: dict[int, placement.VirtualRoots] = {}
     with waiting("planning", progress):
         for nth, force in enumerate(forces):
             step(f"force {nth + 1} of {len(forces)}")
-            layout = Layout(model, tuple(sensors), force, band, sees)
-            roots = virtual_roots(layout, parameters, nominal, errors, threads)
+            layout = placement.Layout(model, tuple(sensors), force, band, sees)
+            roots = placement.virtual_roots(layout, parameters, nominal, errors, threads)
             found[force] = roots
             # Severities come from the difference of two tests, parameters from one.
-            told = information(roots, len(sensors), spread, 1 if numbers is None else 2)
+            told = placement.information(roots, len(sensors), spread, 1 if numbers is None else 2)
             plans[force] = find(told, n, criterion), told
     if not any(_shown(found[force], placed.chosen) for force, (placed, _) in plans.items()):
         reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
 
-    def detectable(told: Information, chosen: Sequence[int]) -> FloatArray:
+    def detectable(told: placement.Information, chosen: Sequence[int]) -> FloatArray:
         """Of each element alone, as :func:`assess_damage` tells it after a test."""
         slopes = np.sqrt(np.diag(told.of(chosen))) / spread
         return smallest_found(np.diag(slopes), prior or DamagePrior())
 
-    def value(told: Information, chosen: Sequence[int]) -> float:
+    def value(told: placement.Information, chosen: Sequence[int]) -> float:
         if criterion == "determinant":
             return told.worth(chosen, criterion)
         if numbers is not None:
@@ -347,7 +313,7 @@ def plan_test(
         std=FrozenDict(zip(names, after.tolist(), strict=True)),
         std_before=FrozenDict(zip(names, spread.tolist(), strict=True)),
         excitations=FrozenDict({force: value(plans[force][1], plans[force][0].chosen) for force in order}),
-        rounds=tuple(Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
+        rounds=tuple(placement.Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
         band_hz=band,
         names=FrozenDict(zip(elements, names, strict=False)),
         labels=FrozenDict({dof: model.dof_label(dof) for dof in {*sensors, *order}}),
@@ -356,7 +322,7 @@ def plan_test(
     )
 
 
-def _shown(roots: VirtualRoots, chosen: tuple[int, ...]) -> int:
+def _shown(roots: placement.VirtualRoots, chosen: tuple[int, ...]) -> int:
     """Antiresonances of the chosen that at least one other of them does not share."""
     mine = np.flatnonzero(np.isin(roots.sensor, chosen)).tolist()
     others = {root: [c for c in chosen if c != roots.sensor[root]] for root in mine if root in roots.common}

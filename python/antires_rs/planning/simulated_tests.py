@@ -83,41 +83,34 @@ class VirtualTest:
 
     def measured(self, roots: Roots, rng: np.random.Generator) -> AntiresonanceSet:
         """The same as a set."""
-        values = self.values(roots, rng)
-        freq, std = {}, {}
-        for nth, dof in enumerate(self.layout.sensors):
-            own = values.response == nth
-            order = np.argsort(values.log_f[own])
-            freq[dof] = np.exp(values.log_f[own][order])
-            std[dof] = (values.std[own] * np.exp(values.log_f[own]))[order]
-        sees: Any = self.layout.sees
-        return AntiresonanceSet(self.layout.force, freq, std_hz=std, sees=sees, channels=self.layout.sensors)
+        values, layout = self.values(roots, rng), self.layout
+        own = {dof: values.response == nth for nth, dof in enumerate(layout.sensors)}
+        freq = {dof: np.exp(values.log_f[at]) for dof, at in own.items()}
+        std = {dof: values.std[at] * freq[dof] for dof, at in own.items()}
+        seen: Any = {"sees": layout.sees, "channels": layout.sensors}
+        return AntiresonanceSet(layout.force, freq, std_hz=std, **seen)
 
 
 def along(intact: Roots, states: Sequence[Roots]) -> list[NDArray[np.intp]]:
     """Number of the intact root that each root of each state has been, -1 for new ones; step by step."""
-    found = []
-    before, identity = intact, np.arange(intact.size)
-    for state in states:
+    found, identity = [], np.arange(intact.size)
+    for before, state in zip([intact, *states], states, strict=False):
         step = follow(before, state)
-        identity = np.where(step >= 0, identity[step], -1)
-        before = state
-        found.append(identity)
+        found.append(identity := np.where(step >= 0, identity[step], -1))
     return found
 
 
 # -- A quick judge of virtual tests: the evidence of every single element, without a search
 #
-# After the baseline the model is evaluated once for each element on a grid of severities. Any number of tests
-# is then judged by linear algebra at the points next to the best one, with mean, covariance and evidence as
-# in :mod:`antires_rs.damage`; a value that one of the two states lacks costs what a root missed costs there.
+# After the baseline the model is evaluated once for each element on a grid of severities. Tests are then
+# judged by linear algebra at the points next to the best one, with mean, covariance and evidence as in
+# :mod:`antires_rs.damage`; a value that one of the states lacks costs what a root missed costs there.
 
 #: Severities of the grid: ln(1 - beta) in steps of a tenth.
 GRID = -np.expm1(-np.array([0.0, 0.005, 0.015, 0.03, 0.05, *np.arange(0.1, 3.6, 0.1)]))
-#: Points of the grid that each element is judged at, and how far from one its linear model reaches.
-_POINTS, _LINEAR = 3, 0.12
-#: Points of each element that are judged under their own covariance to find these.
-_POOL = 6
+#: Points of the grid that each element is judged at, and how far from one its linear model reaches; points
+#: that are judged under their own covariance to find these.
+_POINTS, _LINEAR, _POOL = 3, 0.12, 6
 #: Log likelihood by which a point may lie below the best before any error is drawn: so much below this
 #: multiple of the best.
 _HOPELESS = (50.0, 3.0)
@@ -317,17 +310,16 @@ def predicted(
         _, call = judge.found(intact.log_f[kept], np.ones(kept.size, dtype=bool), 4 * _DRAWS)
         return found, call
 
-    shares, calls = [], []
+    found: list[tuple[list[FloatArray], float]] = []
     try:
         for nth, seed in enumerate(seeds):
             step(f"structure {nth + 1} of {len(seeds)}")
-            share, call = of_structure(np.random.default_rng(seed))
-            shares.append(share)
-            calls.append(call)
+            found.append(of_structure(np.random.default_rng(seed)))
     except KeyboardInterrupt:
-        if not shares:
+        if not found:
             raise
-    mean = [rising(np.mean([share[e] for share in shares], axis=0)) for e in range(len(severities))]
+    shares, calls = zip(*found, strict=True)
+    mean = [rising(np.mean(of_element, axis=0)) for of_element in zip(*shares, strict=True)]
     return mean, float(np.mean(calls)), len(shares)
 
 
@@ -352,26 +344,17 @@ def judged(test: VirtualTest, task: Task) -> tuple[int, ...]:
     factors = test.truth(rng)
     damage = (0, 0.0) if task.place is None else (task.place, task.severity)
     intact, now = test.roots(factors, [(0, 0.0), damage], task.threads)
-    result = assess_damage(
-        test.layout.model,
-        test.measured(now, rng),
-        baseline=test.measured(intact, rng),
-        elements=list(test.elements),
-        prior=task.prior,
-        search=task.options,
-        rng=int(rng.integers(2**32)),
-        workers=task.threads,
-        progress=False,
-    )
-    return result.assessment.declared
+    measured: Any = {"measured": test.measured(now, rng), "baseline": test.measured(intact, rng)}
+    asked: Any = {"elements": list(test.elements), "prior": task.prior, "search": task.options}
+    how: Any = {"rng": int(rng.integers(2**32)), "workers": task.threads, "progress": False}
+    return assess_damage(test.layout.model, **measured, **asked, **how).assessment.declared
 
 
 def simulated(test: VirtualTest, tasks: Sequence[Task], workers: Any) -> list[tuple[int, ...]]:
     """What each test declares, in order; after Ctrl-C those that are there."""
     found: list[tuple[int, ...]] = []
     try:
-        for one in in_order(judged, tasks, workers, shared=test, what="test"):
-            found.append(one)
+        found.extend(in_order(judged, tasks, workers, shared=test, what="test"))
     except KeyboardInterrupt:
         if not found:
             raise

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
@@ -16,6 +16,13 @@ from typing import Any
 from ..exceptions import AntiresWarning, reject
 
 _UNHEARD: ContextVar[bool] = ContextVar("_UNHEARD", default=False)
+
+
+def some(names: Iterable[Any], most: int = 4) -> str:
+    """The first of some names, and how many more there are."""
+    every = [str(name) for name in names]
+    more = f" and {len(every) - most} more" if len(every) > most else ""
+    return ", ".join(every[:most]) + more
 
 
 def warn(about: str | tuple[str, ...], text: str) -> None:

@@ -14,6 +14,7 @@ from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..support.checks import FloatArray, finite_scalar, integer
+from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
 from ..views import Viewed
@@ -58,22 +59,18 @@ class Identifiability(Value):
             part = (np.sqrt(np.sum(self.unseen**2, axis=0)) > _SHARE) & ~self.blind
             everyone = bool(np.all(part | self.blind))
             names = "all parameters that are seen" if everyone else self._named(part)
-            combinations = "One combination" if mixed == 1 else f"{mixed} combinations"
+            open_ones = "One combination" if mixed == 1 else f"{mixed} combinations"
             why = f"no measured {self.noun} moves with them"
             if self.scale_unseen and mixed == 1:
                 why = f"a common scale moves no {self.noun}, only ratios are known"
             elif self.scale_unseen:
                 why += ", a common scale among them"
-            notes.append(
-                f"{combinations} of {names} cannot be told: {why} "
-                f"({self.rank} of {len(self.names)} combinations are)."
-            )
+            told = f"({self.rank} of {len(self.names)} combinations are)"
+            notes.append(f"{open_ones} of {names} cannot be told: {why} {told}.")
         if np.any(self.weak):
             names = self._named(self.weak, [f" (\u00b1 {std:.2g})" for std in self.std])
-            notes.append(
-                f"Hardly determined, by the scatter of the residuals: {names}. What fits as well "
-                "lies within these standard deviations."
-            )
+            said = f"Hardly determined, by the scatter of the residuals: {names}. What fits as well lies"
+            notes.append(f"{said} within these standard deviations.")
         return notes
 
     def _named(self, which: NDArray[np.bool_], endings: Iterable[str] | None = None) -> str:
@@ -91,11 +88,9 @@ def at_solution(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     low, high = problem.bounds.T
     width = np.where(high > low, high - low, 1.0)
     columns = []
-    for j in range(len(x)):
-        step = np.zeros(len(x))
-        step[j] = STEP_OF_SLOPES * width[j]
+    for h in np.diag(STEP_OF_SLOPES * width):
         # Straight from the core: a step below the snap threshold must not be snapped away.
-        ahead, behind = (problem._targets.errors(problem._core, at) for at in (x + step, x - step))
+        ahead, behind = (problem._targets.errors(problem._core, at) for at in (x + h, x - h))
         columns.append((ahead - behind) / (2.0 * STEP_OF_SLOPES))
     jacobian = np.stack(columns, axis=1)
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=True)
@@ -107,9 +102,8 @@ def at_solution(problem: UpdatingProblem, x: FloatArray) -> Identifiability:
     std = _standard_deviations(problem, x, jacobian) * width
     sensitivity = np.linalg.norm(jacobian, axis=0)
     weak = np.isfinite(std) & (std > _WEAK * width) & (sensitivity > UNSEEN)
-    return Identifiability(
-        tuple(problem.names), sensitivity, rank, rows[rank:], scale_unseen, std, weak, problem.noun
-    )
+    told = sensitivity, rank, rows[rank:], scale_unseen, std, weak
+    return Identifiability(tuple(problem.names), *told, problem.noun)
 
 
 def _standard_deviations(problem: UpdatingProblem, x: FloatArray, jacobian: FloatArray) -> FloatArray:
@@ -148,13 +142,13 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
 
     visible = []
     for index, (_, high) in enumerate(problem.bounds):
-        grid = np.linspace(0.01, high, 40)
-        first = next((i for i, beta in enumerate(grid) if gain(index, beta) > 0), None)
-        if first is None:
-            visible.append(float("inf"))
-            continue
-        low, top = (grid[first - 1] if first else 0.0), grid[first]
-        while top - low > 1e-3:
+        low, top = 0.0, float("inf")
+        for beta in np.linspace(0.01, high, 40):
+            if gain(index, beta) > 0:
+                top = beta
+                break
+            low = beta
+        while np.isfinite(top) and top - low > 1e-3:
             middle = 0.5 * (low + top)
             low, top = (low, middle) if gain(index, middle) > 0 else (middle, top)
         visible.append(float(top))
@@ -287,12 +281,9 @@ def identifiability(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> chain = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> virtual = ar.AntiresonanceSet(0, dict(enumerate(chain.antiresonances([0, 1, 2], 0))))
-    >>> unknowns = ar.mass_factor([0, 1], bounds=(0.8, 1.2)) + ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
-    >>> before = ar.identifiability(ar.UpdatingProblem(chain, unknowns, virtual))
+    >>> before = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
     >>> before.told, before.words[0]
-    (3, 'mass 0')
+    (13, 'mass 0')
     """
     from scipy.stats.qmc import Sobol
 
@@ -300,12 +291,10 @@ def identifiability(
         remedy = "Join model, parameters and a measured or virtual set."
         reject("problem", problem, "an UpdatingProblem", remedy)
     integer("points", points, low=4, high=4096)
-    if noise is None:
-        std = problem._targets.error_rows()[2]  # of omega squared
-        std = std[np.isfinite(std) & (std > 0.0)]
-        taken = float(0.5 * np.median(std)) if std.size else _NOISE
-    else:
-        taken = finite_scalar("noise", noise, low=1e-8, high=1.0)
+    std = problem._targets.error_rows()[2]  # of omega squared
+    std = std[np.isfinite(std) & (std > 0.0)]
+    stated = float(0.5 * np.median(std)) if std.size else _NOISE
+    taken = stated if noise is None else finite_scalar("noise", noise, low=1e-8, high=1.0)
     box = BoxResiduals(problem, problem.bounds.mean(axis=1))
     n = box.free.size
     if n == 0:
@@ -326,17 +315,10 @@ def identifiability(
     if np.linalg.eigvalsh(covariance)[-1] >= TOLD**2:
         tried = _candidates(problem, forces, sensors)
         helpful = [*_fixed(names, covariance), *helpful, *_further(problem, x, jacobians, error, tried)]
-    return BoxIdentifiability(
-        names=names,
-        noise=float(taken),
-        points=x[:, box.free],
-        singular_values=np.array([_singular_values(j, error) for j in jacobians]),
-        left=np.sqrt(np.clip(np.diag(covariance), 0.0, 1.0)),
-        combinations=vectors,
-        combinations_left=left,
-        words=tuple(words),
-        suggestions=tuple(helpful),
-    )
+    seen = np.array([_singular_values(j, error) for j in jacobians])
+    of_each = np.sqrt(np.clip(np.diag(covariance), 0.0, 1.0))
+    told = of_each, vectors, left, tuple(words), tuple(helpful)
+    return BoxIdentifiability(names, taken, x[:, box.free], seen, *told)
 
 
 def _candidates(
@@ -348,35 +330,30 @@ def _candidates(
     def dofs(name: str, labels: Any) -> list[int]:
         return [model_dof(model, name, label) for label in labels]
 
+    def tried(name: str, given: Any, default: list[int]) -> list[int]:
+        """Those named, or all of a few, or some of many, evenly."""
+        if given is not None:
+            return dofs(name, given)
+        some_of = np.linspace(0, len(default) - 1, min(len(default), _MOST_TRIED)).round().astype(int)
+        return [default[i] for i in some_of]
+
     seen = {dof for s in problem.measured for dof in dofs("measured dof", s.dofs if of_modes else s)}
-    given = None if sensors is None else dofs("sensors", sensors)
-    free = [dof for dof in model._sensor_dofs if dof not in seen]
-    found = {"sensor": _some(free) if given is None else given}
+    found = {"sensor": tried("sensors", sensors, [d for d in model._sensor_dofs if d not in seen])}
     if of_modes:
         return found
-    pushed = {dof for s in problem.measured for dof in dofs("excitation", [s.excitation])}
-    asked = _some(sorted(seen - pushed)) if forces is None else dofs("forces", forces)
-    return {"force": asked, **found}
+    pushed = {*dofs("excitation", [s.excitation for s in problem.measured])}
+    return {"force": tried("forces", forces, sorted(seen - pushed)), **found}
 
 
-def _some(dofs: list[int]) -> list[int]:
-    """All of a few, or some of many, evenly."""
-    if len(dofs) <= _MOST_TRIED:
-        return dofs
-    return [dofs[i] for i in np.linspace(0, len(dofs) - 1, _MOST_TRIED).round().astype(int)]
+# -- What a test of the structure with parameters x would measure exactly, and how that changes with them:
+# values of the model itself, at the same responses and in the same band, with more forces or sensors if asked
+# for
 
-
-# -- What a test of the structure with parameters x would measure exactly, and how that changes with them
-#
-# The measured values are those of the model itself, at the same responses and in the same band, with more
-# forces or sensors if asked for.
-
-#: Below this share of the lowest measured frequency a root on its way to zero would count without bound.
-_LOWEST = 0.5
+#: Roots are followed by their numbers between these multiples of the lowest and highest measured frequency:
+#: one on its way to zero would count without bound.
+_LOWEST, _BEYOND = 0.5, 2.0
 #: Error of an entry of a shape over that of omega squared: ten times that of the frequency.
 _SHAPES = 5.0
-#: Roots are followed by their numbers to this multiple of the highest measured frequency.
-_BEYOND = 2.0
 #: A value that the model at x itself does not meet is paired with another.
 _MET = 1e-6
 
@@ -445,8 +422,7 @@ def _modes(problem: UpdatingProblem, model: StructuralModel, sensors: tuple[int,
 
 def expected_covariance(jacobians: Sequence[FloatArray], noise: float) -> FloatArray:
     """Mean over the points of the posterior's covariance, in prior standard deviations, (n, n)."""
-    n = jacobians[0].shape[1]
-    found = [np.linalg.inv(np.eye(n) + j.T @ j / (12.0 * noise**2)) for j in jacobians]
+    found = [np.linalg.inv(np.eye(j.shape[1]) + j.T @ j / (12.0 * noise**2)) for j in jacobians]
     return np.asarray(np.mean(found, axis=0))
 
 
@@ -458,8 +434,8 @@ def _singular_values(jacobian: FloatArray, noise: float) -> FloatArray:
 
 # -- Combinations of parameters that the data do not tell, in words
 
-#: Members of a combination have at least this share of its largest coefficient; so many are named.
-_MEMBER, _NAMED = 0.3, 4
+#: Members of a combination have at least this share of its largest coefficient.
+_MEMBER = 0.3
 #: From this share of all parameters on, all of one sign, it is the common scale.
 _COMMON = 0.7
 #: Combinations with at least this share left are as good as not seen, and may be turned into simpler ones.
@@ -484,10 +460,8 @@ def _varimax(rows: FloatArray) -> FloatArray:
         for a in range(len(rows)):
             for b in range(a + 1, len(rows)):
                 u, v = turned[a] ** 2 - turned[b] ** 2, 2.0 * turned[a] * turned[b]
-                n = rows.shape[1]
-                angle = 0.25 * np.arctan2(
-                    2.0 * (u @ v - u.sum() * v.sum() / n), u @ u - v @ v - (u.sum() ** 2 - v.sum() ** 2) / n
-                )
+                n, p, q = rows.shape[1], u.sum(), v.sum()
+                angle = 0.25 * np.arctan2(2.0 * (u @ v - p * q / n), u @ u - v @ v - (p**2 - q**2) / n)
                 c, s = np.cos(angle), np.sin(angle)
                 turned[[a, b]] = c * turned[a] + s * turned[b], c * turned[b] - s * turned[a]
         if np.allclose(before, turned, atol=1e-9):
@@ -516,8 +490,8 @@ def combination_in_words(names: Sequence[str], direction: FloatArray) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    if len(names) > _NAMED:
-        return f"{', '.join(names[:_NAMED])} and {len(names) - _NAMED} more"
+    if len(names) > 4:
+        return some(names)
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
@@ -558,10 +532,8 @@ def _further(
         before, after = (len(each) - _count_open(each) for each in (now, then))
         least, larger = (np.median([_singular_values(j, noise)[-1] for j in js]) for js in (own, with_it))
         gain = f", smallest singular value {larger:.2g} instead of {least:.2g}" if least >= _SEEN else ""
-        found.append(
-            f"A {kind} at {problem.model.dof_label(best)} as well: {after} of {len(now)} "
-            f"combinations are told instead of {before}{gain}."
-        )
+        told = f"{after} of {len(now)} combinations are told instead of {before}{gain}"
+        found.append(f"A {kind} at {problem.model.dof_label(best)} as well: {told}.")
     return found
 
 
@@ -591,8 +563,5 @@ def _alike(names: Sequence[str], jacobians: Sequence[FloatArray]) -> list[str]:
         cosines.append(unit.T @ unit)
     usual = np.quantile(np.abs(cosines), 0.1, axis=0)
     pairs = np.argwhere(np.triu(usual, 1) > _ALIKE)
-    return [
-        f"One parameter for {names[a]} and {names[b]}: they move the measured values alike "
-        f"(cosine {usual[a, b]:.3f})."
-        for a, b in pairs[:4]
-    ]
+    found = [(names[a], names[b], f"(cosine {usual[a, b]:.3f})") for a, b in pairs[:4]]
+    return [f"One parameter for {a} and {b}: they move the values alike {how}." for a, b, how in found]

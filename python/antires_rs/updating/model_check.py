@@ -25,9 +25,7 @@ if TYPE_CHECKING:
 
 
 # -- A mistake of units that would account for a model which does not explain the values: one ratio for all
-#
-# A wrong unit multiplies every frequency of the model, or every measured one, by the same number; exchanged
-# matrices turn each root into its inverse.
+# frequencies; exchanged matrices turn each root into its inverse
 
 #: Response of each value, and ln f, ascending within each response.
 Pairs = tuple[NDArray[np.intp], FloatArray]
@@ -39,19 +37,11 @@ _RATIOS: tuple[tuple[float, str], ...] = (
     (60.0, "are the frequencies in revolutions per minute in place of Hz?"),
     (1.0 / 60.0, "are the frequencies in Hz, and not in revolutions per minute?"),
     (1e-3, "are the frequencies in kHz in place of Hz? Or is the stiffness 1e6 times too large?"),
-    (
-        1e3,
-        "is the stiffness 1e6 times too small (modulus in MPa for Pa, or N/mm together with tonnes), or are "
-        "lengths in mm?",
-    ),
-    (
-        math.sqrt(1e3),
-        "is the stiffness 1000 times too small (N/mm for N/m, kPa for Pa), or the mass 1000 times too large "
-        "(g for kg)?",
-    ),
+    (1e3, "is the stiffness 1e6 times too small (modulus in MPa for Pa, N/mm and tonnes), or lengths in mm?"),
+    (math.sqrt(1e3), "is the stiffness 1000 times too small (N/mm for N/m), or the mass in g for kg?"),
     (
         math.sqrt(1e-3),
-        "is the mass 1000 times too small (tonnes for kg), or the stiffness 1000 times too large?",
+        "is the mass 1000 times too small (tonnes for kg), or the stiffness as much too large?",
     ),
     (math.sqrt(9806.65), "are the springs in kgf/mm in place of N/m?"),
     (math.sqrt(9.80665), "are forces in kgf in place of N, or weights given for masses?"),
@@ -104,11 +94,9 @@ def hint_of(model: StructuralModel, targets: Targets) -> str:
     guesses = [*_RATIOS, *([(math.exp(free), "")] if abs(free) >= _ORDINARY else [])]
     shares = [_share(values, roots, math.log(ratio)) for ratio, _ in guesses]
     best, plain = int(np.argmax(shares)), _share(values, roots, 0.0)
-    turned = roots[0][::-1], -roots[1][::-1] - 2.0 * math.log(math.tau)
-    order = np.argsort(turned[0], kind="stable")
-    if _share(values, (turned[0][order], turned[1][order]), 0.0) >= max(
-        _SHARE, shares[best], _BETTER * plain
-    ):
+    order = len(roots[0]) - 1 - np.argsort(roots[0][::-1], kind="stable")
+    turned = roots[0][order], -roots[1][order] - 2.0 * math.log(math.tau)
+    if _share(values, turned, 0.0) >= max(_SHARE, shares[best], _BETTER * plain):
         return "Each root of the model is the inverse of a measured one: are K and M swapped?"
     if shares[best] < max(_SHARE, _BETTER * plain):
         return ""
@@ -139,11 +127,10 @@ def _share(values: Pairs, roots: Pairs, shift: float) -> float:
     return 2.0 * found.n_paired / both if both else 0.0
 
 
-#: Largest difference in ln f of partners: right models after their search leave less (chains and frames
-#: with every term up to 8 % off and one element up to 70 % weaker, whose values were all within 3 %).
+#: Largest difference in ln f of partners: right models after their search leave less (3 %).
 NEAR = 0.06
-#: Least share of values and roots with a partner. Right models of these: above 0.95; sets of which a fifth of
-#: the values was not identified: 0.89; models with a wrong unit, dof or force: below 0.7.
+#: Least share of values and roots with a partner. Right models: above 0.95; sets without a fifth of the
+#: values: 0.89; models with a wrong unit, dof or force: below 0.7.
 LEAST_SHARE = 0.75
 #: Least share of the values alone: two sensors of ten exchanged leave 0.83, a tenth of the values false 0.9.
 LEAST_PAIRED = 0.85
@@ -173,21 +160,18 @@ class Explained:
     def sentence(self) -> str:
         """That it cannot, why, and what to look at."""
         if not few_alone(self.n_paired, self.n_values):
-            counted = (
-                f"only {self.n_paired} of {self.n_values} values {'has' if self.n_paired == 1 else 'have'} a "
-                f"partner in it within {100 * NEAR:.0f} %"
-            )
+            have = "has" if self.n_paired == 1 else "have"
+            why = f"only {self.n_paired} of {self.n_values} values {have} a partner in it within"
+            why += f" {100 * NEAR:.0f} %"
         elif not mostly_paired(self.n_paired, self.n_values, self.n_roots):
-            counted = f"it has {self.n_roots} roots where {self.n_values} values were measured"
+            why = f"it has {self.n_roots} roots where {self.n_values} values were measured"
         elif self.common_loss:
-            counted = (
-                f"every stiffness would have to be multiplied by {1.0 - self.common_loss:.2g}, as a modulus, "
-                "section or unit that is wrong throughout would have it"
-            )
+            why = f"every stiffness would have to be multiplied by {1.0 - self.common_loss:.2g}, as a "
+            why += "modulus, section or unit that is wrong throughout would have it"
         else:
-            counted = "it takes the stiffness of most elements to come near the values"
+            why = "it takes the stiffness of most elements to come near the values"
         hint = f"{self.hint} " if self.hint else ""
-        return NOT_EXPLAINED.format(counted, hint, "its units, dofs, force and supports")
+        return NOT_EXPLAINED.format(why, hint, "its units, dofs, force and supports")
 
 
 def few_alone(n_paired: int, n_values: int) -> bool:

@@ -80,9 +80,8 @@ class ParameterIntervals(Value, Viewed):
     @property
     def interval(self) -> dict[str, tuple[float, float]]:
         """``(low, high)`` by name."""
-        return FrozenDict(
-            zip(self.names, zip(self.low.tolist(), self.high.tolist(), strict=True), strict=True)
-        )
+        ends = zip(self.low.tolist(), self.high.tolist(), strict=True)
+        return FrozenDict(zip(self.names, ends, strict=True))
 
     def to_dataframe(self) -> Any:
         """One row a parameter; needs pandas."""
@@ -91,10 +90,8 @@ class ParameterIntervals(Value, Viewed):
     def __str__(self) -> str:
         width = max(len(name) for name in self.names)
         lines = [f"intervals at {100 * self.level:g} %, {self.method}, {len(self.draws)} draws"]
-        lines += [
-            f"{name:<{width}}  {low:#10.5g} to {high:#10.5g}  {words}"
-            for name, low, high, words in zip(self.names, self.low, self.high, self.words, strict=True)
-        ]
+        rows = zip(self.names, self.low, self.high, self.words, strict=True)
+        lines += [f"{name:<{width}}  {a:#10.5g} to {b:#10.5g}  {words}" for name, a, b, words in rows]
         if np.isfinite(self.chi_square):
             lines.append(f"reduced chi-square by the stated errors: {self.chi_square:.3g}")
         lines.append(f"error that the model leaves, of frequencies: {50 * self.model_error:.2g} %")
@@ -131,35 +128,17 @@ def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, Floa
     return flip, a, b, log_ndtr(a), log_ndtr(b)
 
 
-# -- Draws of a Gaussian that is cut off by the unit box, for many chains at once
-#
-# Hit-and-run along the principal axes of the Gaussian and along the edges of the box: along any line the
-# cut Gaussian is a normal distribution between two ends, drawn exactly. Without the box one sweep gives
-# independent draws; directions that the data do not see are uniform between the ends.
-
-#: A normal distribution this much wider than the line is as good as uniform.
-_WIDE = 1e4
-
-
-def _on_line(
-    pull: FloatArray, stiff: FloatArray, low: FloatArray, high: FloatArray, p: FloatArray
-) -> FloatArray:
-    """Draws of ``exp(-stiff t**2 / 2 - pull t)`` within [low, high], by uniform numbers p."""
-    widest = _WIDE * np.maximum(high - low, 1e-300)
-    std = np.minimum(1.0 / np.sqrt(np.maximum(stiff, 1e-300)), widest)
-    mean = -pull * std**2
-    z = between((low - mean) / std, (high - mean) / std, p)
-    return np.asarray(np.clip(mean + std * z, low, high))
-
-
 # -- Draws of the parameters given the measured values: the residuals taken as linear around the fit
 #
 # Laplace's approximation with what it usually leaves out: the bounds, which cut it off, and the error of
-# the model, which is drawn along with the parameters. Chains go through both in turn (Gibbs); each gives
-# one draw.
+# the model, which is drawn along with the parameters. Chains go through both in turn (Gibbs); each gives one
+# draw. Within the box they move by hit-and-run along the principal axes of the Gaussian and along the edges:
+# on any line the cut Gaussian is a normal distribution between two ends, drawn exactly.
 
 #: Sweeps of every chain, along all axes, and the error of the model after each.
 _SWEEPS = 10
+#: A normal distribution this much wider than the line is as good as uniform.
+_WIDE = 1e4
 
 
 class Linear:
@@ -197,7 +176,12 @@ class Linear:
             forward = self.precisions @ axis  # (G, n)
             stiff = np.maximum(forward @ axis, 0.0)[which]
             pull = np.einsum("nk,nk->k", forward.T[:, which], v) + (self.slopes @ axis)[which]
-            v[on] += _on_line(pull, stiff, low, high, rng.random(np.shape(pull))) * axis[on, None]
+            # Draws t of exp(-stiff t**2 / 2 - pull t) within [low, high].
+            widest = _WIDE * np.maximum(high - low, 1e-300)
+            std = np.minimum(1.0 / np.sqrt(np.maximum(stiff, 1e-300)), widest)
+            mean = -pull * std**2
+            z = between((low - mean) / std, (high - mean) / std, rng.random(np.shape(pull)))
+            v[on] += np.clip(mean + std * z, low, high) * axis[on, None]
         return np.clip(v.T + center, 0.0, 1.0)
 
     def spread(self, count: int, rng: np.random.Generator) -> FloatArray:
@@ -226,9 +210,9 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
 # -- Draws of a density that no Gaussian is near, and its integral: particles that go by steps and move
 #
 # Transitional Markov chain Monte Carlo (J. Ching and Y.-C. Chen, J. Eng. Mech. 133 (2007) 816-832): particles
-# go from a density that they were drawn from to the one wanted, at each step as far as half of them still
-# count, are drawn anew by their weights, and walk. Where a density near the wanted one can be drawn from, it
-# proposes moves, which the true one accepts (Christen & Fox, J. Comput. Graph. Stat. 14 (2005) 795-810).
+# go from one density to the other, at each step as far as half of them still count, are drawn anew by their
+# weights, and walk. A density near the wanted one may propose moves, which the true one accepts (Christen &
+# Fox, J. Comput. Graph. Stat. 14 (2005) 795-810).
 
 Density = Callable[[FloatArray], FloatArray]
 #: Moves of all particles, and what they add to the log odds of being accepted.
@@ -359,8 +343,7 @@ def ensemble_draws(
 #
 # A parameter is open on the side where the sum of squares over the errors' variances, with it held at that
 # bound and the others fitted within theirs, rises by less than the chi-square quantile (Raue et al.,
-# Bioinformatics 25 (2009) 1923-1929). A side may be closed only because another parameter runs into a bound
-# of its own; that is said.
+# Bioinformatics 25 (2009) 1923-1929). A side closed by the bound of another parameter alone is said to be so.
 
 Kind = Literal["two-sided", "one-sided", "flat", "fixed"]
 
@@ -482,10 +465,9 @@ class ProfileLikelihood(Value):
 
     def __str__(self) -> str:
         lines = [f"{self.name}: {self.kind}, {100 * self.level:g} % within [{self.low:.6g}, {self.high:.6g}]"]
-        lines += [
-            f"{value:12.6g} {rise:12.4g}{'  ' + ', '.join(names) + ' on a bound' if names else ''}"
-            for value, rise, names in zip(self.values, self.rise, self.others_on_bound, strict=True)
-        ]
+        for value, rise, names in zip(self.values, self.rise, self.others_on_bound, strict=True):
+            on = f"  {', '.join(names)} on a bound" if names else ""
+            lines.append(f"{value:12.6g} {rise:12.4g}{on}")
         return "\n".join(lines)
 
 
@@ -522,17 +504,10 @@ class Section:
         (low, low_open), (high, high_open) = (_end(found, hold, side, limit) for side in (-1.0, 1.0))
         places = sorted(found)
         rise = np.array([found[place][0] for place in places])
-        return ProfileLikelihood(
-            name=name,
-            values=np.array([self.value(place) for place in places]),
-            rise=rise - rise.min(),
-            threshold=limit,
-            level=level,
-            low=self.value(low),
-            high=self.value(high),
-            kind=kind_of(low_open, high_open),
-            others_on_bound=tuple(self.resting(found[place][1]) for place in places),
-        )
+        values, kind = np.array([self.value(place) for place in places]), kind_of(low_open, high_open)
+        resting = tuple(self.resting(found[place][1]) for place in places)
+        told = limit, level, self.value(low), self.value(high), kind, resting
+        return ProfileLikelihood(name, values, rise - rise.min(), *told)
 
     def _places(self, bound: float, count: int) -> list[float]:
         """Values away from the center: most within a few standard deviations, then the bound."""
@@ -612,9 +587,8 @@ def intervals(
     else:
         u, which, accepted = ensemble_draws(fit, draws, generator, threads)
         if accepted < 0.1:
-            notes.append(
-                f"Hardly a move of the ensemble was accepted ({100 * accepted:.0f} %): take more draws."
-            )
+            share = f"{100 * accepted:.0f} %"
+            notes.append(f"Hardly a move of the ensemble was accepted ({share}): take more draws.")
     step("sides that the data leave open")
     drawn_x, rest = fit.residuals.vector(u), 1.0 - level
     low, high = np.quantile(drawn_x, [rest / 2.0, 1.0 - rest / 2.0], axis=0)
@@ -628,37 +602,24 @@ def intervals(
         if above:
             high[j] = problem.bounds[j, 1]
             low[j] = low[j] if below else np.quantile(drawn_x[:, j], rest)
-    return ParameterIntervals(
-        names=tuple(problem.names),
-        method=method,
-        level=level,
-        low=low,
-        high=high,
-        center=np.median(drawn_x, axis=0),
-        std=np.std(drawn_x, axis=0),
-        words=tuple(words),
-        draws=drawn_x,
-        chi_square=fit.chi_square,
-        model_error=float(np.median(fit.errors.tau[which])),
-        notes=tuple(notes),
-    )
+    middle, model_error = np.median(drawn_x, axis=0), float(np.median(fit.errors.tau[which]))
+    columns = low, high, middle, np.std(drawn_x, axis=0), tuple(words), drawn_x
+    rests = fit.chi_square, model_error, tuple(notes)
+    return ParameterIntervals(tuple(problem.names), method, level, *columns, *rests)
 
 
 def _doubts(fit: Fit, x: FloatArray) -> list[str]:
     """What speaks against a Gaussian around the solution found."""
-    notes = []
-    residuals = fit.residuals
-    if not fit.errors.learned:
-        notes.append(
-            "As many parameters as values: nothing is left over to tell the error of the model from."
-        )
-    apart = np.abs(fit.jacobian @ (residuals.place(x) - fit.u))
-    if np.any(apart > np.maximum(FAR * fit.sigma, SAME)):
-        notes.append(
-            "Least squares lead far from the solution of the search: some values contradict the others."
-        )
-    odd = np.abs(fit.e) > _ODD * fit.sigma
-    if odd.any():
-        named = ", ".join(f"{hz:.4g} Hz" for hz in residuals.hz[odd][:4])
-        notes.append(f"Far from the model even so: {named}. Leave them out if they are wrong.")
-    return notes
+    apart = np.abs(fit.jacobian @ (fit.residuals.place(x) - fit.u))
+    odd = fit.residuals.hz[np.abs(fit.e) > _ODD * fit.sigma]
+    named = ", ".join(f"{hz:.4g} Hz" for hz in odd[:4])
+    notes = {
+        "As many parameters as values: nothing is left over to tell the error of the model from.": (
+            not fit.errors.learned
+        ),
+        "Least squares lead far from the solution of the search: some values contradict the others.": (
+            np.any(apart > np.maximum(FAR * fit.sigma, SAME))
+        ),
+        f"Far from the model even so: {named}. Leave them out if they are wrong.": odd.size,
+    }
+    return [note for note, holds in notes.items() if holds]

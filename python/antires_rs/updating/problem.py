@@ -15,7 +15,7 @@ from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import Parameter, parameter_name, parameter_tuple, warn_far
-from ..models.structural_model import StructuralModel
+from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
@@ -37,19 +37,15 @@ class DamagePenalty:
     Attributes
     ----------
     gamma1, gamma2 : float
-        Weights, at least 0; the paper's are 0.1 each, whatever was measured. For numbers that grow with the
-        data see :meth:`scaled`.
+        Weights, at least 0; the paper's are 0.1 each, whatever was measured. See also :meth:`scaled`.
     snap : float
-        Severities below it count as exactly 0, and are evaluated as 0; within [0, 1e-3]. 0 is the
-        algorithm as printed.
+        Severities below it are evaluated as 0; within [0, 1e-3]. 0 is the algorithm as printed.
 
     Examples
     --------
     >>> import antires_rs as ar
     >>> ar.DamagePenalty(gamma1=0.05)
     DamagePenalty(gamma1=0.05, gamma2=0.1, snap=0.001)
-    >>> ar.DamagePenalty.scaled(84)
-    DamagePenalty(gamma1=0.3, gamma2=0.3, snap=0.001)
     """
 
     gamma1: float = _PAPER
@@ -83,11 +79,9 @@ class DamagePenalty:
     ) -> DamagePenalty:
         """Penalties that grow with the number of measured values and with their weights.
 
-        Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, so that an element is
-        named if it explains more than that on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1
-        on its chain of 28 values; ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. The
-        same data given three times, or all weights doubled, leave the located elements and their severities.
-        A mode counts as two values, since it has two residuals.
+        Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, which an element has to
+        explain on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1 on its chain of 28 values;
+        ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. A mode counts as two values.
 
         Parameters
         ----------
@@ -115,8 +109,8 @@ class DamagePenalty:
         else:
             wanted = "a number of values, or the weight of each"
             w = real_array("weights", weights, ndim=1, wanted=wanted)
-            if w.size == 0 or w.min() < 0.0 or not w.any():
-                got = f"{w.size} numbers" + (f" from {w.min():g} to {w.max():g}" if w.size else "")
+            if w.min() < 0.0 or not w.any():
+                got = f"{w.size} numbers from {w.min():g} to {w.max():g}"
                 reject("weights", got, f"{wanted}, at least 0", "Pass how many values are compared.")
         if misfit == "squared":
             unit = float(np.sum(w**2) * (_PAPER / _PAPER_VALUES) ** 2)
@@ -160,8 +154,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
         Sum of abs(e), the paper's, which a few wrong values do not move; sum of e**2, which shares out a
-        contradiction that no model resolves; or the largest abs(e). Shapes always count by
-        sum((1 - MAC)**2).
+        contradiction that no model resolves; or the largest abs(e). Shapes always count by sum((1 - MAC)**2).
     penalty : DamagePenalty, 'scaled' or (gamma1, gamma2), optional
         Applied to the stiffness reductions. 'scaled', or None in place of a number, takes what
         :meth:`DamagePenalty.scaled` gives for these values and weights.
@@ -192,10 +185,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     Notes
     -----
     Partners are sought up to 1.5 times the highest measured frequency; from 1.49 times on they fade out, so
-    that J does not jump. A measured mode is paired with the mode of the model for which
-    ``abs(log(w_A**2 / w_E**2)) + (1 - MAC)**2`` is least, ties go to the lower; one mode of the model may
-    serve several. For a repeated mode the MAC is that of the most alike combination of its shapes. What has
-    no partner counts 1, a mode for its frequency and for its shape. The page on theory has the rest.
+    that J does not jump. A measured mode is paired with the mode of least ``abs(log(w_A**2 / w_E**2)) + (1 -
+    MAC)**2``, the lower of equals; one mode of the model may serve several. For a repeated mode the MAC is
+    that of the most alike combination of its shapes. What has no partner counts 1, a mode twice.
 
     Examples
     --------
@@ -203,12 +195,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.6, 5.2], 1: [2.6]})
     >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-    >>> round(problem.cost([1.0, 1.0]), 3)
-    0.216
-    >>> modes = ar.ModalSet([3.2, 5.2], [[1.0, 0.6, -0.8], [-0.5, 1.0, -0.25]], dofs=[0, 1, 2])
-    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), modes)
-    >>> problem.paired_hz([1.0, 1.0]).round(2), problem.paired_mac([1.0, 1.0]).round(2)
-    (array([3.02, 5.93]), array([0.95, 1.  ]))
+    >>> round(problem.cost([1.0, 1.0]), 3), problem.paired_hz([1.0, 1.0]).round(2)
+    (0.216, array([1.67, 5.37, 2.52]))
     """
 
     model: StructuralModel
@@ -238,14 +226,11 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         penalty: DamagePenalty | Literal["scaled"] | tuple[float | None, ...] | None = None,
         weights: Any = None,
     ) -> None:
-        if not isinstance(model, StructuralModel):
-            wanted = "a MassSpringChain, FrameModel or MatrixModel"
-            reject("model", model, wanted, "Build the model as one of these first.")
         chosen = parameter_tuple(parameters)
         if objective is not None:
             choice("objective", objective, ("antiresonance", "modal"))
         choice("misfit", misfit, get_args(Misfit))
-        targets = targets_of(model, measured, objective)
+        targets = targets_of(checked_model(model), measured, objective)
         bounds = np.array([p.bounds for p in chosen], dtype=np.float64).reshape(-1, 2)
         parts = model.description.core_parameters(chosen)
         nominal = _core.nominal_values(model._core, parts)
@@ -256,23 +241,12 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         counted = np.ones(targets.hz.size) if factors is None else factors
         if targets.noun == "mode":
             counted = np.tile(counted, 2)  # each has two residuals
-        self._fill(
-            model=model,
-            parameters=chosen,
-            measured=targets.sets,
-            noun=targets.noun,
-            misfit=misfit,
-            penalty=penalty_of(penalty, counted, misfit),
-            bounds=frozen(bounds),
-            measured_hz=frozen(targets.hz),
-            measured_dofs=frozen_or_none(getattr(targets, "dofs", None)),
-            measured_excitations=frozen_or_none(getattr(targets, "excitations", None)),
-            weights=frozen_or_none(factors),
-            left_out=targets.left_out,
-            _targets=targets,
-            _nominal=frozen(nominal),
-            _names=names,
-        )
+        self._fill(model=model, parameters=chosen, misfit=misfit, bounds=frozen(bounds))
+        self._fill(measured=targets.sets, noun=targets.noun, left_out=targets.left_out, _targets=targets)
+        self._fill(measured_hz=frozen(targets.hz), _nominal=frozen(nominal), _names=names)
+        dofs, forces = (frozen_or_none(getattr(targets, name, None)) for name in ("dofs", "excitations"))
+        self._fill(measured_dofs=dofs, measured_excitations=forces, weights=frozen_or_none(factors))
+        self._fill(penalty=penalty_of(penalty, counted, misfit))
         self._fill(_core=self._made_core())
 
     def _made_core(self) -> _core.Objective:
@@ -360,23 +334,10 @@ def fingerprint(problem: UpdatingProblem, options: dict[str, Any], guesses: list
     # measured and how it is weighed shows in the residuals and the cost.
     low, high = problem.bounds.T
     points = (problem.nominal, low + 0.37 * (high - low))
-    matrices = (
-        array.tobytes()
-        for model in (problem.model, problem.model_at(points[1]))
-        for matrix in (model._core.stiffness(), model._core.mass())
-        for array in matrix
-    )
-    return digest_of(
-        *matrices,
-        __version__,
-        problem.objective,
-        problem.bounds.tobytes(),
-        [astuple(p) for p in problem.parameters],
-        problem.measured_hz.tobytes(),
-        problem.misfit,
-        problem.penalty,
-        sorted(options.items()),
-        guesses,
-        *(problem.residuals(x).tobytes() for x in points),
-        *(problem.cost(x).hex() for x in points),
-    )
+    cores = [model._core for model in (problem.model, problem.model_at(points[1]))]
+    matrices = [a.tobytes() for core in cores for matrix in (core.stiffness(), core.mass()) for a in matrix]
+    parameters = problem.bounds.tobytes(), [astuple(p) for p in problem.parameters]
+    weighing = problem.measured_hz.tobytes(), problem.misfit, problem.penalty
+    answers = [problem.residuals(x).tobytes() for x in points] + [problem.cost(x).hex() for x in points]
+    stated = __version__, problem.objective, *parameters, *weighing, sorted(options.items()), guesses
+    return digest_of(*matrices, *stated, *answers)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,10 +26,8 @@ if TYPE_CHECKING:
     from .problem import UpdatingProblem
 
 
-# -- The matrices of a problem as sums: the term that each parameter scales
-#
-# ``K(x) = K + sum (s_j(x_j) - 1) K_j`` with s_j the factor of a parameter, and so M. It holds for factors
-# and reductions that do not share a term; sections, angles and positions bend it.
+# -- K(x) = K + sum (s_j(x_j) - 1) K_j with s_j the factor of a parameter, and so M: true of factors and
+# reductions that do not share a term; sections, angles and positions bend it.
 
 #: Quantities in which K and M are linear, and the matrix that each scales.
 _SCALES = {"stiffness_factor": "K", "stiffness_reduction": "K", "mass_factor": "M"}
@@ -53,8 +52,8 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
     return as_sparse(core.stiffness()), as_sparse(core.mass())
 
 
-#: The model is asked for roots up to this multiple of the highest measured one, as the objective does.
-_BAND = 1.5
+#: The model is asked for modes, and followed in its roots, up to this multiple of the highest measured one.
+_BAND = 1.25
 #: Terms of more dofs stay sparse.
 _DENSE = 256
 
@@ -89,9 +88,7 @@ class Term(NamedTuple):
 class Large:
     """A model of many dofs with parameters, and the responses that it is asked for."""
 
-    def __init__(
-        self, model: StructuralModel, parts: Sequence[Part], parameters: Sequence[Parameter]
-    ) -> None:
+    def __init__(self, model: StructuralModel, parts: Sequence[Part], parameters: Any) -> None:
         self.core, self.parts = by_rows(model, parts)
         self._parameters = model.description.core_parameters(parameters)
         self.sensors = sorted({part[0] for part in self.parts})
@@ -125,12 +122,12 @@ class Affine(Large):
         ]
 
 
-# -- Vectors that carry a model and its parameters' effect near one point, for antiresonances up to a limit
+# -- A basis that carries a model and its parameters' effect near one point, for antiresonances up to a limit
 #
-# With :math:`A = K + \sigma M`: the modes up to the limit; for every force and sensor the first vectors of
-# its Krylov space, :math:`A^{-1} e`, :math:`A^{-1} M A^{-1} e`, ..., which stand for all higher modes; and
-# the largest of what a parameter makes of these, :math:`A^{-1} K_j v`. All are orthonormal in A. Projected on
-# them a root errs by the product of the errors of both columns, that of the force and that of the sensor.
+# With :math:`A = K + \sigma M`: the modes up to the limit; of every force and sensor the first Krylov vectors
+# :math:`A^{-1} e`, :math:`A^{-1} M A^{-1} e`, ..., which stand for all higher modes; and the largest of what
+# a parameter makes of these, :math:`A^{-1} K_j v`; all orthonormal in A. A root then errs by the product of
+# the errors of both columns, that of the force and that of the sensor.
 #
 # References: Ericsson & Ruhe, Math. Comp. 35 (1980) 1251-1268; Balmes, Mech. Syst. Signal Process. 10 (1996)
 # 381-394 (bases of a parametric family); Benner, Gugercin & Willcox, SIAM Review 57 (2015) 483-531.
@@ -166,11 +163,9 @@ def basis_at(
     basis, moving = point_basis(affine, x, depth)
     needed = moving.shape[1]
     if size < needed:
-        raise NumericalError(
-            f"a reduced model of {size} vectors",
-            f"the modes to {affine.limit_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
-            f"reduction=Reduction(size={2 * needed}) or more, or reduction=False.",
-        )
+        why = f"the modes to {affine.limit_hz:.4g} Hz, the forces and the sensors alone take {needed}. Give "
+        why += f"reduction=Reduction(size={2 * needed}) or more, or reduction=False."
+        raise NumericalError(f"a reduced model of {size} vectors", why)
     own = basis.vectors[:, :size]
     moved = _moved(basis, affine, half_widths, moving, own, _PART * least)
     more = _beside(basis.shifted, own, moved, size - own.shape[1], least)
@@ -187,9 +182,8 @@ def point_basis(large: Large, x: FloatArray, depth: int) -> tuple[Basis, FloatAr
     limit = (2.0 * np.pi * large.limit_hz) ** 2
     sigma = _SHIFT * limit
     shifted = sparse.csc_matrix(stiffness + sigma * mass)
-    factors = splu(
-        shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    symmetric: Any = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
+    factors = splu(shifted, diag_pivot_thresh=0.0, **symmetric)
     freq_hz, shapes = core.modes(large.limit_hz, None)
     blocks = [np.asarray(shapes[:, freq_hz <= large.limit_hz])]
     moving = blocks[:1]
@@ -236,7 +230,7 @@ class _Moved:
 
 def _moved(
     basis: Basis, affine: Affine, half_widths: FloatArray, of: FloatArray, core: FloatArray, least: float
-) -> _Moved | None:
+) -> _Moved:
     """By all parameters, over half of their ranges: l = (dK + sigma dM) v."""
     found = []
     for nth in np.flatnonzero(half_widths > 0.0).tolist():
@@ -248,7 +242,7 @@ def _moved(
         moved = _Moved(solved(basis.factors, loads), loads, core[places].T @ held)
         found.append(moved.principal(places, least, of.shape[1])[0])
     if not found:
-        return None
+        return _Moved(of[:, :0], of[:, :0], core[:0].T @ of[:0, :0])
     columns = [[each.vectors, each.loads, each.inside] for each in found]
     return _Moved(*(np.hstack(each) for each in zip(*columns, strict=True)))
 
@@ -274,13 +268,9 @@ def _principal(gram: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.sqrt(np.maximum(squares[::-1], 0.0)), rotation[:, ::-1]
 
 
-def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, least: float) -> FloatArray:
+def _beside(shifted: Any, core: FloatArray, moved: _Moved, room: int, least: float) -> FloatArray:
     """The largest directions of what moves out of the core."""
-    if moved is None or room <= 0 or moved.vectors.shape[1] == 0:
-        return np.empty((core.shape[0], 0))
     largest, sizes = moved.principal(slice(None), least, room)
-    if sizes.size == 0:
-        return np.empty((core.shape[0], 0))
     found = (largest.vectors - core @ largest.inside) / sizes
     for _ in range(2):
         found = found - core @ (core.T @ (shifted @ found))
@@ -289,11 +279,10 @@ def _beside(shifted: Any, core: FloatArray, moved: _Moved | None, room: int, lea
 
 # -- The error to be expected of a reduced model's antiresonances, from its residuals on the full one
 #
-# With a and b the columns of force and sensor on the reduced model, at a root x, H lacks exactly :math:`r_b^T
+# With a and b the columns of force and sensor on the reduced model, H lacks at a root x exactly :math:`r_b^T
 # (K - x M)^{-1} r_a`, :math:`r_a = e_k - (K - x M) V a` and r_b alike; over its slope it is how far the root
 # is off. Outside of the basis :math:`(K - x M)^{-1}` is at most :math:`(\lambda + \sigma) / (\lambda - x)`
-# times :math:`(K + \sigma M)^{-1}`, whose factors are at hand (Becker & Rannacher, Acta Numerica 10 (2001)
-# 1-102).
+# times :math:`(K + \sigma M)^{-1}` (Becker & Rannacher, Acta Numerica 10 (2001) 1-102).
 
 
 def expected_errors(
@@ -322,17 +311,15 @@ def expected_errors(
 
 # -- Descent on values and roots put side by side, one to one and in order: leads near the answer from afar
 #
-# The objective pairs each measured value with the nearest root, anew at every x; from a start that is off by
-# a spacing of the roots it pulls some of them to the wrong neighbour. Here the values of each response are
-# aligned with the model's roots as a whole, with gaps on both sides, and :math:`\sum |\ln f_A - \ln f_E|` is
-# brought down by linear steps within the bounds (iteratively reweighted least squares).
+# The objective pairs each value with the nearest root, anew at every x, and so pulls roots that are off by a
+# spacing to the wrong neighbour. Here the values of each response are aligned with the model's roots as a
+# whole, with gaps on both sides, and :math:`\sum |\ln f_A - \ln f_E|` is brought down by linear steps within
+# the bounds (iteratively reweighted least squares).
 
 #: Standard deviation of ln f in the alignment at the beginning, its decrease a step, and the least.
 _STD, _SHRINK, _LEAST_STD = 0.1, 0.75, 0.02
-#: Standard deviations at which a value, or a root, rather stays alone; of a root above the highest value.
+#: Standard deviations at which a value stays alone, or a root, or one above the highest value.
 _ALONE, _ALONE_ROOT, _ALONE_ABOVE = 3.0, 2.0, 0.3
-#: Roots are followed up to this multiple of the highest value.
-_BAND = 1.25
 #: Trust region, as a share of the bounds' distance; most steps; a step that ends the descent.
 _FIRST_TRUST, _TRUST, _STEPS, _SMALL_STEP = 0.35, 0.25, 12, 0.02
 #: Reweightings of a step, and the weight of a step's own length.
@@ -354,16 +341,10 @@ def aligned_descent(
         seen = shown > 0.5  # roots that can be measured
         slopes, log_f = np.reshape(slopes, (freq_hz.size, x.size))[seen], np.log(freq_hz[seen])
         price = 0.5 * np.log(2.0 * np.pi) + np.log(std) + 0.5 * _ALONE**2
-        partner = _core.associate(
-            response,
-            measured,
-            np.full(measured.size, std),
-            target[seen].astype(np.int64),
-            log_f,
-            np.full(log_f.size, 1e-6),
-            float(price),
-            0.5 * np.where(freq_hz[seen] > highest, _ALONE_ABOVE, _ALONE_ROOT) ** 2,
-        )
+        roots = target[seen].astype(np.int64), log_f, np.full(log_f.size, 1e-6)
+        alone = 0.5 * np.where(freq_hz[seen] > highest, _ALONE_ABOVE, _ALONE_ROOT) ** 2
+        values = response, measured, np.full(measured.size, std)
+        partner = _core.associate(*values, *roots, float(price), alone)
         paired = partner >= 0
         if not paired.any():
             break
@@ -396,8 +377,7 @@ def _least_absolute(apart: FloatArray, slopes: FloatArray, room: tuple[FloatArra
 _INDEPENDENT = 1e-6
 #: Most starts of a descent.
 _STARTS = 8
-#: A descent is judged by the residual that this share of the values do not exceed, and explains them up to so
-#: much.
+#: A descent is judged by this quantile of the residuals, and explains the values up to so much.
 _SHARE, _EXPLAINED = 0.8, 1e-3
 #: Two descents ended at one place within this part of the box.
 _SAME = 0.02
@@ -454,8 +434,7 @@ class ReducedProblem:
         return best
 
     def _objective(self) -> _core.Objective:
-        counts = np.cumsum([part[2].size for part in self._parts])[:-1]
-        ratios = np.split(self.ratio, counts)
+        ratios = np.split(self.ratio, np.cumsum([part[2].size for part in self._parts])[:-1])
         parts = [(*part[:2], part[2] / r, *part[3:]) for part, r in zip(self._parts, ratios, strict=True)]
         weighing = self._affine.problem._weighing
         return _core.Objective.antiresonance(self._model, self._parameters, parts, *weighing)
@@ -475,8 +454,7 @@ class ReducedProblem:
 
 def largest_difference(one: FloatArray, other: FloatArray) -> float:
     """Largest relative difference of paired frequencies; infinity where only one has a partner."""
-    alone = np.isnan(one) != np.isnan(other)
-    if alone.any():
+    if np.any(np.isnan(one) != np.isnan(other)):
         return float("inf")
     return float(np.nanmax(np.abs(one / other - 1.0), initial=0.0))
 
@@ -513,28 +491,26 @@ def coordinates(rows: FloatArray) -> FloatArray:
 # others begin elsewhere until two agree.
 
 
-#: More dofs than these are reduced unless told otherwise.
-LARGE = 2000
-#: More parameters than these are not: their effect takes too many vectors.
-_MOST_PARAMETERS = 60
+#: More dofs than these are reduced unless told otherwise, if no more parameters want vectors.
+LARGE, _MOST_PARAMETERS = 2000, 60
 
 
 @dataclass(frozen=True)
 class Reduction:
     """How a model is reduced while its parameters are sought.
 
-    The model is projected on modes, on the first Krylov vectors of force and sensors, and on what parameters
-    make of these to first order. The search goes on with a basis made where it arrived, its frequencies
-    corrected by those of the full model there, until both agree.
+    It is projected on modes, on the first Krylov vectors of force and sensors, and on what parameters make
+    of these to first order. The search goes on with a basis made where it arrived, its frequencies corrected
+    by those of the full model there, until both agree.
 
     Parameters
     ----------
     size : int, default 160
-        Most vectors; at least as many as modes (to 1.5 times the highest measured frequency), forces and
+        Most vectors; at least as many as modes (to 1.25 times the highest measured frequency), forces and
         sensors.
     least : float, default 0.05
         A direction that parameters move the basis by less than this, relatively, over half of their ranges,
-        is left out. Smaller is larger, slower and better.
+        is left out. With less the model is larger, slower and better.
     tolerance : float, default 1e-6
         Largest relative difference, at the answer, of a frequency of the reduced model from the full one's.
     rounds : int, default 8
@@ -604,7 +580,7 @@ class ReductionReport:
     def note(self) -> str:
         """A sentence for the reader."""
         return self.note_with(
-            "The basis is too small; give reduction=Reduction(size=...) more vectors, or reduction=False."
+            "The basis is too small; give reduction=Reduction(size=...), or reduction=False."
         )
 
     def note_with(self, remedy: str) -> str:
@@ -637,13 +613,11 @@ def wanted_reduction(problem: UpdatingProblem, given: Any, checkpoint: Any) -> R
 
 #: Half-widths of the first trust region and the least, as shares of the bounds' distance.
 _WIDE_TRUST, _LEAST_TRUST = 0.25, 1e-3
-#: It is halved where the cost falls by less than the first part of what the reduced model promised, doubled
+#: It shrinks where the cost falls by less than the first part of what the reduced model promised, and grows
 #: from the second on.
 _POOR, _GOOD = 0.25, 0.75
-#: Krylov vectors of a sensor in the first basis, and in those around a place.
-_DEPTH, _DEPTH_THERE = 2, 3
-#: The first basis has directions of this part of the least size: it serves the whole box.
-_FINER = 0.4
+#: Krylov vectors of a sensor in the first basis and in others; part of the least size in the first.
+_DEPTH, _DEPTH_THERE, _FINER = 2, 3, 0.4
 #: Below this difference of full and reduced frequencies the basis stays, and is corrected, again where that
 #: has left no more than the second part of it.
 _CLOSE, _CORRECTS = 1e-4, 0.1
@@ -661,7 +635,7 @@ _STOPPED = ("interrupted", "callback")
 _INTERRUPTED = ("interrupted", "Interrupted by the user; this is the best found until then.")
 _NO_TIME = ("budget", "The time limit was reached before searches on reduced models agreed.")
 
-#: Of (objective, lower and upper bounds, where a polish begins, options; None for the optimizer's own).
+#: Of objective, lower and upper bounds, where a polish begins, and options, None for the optimizer's own.
 Minimize = Callable[[Any, FloatArray, FloatArray, FloatArray, dict[str, Any] | None], OptimizeResult]
 
 
@@ -715,45 +689,43 @@ class _Answer:
         self.unexplained = float(np.abs(residuals).mean())
 
 
+@dataclass
 class _Search:
     """Searches from one point after the other."""
 
-    def __init__(
-        self,
-        problem: UpdatingProblem,
-        reduction: Reduction,
-        minimize: Minimize,
-        rng: np.random.Generator,
-        seconds_left: Callable[[], float],
-    ) -> None:
-        self.problem, self.rng = problem, rng
-        self.found: list[OptimizeResult] = []
-        self.best: _Answer | None = None
-        self.bases = 0
-        self._reduction, self._minimize, self._seconds_left = reduction, minimize, seconds_left
+    problem: UpdatingProblem
+    reduction: Reduction
+    minimize: Minimize
+    rng: np.random.Generator
+    seconds_left: Callable[[], float]
+    found: list[OptimizeResult] = field(default_factory=list)
+    best: _Answer | None = None
+    bases: int = 0
+
+    def __post_init__(self) -> None:
         # The smallest search there is around a polish, and one that polishes a few points.
         self._descent = IslandGA(islands=1, population=4, max_generations=1).options
         self._look = IslandGA(islands=3, population=6, max_generations=8, polish_interval=3).options
-        self._affine = Affine(problem)
-        self._whole: ReducedProblem | None = None
+        self._affine = Affine(self.problem)
 
     @property
     def stopped(self) -> bool:
         """Whether somebody stopped the search, or its time is over."""
-        return self.found[-1].status in _STOPPED or self._seconds_left() <= 0.0
+        return self.found[-1].status in _STOPPED or self.seconds_left() <= 0.0
+
+    @cached_property
+    def _whole(self) -> ReducedProblem:
+        """For the whole box, around its middle, reductions at their nominal values."""
+        problem, (low, high) = self.problem, self.problem.bounds.T
+        reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
+        middle = np.where(reductions, np.clip(problem.nominal, low, high), 0.5 * (low + high))
+        return self._reduced(middle, 1.0, _DEPTH, _FINER)
 
     def run(self, start: FloatArray) -> _Answer:
         """The answer that a search from ``start`` ends at."""
-        if self._whole is None:  # for the whole box, around its middle, reductions at their nominal values
-            problem, (low, high) = self.problem, self.problem.bounds.T
-            reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
-            middle = np.where(reductions, np.clip(problem.nominal, low, high), 0.5 * (low + high))
-            self._whole = self._reduced(middle, 1.0, _DEPTH, _FINER)
-        reduced = self._whole
-        near = reduced.approached(start, self.rng)
+        near = self._whole.approached(start, self.rng)
         options = self._descent if self.found else None
-        best = self._answer(reduced, self._around(near, 1.0), near, options)
-        return self._settled(best)
+        return self._settled(self._answer(self._whole, self._around(near, 1.0), near, options))
 
     def agreed(self, start: FloatArray) -> _Answer:
         """The answer from ``start``; unless it explains all, the best of it and others until two agree."""
@@ -779,7 +751,7 @@ class _Search:
         while trust >= _LEAST_TRUST and not self._agrees(best) and not self.stopped:
             if best.reduced is reduced:  # it has moved since the last basis or correction
                 fresh = best.difference > close
-                if fresh and rounds == self._reduction.rounds:
+                if fresh and rounds == self.reduction.rounds:
                     break
                 reduced = self._reduced(best.x, min(_WIDEST, 2.0 * trust)) if fresh else reduced
                 reduced = reduced.corrected(best.x, best.full_hz)
@@ -796,7 +768,7 @@ class _Search:
 
     def _agrees(self, found: _Answer) -> bool:
         """Whether a model corrected near it is the full one there."""
-        return found.reduced.is_corrected and found.difference <= self._reduction.tolerance
+        return found.reduced.is_corrected and found.difference <= self.reduction.tolerance
 
     def _around(self, x: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
         """A part of the box."""
@@ -811,7 +783,7 @@ class _Search:
         near: FloatArray,
         options: dict[str, Any] | None,
     ) -> _Answer:
-        self.found.append(self._minimize(reduced.core, *box, near, options))
+        self.found.append(self.minimize(reduced.core, *box, near, options))
         answer = _Answer(self.problem, reduced, self.found[-1].x, self.found[-1].fun)
         if self.best is None or answer.cost < self.best.cost:
             self.best = answer
@@ -823,5 +795,5 @@ class _Search:
         """For that share of the parameters' ranges around ``x``."""
         self.bases += 1
         half_widths = 0.5 * share * np.diff(self.problem.bounds)[:, 0]
-        largest = self._reduction.size, finer * self._reduction.least
+        largest = self.reduction.size, finer * self.reduction.least
         return ReducedProblem(self._affine, basis_at(self._affine, x, half_widths, depth, largest))

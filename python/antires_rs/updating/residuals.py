@@ -49,23 +49,18 @@ class BoxResiduals:
         #: 0 for frequencies, 1 for entries of shapes.
         self.kind, std, weights = kind[self.kept], std[self.kept], weights[value][self.kept]
         known, noun = np.isfinite(std), f"{problem.noun}s"
+        stated, alone = bool(known.any()), len(paired) - int(paired.sum())
         #: Standard deviations that the measurement states, and relative size of the error that it does not.
-        self.stated: FloatArray | None = None
-        self.size = np.ones(std.size)
-        assumed = []
-        alone = len(paired) - int(paired.sum())
-        if alone:
-            assumed.append(f"{alone} measured {noun} without a partner in the model are left out.")
-        if not known.any():
-            self.size = 1.0 / weights
-            assumed.append(
-                f"No errors of the measured {noun} are stated: theirs are learned from the residuals."
-            )
-        else:
-            self.stated = np.where(known, std, np.median(std[known]))
-            if not known.all():
-                assumed.append("Values without a standard deviation are given the median of the others.")
-        self.assumed = tuple(assumed)
+        self.stated = np.where(known, std, np.median(std[known])) if stated else None
+        self.size = np.ones(std.size) if stated else 1.0 / weights
+        assumed = {
+            f"{alone} measured {noun} without a partner in the model are left out.": alone,
+            f"No errors of the measured {noun} are stated: the residuals tell them.": not stated,
+            "Values without a standard deviation are given the median of the others.": (
+                stated and not known.all()
+            ),
+        }
+        self.assumed = tuple(sentence for sentence, holds in assumed.items() if holds)
 
     def vector(self, u: FloatArray) -> FloatArray:
         """All parameters, (n,) or (k, n)."""

@@ -143,17 +143,12 @@ class UpdateResult(ReadOnly, Viewed):
             notes.append(self.reduction.note)
         alone = int(np.isnan(self.table.after_hz).sum())
         if alone:
-            notes.append(
-                f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no "
-                "partner: the updated model has none there up to 1.5 times the highest measured."
-            )
+            said = f"{alone} of {self.table.after_hz.size} measured {self.problem.noun}s have no partner"
+            notes.append(f"{said}: the updated model has none there up to 1.5 times the highest measured.")
         before, after = self.table.largest_before_percent, self.table.largest_after_percent
         if after > max(_EXPLAINED * before, _NOISE_PERCENT):
-            notes.append(
-                f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % "
-                "before. What is wrong may have no parameter, or a dof may be another one; doubt "
-                "the values found."
-            )
+            said = f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % before."
+            notes.append(f"{said} What is wrong may have no parameter; doubt the values found.")
         if self.at_bound:
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
@@ -245,10 +240,7 @@ class UpdateResult(ReadOnly, Viewed):
         spreads = ["not determined" if np.isinf(std) else f"\u00b1 {std:<8.2g}" for std in self.std]
         wide = max(map(len, spreads))
         rows = zip(self.problem.names, self.x, spreads, self.problem.bounds, strict=True)
-        return [
-            f"{name:<{width}}  {value:#12.6g} {spread:<{wide}} [{low:g}, {high:g}]"
-            for name, value, spread, (low, high) in rows
-        ]
+        return [f"{n:<{width}}  {x:#12.6g} {spread:<{wide}} [{a:g}, {b:g}]" for n, x, spread, (a, b) in rows]
 
     @property
     def std(self) -> FloatArray:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..exceptions import InvalidInputError, reject
-from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.antiresonance_set import AntiresonanceSet, number
 from ..measured.modal_set import ModalSet
 from ..support.checks import ComplexArray, FloatArray, real_array
 from ..support.values import Value
@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 
 def signed(percent: float) -> str:
     """A difference with its sign; what rounds to nothing has none; a dash where there is no partner."""
-    if np.isnan(percent):
-        return "-"
-    said = f"{percent:+.2f}"
-    return said[1:] if said in ("+0.00", "-0.00") else said
+    said = number(percent, 2, sign=True)
+    return "0.00" if said in ("+0.00", "-0.00") else said
 
 
 class _Differences:
@@ -66,11 +64,10 @@ class _Differences:
         if not self.measured_hz.size:
             return "nothing was measured"
         both = {"before": self.largest_before_percent, "after": self.largest_after_percent}
-        if np.isnan(list(both.values())).all():
+        if np.isnan([*both.values()]).all():
             return "largest difference: none, no value has a partner in the model"
-        return "largest difference: " + ", ".join(
-            f"no partner {when}" if np.isnan(each) else f"{each:.2f} % {when}" for when, each in both.items()
-        )
+        said = [f"{'no partner' if x != x else f'{x:.2f} %'} {when}" for when, x in both.items()]
+        return f"largest difference: {', '.join(said)}"
 
     def _text(self, head: list[str], labels: Sequence[str], *mac: FloatArray) -> str:
         """The table in print; ``mac`` are columns of both states, where there are some."""
@@ -79,8 +76,8 @@ class _Differences:
         for row, label in enumerate(labels):
             line = f"{label} {self.measured_hz[row]:10.3f}"
             for state, (hz, percent) in enumerate(states):
-                line += f"  {_number(hz[row]):>10} {signed(percent[row]):>7}"
-                line += f" {_number(mac[state][row]):>6}" if mac else ""
+                line += f"  {number(hz[row], 3):>10} {signed(percent[row]):>7}"
+                line += f" {number(mac[state][row], 3):>6}" if mac else ""
             lines.append(line)
         return "\n".join([*lines, self._closing])
 
@@ -115,10 +112,8 @@ class FrequencyTable(_Differences, Value):
     dof_names: dict[int, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        pairs = [
-            ", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair)
-            for pair in zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
-        ]
+        ends = zip(self.dof.tolist(), self.excitation.tolist(), strict=True)
+        pairs = [", ".join(self.dof_names.get(dof, f"{dof:2d}") for dof in pair) for pair in ends]
         width = max([7, *map(len, pairs)])
         head = [
             f"{'H_ik':>{width}}   measured      before             after",
@@ -143,15 +138,10 @@ class ModalTable(_Differences, Value):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> chain = ar.MassSpringChain([1.0, 1.0], [500.0], ground_first_n_per_m=300.0)
-    >>> measured = ar.ModalSet([1.6, 6.0], [[0.8, 1.0], [1.0, -0.7]])
-    >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0], bounds=(0.8, 1.4)), measured)
-    >>> print(ar.update(problem, rng=0).table)
-    mode   measured      before                      after
-                 Hz          Hz       %    MAC          Hz       %    MAC
-       0      1.600       1.801  +12.53  0.999       1.831  +14.41  1.000
-       1      6.000       5.449   -9.19  0.999       6.000    0.00  0.997
-    largest difference: 12.53 % before, 14.41 % after
+    >>> case = ar.cases.chain8(perturbation=0.05, rng=3)
+    >>> found = ar.update(case.updating_problem(case.exact_modes()), rng=0).table
+    >>> found.mode.tolist(), found.largest_before_percent < 5.0, bool((found.after_mac > 0.99).all())
+    ([0, 1, 2, 3, 4, 5, 6], True, True)
     """
 
     mode: FloatArray
@@ -169,22 +159,15 @@ class ModalTable(_Differences, Value):
         return self._text(head, [f"{mode:4d}" for mode in self.mode], self.before_mac, self.after_mac)
 
 
-def _number(value: float) -> str:
-    """A number, or a dash where the model has no partner."""
-    return "-" if np.isnan(value) else f"{value:.3f}"
-
-
 def _largest(percent: FloatArray) -> float:
-    found = np.abs(percent[~np.isnan(percent)])
-    return float(found.max()) if found.size else float("nan")
+    return float(np.fmax.reduce(np.abs(percent), initial=np.nan))
 
 
-# -- Measured values that are no antiresonances: halves of complex zeros
+# -- Measured values that are no antiresonances: halves of complex zeros (see the page on theory)
 #
-# See the page on theory. A value is left out, and named, if the nominal model has a complex zero nearer to it
-# than any real root, its damping being nearer to a half of that than to the median of the set; or one so much
-# nearer that damping need not tell; or if its damping differs from the median by more than 2 % and by more
-# than twice the median.
+# A value is left out, and named, if the nominal model has a complex zero nearer to it than any real root, its
+# damping being nearer to a half of that than to the median of the set; or one so much nearer that damping
+# need not tell; or if its damping is far from the median.
 
 #: Damping ratios whose median says what is usual.
 _LEAST_KNOWN = 4
@@ -200,8 +183,6 @@ _CLEAR, _FAR = 0.01, 0.05
 _ODD, _ODD_TIMES = 0.02, 2.0
 #: Modes up to this multiple of the band make the series.
 _MODES = 6.0
-
-
 #: Computes complex zeros, as :func:`complex_zeros` gives them.
 Series = Callable[[], tuple[FloatArray, FloatArray]]
 
@@ -216,11 +197,10 @@ def complex_zeros(
     """Complex zeros f (1 + j d) of an undamped response up to a frequency: f (Hz), and d within ``parts``."""
     from scipy.linalg import eigvals
 
-    # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues.
-
     modes = model.modes(f_max_hz=_MODES * f_max_hz)
     n = modes.freq_hz.size
-    # In units of the band, so that the lowest are not lost in rounding.
+    # Eigenvalues x of the pencil [[L - x, phi_k], [phi_i', 0]], L being the diagonal of the eigenvalues, in
+    # units of the band, so that the lowest are not lost in rounding.
     pencil, mass = np.zeros((n + 1, n + 1)), np.eye(n + 1)
     pencil[np.arange(n), np.arange(n)] = (modes.freq_hz / f_max_hz) ** 2
     shapes = modes.shapes.real / np.abs(modes.shapes).max(initial=1e-300)
@@ -232,8 +212,8 @@ def complex_zeros(
     freq = np.abs(root) * f_max_hz
     part = np.abs(root.imag) / np.abs(root)
     kept = (root.imag > 0.0) & (part > parts[0]) & (part <= parts[1]) & (freq <= f_max_hz)
-    order = np.argsort(freq[kept])
-    return freq[kept][order], part[kept][order]
+    order = np.flatnonzero(kept)[np.argsort(freq[kept])]
+    return freq[order], part[order]
 
 
 def zeros_beside(
@@ -243,10 +223,8 @@ def zeros_beside(
     limit_hz = (1.0 + 2.0 * _REACH) * highest_hz
     core, rows = model._core_for([*responses, force])
     found = core.antiresonances(rows[:-1], rows[-1], limit_hz, "modal", True)
-    return [
-        (real, partial(complex_zeros, model, dof, force, limit_hz, (_REAL, _MOST)))
-        for dof, (real, *_) in zip(responses, found, strict=True)
-    ]
+    series = [partial(complex_zeros, model, dof, force, limit_hz, (_REAL, _MOST)) for dof in responses]
+    return [(real, own) for (real, *_), own in zip(found, series, strict=True)]
 
 
 def usual_damping(found: AntiresonanceSet) -> float | None:
@@ -272,10 +250,8 @@ def sorted_out(
         why = _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros)
         if why:
             keep[at] = False
-            notes.append(
-                f"Left out: {freq:.2f} Hz at dof {label}, damped by "
-                f"{100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %): {why}."
-            )
+            damped = f"damped by {100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %)"
+            notes.append(f"Left out: {freq:.2f} Hz at dof {label}, {damped}: {why}.")
     return notes
 
 
@@ -297,21 +273,17 @@ def _complex(
 
 # -- Roots of the intact model that a test shows, and how far they can be counted on
 #
-# The smallest damage that can be seen follows from the antiresonances that the intact structure has and a
-# damaged one still has, elsewhere. Not counted are those that a test of that kind does not show, nor new
-# ones, made of zeros that were complex; less or not at all those that small differences between the members
-# move far, damage or not. The sensitivities of an ordinary root to all stiffnesses add up to about one.
+# The smallest visible damage follows from the antiresonances that both the intact and a damaged structure
+# have. Not counted are those that the test does not show, nor new ones, made of zeros that were complex; less
+# or not at all those that small differences between the members move far, damage or not.
 
-#: Roots of all responses within this share are taken for one: a hidden mode, with double roots beside it that
-#: hardly any difference between the members splits by so much.
-_SHARED = 0.02
-#: A root this near to a resonance, in Hz, is not told from it in an FRF.
-_ON_POLE = 0.005
+#: Roots of all responses within this share are one, a hidden mode; and a root is one with a resonance in an
+#: FRF.
+_SHARED, _ON_POLE = 0.02, 0.005
 #: Loss of stiffness by which a root is tried.
 STEP = 0.005
 #: Sum of the sensitivities of omega squared up to which a root counts in full, and from which on it does not
-#: count. By far most roots of symmetric chains, rings, frames and grillages have 1 to 3, those that a broken
-#: symmetry makes, or one that is all but double, 10 to 10000.
+#: count: by far most have 1 to 3, those of a broken symmetry, or all but double ones, 10 to 10000.
 _ORDINARY, _UNSTEADY = 3.0, 6.0
 #: Intact roots are as good as one if they lie within this share.
 _TWIN = 0.01
@@ -396,10 +368,8 @@ def _near(freq: FloatArray, others: FloatArray, within: float) -> NDArray[np.boo
     return np.asarray(apart.min(axis=1, initial=np.inf) <= within * freq)
 
 
-# -- Measured antiresonances, as an updating problem sees them: those of the kind that the model has
-#
-# What a set was identified from (``sees``) decides which roots of the model may be partners; the core knows
-# them by that name.
+# -- Measured antiresonances, as an updating problem sees them: what a set was identified from (``sees``)
+# decides which roots of the model may be partners
 
 #: Relative error of omega^2 that a model has anyway: values known better than this get no more weight.
 MODEL_ERROR = 2e-3
@@ -442,23 +412,19 @@ class AntiresonanceTargets:
         self.dofs_of = [[model_dof(model, "measured dof", dof) for dof in s] for s in sets]
         self._channels = [_channels(model, s) for s in sets]
         self.parts: list[Part] = []
-        #: Whether each part was identified from one curve, without averages that tell its scatter.
-        self.single: list[bool] = []
-        #: Standard deviations (Hz) of the values of each part.
-        self.stds: list[FloatArray] = []
+        self.single: list[bool] = []  # whether each is of one curve, without averages that tell its scatter
+        self.stds: list[FloatArray] = []  # standard deviations (Hz) of their values
         self._kept = np.empty(0, dtype=bool)
         self.left_out: tuple[str, ...] = ()
-        for number in range(len(sets)):
-            self._add(model, number)
-        counts = [len(freq) for _, _, freq, _, _ in self.parts]
+        for nth in range(len(sets)):
+            self._add(model, nth)
+        counts = [len(part[2]) for part in self.parts]
         self.hz = np.concatenate([np.empty(0), *(part[2] for part in self.parts)])
         self.dofs = np.repeat([part[0] for part in self.parts], counts)
         self.excitations = np.repeat([part[1] for part in self.parts], counts)
         #: What the tables call the dofs: "mass 3", "node 3 v"; none where they are numbers only.
         labels = {dof: model.dof_label(dof) for part in self.parts for dof in part[:2]}
-        self.names = {
-            dof: label.removeprefix("node ") for dof, label in labels.items() if label != f"dof {dof}"
-        }
+        self.names = {d: own.removeprefix("node ") for d, own in labels.items() if own != f"dof {d}"}
 
     def _add(self, model: StructuralModel, number: int) -> None:
         """The parts of one set: its responses, and channels without values that decide what is shared."""
@@ -493,12 +459,9 @@ class AntiresonanceTargets:
             return _given_weights(given, self.hz.size, self._kept, wanted, _ALIKE)
         spread = self.relative_std
         if not np.isfinite(spread).any():
-            reject(
-                "weights",
-                "'std' for values without standard deviations",
-                "sets with std_hz",
-                "Identify an averaged record with formulation='numerators' (its default), or give std_hz.",
-            )
+            got = "'std' for values without standard deviations"
+            remedy = "Identify an averaged record with formulation='numerators' (its default)."
+            reject("weights", got, "sets with std_hz", remedy)
         spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
         made = 1.0 / np.hypot(spread, MODEL_ERROR)
         return np.asarray(made / made.mean(), dtype=np.float64)
@@ -683,23 +646,25 @@ def _apart(one: FloatArray, other: FloatArray) -> FloatArray:
 Targets: TypeAlias = AntiresonanceTargets | ModalTargets
 
 
+def sets_of(name: str, given: Any, *, modes: bool = True) -> tuple[Any, ...]:
+    """One or several measured sets of one kind."""
+    kinds = (AntiresonanceSet, ModalSet) if modes else (AntiresonanceSet,)
+    sets = (given,) if isinstance(given, kinds) else given
+    listed = isinstance(sets, Sequence) and len(sets) > 0
+    if not (listed and any(all(isinstance(each, kind) for each in sets) for kind in kinds)):
+        wanted = f"an AntiresonanceSet{' or a ModalSet' if modes else ''}, or several of one kind"
+        remedy = "Identify it first, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]})."
+        reject(name, given, wanted, remedy)
+    return tuple(sets)
+
+
 def targets_of(model: StructuralModel, measured: Any, objective: str | None) -> Targets:
     """The kind that the measured sets are, which must be the one asked for."""
-    sets = (measured,) if isinstance(measured, AntiresonanceSet | ModalSet) else measured
-    listed = isinstance(sets, Sequence) and len(sets) > 0
-    kind: Any = None
-    if listed and all(isinstance(s, AntiresonanceSet) for s in sets):
-        kind = AntiresonanceTargets
-    elif listed and all(isinstance(s, ModalSet) for s in sets):
-        kind = ModalTargets
-    if kind is None:
-        remedy = (
-            "Identify it from a record, or build it from a table: AntiresonanceSet(0, {0: [12.2, 36.2]})."
-        )
-        reject("measured", measured, "an AntiresonanceSet or a ModalSet, or several of one kind", remedy)
+    sets = sets_of("measured", measured)
+    kind: Any = AntiresonanceTargets if isinstance(sets[0], AntiresonanceSet) else ModalTargets
     if objective is not None and objective != kind.objective:
         needed = "an AntiresonanceSet" if objective == "antiresonance" else "a ModalSet"
         remedy = "Leave objective out: the measured set tells it."
         reject("measured", f"a {type(sets[0]).__name__}", f"{needed} for objective={objective!r}", remedy)
-    made: Targets = kind(model, tuple(sets))
+    made: Targets = kind(model, sets)
     return made

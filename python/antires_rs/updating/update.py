@@ -67,12 +67,11 @@ def update(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
     >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-    >>> result = ar.update(problem, rng=0)
-    >>> result.x.round(2)
+    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> true = nominal.with_parameters(springs, [1.1, 0.96])
+    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
+    >>> ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0).x.round(2)
     array([1.1 , 0.96])
     """
     if not isinstance(problem, UpdatingProblem):
@@ -117,26 +116,14 @@ def search(
     with watched(callback, progress, ga.options["max_evaluations"]) as watcher:
 
         def minimize(
-            core: Any,
-            low: FloatArray,
-            high: FloatArray,
-            at: FloatArray | None,
-            options: dict[str, Any] | None,
+            core: Any, low: Any, high: Any, at: FloatArray | None, options: dict[str, Any] | None
         ) -> OptimizeResult:
             own = [] if at is None else [at.tolist()]
-            raw = core.minimize(
-                np.ascontiguousarray(low),
-                np.ascontiguousarray(high),
-                [*first, *own] if options is None else own,
-                ga.options if options is None else options,
-                seed,
-                thread_count(workers),
-                None if ga.max_seconds is None else seconds_left(),
-                watcher,
-                kept,
-                own[0] if own else None,
-            )
-            return OptimizeResult._of(raw, ga._in_force)
+            box = np.ascontiguousarray(low), np.ascontiguousarray(high)
+            how = ([*first, *own], ga.options) if options is None else (own, options)
+            seconds = None if ga.max_seconds is None else seconds_left()
+            run = seed, thread_count(workers), seconds, watcher, kept, own[0] if own else None
+            return OptimizeResult._of(core.minimize(*box, *how, *run), ga._in_force)
 
         if reduction is None:
             found, report = minimize(problem._core, low, high, None, None), None
@@ -214,9 +201,8 @@ class UpdateEnsemble:
             names, columns = there[0].problem.names, np.array([result.x for result in there]).T
             width = max(map(len, names))
             lines.append(f"{'parameter':{width}s}       mean        std     lowest    highest")
-            for name, column in zip(names, columns, strict=True):
-                spread = column.std(ddof=1) if column.size > 1 else 0.0
-                numbers = (column.mean(), spread, column.min(), column.max())
+            for name, own in zip(names, columns, strict=True):
+                numbers = own.mean(), own.std(ddof=1) if own.size > 1 else 0.0, own.min(), own.max()
                 lines.append(f"{name:{width}s} " + " ".join(f"{value:10.4g}" for value in numbers))
         lines += [f"updating {k} failed: {why}" for k, why in self.failed.items()]
         if self.interrupted:
@@ -264,17 +250,13 @@ def update_ensemble(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> true = ar.MassSpringChain([2.0, 1.0, 1.0], [550.0, 480.0])
-    >>> exact, rng = true.antiresonances([0, 1, 2], 0), np.random.default_rng(0)
-    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
+    >>> case, rng = ar.cases.chain8(), np.random.default_rng(0)
     >>> def drawn():  # measured values drawn anew tell how far parameters scatter
     ...     for _ in range(4):
-    ...         noisy = [hz * (1 + 0.002 * rng.standard_normal(hz.size)) for hz in exact]
-    ...         yield ar.UpdatingProblem(nominal, springs, ar.AntiresonanceSet(0, dict(enumerate(noisy))))
-    >>> found = ar.update_ensemble(drawn(), rng=0)
-    >>> bool((found.x.std(axis=0) < 0.02).all())
-    True
+    ...         noisy = {dof: hz * rng.normal(1, 0.001, hz.size) for dof, hz in case.exact().items()}
+    ...         yield case.damage_problem(ar.AntiresonanceSet(0, noisy))
+    >>> ar.update_ensemble(drawn(), rng=0).x.shape
+    (4, 7)
     """
     alone = isinstance(problems, UpdatingProblem)
     if alone == (count is None):
@@ -308,16 +290,15 @@ def update_ensemble(
         answers = in_order(_updated, tasks(), workers, shared=shared, errors="return", what="problem")
         try:
             for k, answer in enumerate(answers):
-                if isinstance(answer, Failed):
-                    if isinstance(answer.error, KeyboardInterrupt):
-                        raise answer.error
-                    failed[k] = f"{type(answer.error).__name__}: {answer.error}"
-                    results.append(None)
+                if not isinstance(answer, Failed):
+                    results.append(UpdateResult(kept[k], *answer))
+                    if interrupted := answer[0].status == "interrupted":
+                        break
                     continue
-                results.append(UpdateResult(kept[k], *answer))
-                if answer[0].status == "interrupted":
-                    interrupted = True
-                    break
+                if isinstance(answer.error, KeyboardInterrupt):
+                    raise answer.error
+                failed[k] = f"{type(answer.error).__name__}: {answer.error}"
+                results.append(None)
         except KeyboardInterrupt:
             if not results:
                 raise
