@@ -19,7 +19,7 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.repeats import AveragedResponse
 from ..signals.spectra import (
-    LEAST_NOISE as ROUNDING,
+    LEAST_DIRECTION_NOISE as ROUNDING,
     Segments,
     aligned,
     channel_noise,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measured.response_table import ResponseTable
-from ..signals.spectra import LEAST_NOISE as ROUNDING, aligned, noise_shares
+from ..signals.spectra import LEAST_DIRECTION_NOISE as ROUNDING, aligned, noise_shares
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
 from ..support.values import frozen

@@ -445,7 +445,7 @@ def window_values(window: Any, n: int) -> FloatArray:
 # No channel is taken to have less noise than this share of the typical one.
 LEAST_SHARE = 1e-2
 #: No direction is taken to have less noise power than this.
-LEAST_NOISE = 1e-12
+LEAST_DIRECTION_NOISE = 1e-12
 
 
 def aligned(vectors: ComplexArray) -> ComplexArray:
@@ -458,7 +458,7 @@ def aligned(vectors: ComplexArray) -> ComplexArray:
 
 def direction_noise(directions: ComplexArray) -> FloatArray:
     """Noise power of :func:`aligned` directions around every line, (n_rows, n_freq), from roughness."""
-    return np.maximum(local_noise(directions), LEAST_NOISE)
+    return np.maximum(local_noise(directions), LEAST_DIRECTION_NOISE)
 
 
 def noise_shares(noise: FloatArray) -> tuple[FloatArray, FloatArray]:
