@@ -41,7 +41,7 @@ def test_excel_of_a_record(tmp_path):
         ar.read_excel(file, sheet="notes")
 
 
-def test_excel_of_responses(tmp_path):
+def test_excel_of_responses(tmp_path, own_process):
     freq = 0.5 * np.arange(N)
     parts = [[f, *np.ravel([[h.real, h.imag] for h in column])] for f, column in zip(freq, H.T, strict=True)]
     names = ["Frequency [Hz]", "re(a)", "im(a)", "re(b)", "im(b)"]
@@ -90,7 +90,7 @@ def test_parquet_of_pandas(tmp_path):
         ar.read_parquet(file)
 
 
-def test_units_of_a_field_of_parquet(tmp_path):
+def test_units_of_a_field_of_parquet(tmp_path, own_process):
     pa = pytest.importorskip("pyarrow")
     import pyarrow.parquet as pq
 
