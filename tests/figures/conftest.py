@@ -6,14 +6,6 @@ import pytest
 import antires_rs as ar
 from tests.support import four_masses
 from tests.support.four_masses import SPRINGS, chain, exact
-from tests.support.pictures import drawn_quickly
-
-
-@pytest.fixture
-def quick_pictures():
-    """As elsewhere, but those of reports can be explored."""
-    with drawn_quickly(explored=True):
-        yield
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from functools import cache
 
 import pytest
 
@@ -22,6 +23,7 @@ def folders(root):
     return sorted(path.name for path in root.iterdir() if path.is_dir() and path.name != "__pycache__")
 
 
+@cache
 def first_line(path):
     """What a file says of itself in its first line, None if it says nothing."""
     text = path.read_text(encoding="utf-8")
