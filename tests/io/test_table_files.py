@@ -55,12 +55,6 @@ def test_excel_of_responses(tmp_path, own_process):
     np.testing.assert_allclose(read.values, H)
 
 
-@pytest.mark.parametrize("bad", [None, "n/a", "#DIV/0!"])
-def test_a_cell_that_is_no_number_is_named(tmp_path, bad):
-    with pytest.raises(ar.UnsuitableDataError, match="column 2"):
-        ar.read_excel(workbook(tmp_path / "a.xlsx", ["time", "a", "b"], [0, 1, 1], [1, bad, 1]))
-
-
 @pytest.mark.parametrize("begun", [datetime.time(12, 30, 0), datetime.datetime(2026, 5, 4, 23, 59, 50)])
 def test_a_clock_and_instants_in_excel_are_the_time(tmp_path, begun):
     rows = [[begun.replace(second=begun.second + i), float(i)] for i in range(5)]

@@ -16,20 +16,10 @@ from tests.support.paths import ROOT
 
 PROJECT = ROOT / "pyproject.toml"
 #: What each extra brings.
-PACKAGES = {
-    "plot": ("matplotlib",),
-    "report": ("jinja2",),
-    "look": ("bokeh",),
-    "hdf5": ("h5py",),
-    "tdms": ("npTDMS",),
-    "excel": ("openpyxl",),
-    "miniseed": ("obspy",),
-    "tables": ("pandas", "xarray"),
-    "series": ("pyarrow",),
-    "watch": ("watchdog",),
-    "ansys": ("ansys-mapdl-reader",),
-    "dask": ("dask",),
-}
+PACKAGES = {"plot": ["matplotlib"], "report": ["jinja2"], "look": ["bokeh"], "hdf5": ["h5py"]}
+PACKAGES |= {"tdms": ["npTDMS"], "excel": ["openpyxl"], "miniseed": ["obspy"], "dask": ["dask"]}
+PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"], "watch": ["watchdog"]}
+PACKAGES |= {"ansys": ["ansys-mapdl-reader"]}
 #: Extras that bring so much with them that "all" leaves them out.
 LARGE = {"ansys", "dask", "miniseed"}
 

@@ -16,24 +16,18 @@ from antires_rs.support.messages import entries
 SOURCES = Path(ar.__file__).parent
 #: Said in headlines and notes of results.
 OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}
-FINDINGS = {
-    *check.TESTS,
-    channels.HUM,
-    channels.QUANTIZED,
-    channels.DOUBLE,
-    channels.DRIFTING,
-    channels.LENGTH,
-    channels.AVERAGES,
-    check.SINGLE_HIT,
-    check.MISSED_HIT,
-}
+FINDINGS = {*check.TESTS, check.SINGLE_HIT, check.MISSED_HIT, channels.HUM, channels.QUANTIZED}
+FINDINGS |= {channels.DOUBLE, channels.DRIFTING, channels.LENGTH, channels.AVERAGES}
 
 
 @cache
 def warned():
     """(file:line, name) of every call of warn in the package; a name that is no text is None."""
     return [
-        (f"{file.name}:{node.lineno}", getattr(node.args[0], "value", None))
+        (
+            f"{file.name}:{node.lineno}",
+            first.value if isinstance(first := node.args[0], ast.Constant) else None,
+        )
         for file in sorted(SOURCES.rglob("*/*.py"))
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "warn"

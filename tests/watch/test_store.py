@@ -168,16 +168,6 @@ def test_any_program_reads_the_tables(store, in_memory):
         ar.Series.load(store.with_suffix(".csv"))
 
 
-@pytest.mark.parametrize("first", [0, 2, 5])
-def test_only_new_sources_are_identified_and_the_bytes_are_the_same(store, whole, calls, first):
-    if first:
-        identified(store, SOURCES[:first])
-    calls.clear()
-    identified(store)
-    assert len(calls) == (0 if first == 5 else 5 - first)
-    assert store.read_bytes() == whole
-
-
 def test_torn_anywhere_it_goes_on_to_the_same_file(store, whole, tmp_path):
     """What a kill or a power cut leaves: a database, and a log behind it that may end anywhere."""
     seen = tmp_path / "seen"
