@@ -90,7 +90,7 @@ def records(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("kind", some_of(SIGNALS, ["one left out", "points of a universal file"]))
+@pytest.mark.parametrize("kind", some_of(SIGNALS, ["points of a universal file"]))
 def test_damage_from_records(records, tmp_path, kind):
     file, dofs = SIGNALS[kind]
     force = '"a0"' if dofs == NAMED else "0"
