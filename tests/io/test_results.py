@@ -1,6 +1,8 @@
-"""Results as files: every bit comes back, for every kind of model and from the layout before."""
+"""Results as files and copies: every bit comes back, for every kind of model and from the layout before."""
 
+import copy
 import json
+import pickle
 import zipfile
 from dataclasses import fields, replace
 from pathlib import Path
@@ -28,12 +30,28 @@ def same_search(a, b):
         assert getattr(a, name) == getattr(b, name)
 
 
+def through_a_file(result, folder):
+    result.save(folder / "run.npz")
+    return type(result).load(folder / "run.npz")
+
+
+COPIES = {
+    "file": through_a_file,
+    "pickle": lambda result, _: pickle.loads(pickle.dumps(result)),
+    "deepcopy": lambda result, _: copy.deepcopy(result),
+}
+
+
+@pytest.mark.parametrize("copied", COPIES.values(), ids=COPIES)
 @pytest.mark.parametrize("name", PROBLEMS)
-def test_results_come_back(tmp_path, name):
+def test_results_come_back(tmp_path, name, copied):
     problem = PROBLEMS[name]
     made = ar.update(problem, rng=3, optimizer=QUICK)
-    made.save(tmp_path / "run.npz")
-    back = ar.UpdateResult.load(tmp_path / "run.npz")
+    fresh = copied(made, tmp_path)  # before anything was computed of it, and after
+    assert fresh.summary() == made.summary()
+    back = copied(made, tmp_path)
+    assert type(back) is type(made)
+    assert back.fun == back.problem.cost(back.x)
     same_search(made.search, back.search)
     assert back.search.options["max_evaluations"] == 600
     assert (back.seed, back.problem.names) == (3, problem.names)
@@ -61,12 +79,13 @@ def test_damage_of_an_updated_model(tmp_path):
     measured = zeros(hurt, [0, 1], 0, scale=1.0)
     measured = measured.drop(0, measured[0][0], reason="by hand")
     made = ar.assess_damage(reference, measured, rng=1)
-    made.save(tmp_path / "damage.npz")
-    back = ar.DamageResult.load(tmp_path / "damage.npz")
-    assert type(ar.UpdateResult.load(tmp_path / "damage.npz")) is ar.DamageResult
-    assert back.problem.penalty == made.problem.penalty
-    assert back.problem.measured[0].edits == measured.edits
-    np.testing.assert_array_equal(back.problem.model.stiffness(), reference.stiffness())
+    for copied in COPIES.values():
+        back = copied(made, tmp_path)
+        assert back.problem.penalty == made.problem.penalty
+        assert back.problem.measured[0].edits == measured.edits
+        np.testing.assert_array_equal(back.problem.model.stiffness(), reference.stiffness())
+        assert (back.severity, back.summary()) == (made.severity, made.summary())
+    assert type(ar.UpdateResult.load(tmp_path / "run.npz")) is ar.DamageResult
 
 
 @pytest.fixture
