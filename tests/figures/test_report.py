@@ -160,7 +160,7 @@ def test_damage_report_leads_with_the_element_and_its_loss(damage, nothing, tmp_
     assert "No damage found." in " ".join(parts.answer_of(nothing))
 
 
-def test_several_positions_of_the_force(intact, tmp_path):
+def test_several_positions_of_the_force(intact, tmp_path, explored):
     sets = [ar.AntiresonanceSet(k, {1: chain().antiresonances(1, k)}) for k in (0, 3)]
     problem = ar.UpdatingProblem(intact, ar.stiffness_factor(range(3), bounds=(0.8, 1.2)), sets)
     result = ar.update(problem, rng=0, workers=1, optimizer=ar.IslandGA(max_evaluations=1000))
