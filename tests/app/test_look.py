@@ -105,6 +105,7 @@ def test_a_measurement_is_looked_at_edited_and_saved(started, measured, tmp_path
 def test_a_result_is_looked_at(tmp_path):
     write_measured(tmp_path)
     run(tmp_path, DAMAGE)
+    assert viewed(tmp_path / "job_results").title == "job_results"
     file = (tmp_path / "job_results" / "result.npz").rename(tmp_path / "job_results" / "softened.npz")
     view = viewed(file)
     state = view.state(0)
