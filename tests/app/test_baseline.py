@@ -74,13 +74,6 @@ def test_saved_sets(tmp_path, capsys):
     assert set(summary["inputs"]) == {"job.toml", "measured.json", "intact.json"}
 
 
-def test_a_run_without_a_baseline_has_no_probabilities(tmp_path):
-    write_states(tmp_path)
-    summary = run(tmp_path, DAMAGE)
-    assert summary["headline"] is summary["hypotheses"] is summary["chi_square"] is None
-    assert {row["probability"] for row in summary["elements"]} == {None}
-
-
 @pytest.fixture
 def records(tmp_path):
     """Two intact records and one with its second spring softened by a quarter."""

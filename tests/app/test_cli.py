@@ -13,6 +13,7 @@ import pytest
 import antires_rs as ar
 from antires_rs.app import demo, main as cli
 from antires_rs.app.parser import COMMANDS
+from tests.support import four_masses
 from tests.support.job_files import DAMAGE, write_measured
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
@@ -97,12 +98,11 @@ def test_help_lists_every_command_and_is_quick(capsys):
 
 
 def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
-    record = ar.cases.chain8().experiment(0, noise=0.01, duration_s=128.0, rng=1)
-    record = ar.Recording(record.responses[:4], record.fs_hz)
+    record = four_masses.record()
     named = ar.Recording(record.responses, record.fs_hz, [f"a{dof}" for dof in record.dofs])
     ar.write_csv(tmp_path / "record.csv", named)
     monkeypatch.chdir(tmp_path)
-    call = ["identify", "record.csv", "--band", "3", "130", "--max-order", "30"]
+    call = ["identify", "record.csv", "--band", *map(str, four_masses.BAND), "--max-order", "30"]
     names = [f"--dof=a{dof}={dof}" for dof in range(4)]
     assert (
         cli.main([*call, "--excitation", "a0", *names, "--out", "found.json", "--pictures", "pictures"]) == 0
@@ -110,7 +110,7 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     printed = capsys.readouterr().out
     found = ar.AntiresonanceSet.load("found.json")
     assert str(found) == printed.rstrip("\n")
-    assert found == ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
+    assert found == four_masses.identified()
     assert sorted(os.listdir("pictures")) == [f"stabilization_dof_{dof}.png" for dof in range(4)]
     assert cli.main([*call, "--excitation", "a0", "--json", "--cross-check", "aaa"]) == 0
     numbers = json.loads(capsys.readouterr().out)

@@ -13,6 +13,7 @@ from antires_rs.app import main as cli
 from antires_rs.app.arguments import model_of, parameters_of
 from antires_rs.app.job import read_job
 from antires_rs.app.reading import measured_of
+from tests.support.campaign import some_of
 from tests.support.job_files import DAMAGE, UPDATE, losses, run, write_measured
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
@@ -27,6 +28,9 @@ def test_damage_from_antiresonances(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out) == summary == run(tmp_path, DAMAGE) | {"seconds": ANY}
     assert losses(summary) == FOUND
     assert summary["damaged"] == [4]
+    # Without a baseline there are no probabilities.
+    assert summary["headline"] is summary["hypotheses"] is summary["chi_square"] is None
+    assert {row["probability"] for row in summary["elements"]} == {None}
     assert set(summary["inputs"]) == {"job.toml", "measured.json"}
     assert summary["command"] == "antires damage job.toml"
     out, err = capsys.readouterr()
@@ -86,7 +90,7 @@ def records(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("kind", SIGNALS)
+@pytest.mark.parametrize("kind", some_of(SIGNALS, ["points of a universal file"]))
 def test_damage_from_records(records, tmp_path, kind):
     file, dofs = SIGNALS[kind]
     force = '"a0"' if dofs == NAMED else "0"

@@ -62,6 +62,15 @@ def ended(process):
     return process.returncode, out, err, time.monotonic() - start
 
 
+def viewed(*given):
+    """What the page would show, without a server."""
+    pytest.importorskip("bokeh", reason="the page needs bokeh")
+    from antires_rs.app.look_view import view_of
+    from antires_rs.app.parser import parser
+
+    return view_of(parser().parse_args(["look", *map(str, given)]))
+
+
 def test_a_measurement_is_looked_at_edited_and_saved(started, measured, tmp_path):
     given = [*BAND_GIVEN, "--excitation", "0", "--max-order", "30"]
     process, url = started(measured, *given)
@@ -81,33 +90,26 @@ def test_a_measurement_is_looked_at_edited_and_saved(started, measured, tmp_path
     kept = ar.AntiresonanceSet.load(tmp_path / "test_antiresonances_unsaved.json")
     assert len(kept.edits) == 2
 
-    edits = ["--edits", "test_antiresonances_unsaved.json", "--out", "again.json"]
-    process, url = started(measured, *given, *edits)
-    asked(url, "do/identify", {})
-    asked(url, "do/save", {})
-    again = ar.AntiresonanceSet.load(tmp_path / "again.json")
-    assert again == kept
-    assert ended(process)[0] == 0
+    edits = tmp_path / "test_antiresonances_unsaved.json"
+    view = viewed(measured, *given, "--edits", edits, "--out", tmp_path / "again.json")
+    view.do("identify", {})
+    view.do("save", {})
+    assert ar.AntiresonanceSet.load(tmp_path / "again.json") == kept
+    # A set is saved in its own file.
+    view = viewed(edits)
+    view.do("drop", {"dof": 0, "freq_hz": float(kept[0][0])})
+    view.do("save", {})
+    assert ar.AntiresonanceSet.load(edits)[0].tolist() == kept[0][1:].tolist()
 
 
-def test_a_set_is_looked_at_and_saved_in_its_own_file(started, tmp_path):
-    file = tmp_path / "zeros.json"
-    ar.AntiresonanceSet(0, {0: [8.7, 12.2], 1: []}).save(file)
-    process, url = started(file)
-    assert asked(url, "do/drop", {"dof": 0, "freq_hz": 12.2})["rows"][0]["freq_hz"] == 8.7
-    asked(url, "do/save", {})
-    assert ar.AntiresonanceSet.load(file)[0].tolist() == [8.7]
-    assert ended(process)[0] == 0
-    assert not (tmp_path / "zeros_unsaved.json").exists()
-
-
-def test_a_result_is_looked_at(started, tmp_path):
+def test_a_result_is_looked_at(tmp_path):
     write_measured(tmp_path)
     run(tmp_path, DAMAGE)
-    (tmp_path / "job_results" / "result.npz").rename(tmp_path / "job_results" / "softened.npz")
-    process, url = started("job_results/softened.npz")
-    state = asked(url, "state")
-    assert (state["kind"], state["title"]) == ("result", "job_results")
+    assert viewed(tmp_path / "job_results").title == "job_results"
+    file = (tmp_path / "job_results" / "result.npz").rename(tmp_path / "job_results" / "softened.npz")
+    view = viewed(file)
+    state = view.state(0)
+    assert (state["kind"], view.title) == ("result", "job_results")
     assert state["answer"]
     titles = [table["title"].partition(";")[0] for table in state["tables"]]
     assert titles == ["Hypotheses", "Stiffness loss by element", "Antiresonances"]
@@ -115,9 +117,9 @@ def test_a_result_is_looked_at(started, tmp_path):
         assert {len(row) for row in table["rows"]} == {len(table["head"])}
     assert len(state["figures"]) >= 3
     for number in range(len(state["figures"])):
-        assert asked(url, f"figure?shown={number}")["doc"]
-    assert "a result is looked at" in asked(url, "do/drop", {"dof": 0})["error"]
-    assert ended(process)[0] == 0
+        assert view.figure(number)["doc"]
+    with pytest.raises(ar.InvalidInputError, match="a result is looked at"):
+        view.do("drop", {"dof": 0})
 
 
 def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):
@@ -132,45 +134,6 @@ def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):
     assert (code, err.strip()) == (0, "")
     assert seconds < 3.0
     waits.wait(timeout=30)
-
-
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        ("look test.csv --excitation 0 --out zeros.txt", "ends in .json"),
-        ("look test.csv", "--excitation: got nothing"),
-        ("look test.csv --excitation 0 --edits none.json", "--edits: got"),
-        ("look test.csv --excitation 0 --band 9 2", "--band"),
-        ("look zeros.json --band 5 100", "--band: got it beside antiresonances"),
-        ("identify zeros.json --band 5 100", "--band: got it beside antiresonances"),
-        ("look job.toml --max-order 10", "--max-order: got it beside a job"),
-        ("look job_results --band 5 100", "--band: got it beside a result"),
-        ("look job_results --out a.json", "--out: got it beside a result"),
-        ("look job_results zeros.json", "FILE: got 2 of them"),
-        ("identify zeros.json --drop 0=55", "--drop: got 55 Hz at dof 0"),
-        ("identify zeros.json --drop 9=5", "--drop: got 9"),
-        *((f"identify zeros.json --add {value}", "DOF=HZ") for value in ("0=x", "5", "0=-3")),
-        (
-            "identify test.csv --band 0.8 9 --excitation 0 --add 0=500",
-            "--add: got 500 Hz at dof 0; wanted a frequency from 0 to 12.5 Hz",
-        ),
-        ("identify test.csv --band 0.8 9 --excitation 0 --hit 3", "--hit: got it for one place"),
-    ],
-)
-def test_wrong_calls_are_told(measured, tmp_path, monkeypatch, capsys, call, said):
-    pytest.importorskip("bokeh", reason="the page needs bokeh")
-    (tmp_path / "test.csv").write_bytes(measured.read_bytes())
-    (tmp_path / "job_results").mkdir()
-    (tmp_path / "job_results" / "result.npz").write_bytes(b"")
-    (tmp_path / "job.toml").write_text(DAMAGE)
-    ar.AntiresonanceSet(0, {0: [8.7]}).save(tmp_path / "zeros.json")
-    monkeypatch.chdir(tmp_path)
-    try:
-        code = cli.main([*call.split(), *["--no-browser"] * call.startswith("look")])
-    except SystemExit as exc:
-        code = exc.code
-    assert code == 2
-    assert said in capsys.readouterr().err
 
 
 def test_a_file_that_cannot_be_read_is_told_on_the_page_too(started, tmp_path):

@@ -44,7 +44,7 @@ def toml(value, newline):
     return json.dumps(value, ensure_ascii=False)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     st.dictionaries(NAMES, st.dictionaries(NAMES, VALUES, max_size=4), min_size=1, max_size=3),
     st.sampled_from(["", " ", "\n", " # ]\n"]),
@@ -107,11 +107,11 @@ def test_dots_and_brackets_in_texts_and_comments_are_no_nesting():
 def test_texts_without_an_end_are_refused(part):
     # Of this length only a search that is linear comes to its end.
     with pytest.raises(ar.InvalidInputError, match="no TOML"):
-        parsed("job.toml", part * 100_000)
+        parsed("job.toml", part * 40_000)
 
 
 ONE_FILE = settings(
-    deadline=20_000, max_examples=examples(100), suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=20_000, max_examples=examples(50), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 TEMPLATES = {
     f"{task} of a {model}": template(task, model, data="record.npz")

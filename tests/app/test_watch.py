@@ -62,60 +62,37 @@ def test_files_are_judged_as_they_come(tmp_path, capsys):
     assert "1 of 1 tests outside the baseline alarm" in (out / "watch.html").read_text()
 
 
-@pytest.fixture(scope="module")
-def ten_files(tmp_path_factory):
-    """Files of ten tests, the last one damaged."""
-    folder = tmp_path_factory.mktemp("ten")
-    return [written(folder, number, loss=0.1 * (number == 9)) for number in range(10)]
-
-
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
-def test_output_in_the_folder_files_that_go_and_lines_told_once(ten_files, tmp_path, capsys, monkeypatch):
+def test_output_in_the_folder_an_assessor_files_that_go_and_lines_told_once(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(ar.Watched, "report", lambda *_: None)  # a page of another test
-    for path in ten_files:
-        shutil.copy2(path, tmp_path)
-    command = ["watch", str(tmp_path), *GIVEN, "--baseline", "9"]
-    command += ["--out", str(tmp_path / "results" / "watched"), "--once"]
+    files = [written(tmp_path, number, loss=0.1 * (number == 9)) for number in range(10)]
+    before = ar.identify_antiresonances(ar.read_npz(files[0]), excitation=0, band_hz=(5, 110))
+    out = tmp_path / "results" / "watched"
+    out.mkdir(parents=True)
+    plan = ar.Assessor(ar.MassSpringChain(MASSES, SPRINGS), baseline=before).save(out / "plan.npz")
+    command = ["watch", str(tmp_path), *GIVEN, "--baseline", "9", "--out", str(out), "--once"]
+    command += ["--assessor", str(plan)]
     assert main(command) == 0
-    said = "".join(capsys.readouterr())
-    assert "test_9.npz: ALARM" in said
+    after = "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1]
+    assert "spring 1 has lost" in after.splitlines()[1]
     for name in ("test_3.npz", "test_5.npz"):  # kept elsewhere since they were judged
         (tmp_path / name).unlink()
-    shutil.copy2(ten_files[8], tmp_path / "test_10.npz")
+    shutil.copy2(files[8], tmp_path / "test_10.npz")
     assert main(command) == 0
     said = "".join(capsys.readouterr())
     assert "test_10.npz: " in said
     assert "test_9.npz: " not in said
-    series = ar.Series.load(tmp_path / "results" / "watched" / "series.parquet")
+    series = ar.Series.load(out / "series.parquet")
     assert series.names == tuple(f"test_{i}.npz" for i in range(11))
     assert not series.failed
 
 
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
-def test_a_saved_assessor_tells_what_is_damaged(ten_files, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(ar.Watched, "report", lambda *_: None)  # a page of another test
-    for path in ten_files:
-        shutil.copy2(path, tmp_path)
-    record = ar.read_npz(ten_files[0])
-    before = ar.identify_antiresonances(record, excitation=0, band_hz=(5, 110))
-    (tmp_path / "out").mkdir()
-    plan = ar.Assessor(ar.MassSpringChain(MASSES, SPRINGS), baseline=before).save(
-        tmp_path / "out" / "plan.npz"
-    )
-    command = ["watch", str(tmp_path), *GIVEN, "--baseline", "9"]
-    command += ["--out", str(tmp_path / "out"), "--once", "--assessor"]
-    assert main([*command, str(plan)]) == 0
-    after = "".join(capsys.readouterr()).split("test_9.npz: ALARM")[1]
-    assert "spring 1 has lost" in after.splitlines()[1]
-    assert main([*command, str(ten_files[0])]) == 1  # no assessor
-
-
-@pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
-def test_a_table_that_is_being_written_is_read_again(ten_files, tmp_path, capsys, monkeypatch):
+def test_a_table_that_is_being_written_is_read_again(tmp_path, capsys, monkeypatch):
     folder, table = tmp_path / "records", tmp_path / "weather.csv"
     folder.mkdir()
-    for path in ten_files[:2]:
-        shutil.copy2(path, folder)
+    for number in range(2):
+        written(folder, number)
     contents = ["name,t\n", "name,t\ntest_0,1\ntest_1", "name,t\ntest_0,1\ntest_1,2\n", None]
     table.write_text(contents.pop(0))
     looks = []
@@ -207,7 +184,6 @@ def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, 
 # -- ``antires series``: a job of many tests, its files, and running it again
 
 
-pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
 JOB = """\

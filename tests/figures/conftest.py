@@ -1,11 +1,8 @@
 """What pictures are drawn of, made once a process, and axes to draw into."""
 
-import numpy as np
 import pytest
 
-import antires_rs as ar
-from tests.support import four_masses
-from tests.support.four_masses import SPRINGS, chain, exact
+from tests.support import every_picture, four_masses
 
 
 @pytest.fixture
@@ -26,22 +23,17 @@ def identified():
 
 @pytest.fixture(scope="session")
 def updated():
-    parameters = ar.stiffness_factor(range(3), bounds=(0.8, 1.2))
-    problem = ar.UpdatingProblem(chain(np.full(3, 500.0)), parameters, exact(chain()))
-    return ar.update(problem, rng=0, workers=1)
+    return every_picture.updated()
 
 
 @pytest.fixture(scope="session")
 def damage():
-    """Spring 1 softened by 40 %, found without a baseline."""
-    return ar.assess_damage(chain(), exact(chain(SPRINGS * [1.0, 0.6, 1.0])), rng=0, workers=1)
+    return every_picture.damage()
 
 
 @pytest.fixture(scope="session")
 def judged():
-    """The same against a baseline, whose springs are not those of the model."""
-    model, before, now = (chain(each) for each in ([500.0] * 3, [510.0, 490.0, 505.0], [510.0, 294.0, 505.0]))
-    return ar.assess_damage(model, exact(now), baseline=exact(before))
+    return every_picture.judged()
 
 
 @pytest.fixture

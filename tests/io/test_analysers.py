@@ -109,11 +109,6 @@ def test_fields_beside_an_array_tell_rate_and_unit(tmp_path, rate):
     np.testing.assert_allclose(read.responses, ROWS, rtol=1e-12)
 
 
-def test_fields_beside_responses_tell_their_unit(tmp_path):
-    read = mat(tmp_path, {"test": {"H": H, "f": np.arange(1.0, 101.0), "unit": "mm/s2/N"}})
-    np.testing.assert_allclose(read.values, 1e-3 * H)
-
-
 @pytest.mark.parametrize("place", ["dataset", "group", "file"])
 def test_attributes_of_hdf5_tell_rate_and_unit(tmp_path, place):
     h5py = pytest.importorskip("h5py")
@@ -156,14 +151,10 @@ def test_single_rows_stand_where_they_were_asked_for(tmp_path):
         mat(tmp_path, {"acc": ROWS, "fs": FS}, unit="m/s2", responses=["acc[2]"])
 
 
-def test_a_unit_beside_a_rate_is_judged_where_it_matters(tmp_path):
-    assert mat(tmp_path, {"acc": ROWS, "fs": 0.512, "fs_unit": "kHz"}, unit="g").fs_hz == FS
+def test_units_of_responses_and_beside_a_rate_that_does_not_matter(tmp_path):
+    read = mat(tmp_path, {"test": {"H": H, "f": np.arange(1.0, 101.0), "unit": "mm/s2/N"}})
+    np.testing.assert_allclose(read.values, 1e-3 * H)
     assert mat(tmp_path, {"acc": ROWS, "fs": FS, "fs_unit": "furlong"}, unit="g", fs_hz=FS).fs_hz == FS
-
-
-def test_a_rate_that_contradicts_a_field_is_told(tmp_path):
-    with pytest.warns(ar.AntiresWarning, match="states 512 Hz; read at 2048 Hz"):
-        assert mat(tmp_path, {"test": {"acc": ROWS, "fs": FS}}, unit="g", fs_hz=2048.0).fs_hz == 2048.0
 
 
 def test_a_spectrum_in_tdms_is_no_record(tmp_path):

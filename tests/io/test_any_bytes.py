@@ -85,7 +85,7 @@ def recordings(draw):
 
 
 @pytest.mark.parametrize("kind", ["csv", "uff", "npz"])
-@ONE_FILE
+@settings(ONE_FILE, max_examples=examples(30))
 @given(record=recordings())
 def test_what_was_written_is_read(tmp_path, kind, record):
     """Every bit of the values; names that a format cannot hold are refused when they are written."""
@@ -119,8 +119,8 @@ def test_mutants(tmp_path, kind):
 
 
 @pytest.mark.parametrize("name", FORMATS)
-def test_no_cut_goes_unnoticed(tmp_path, name):
-    counts, bad = truncation.judged(name, tmp_path, 12 if name.startswith("MAT") else 40)
+def test_no_cut_goes_unnoticed(tmp_path, name, own_process):
+    counts, bad = truncation.judged(name, tmp_path, 5 if name.startswith(("MAT", "HDF5")) else 40)
     assert bad == []
     # Nearly all cuts lose something, and then an error is the rule.
     errors = sum(n for (where, what), n in counts.items() if what == "error" and "partial" not in where)

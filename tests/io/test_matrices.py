@@ -334,7 +334,7 @@ def read_binary(path):
 """
 
 
-def test_the_compiled_reader_of_ansys_runs_in_a_child(tmp_path, monkeypatch):
+def test_the_compiled_reader_of_ansys_runs_in_a_child(tmp_path, monkeypatch, own_process):
     """With a package of its name in its place, which ends the process as compiled code does."""
     sys = __import__("sys")
     for name in [each for each in sys.modules if each.split(".")[0] == "ansys"]:

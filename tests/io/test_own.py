@@ -10,7 +10,6 @@ import antires_rs as ar
 from antires_rs.app.reading import read_signal
 from antires_rs.exceptions import UnsuitableDataError
 from reference.io_signals import recording, response
-from tests.support.campaign import some_of
 
 pytest.importorskip("h5py")
 
@@ -71,29 +70,20 @@ WRONG = [
     ({"responses": ["responses[0]"]}, {"freq_hz": [1.0, 2.0]}, "npz"),
     ({"time": "force"}, {"freq": "std"}, "npz hdf5 mat"),
 ]
-#: A MAT file takes a process of its own; what is asked of its options is what is asked of all.
-EACH = [
-    (which, option, kind)
-    for of_record, of_response, kinds in WRONG
-    for which, option in (("record", of_record), ("response", of_response))
-    for kind in kinds.split()
-]
 
 
-@pytest.mark.parametrize(
-    ("which", "option", "kind"),
-    some_of(EACH, [case for case in EACH if case[2] != "mat" or "unit" in case[1]]),
-)
-def test_options_that_the_file_contradicts_are_refused(files, which, option, kind):
-    name = next(iter(option))
-    with pytest.raises(
-        ar.InvalidInputError,
-        match=f"^{name}: got .* a file of antires_rs .*; wanted it with "
-        "files of other programs alone. This file states it itself; leave it out.",
-    ):
-        files[1](files[0][which][0], **option)
-    with pytest.raises(ar.InvalidInputError, match=f"^{name}: got .*leave it out"):  # from a job
-        read_signal(files[0][which][0], kind, option)
+@every_format
+def test_options_that_the_file_contradicts_are_refused(files, kind):
+    for *options, kinds in WRONG:
+        for which, option in zip(("record", "response"), options, strict=True) if kind in kinds else ():
+            file, name = files[0][which][0], next(iter(option))
+            said = f"^{name}: got .* a file of antires_rs .*; wanted it with files of other programs alone"
+            with pytest.raises(
+                ar.InvalidInputError, match=f"{said}. This file states it itself; leave it out"
+            ):
+                files[1](file, **option)
+            with pytest.raises(ar.InvalidInputError, match=f"^{name}: got .*leave it out"):  # from a job
+                read_signal(file, kind, option)
 
 
 @every_format

@@ -34,7 +34,7 @@ def acc(fs_hz=512.0, **more):
     return {"wf_increment": 1.0 / fs_hz, "unit_string": "m/s2", **more}
 
 
-def test_tdms_with_force_and_units(tmp_path):
+def test_tdms_with_force_and_units(tmp_path, own_process):
     force = RNG.standard_normal(400)
     run = {"tip": (ROWS[0], acc()), "mid": (ROWS[1] / 9.80665, acc(unit_string="g"))}
     file = tdms(tmp_path / "a.tdms", {"run": run | {"hammer": (force, acc(unit_string="N"))}})
@@ -88,7 +88,7 @@ def test_wav_of_every_form(tmp_path, dtype, tolerance):
     assert read.dofs == ("channel 1", "channel 2")
 
 
-def test_wav_of_24_bits_and_its_scale(tmp_path):
+def test_wav_of_24_bits_and_its_scale(tmp_path, own_process):
     rows = np.array([[0, 2**22, -(2**22), 1], [5, 6, 7, 8]])
     samples = b"".join(int(v).to_bytes(3, "little", signed=True) for v in rows.T.ravel())
     form = struct.pack("<4sIHHIIHH", b"fmt ", 16, 1, 2, 512, 512 * 6, 6, 24)
@@ -206,7 +206,7 @@ def mseed(path, traces):
     return path
 
 
-def test_miniseed_joins_what_follows_and_refuses_gaps(tmp_path):
+def test_miniseed_joins_what_follows_and_refuses_gaps(tmp_path, own_process):
     file = mseed(tmp_path / "a.mseed", [("T1", ROWS[0], 0.0), ("T2", ROWS[1], 0.0005), ("T3", ROWS[2], 0.0)])
     read = ar.read_miniseed(file, unit="m/s2")
     same(read)

@@ -55,20 +55,17 @@ def test_universal_files_keep_no_deviations_of_their_own(tmp_path):
     assert not np.allclose(back.std, made.std)
 
 
-@pytest.mark.parametrize("form", EXACT)
-def test_labels_that_no_file_holds_are_refused(tmp_path, form):
-    odd = ar.Recording(np.ones((1, 4)), 1.0, dofs=[(3, "z")])
-    with pytest.raises(ar.InvalidInputError, match=r"^signal: got the dof \(3, 'z'\)"):
-        EXACT[form][0](tmp_path / "x", odd)
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("write", [ar.write_npz, ar.write_hdf5, ar.write_mat, ar.write_csv, ar.write_uff])
 def test_writers_take_signals_and_existing_folders(tmp_path, write):
+    odd = ar.Recording(np.ones((1, 4)), 1.0, dofs=[(3, "z")])
+    if write is not ar.write_uff:
+        with pytest.raises(ar.InvalidInputError, match=r"^signal: got the dof \(3, 'z'\)"):
+            write(tmp_path / "x", odd)
     with pytest.raises(ar.InvalidInputError, match="^signal: got list; wanted a Recording"):
         write(tmp_path / "x", [1.0])
     with pytest.raises(ar.InvalidInputError, match="^path: got .*; wanted a file in a folder that exists"):
         write(tmp_path / "none" / "x", recording())
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("read", [ar.read_npz, ar.read_hdf5, ar.read_mat, ar.read_csv, ar.read_uff])
@@ -90,20 +87,19 @@ signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 import numpy as np, antires_rs as ar
 record = ar.Recording(np.random.default_rng(0).standard_normal((2, 2000)), 100.0)
-try:
-    ar.{writer}({target!r}, record)
-except OSError as exc:
-    print(type(exc).__name__)
+for write in (ar.write_npz, ar.write_mat, ar.write_csv, ar.write_uff):
+    try:
+        write("a.out", record)
+    except OSError as exc:
+        print(type(exc).__name__)
 """
 
 
 @pytest.mark.skipif(os.name != "posix", reason="limits as set here are POSIX")
-@pytest.mark.parametrize("writer", ["write_npz", "write_mat", "write_csv", "write_uff"])
-def test_writers_leave_what_was_there(tmp_path, writer):
-    target = tmp_path / "a.out"
-    target.write_bytes(b"before")
-    code = LIMITED.format(writer=writer, target=str(target))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout.strip()) == (0, "OSError"), done.stderr
-    assert target.read_bytes() == b"before"
+def test_writers_leave_what_was_there(tmp_path):
+    (tmp_path / "a.out").write_bytes(b"before")
+    call = [sys.executable, "-c", LIMITED]
+    done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert (done.returncode, done.stdout.split()) == (0, ["OSError"] * 4), done.stderr
+    assert (tmp_path / "a.out").read_bytes() == b"before"
     assert [path.name for path in tmp_path.iterdir()] == ["a.out"]

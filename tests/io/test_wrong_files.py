@@ -204,6 +204,7 @@ MISTAKES = {
     "csv: an unknown unit of time": text("time [ticks],a [g]", "0,1", "1,2", "2,3"),
     "csv: a rate beside another time": rows("time,a", T, A, fs_hz=100.0),
     "csv: two forces": rows("time,a [N],b [N],c [g]", T, A, B, A),
+    "csv: a force alone": rows("time,a [N]", T, A),
     "csv: a NUL byte": raw("a.csv", b"time,a\n0,1\n\x00,2\n", ar.read_csv),
     "hdf5: rates that disagree": hdf5({"a": ("fs", 128.0), "b": ("fs", 64.0)}),
     "hdf5: a rate that no name tells": hdf5({"a": ("abtastung", 9.0)}),

@@ -12,24 +12,16 @@ import antires_rs as ar
 from antires_rs import figures as plotting
 from antires_rs.app import main as cli
 from reference.io_signals import recording
+from tests.support import every_picture
+from tests.support.four_masses import BAND, chain, identified as found_in_record, record
 from tests.support.paths import ROOT
 
 PROJECT = ROOT / "pyproject.toml"
 #: What each extra brings.
-PACKAGES = {
-    "plot": ("matplotlib",),
-    "report": ("jinja2",),
-    "look": ("bokeh",),
-    "hdf5": ("h5py",),
-    "tdms": ("npTDMS",),
-    "excel": ("openpyxl",),
-    "miniseed": ("obspy",),
-    "tables": ("pandas", "xarray"),
-    "series": ("pyarrow",),
-    "watch": ("watchdog",),
-    "ansys": ("ansys-mapdl-reader",),
-    "dask": ("dask",),
-}
+PACKAGES = {"plot": ["matplotlib"], "report": ["jinja2"], "look": ["bokeh"], "hdf5": ["h5py"]}
+PACKAGES |= {"tdms": ["npTDMS"], "excel": ["openpyxl"], "miniseed": ["obspy"], "dask": ["dask"]}
+PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"], "watch": ["watchdog"]}
+PACKAGES |= {"ansys": ["ansys-mapdl-reader"]}
 #: Extras that bring so much with them that "all" leaves them out.
 LARGE = {"ansys", "dask", "miniseed"}
 
@@ -46,49 +38,21 @@ def bare(monkeypatch):
 
 @pytest.fixture(scope="module")
 def study():
-    """Results of every kind, of a case that takes a moment."""
-    case = ar.cases.chain8()
-    record = case.experiment(level=1, noise=0.01, rng=1)
-    zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), max_order=30)
-    frame = ar.FrameModel([(0.0, 0.0), (1.0, 0.0)], [(0, 1)], ar.Tube(0.04, 0.002, 2.1e11, 7800.0))
-    search = ar.IslandGA(islands=2, population=10, max_evaluations=200)
-    three = ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0])
-    damage = ar.assess_damage(case.model, zeros, optimizer=search, rng=0)
-    return {
-        "chain": case.model,
-        "frame": frame,
-        "record": record,
-        "zeros": zeros,
-        "stabilization": zeros.diagrams[0],
-        "damage": damage,
-        "update": ar.update(case.updating_problem(), optimizer=search, rng=0),
-        "differences": damage.table,
-        "hypotheses": ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)).hypotheses,
-        "plan": ar.plan_test(case.model, n_sensors=2, excitations=0),
-        "detectability": ar.detectability(three, excitation=0, std=5e-4, n_tests=1, rng=0),
-        "monitor": ar.monitor([case.exact(0)] * 60, baseline=50),
-        "singular_values": ar.check_data(record, excitation=0, band_hz=(3, 130)),
-        "lines": ar.transmissibility(record, 0, nperseg=4096),
-        "responses": ar.frf(record, nperseg=512),
-        "comparison": ar.compare(zeros, zeros),
-        "tracks": ar.track([zeros, zeros]),
-        "identifiability": ar.identifiability(case.updating_problem(), points=4, forces=[], sensors=[]),
-    }
+    """A record and what was found of it, and things for every picture."""
+    lines = ar.transmissibility(record(), 0, nperseg=4096)
+    made = {"record": record(), "zeros": found_in_record(), "lines": lines, "damage": every_picture.damage()}
+    return made | {"pictures": every_picture.given()}
 
 
 def test_pictures_say_what_to_install(bare, study):
-    pictures = [name for name in plotting.__all__ if name.startswith("plot_")]
-    given = {f"plot_{name}": (thing,) for name, thing in study.items()}
-    given |= {"plot_damages": (dict.fromkeys("ab", study["damage"]),), "plot_convergence": (study["damage"],)}
-    given |= {"plot_coherence": (study["lines"],), "plot_damping_clusters": (study["stabilization"],)}
-    how = {"plot_transmissibility": {"dof": 1, "excitation": 0}, "plot_responses": {"excitation": 0}}
-    given |= {"plot_transmissibility": (study["lines"], study["chain"])}
-    given |= {"plot_responses": (study["responses"], study["chain"])}
-    drawn = {name: partial(getattr(plotting, name), *given[name], **how.get(name, {})) for name in pictures}
-    methods = {type(thing).__name__: thing.plot for thing in study.values() if hasattr(thing, "plot")}
+    pictures = study["pictures"]
+    assert {f"plot_{name}" for name in pictures} == {n for n in plotting.__all__ if n.startswith("plot_")}
+    drawn = [partial(getattr(plotting, f"plot_{name}"), *a, **more) for name, (*a, more) in pictures.items()]
+    things = [study["zeros"], every_picture.updated(), *(first for first, *_ in pictures.values())]
+    methods = {type(thing).__name__: thing.plot for thing in things if hasattr(thing, "plot")}
     assert set(methods) >= {name for name in ar.__all__ if hasattr(getattr(ar, name), "plot")}
     methods["AntiresonanceSet"] = lambda: study["zeros"].plot(0)
-    for call in (*drawn.values(), *methods.values()):
+    for call in (*drawn, *methods.values()):
         with pytest.raises(ar.MissingDependencyError, match=r'pip install "antires-rs\[plot\]"'):
             call()
 
@@ -105,7 +69,7 @@ HEADS = {
 
 
 def identified(study, **options):
-    return ar.identify_series([study["record"]], excitation=0, band_hz=(3, 130), **options)
+    return ar.identify_series([study["record"]], excitation=0, band_hz=BAND, **options)
 
 
 #: What asks for an extra, by that extra: of the study and a folder with such files.
@@ -148,7 +112,7 @@ def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
         again = getattr(ar, f"read_{kind}")(file)
         np.testing.assert_allclose(again.responses, recording().responses, rtol=1e-12)
     assert ar.from_sep005(ar.to_sep005(recording())).n_samples == recording().n_samples
-    model = ar.MatrixModel(study["chain"].stiffness(), study["chain"].mass())
+    model = ar.MatrixModel(chain().stiffness(), chain().mass())
     ar.write_matrices(tmp_path / "model.npz", model)
     np.testing.assert_array_equal(
         ar.read_matrices(tmp_path / "model.npz").modes().freq_hz, model.modes().freq_hz
@@ -158,8 +122,9 @@ def test_everything_else_needs_no_extra(bare, study, tmp_path, capsys):
     study["damage"].save(tmp_path / "damage.npz")
     assert ar.DamageResult.load(tmp_path / "damage.npz").fun == study["damage"].fun
     table = str(ar.write_csv(tmp_path / "record.csv", study["record"]))
-    assert cli.main(["identify", table, "--band", "3", "130", "--excitation", "0"]) == 0
-    assert "  0   11.570" in capsys.readouterr().out
+    call = ["identify", table, "--band", *map(str, BAND), "--excitation", "0", "--max-order", "30"]
+    assert cli.main(call) == 0
+    assert f"  0  {study['zeros'][0][0]:.5f}" in capsys.readouterr().out
 
 
 def test_the_command_line_says_what_to_install(bare, study, tmp_path, capsys):

@@ -4,6 +4,7 @@ import ast
 import inspect
 import re
 import warnings
+from functools import cache
 from pathlib import Path
 
 import antires_rs as ar
@@ -15,26 +16,22 @@ from antires_rs.support.messages import entries
 SOURCES = Path(ar.__file__).parent
 #: Said in headlines and notes of results.
 OF_RESULTS = {"unexplained", "no_baseline", "one_of_several"}
-FINDINGS = {
-    *check.TESTS,
-    channels.HUM,
-    channels.QUANTIZED,
-    channels.DOUBLE,
-    channels.DRIFTING,
-    channels.LENGTH,
-    channels.AVERAGES,
-    check.SINGLE_HIT,
-    check.MISSED_HIT,
-}
+FINDINGS = {*check.TESTS, check.SINGLE_HIT, check.MISSED_HIT, channels.HUM, channels.QUANTIZED}
+FINDINGS |= {channels.DOUBLE, channels.DRIFTING, channels.LENGTH, channels.AVERAGES}
 
 
+@cache
 def warned():
-    """(file, line, name) of every call of warn in the package; a name that is no text is None."""
-    for file in sorted(SOURCES.rglob("*/*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "warn":
-                first = node.args[0]
-                yield (f"{file.name}:{node.lineno}", first.value if isinstance(first, ast.Constant) else None)
+    """(file:line, name) of every call of warn in the package; a name that is no text is None."""
+    return [
+        (
+            f"{file.name}:{node.lineno}",
+            first.value if isinstance(first := node.args[0], ast.Constant) else None,
+        )
+        for file in sorted(SOURCES.rglob("*/*.py"))
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "warn"
+    ]
 
 
 def words_of_doubts():
@@ -44,7 +41,7 @@ def words_of_doubts():
 
 
 def test_every_warning_has_an_entry():
-    found = list(warned())
+    found = warned()
     assert len(found) > 40
     assert [place for place, name in found if name is not None and name not in entries()] == []
     # The data check names its findings.

@@ -191,11 +191,6 @@ def test_a_wrong_call_says_what_was_got_and_what_is_wanted(argument, call):
         assert error.argument.startswith(error.path[0])
 
 
-def test_the_unknown_option_lists_the_known():
-    with pytest.raises(ar.InvalidInputError, match="one of islands, population"):
-        ar.IslandGA(ilands=4)
-
-
 def beam(tube, **options):
     return lambda: ar.FrameModel(
         [[0.0, 0.0], [1.0, 0.0]], [(0, 1)], [ar.Tube(*tube, 2.1e11, 7850.0)], **options

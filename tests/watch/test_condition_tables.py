@@ -99,12 +99,6 @@ def test_times():
     assert read(frame).at(1, "")[1] == np.datetime64("2026-01-01T01:00")
 
 
-def test_texts_are_left_out_with_a_word():
-    with pytest.warns(ar.AntiresWarning, match="'remark' is left out"):
-        table = read({"temperature_c": TEMPERATURES, "remark": ["rain", "", "sun"]})
-    assert list(table.columns) == ["temperature_c"]
-
-
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [

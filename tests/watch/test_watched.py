@@ -23,15 +23,12 @@ def watched():
     return ar.monitor(series, baseline=60, model=model)
 
 
-def test_the_damage_is_assessed_once_a_run(watched):
+def test_the_damage_is_assessed_once_a_run_and_the_summary_states_the_rate_and_its_check(watched):
     assert [run for run in watched.runs if run[0] >= 60] == [(70, 81)]
     assert list(watched.assessments) == [70]
     found = watched.assessments[70]
     assert list(found.damaged) == [2]
     assert found.severity[2] == pytest.approx(0.02, abs=0.004)
-
-
-def test_the_summary_states_the_rate_and_its_check(watched):
     wanted = "83 tests watched, 59 of them the baseline|false alarms: 1 % of intact tests stated|spring 2"
     wanted += "|alarm when left out|alarm: tests 70 to 81, 12 alarms|failed, not judged: 2 tests"
     assert all(said in str(watched) for said in wanted.split("|"))
@@ -57,7 +54,7 @@ def test_the_picture_has_its_numbers(watched):
     pyplot.close(top.figure)
 
 
-def test_the_page_grows(watched, tmp_path):
+def test_the_page_grows(watched, tmp_path, quick_pictures):
     pytest.importorskip("matplotlib")
     page = tmp_path / "watch.html"
     watched.report(page)
