@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ from hypothesis import given, settings, strategies as st
 
 import antires_rs as ar
 from antires_rs.exceptions import InvalidInputError, MissingDependencyError
-from antires_rs.identification.scores import graded
+from antires_rs.identification.scores import graded, grades
 from antires_rs.measured.antiresonance_set import AntiresonanceSet, doubts_of
 from antires_rs.measured.response_table import ResponseTable
+from tests.support.refusals import each_of
 
 
 def example():
@@ -60,35 +62,34 @@ def test_saving_replaces_whole_or_not_at_all(tmp_path, monkeypatch):
     assert [p.name for p in tmp_path.iterdir()] == ["set.json"]
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda d: d.update(format="other"),
-        lambda d: d.update(version=99),
-        lambda d: d.update(version="1"),
-        lambda d: d.update(sees="everything"),
-        lambda d: d.pop("dofs"),
-        lambda d: d.update(dofs=[]),
-        lambda d: d["dofs"].append(d["dofs"][0]),
-        lambda d: d["dofs"][0].pop("freq_hz"),
-        lambda d: d["dofs"][0].update(freq_hz=[1.0, None]),
-        lambda d: d["dofs"][0].update(freq_hz=[-1.0, 2.0]),
-        lambda d: d["dofs"][0].update(damping_ratio=[0.1]),
-        lambda d: d["dofs"][0].update(left_out=[1.0]),
-        lambda d: d["dofs"][0].update(left_out={"freq_hz": [-1.0]}),
-        lambda d: d["dofs"][0].update(unexplained_hz=[0.0]),
-        lambda d: d["dofs"][0].update(unexplained_hz="x"),
-        lambda d: d.update(excitation=[0]),
-    ],
-)
-def test_a_damaged_file_is_named(tmp_path, change):
-    path = tmp_path / "set.json"
-    data = json.loads(example().to_json())
-    change(data)
-    for content in (json.dumps(data), "\x00\x01", "[1, 2]", example().to_json()[:-20], b"\xff"):
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+#: Entries of a file, of its first dof and of its first edit that damage it.
+OF_SET = [{"format": "other"}, {"version": 99}, {"version": "1"}, {"sees": "everything"}, {"dofs": []}]
+OF_SET += [{"excitation": [0]}, {"edits": 3}]
+OF_DOF = [{"freq_hz": [1.0, None]}, {"freq_hz": [-1.0, 2.0]}, {"damping_ratio": [0.1]}, {"left_out": [1.0]}]
+OF_DOF += [{"left_out": {"freq_hz": [-1.0]}}, {"unexplained_hz": [0.0]}, {"unexplained_hz": "x"}]
+OF_DOF += [{"scores": {"rows": [1]}}]
+OF_EDIT = [{"action": "moved"}, {"freq_hz": "12"}, {"more": 1}]
+DAMAGES = [
+    *((lambda d, new=new: d.update(new)) for new in OF_SET),
+    *((lambda d, new=new: d["dofs"][0].update(new)) for new in OF_DOF),
+    *((lambda d, new=new: d["edits"][0].update(new)) for new in OF_EDIT),
+    lambda d: d.pop("dofs"),
+    lambda d: d.pop("before_edits"),
+    lambda d: d["dofs"].append(d["dofs"][0]),
+    lambda d: d["dofs"][0].pop("freq_hz"),
+    lambda d: d["edits"][0].pop("freq_hz"),
+]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_file_is_named(tmp_path, damage):
+    whole = example().add("tip", 9.0).to_json()
+    data = json.loads(whole)
+    damage(data)
+    for content in (json.dumps(data).encode(), b"\x00\x01", b"[1, 2]", whole[:-20].encode(), b"\xff"):
+        (tmp_path / "set.json").write_bytes(content)
         with pytest.raises(InvalidInputError, match="^path: got .*set.json"):
-            AntiresonanceSet.load(path)
+            AntiresonanceSet.load(tmp_path / "set.json")
 
 
 def test_equality():
@@ -97,6 +98,11 @@ def test_equality():
     assert example() != AntiresonanceSet("hammer", values)
     assert example() != AntiresonanceSet(1, values, {0: [0.02, 0.01]}, {0: [0.2, 0.1], 2: []})
     assert example() != "a string"
+    # Companions that are not known are NaN or absent.
+    made = AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1], 1: [np.nan]})
+    assert np.isnan(made.damping_ratio[0][0])
+    assert 1 not in made.damping_ratio
+    assert made == AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1]})
 
 
 def test_table_and_repr():
@@ -122,46 +128,24 @@ def test_dataframe(monkeypatch):
         example().to_dataframe()
 
 
-@pytest.mark.parametrize(
-    ("args", "name"),
-    [
-        ((0, {}), "freq_hz"),
-        ((0, [1.0, 2.0]), "freq_hz"),
-        ((0, {0: [1.0, -2.0]}), "freq_hz"),
-        ((0, {0: [0.0]}), "freq_hz"),
-        ((0, {0: [np.nan]}), "freq_hz"),
-        ((0, {0: ["x"]}), "freq_hz"),
-        ((0, {1.5: [1.0]}), "freq_hz"),
-        ((None, {0: [1.0]}), "excitation"),
-        ((0, {0: [1.0]}, {1: [0.1]}), "damping_ratio"),
-        ((0, {0: [1.0]}, {0: [0.1, 0.2]}), "damping_ratio"),
-        ((0, {0: [1.0]}, [0.1]), "damping_ratio"),
-        ((0, {0: [1.0]}, None, {0: [-0.1]}), "std_hz"),
-        ((0, {0: [1.0]}, {0: ["x"]}), "damping_ratio"),
-        ((0, {0: [1.0]}, {0: [np.inf]}), "damping_ratio"),
-        ((0, {0: [1.0]}, None, None, {"scores": {5: {"rows": [1]}}}), "scores"),
-        ((0, {0: [1.0]}, None, None, {"scores": {0: {"rows": [1, 2]}}}), "scores"),
-        ((0, {0: [1.0]}, None, None, {"sees": "both"}), "sees"),
-        ((0, {0: [1.0]}, None, None, {"channels": "01"}), "channels"),
-        ((0, {0: [1.0]}, None, None, {"channels": [5]}), "channels"),
-        ((0, {0: [1.0]}, None, None, {"channels": 3}), "channels"),
-    ],
-)
-def test_bad_arguments_are_named(args, name):
-    with pytest.raises(InvalidInputError, match=f"^{name}.*: got "):
-        AntiresonanceSet(*args[:4], **dict(*args[4:]))
+WRONG = {
+    "freq_hz": [{}, [1.0, 2.0], {0: [1.0, -2.0]}, {0: [0.0]}, {0: [np.nan]}, {0: ["x"]}, {1.5: [1.0]}],
+    "excitation": [None],
+    "damping_ratio": [{1: [0.1]}, {0: [0.1, 0.2]}, [0.1], {0: ["x"]}, {0: [np.inf]}],
+    "std_hz": [{0: [-0.1]}],
+    "scores": [{5: {"rows": [1]}}, {0: {"rows": [1, 2]}}],
+    "sees": ["both"],
+    "channels": ["01", [5], 3],
+}
 
 
-def test_companions_not_known_are_nan_or_absent():
-    made = AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1], 1: [np.nan]})
-    assert np.isnan(made.damping_ratio[0][0])
-    assert 1 not in made.damping_ratio
-    assert made == AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1]})
+@pytest.mark.parametrize(("argument", "value"), each_of(WRONG))
+def test_bad_arguments_are_named(argument, value):
+    with pytest.raises(InvalidInputError, match=f"^{argument}.*: got "):
+        AntiresonanceSet(**({"excitation": 0, "freq_hz": {0: [1.0]}} | {argument: value}))
 
 
-# -- Printed: frequency, deviation, grade and doubts
-
-
+# -- The table of a response; printed: frequency, deviation, grade and doubts
 def table():
     made = ResponseTable.of_sweep(
         [8.7, 23.9, 31.0],
@@ -173,6 +157,39 @@ def table():
         how=["chain", "chain", "persistent"],
     )
     return graded(made.with_scores(residual=[0.01, 0.01, 0.2], prominence_db=[15.0, 2.0, 2.0]))
+
+
+def test_rows_of_a_table_are_taken_in_order_and_no_column_has_another_length():
+    made = ResponseTable.of_sweep(
+        [36.2, 12.2, 20.0],
+        [0.02, 0.01, 0.03],
+        rows=[30, 11, 25],
+        spread=[1e-4, 2e-4, 3e-4],
+        dominance=[1.0, 0.9, 0.8],
+        how=["chain", "persistent", "chain"],
+    )
+    assert made.freq_hz.tolist() == [12.2, 20.0, 36.2]
+    assert made.rows.tolist() == made.orders.tolist() == [11, 25, 30]
+    assert np.isnan([made.std_hz, made.residual]).all()
+    for chosen in ([0, 2], np.array([True, False, True])):
+        some = made.take(chosen)
+        assert (some.freq_hz.tolist(), some.how.tolist()) == ([12.2, 36.2], ["persistent", "chain"])
+    assert (len(made.take([])), list(made.take([]).scores)) == (0, list(made.scores))
+    assert made.rows.dtype == made.take([]).rows.dtype == np.int64
+    with pytest.raises(InvalidInputError, match=r"^std_hz: got an array of shape \(1,\); wanted 2"):
+        ResponseTable([1.0, 2.0], std_hz=[0.1])
+    with pytest.raises(FrozenInstanceError):
+        made.freq_hz = np.zeros(3)
+    with pytest.raises(TypeError, match="read-only"):
+        made.scores["how"] = ["chain"] * 3
+
+
+def test_grades_count_what_is_passed_and_what_is_not_known_is_not():
+    good, bad = (30, 1e-4, 0.95, 0.05, 10.0), (12, 1e-2, 0.50, 0.50, 1.0)
+    for passed, word in enumerate(["weak", "weak", "weak", "fair", "sure", "sure"]):
+        assert grades(*np.array([*good[:passed], *bad[passed:]])[:, None]).tolist() == [word]
+    assert grades(*np.array([30, 1e-4, np.nan, np.nan, 10.0])[:, None]).tolist() == ["fair"]
+    assert grades(*[np.empty(0)] * 5).size == 0
 
 
 class Other:

@@ -1,6 +1,6 @@
 """Two sets compared: who is whose partner, and whether they differ."""
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from antires_rs.measured.matching import paired
 CASE = ar.cases.chain8()
 
 
-@lru_cache
+@cache
 def exact_of(model):
     return model.antiresonances(range(8), 0)
 
@@ -80,7 +80,7 @@ def test_damage_is_told_and_where():
 def test_records_of_an_intact_and_of_a_damaged_chain():
     test = {"excitation": 0, "fs_hz": 512.0, "duration_s": 128.0, "damping_ratio": 0.01, "noise": 0.01}
     states = ((CASE.model, 1), (CASE.model, 2), (damaged(0.02), 3))
-    records = [model.simulate(**test, rng=seed) for model, seed in states]
+    records = (model.simulate(**test, rng=seed) for model, seed in states)
     sets = [ar.identify_antiresonances(one, excitation=0, band_hz=(3, 130)) for one in records]
     same, other = ar.compare(sets[0], sets[1]), ar.compare(sets[0], sets[2])
     assert (len(same), len(other)) == (28, 28)
@@ -137,20 +137,21 @@ def test_bad_arguments_of_compare_are_named(a, b, options, name):
         ar.compare(a, b, **options)
 
 
+@cache
+def shaken(stiffness=1.0):
+    model = ar.MassSpringChain(np.ones(4), stiffness * np.full(3, 4e4), ground_first_n_per_m=2e4)
+    return model.simulate(
+        excitation=0, fs_hz=256.0, duration_s=120.0, damping_ratio=0.01, noise=0.01, rng=7
+    ).responses
+
+
 @pytest.mark.parametrize(
     ("stronger", "stiffer", "told"), [(0.2, 1.03, True), (0.2, 1.0, False), (1.2, 1.03, False)]
 )
 def test_tests_of_other_strength_are_told_where_they_differ(stronger, stiffer, told):
     """A softer structure at larger amplitude: nothing is damaged."""
-    sets = []
-    for scale, stiffness in ((1.0, 1.0), (stronger, stiffer)):
-        model = ar.MassSpringChain(np.ones(4), stiffness * np.full(3, 4e4), ground_first_n_per_m=2e4)
-        made = model.simulate(
-            excitation=0, fs_hz=256.0, duration_s=120.0, damping_ratio=0.01, noise=0.01, rng=7
-        )
-        rec = ar.Recording(scale * made.responses, made.fs_hz)
-        sets.append(ar.identify_antiresonances(rec, excitation=0, band_hz=(5, 80)))
-    seen = ar.compare(*sets)
+    records = [ar.Recording(made, 256.0) for made in (shaken(), stronger * shaken(stiffer))]
+    seen = ar.compare(*(ar.identify_antiresonances(rec, excitation=0, band_hz=(5, 80)) for rec in records))
     assert seen.level_ratio == pytest.approx(stronger, rel=0.1)
     assert seen.different is (stiffer != 1.0)
     assert ("times as strongly" in str(seen)) is told

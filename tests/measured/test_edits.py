@@ -1,7 +1,6 @@
 """Edits by hand give new sets, on record; a set itself cannot be changed."""
 
 import copy
-import json
 import pickle
 
 import numpy as np
@@ -12,6 +11,8 @@ from antires_rs.io.data_frames import rows_of
 from antires_rs.measured.antiresonance_set import AntiresonanceSet
 from antires_rs.measured.edits import Edit
 
+HOW = ["chain", "persistent", "chain"]
+
 
 def scored():
     return AntiresonanceSet(
@@ -20,13 +21,7 @@ def scored():
         damping_ratio={0: [0.02, 0.01, 0.03]},
         std_hz={0: [0.2, 0.1, 0.3], 2: []},
         diagrams={0: "diagram"},
-        scores={
-            0: {
-                "rows": [30, 11, 25],
-                "how": ["chain", "persistent", "chain"],
-                "residual": [0.01, np.nan, 0.03],
-            }
-        },
+        scores={0: {"rows": [30, 11, 25], "how": HOW, "residual": [0.01, np.nan, 0.03]}},
     )
 
 
@@ -89,33 +84,9 @@ def test_edits_are_printed_and_survive_the_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "change",
-    [
-        lambda d: d.pop("before_edits"),
-        lambda d: d["edits"][0].update(action="moved"),
-        lambda d: d["edits"][0].pop("freq_hz"),
-        lambda d: d["edits"][0].update(freq_hz="12"),
-        lambda d: d["edits"][0].update(more=1),
-        lambda d: d.update(edits=3),
-        lambda d: d["dofs"][0]["scores"]["rows"].pop(),
-    ],
-)
-def test_damaged_edits_are_named(tmp_path, change):
-    path = tmp_path / "set.json"
-    data = json.loads(scored().drop(0, 12.2).to_json())
-    change(data)
-    path.write_text(json.dumps(data))
-    with pytest.raises(InvalidInputError, match="^path: got .*set.json.*damaged"):
-        AntiresonanceSet.load(path)
-
-
-@pytest.mark.parametrize(
     ("call", "said"),
     [
-        (
-            lambda s: s.drop(0, 14.0),
-            "^freq_hz: got 14 Hz at dof 0, which has 12.200, 20.000, 36.200 Hz; wanted",
-        ),
+        (lambda s: s.drop(0, 14.0), "^freq_hz: got 14 Hz at dof 0, which has 12.200, 20.000, 36.200 Hz; "),
         (lambda s: s.drop(0, 12.4, tol_hz=0.1), "within 0.1 Hz"),
         (lambda s: s.drop(2, 14.0), "dof 2, which has no value"),
         (lambda s: s.drop(0, [12.2, 12.21]), "12.200 Hz of dof 0 meant twice"),
@@ -128,10 +99,7 @@ def test_damaged_edits_are_named(tmp_path, change):
         (lambda s: s.add(0, [5.0, 5.0]), "which is given twice"),
         (lambda s: s.add(0, np.nan), "^freq_hz"),
         (lambda s: s.add(7, 1.0), "^dof: got 7"),
-        (
-            lambda s: s.add(0, [5.0, 6.0, 7.0], std_hz=[1.0, 2.0]),
-            "^std_hz: got 2 values; wanted one finite number in Hz, or 3",
-        ),
+        (lambda s: s.add(0, [5.0, 6.0, 7.0], std_hz=[1.0, 2.0]), "^std_hz: got 2 values; wanted one .*or 3"),
         (lambda s: s.add(0, 5.0, std_hz=-1.0), "^std_hz: got -1 Hz"),
         (lambda s: s.add(0, 5.0, damping_ratio=np.inf), "^damping_ratio"),
         (lambda s: s.plot(0, kind="round"), "^kind"),

@@ -29,13 +29,10 @@ def rich():
     )
 
 
-def test_by_default_nothing_is_known_and_the_dofs_are_the_channels():
-    assert (some().sees, some().channels) == (None, (0, 1))
-    assert "left_out" not in some().to_json()
-    assert "unexplained" not in some().to_json()
-
-
 def test_edits_and_files_keep_it(rich, tmp_path):
+    # By default nothing is known, and the dofs are the channels.
+    assert (some().sees, some().channels) == (None, (0, 1))
+    assert not any(name in some().to_json() for name in ("left_out", "unexplained"))
     edited = rich.drop(0, 8.7, reason="to see").add(1, 20.0)
     assert (edited.sees, edited.channels, edited.left_out) == (rich.sees, rich.channels, rich.left_out)
     for one in (rich, edited, some(sees="frf").drop(0, 8.7), some().add(1, 20.0)):

@@ -134,8 +134,6 @@ def test_the_same_set_twice_counts_once():
     with pytest.raises(UnsuitableDataError, match=r"setups 0 and 1 .* Give each setup once"):
         ar.merge_setups([one, one], check="raise")
     assert ar.merge_setups([one, one], check="off") == ar.AntiresonanceSet.from_tables(0, one.tables)
-
-
-def test_empty_responses_are_no_copies():
+    # Empty responses are no copies.
     a, b = (ar.AntiresonanceSet(0, {0: [f], 1: []}, std_hz={0: [0.02]}) for f in (8.7, 8.71))
     assert ar.merge_setups([a, b])[1].size == 0

@@ -37,6 +37,9 @@ def test_new_lost_merged_and_back_are_told():
     assert followed.freq_hz.shape == (4, 4)
     assert np.isnan(followed.freq_hz[2, 0])
     assert "lost at 2, back at 3" in str(followed)
+    empty = ar.track(sets_of([], []))
+    assert len(empty) == 0
+    assert np.isnan(empty.std_between)
 
 
 def test_the_scatter_between_repeats_is_estimated():
@@ -90,12 +93,6 @@ def test_tables_of_tracks():
     data = followed.to_xarray()
     assert dict(data.sizes) == {"test": 2, "track": 2}
     assert data["change_percent"].values[1, 0] == pytest.approx(1.0)
-
-
-def test_an_empty_response_has_no_tracks():
-    followed = ar.track(sets_of([], []))
-    assert len(followed) == 0
-    assert np.isnan(followed.std_between)
 
 
 @pytest.mark.parametrize(
