@@ -35,7 +35,7 @@ def assert_zeros(k, m, c, ends, zeros):
         assert below * above < 0.0
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_the_response_is_that_of_the_bordered_system(seed):
     k, m, c = constrained(seed, 14)
     follows = np.vstack([c, c[0] - 2.0 * c[1]])
@@ -138,14 +138,9 @@ WRONG_EQUATIONS = [
 def test_wrong_equations_and_dofs_to_keep_are_refused(given, words):
     given = {"constraints": []} | given
     for call in (ar.eliminate_constraints, ar.MatrixModel):
-        with pytest.raises(ar.InvalidInputError, match=words):
+        asks = "(?s).*no names.*dofs=" if "1:Z" in str(given) and call is ar.MatrixModel else ""
+        with pytest.raises(ar.InvalidInputError, match=words + asks):
             call(K, M, **given)
-
-
-@pytest.mark.parametrize("wrong", [{"constraints": [{"1:Z": 1.0}]}, {"keep": ["1:Z"]}])
-def test_a_name_asks_for_names(wrong):
-    with pytest.raises(ar.InvalidInputError, match="no names.*dofs="):
-        ar.MatrixModel(K, M, **wrong)
 
 
 @pytest.mark.parametrize("wrong", [3, "a", None, np.ones((2, 6)), np.ones(6), np.eye(3)])
@@ -157,8 +152,6 @@ def test_matrices_that_are_none(wrong):
 
 
 # -- Inside a model: numbers and names stay, roots are those of the whole system
-
-
 @pytest.mark.parametrize("ends", [(0, 1), (3, 3), (5, 9), (11, 2), (7, 8)])
 def test_any_dof_can_be_asked_whether_it_was_taken_out_or_not(ends):
     k, m, c = constrained()
@@ -245,14 +238,6 @@ def test_a_model_with_all_of_it_is_copied_pickled_and_saved(tmp_path):
         )
 
 
-def test_two_dofs_that_an_equation_joins_answer_as_one():
-    model = ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -1.0}])
-    both = model.antiresonances([2, 5], 0)
-    np.testing.assert_array_equal(*both)
-    with pytest.raises(ar.InvalidInputError, match=r"dofs: got dof 2, dof 5 together"):
-        ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -0.5}]).antiresonances(2, 5)
-
-
 def test_equations_that_repeat_others_but_for_the_last_digits_are_told():
     k, m, _ = random_structure(3, 8)
     row = {2: 1.0, 4: -0.5, 6: 0.25}
@@ -266,10 +251,14 @@ def test_equations_that_repeat_others_but_for_the_last_digits_are_told():
 
 
 @pytest.mark.parametrize("what", ["response", "excitation"])
-def test_a_dof_that_an_equation_holds_is_no_place_for_a_sensor_or_a_force(what):
+def test_dofs_that_an_equation_holds_or_joins(what):
     k, m, _ = random_structure(4, 8)
     model = ar.MatrixModel(k, m, constraints=[{3: 1.0, 5: 1.0}, {3: 1.0, 5: -1.0}, {6: 2.0}])
     for dof in (3, 5, 6):
         ends = {"response": 0, "excitation": 1, what: dof}
         with pytest.raises(ar.InvalidInputError, match=rf"{what}: got dof {dof}, which .* hold at zero"):
             model.antiresonances(**ends)
+    joined = ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -1.0}])
+    np.testing.assert_array_equal(*joined.antiresonances([2, 5], 0))
+    with pytest.raises(ar.InvalidInputError, match=r"dofs: got dof 2, dof 5 together"):
+        ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -0.5}]).antiresonances(2, 5)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.models.shared import assert_refused, rigid_force, same_matrices
+from tests.models.shared import rigid_force, same_matrices
+from tests.support.refusals import assert_refused, each_of
 from tests.support.tolerances import RIGID_FORCE
 
 STEEL = (2.1e11, 7850.0)
@@ -79,9 +80,6 @@ def test_a_spring_between_nodes_and_a_joint_leave_rigid_motions_free():
     springs = [ar.NodeSpring(0, 3, 1e4), *joint]
     model = frame([*NODES, NODES[4], (1.8, 0.2)], [*ELEMENTS, (5, 6)], node_springs=springs)
     assert rigid_force(model) < RIGID_FORCE
-
-
-def test_a_frame_in_two_parts_warns():
     with pytest.warns(ar.AntiresWarning, match=r"2 parts that nothing joins.*\[3, 4\]"):
         frame([*NODES[:3], (3, 0), (4, 0)], [(0, 1), (1, 2), (3, 4)])
 
@@ -107,8 +105,7 @@ OPTIONS = {
 WRONG = [
     *(
         (argument, partial(frame, **{argument.split("[")[0].removesuffix("_m"): value}))
-        for argument, values in OPTIONS.items()
-        for value in values
+        for argument, value in each_of(OPTIONS)
     ),
     ("elements[0]", lambda: frame([(0, 0), (0, 0), (1, 0)], [(0, 1), (1, 2)])),
     ("elements", lambda: frame(sections=[PIPE, BAR])),

@@ -38,7 +38,7 @@ def seen_by_qz(k_mat, m_mat, i, k, limit_hz, from_hz=0.0):
     return roots[~cancelled(k_mat, m_mat, i, k, roots)]
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", some_of(range(12), [3, 4, 7, 8, 10, 11]))
 def test_random_frames(seed):
     """QZ loses roots of frames on soft supports (seed 3: one at 2.2 Hz); where it differs, 50 digits."""
     rng = np.random.default_rng([5, seed])
@@ -151,8 +151,6 @@ def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
 
 
 # -- Soft springs
-
-
 def pipe(beams, wave, spring):
     """2 m of tube, wavy or straight, on three springs and with a mass that breaks its symmetry."""
     nodes, tenth = [(2.0 * j / beams, wave * np.sin(j)) for j in range(beams + 1)], beams // 10
@@ -179,9 +177,9 @@ def test_a_root_at_two_hertz_that_was_lost():
 @pytest.mark.parametrize(
     ("beams", "wave", "spring"),
     some_of(
-        [(12, 0.02, 20.0), (40, 0.02, 20.0), (12, 0.0, 20.0), (40, 0.0, 500.0)]
+        [(12, 0.02, 20.0), (12, 0.0, 20.0), (24, 0.02, 500.0), (40, 0.02, 20.0), (40, 0.0, 500.0)]
         + [(40, 0.02, 500.0), (60, 0.0, 500.0), (60, 0.02, 20.0), (99, 0.02, 500.0)],
-        kept=5,
+        kept=3,
     ),
 )
 def test_limit_and_method_do_not_change_the_set(beams, wave, spring):

@@ -144,8 +144,6 @@ def test_of_what_is_no_penalty_nothing_is_said(make):
 
 
 # -- All dofs tied together, on soft springs to ground
-
-
 def tied(n, tie):
     """Masses in a row tied to each other, each on a spring; and the frequency as of one body."""
     k = assembled(n, row(n, tie), [(i, GROUND * (1.0 + 0.1 * i)) for i in range(n)])

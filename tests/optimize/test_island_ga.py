@@ -1,7 +1,6 @@
 """The island search on Python objectives: contract, not performance."""
 
 import time
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
@@ -9,27 +8,13 @@ import pytest
 
 import antires_rs as ar
 from tests.support.tolerances import GENE_AGREEMENT, SPHERE
+from tests.support.worker_tasks import sphere, spheres
 
 BOX = [(-1.0, 1.0)] * 3
 SHORT = {"max_evaluations": 2000}
 
 
-def sphere(x):
-    """At module level, so that a process pool can pickle it."""
-    return float(np.sum((np.asarray(x) - 0.3) ** 2))
-
-
-def spheres(candidates):
-    return np.sum((candidates - 0.3) ** 2, axis=1)
-
-
-def same(a, b):
-    np.testing.assert_array_equal(a.x, b.x)
-    np.testing.assert_array_equal(a.history.cost, b.history.cost)
-    np.testing.assert_array_equal(a.populations, b.populations)
-
-
-@pytest.mark.parametrize("islands", [1, 2, 4, 6])
+@pytest.mark.parametrize("islands", [1, 4, 6])
 def test_finds_the_minimum_and_says_why_it_ended(islands):
     result = ar.IslandGA(islands=islands).minimize(sphere, BOX, rng=0)
     assert result.success
@@ -64,7 +49,7 @@ def test_shapes_and_order_of_the_outcome():
     assert np.all((result.populations >= -1) & (result.populations <= 1))
 
 
-def test_the_budget_of_evaluations_is_never_exceeded():
+def test_the_budget_of_evaluations_generations_and_time_is_never_exceeded():
     calls = []
 
     def counted(x):
@@ -77,16 +62,10 @@ def test_the_budget_of_evaluations_is_never_exceeded():
         assert result.nfev == len(calls) <= budget
         assert (result.status, result.success) == ("budget", False)
         assert "evaluations" in result.message
-
-
-def test_vectorized_and_mapped_objectives_give_the_same_bits():
-    ga = ar.IslandGA(**SHORT)
-    one = ga.minimize(sphere, BOX, rng=5)
-    same(one, ga.minimize(spheres, BOX, rng=5, vectorized=True))
-    with pytest.warns(FutureWarning, match="has no submit"):
-        same(one, ga.minimize(sphere, BOX, rng=5, workers=map))
-    with ThreadPoolExecutor(2) as pool:
-        same(one, ga.minimize(sphere, BOX, rng=5, workers=pool.map))
+    for word, option in (("generations", {"max_generations": 5}), ("time", {"max_seconds": 0.0})):
+        result = ar.IslandGA(**option).minimize(sphere, BOX, rng=0)
+        assert (result.status, result.nit) == ("budget", option.get("max_generations", 0))
+        assert word in result.message
 
 
 def test_a_whole_generation_is_one_call():
@@ -130,15 +109,6 @@ def test_guesses_join_the_populations_and_equal_bounds_fix_a_variable():
     fixed = ar.IslandGA(**SHORT).minimize(sphere, [(-1, 1), (0.5, 0.5)], rng=0)
     assert fixed.x[1] == 0.5
     assert np.all(fixed.populations[:, :, 1] == 0.5)
-
-
-@pytest.mark.parametrize(
-    ("option", "word"), [({"max_generations": 5}, "generations"), ({"max_seconds": 0.0}, "time")]
-)
-def test_the_budget_of_generations_and_of_time(option, word):
-    result = ar.IslandGA(**option).minimize(sphere, BOX, rng=0)
-    assert (result.status, result.nit) == ("budget", option.get("max_generations", 0))
-    assert word in result.message
 
 
 def searched(native, **options):

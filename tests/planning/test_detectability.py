@@ -20,18 +20,17 @@ TEST = {"excitation": 0, "std": 5e-4, "rng": 4}
 def test_a_prediction_is_what_assessments_find(n_tests):
     predicted = ar.detectability(CHAIN, [2], **TEST)
     simulated = ar.detectability(CHAIN, [2], **TEST, method="simulated", n_tests=n_tests)
-    for e in [2]:
-        # 40 tests tell a90 to about 14 %, 20 to about 20 %.
-        assert simulated.a90[e] == pytest.approx(predicted.a90[e], rel=0.35)
-        assert simulated.a50[e] < simulated.a90[e] <= simulated.a90_95[e]
-        assert np.all(np.diff(predicted.pod[e]) >= 0.0)
+    # 40 tests tell a90 to about 14 %, 20 to about 20 %.
+    assert simulated.a90[2] == pytest.approx(predicted.a90[2], rel=0.35)
+    assert simulated.a50[2] < simulated.a90[2] <= simulated.a90_95[2]
+    assert np.all(np.diff(predicted.pod[2]) >= 0.0)
     assert simulated.false_call_rate <= 0.04
     assert predicted.false_call_rate <= 0.02
 
 
 def test_noise_a_worse_model_and_a_threshold_cost_detection():
     def worst(**options):
-        return max(ar.detectability(CHAIN, **{**TEST, "n_tests": 4, **options}).a90.values())
+        return max(ar.detectability(CHAIN, [0, 3], **{**TEST, "n_tests": 4, **options}).a90.values())
 
     base = worst()
     assert worst(std=2e-3) > 2.5 * base
@@ -50,8 +49,8 @@ class Pickles:
 
 
 def test_the_same_seed_gives_the_same_bits():
-    runs = [ar.detectability(CHAIN, **TEST, n_tests=2, workers=n) for n in (1, 2)]
-    for e in range(4):
+    runs = [ar.detectability(CHAIN, [1, 2], **TEST, n_tests=2, workers=n) for n in (1, 2)]
+    for e in (1, 2):
         assert runs[0].pod[e].tobytes() == runs[1].pod[e].tobytes()
     options = {**TEST, "method": "simulated", "n_tests": 10, "severities": [0.003, 0.05]}
     one, two = (ar.detectability(CHAIN, [2], **options, workers=w) for w in (1, Pickles()))
@@ -99,8 +98,6 @@ def test_values_known_very_well_leave_no_large_damage_unseen():
 
 
 # -- Curves of detection: known ones are found again, with their bounds
-
-
 def draw(rng, n, a90=0.05, slope=4.0):
     severity = np.geomspace(0.01, 0.3, n)
     share = 1.0 / (1.0 + np.exp(-np.log(9.0) - slope * np.log(severity / a90)))

@@ -1,21 +1,15 @@
 """A planned test: what it promises, against an assessment; its forms and its print."""
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.damage.measured_states import LEAST_STD, roots_at
-from antires_rs.planning.placement import (
-    CRITERIA,
-    ExpectedErrors,
-    Layout,
-    exhaustive,
-    greedy,
-    information,
-    virtual_roots,
-)
+from antires_rs.planning import placement
+from antires_rs.planning.placement import CRITERIA, ExpectedErrors, Layout, exhaustive, greedy
 from reference.structures import CHAIN8_MASSES, CHAIN8_SPRINGS
 from reference.symmetric_structures import cases
 
@@ -63,21 +57,18 @@ def test_of_parameters_it_tells_the_errors_that_are_left():
     assert "stiffness of spring 0" in str(plan)
 
 
-def test_an_element_that_moves_nothing_is_never_seen():
+def test_an_element_that_moves_nothing_is_never_seen_and_rotations_are_not_measured():
     held = ar.MassSpringChain([1.0, 1.1, 0.9], [5e4, 6e4], ground_first_n_per_m=3e4)
     plan = ar.plan_test(held, [0, 1, 2], n_sensors=3, excitations=0)
     ground = next(e for e in (0, 1, 2) if plan.detectable[e] == np.inf)
     assert plan.names[ground] == "first ground spring"
     assert "never" in str(plan)
     assert plan.criterion == "determinant"
-
-
-def test_frames_offer_their_translations_only():
+    # Frames offer their translations only.
     tube = ar.Tube(0.02, 0.002, 2.1e11, 7850.0)
     beam = ar.FrameModel([(0.2 * i, 0.0) for i in range(5)], [(i, i + 1) for i in range(4)], tube, fixed=[0])
-    plan = ar.plan_test(beam, n_sensors=2, band_hz=(1.0, 800.0))
-    assert all(not plan.labels[dof].endswith("theta") for dof in plan.labels)
-    assert len(plan.labels) == 8
+    labels = ar.plan_test(beam, n_sensors=2, band_hz=(1.0, 800.0)).labels
+    assert [name.endswith("theta") for name in labels.values()] == [False] * 8
 
 
 def test_threads_change_no_bit():
@@ -103,8 +94,6 @@ def test_it_says_which_errors_of_the_values_it_rests_on():
 
 
 # -- Sensors chosen, against all sets; and the information of a set, against the core asked for that set
-
-
 ERRORS = ExpectedErrors(0.01, 200.0, 0.01, 5e-4)
 #: Exchanges of two were brought in on the symmetric nine-mass chain; none of these was looked at before.
 KINDS = {
@@ -133,13 +122,14 @@ def damages(model):
     return ar.stiffness_reduction(model.default_elements)
 
 
-def told(name, sees="transmissibility", symmetric=False):
+@cache
+def told(name, symmetric=False):
     model, sensors, force, high = setting(name)
     if symmetric:
         model = next(one for one in cases() if one.name == KINDS[name]).build(0.0)
-    layout, parameters = Layout(model, tuple(sensors), force, (1.0, high), sees), damages(model)
-    roots = virtual_roots(layout, parameters, np.zeros(len(parameters)), ERRORS, 1)
-    return layout, information(roots, len(sensors), np.ones(len(parameters)), 2)
+    layout, parameters = Layout(model, tuple(sensors), force, (1.0, high), "transmissibility"), damages(model)
+    roots = placement.virtual_roots(layout, parameters, np.zeros(len(parameters)), ERRORS, 1)
+    return layout, placement.information(roots, len(sensors), np.ones(len(parameters)), 2)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)
@@ -149,10 +139,7 @@ def test_greedy_is_within_two_per_cent_of_the_best_of_all_sets(name, criterion):
     best, ours = exhaustive(found, 4, criterion), greedy(found, 4, criterion)
     assert ours.worth <= best.worth + 1e-9
     # Nats add up; of the worst element e to the minus worth is the size of what it hides.
-    if criterion == "determinant":
-        assert ours.worth >= 0.98 * best.worth
-    else:
-        assert ours.worth >= best.worth - 0.02
+    assert ours.worth >= (0.98 * best.worth if criterion == "determinant" else best.worth - 0.02)
 
 
 @pytest.mark.parametrize(
@@ -175,8 +162,6 @@ def test_the_information_of_a_set_is_that_of_the_roots_the_core_shows_of_it(name
 
 
 # -- Errors of values that a test leads to expect, against least squares on simulated spectral lines
-
-
 LIGHT = ar.MassSpringChain([1.0, 0.7, 1.4, 0.9], [5e4, 7e4, 4e4])
 BAND_HZ, DAMPING, LENGTH_S = 70.0, 0.02, 30.0
 
@@ -195,7 +180,7 @@ def moved(freq, curve, old, new):
     return curve * (new**2 - freq**2 + w * new) / (old**2 - freq**2 + w * old)
 
 
-@pytest.mark.parametrize(("sensor", "force"), [(0, 0), (1, 0), (1, 2)])
+@pytest.mark.parametrize(("sensor", "force"), [(0, 0), (1, 2)])
 def test_they_are_those_of_least_squares_on_spectral_lines(sensor, force):
     roots, std = expected(sensor, force)
     freq = np.arange(1, int(BAND_HZ * LENGTH_S)) / LENGTH_S
@@ -206,7 +191,7 @@ def test_they_are_those_of_least_squares_on_spectral_lines(sensor, force):
     # One line has the noise's power split into two halves, real and imaginary.
     sigma = 0.2 * np.sqrt(np.mean(np.abs(curve) ** 2) / 2.0)
     rng = np.random.default_rng(5)
-    noise = sigma * rng.standard_normal((matrix.shape[0], 2000))
+    noise = sigma * rng.standard_normal((matrix.shape[0], 1000))
     found = np.linalg.lstsq(matrix, noise, rcond=None)[0][: roots.size].std(axis=1)
     np.testing.assert_allclose(found, std, rtol=0.08)
 

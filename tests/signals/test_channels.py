@@ -23,20 +23,17 @@ def test_a_dead_channel_is_named(good):
 
 @pytest.mark.parametrize(("low", "high"), [(-2.5, 2.5), (-9.0, 2.0), (-3.2, 9.0)])
 def test_a_clipped_channel_is_named(good, low, high):
+    def adc(x):
+        step = x.std() / 2**6
+        return step * np.clip(np.round(x / step), -(2**7), 2**7)
+
+    assert seen(check(changed(good, 2, adc))) == [("clipped_channel", (2,))]  # also with coarse digits
     result = check(changed(good, 2, lambda x: np.clip(x, low * x.std(), high * x.std())))
     assert seen(result) == [("clipped_channel", (2,))]
     x = good[0][2]
     beyond = np.mean((x < low * x.std()) | (x > high * x.std()))
     # The pile holds what was beyond, and the few samples just below.
     assert beyond <= result.findings[0].value <= 1.3 * beyond
-
-
-def test_a_clipped_channel_is_named_also_with_coarse_digits(good):
-    def adc(x):
-        step = x.std() / 2**6
-        return step * np.clip(np.round(x / step), -(2**7), 2**7)
-
-    assert seen(check(changed(good, 2, adc))) == [("clipped_channel", (2,))]
 
 
 def test_the_same_signal_twice_is_named(good):
@@ -86,10 +83,7 @@ def test_a_velocity_among_accelerations_is_named(good):
 
     result = check(changed(good, 4, lambda x: filtered(x, integral)))
     assert seen(result) == [("quadrature", (4,))]
-
-
-def test_polarity_cannot_be_seen(good):
-    assert check(changed(good, 4, np.negative)).ok
+    assert check(changed(good, 4, np.negative)).ok  # polarity cannot be seen
 
 
 def test_of_two_channels_the_pair_is_named(good):

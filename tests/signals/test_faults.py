@@ -49,16 +49,16 @@ def test_measured_plates_raise_no_alarm(state, columns, band):
 @pytest.mark.parametrize(
     ("name", "change", "least"),
     [
-        ("time_shift", lambda x, f: faults.late(x, f, 0.5 / BAND[1]), 13),
-        ("quadrature", faults.integrated, 13),
-        ("dead_channel", lambda x, f: faults.noise_only(x, np.random.default_rng(3)), 20),
+        ("time_shift", lambda x, f: faults.late(x, f, 0.5 / BAND[1]), 7),
+        ("quadrature", faults.integrated, 7),
+        ("dead_channel", lambda x, f: faults.noise_only(x, np.random.default_rng(3)), 10),
     ],
 )
 def test_faults_in_a_measured_plate_are_found(name, change, least):
-    """In each of 20 channels in turn; those that keep no common phase themselves cannot be told."""
+    """In each second of 20 channels in turn; those that keep no common phase themselves cannot be told."""
     response = plate("27A_C60", COLUMNS)
     found = 0
-    for row, dof in enumerate(response.dofs):
+    for row, dof in list(enumerate(response.dofs))[::2]:
         values = response.values.copy()
         values[row] = change(values[row], response.freq_hz)
         checked = ar.check_data(ar.FrequencyResponse(response.freq_hz, values, response.dofs), band_hz=BAND)

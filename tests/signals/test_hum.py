@@ -35,7 +35,7 @@ def responses(one, kind, seed):
                 for kind, level in (("hit", 0.05), ("random", 0.05), ("random", 0.3))
             ],
         ],
-        3,
+        2,
     ),
 )
 def test_values_are_those_without_hum(family, seed, kind, level):
@@ -85,7 +85,7 @@ def with_a_mode_at(freq_hz, seed, damping_ratio):
 @pytest.mark.parametrize("kind", ["hit", "random"])
 @pytest.mark.parametrize("damping_ratio", [0.001, 0.01])
 def test_a_mode_at_a_multiple_is_no_hum(kind, damping_ratio):
-    for seed in range(1, 7):
+    for seed in range(1, 5):
         at = (50.0, 60.0, 100.0, 120.0)[seed % 4] * 1.0003
         x = responses(with_a_mode_at(at, seed, damping_ratio), kind, seed)
         assert without_hum(ar.Recording(x, structures.FS_HZ), BAND)[1] is None

@@ -6,11 +6,9 @@ import pytest
 from antires_rs.signals.data_check import check_data
 from antires_rs.signals.frequency_response import FrequencyResponse
 from antires_rs.signals.recording import Recording
-from reference.virtual_records import accelerance, chain8_matrices
-from tests.support.checked_records import seen
+from reference.virtual_records import accelerance
+from tests.support.checked_records import MASS, STIFFNESS, seen
 from tests.support.measured_data import BRAKE_REUSS, FLOORS, needs_brake_reuss, needs_southampton, southampton
-
-STIFFNESS, MASS = chain8_matrices()
 
 
 def check(resp, excitation=0):

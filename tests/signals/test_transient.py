@@ -1,5 +1,7 @@
 """Hammer hits: recognised, cut out whole, and their added damping taken off."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -8,16 +10,8 @@ from antires_rs.identification.identify import identify_antiresonances
 from antires_rs.signals.averaging import find_events, is_transient, transient_spectra
 from antires_rs.signals.recording import Recording
 from antires_rs.signals.transfer_functions import frf, transmissibility
-from reference.virtual_records import (
-    accelerance,
-    chain8_matrices,
-    hit_record,
-    random_record,
-    true_antiresonances,
-)
-
-STIFFNESS, MASS = chain8_matrices()
-FS = 512.0
+from reference.virtual_records import accelerance, hit_record, random_record, true_antiresonances
+from tests.support.checked_records import FS, MASS, STIFFNESS
 
 
 def hit(**kwargs):
@@ -25,15 +19,13 @@ def hit(**kwargs):
     return Recording(responses, FS, force=force)
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("damping", [0.002, 0.02])
+@pytest.mark.parametrize(("seed", "damping"), [(0, 0.002), (1, 0.02), (2, 0.002)])
 def test_steady_vibration_is_not_taken_for_a_hit(seed, damping):
     responses, _ = random_record(STIFFNESS, MASS, seed=seed, duration_s=30.0, damping_ratio=damping)
     assert not is_transient(Recording(responses, FS))
 
 
-@pytest.mark.parametrize("times", [(0.5,), (0.5, 10.0, 22.0)])
-@pytest.mark.parametrize("noise", [0.0, 0.01])
+@pytest.mark.parametrize(("times", "noise"), [((0.5,), 0.01), ((0.5, 10.0, 22.0), 0.0)])
 def test_hits_are_found_where_they_are(times, noise):
     rec = hit(hit_times_s=times, duration_s=32.0, noise=noise, seed=3)
     assert is_transient(rec)
@@ -42,9 +34,7 @@ def test_hits_are_found_where_they_are(times, noise):
     # Every event begins before its hit, and they do not overlap.
     assert all(event.start < event.hit < event.stop for event in events)
     assert all(a.stop <= b.start for a, b in zip(events, events[1:], strict=False))
-
-
-def test_a_rebound_belongs_to_its_hit():
+    # A rebound belongs to its hit.
     assert len(find_events(hit(hit_times_s=(0.5, 0.58), duration_s=8.0))) == 1
 
 
@@ -75,14 +65,19 @@ def test_a_record_that_starts_after_the_hit_is_refused():
         identify_antiresonances(late, excitation=0, band_hz=(5, 130))
 
 
+@cache
+def identified(*times):
+    # One hit, no averages: noise is 1e-4 of each channel's rms over the whole record.
+    rec = hit(hit_times_s=times, duration_s=32.0, noise=1e-4, seed=8)
+    return identify_antiresonances(Recording(rec.responses, FS), excitation=0, band_hz=(5, 130))
+
+
 @pytest.mark.parametrize("times", [(0.5,), (0.5, 16.0)])
 def test_antiresonances_from_hits(times):
-    rec = hit(hit_times_s=times, duration_s=32.0, noise=1e-4, seed=8)
-    found = identify_antiresonances(Recording(rec.responses, FS), excitation=0, band_hz=(5, 130))
+    found = identified(*times)
     for dof in range(8):
         truth = true_antiresonances(STIFFNESS, MASS, dof, 0)
         assert found[dof].size == truth.size
-        # One hit, no averages: noise is 1e-4 of each channel's rms over the whole record.
         assert np.allclose(found[dof], truth, rtol=2e-3, atol=0)
 
 
@@ -91,9 +86,10 @@ def test_the_windows_damping_is_taken_off():
     short = hit(duration_s=3.0, damping_ratio=0.01)
     assert transient_spectra(short).added_decay_per_s > 0.5
     assert transient_spectra(short, window="rectangular").added_decay_per_s == 0.0
-    long = identify_antiresonances(hit(duration_s=32.0), excitation=0, band_hz=(10, 130))
+    long = identified(0.5)
     found = identify_antiresonances(short, excitation=0, band_hz=(10, 130))
     for dof in (2, 3, 4):
-        assert np.allclose(found[dof], long[dof], rtol=5e-3)
+        inside = long[dof] > 10.0
+        assert np.allclose(found[dof], long[dof][inside], rtol=5e-3)
         # Without the correction the damping at 16 Hz would be 2 % instead of 0.9 %.
-        assert np.allclose(found.damping_ratio[dof], long.damping_ratio[dof], atol=2e-3)
+        assert np.allclose(found.damping_ratio[dof], long.damping_ratio[dof][inside], atol=2e-3)
