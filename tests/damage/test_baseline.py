@@ -8,7 +8,10 @@ import pytest
 import antires_rs as ar
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
+from tests.support.refusals import each_of
 from tests.support.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
+
+RATE = ar.SearchOptions(false_alarm_rate=0.05)
 
 
 def losses_of(damages):
@@ -18,7 +21,7 @@ def losses_of(damages):
 
 
 @pytest.mark.parametrize("kind", [measured, modes])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", some_of(range(3)))
 def test_an_intact_structure_is_intact_however_wrong_the_model(kind, seed):
     result = assessed(seed, np.zeros(N - 1), kind=kind)
     assert result.damaged == []
@@ -29,8 +32,11 @@ def test_an_intact_structure_is_intact_however_wrong_the_model(kind, seed):
 
 @pytest.mark.parametrize(
     ("kind", "element", "loss"),
-    [(measured, *damage) for damage in ((0, 0.08), (1, 0.3), (2, 0.15), (3, 0.6), (4, 0.9))]
-    + [(modes, *damage) for damage in ((0, 0.1), (2, 0.3), (4, 0.6))],
+    some_of(
+        [(measured, 0, 0.08), (measured, 4, 0.9), (modes, 0, 0.1), (measured, 1, 0.3), (measured, 2, 0.15)]
+        + [(measured, 3, 0.6), (modes, 2, 0.3), (modes, 4, 0.6)],
+        3,
+    ),
 )
 def test_one_damaged_spring_is_named_and_sized(kind, element, loss):
     result = assessed(10 + element, losses_of({element: loss}), kind=kind)
@@ -64,12 +70,7 @@ def test_probabilities_add_up_and_severities_are_those_of_the_first_hypothesis()
 
 
 def test_same_bits_for_any_number_of_workers():
-    one, two = (
-        assessed(
-            33, [0.2, 0, 0, 0.1, 0], search=ar.SearchOptions(false_alarm_rate=0.05), rng=1, workers=workers
-        )
-        for workers in (1, 2)
-    )
+    one, two = (assessed(33, [0.2, 0, 0, 0.1, 0], search=RATE, rng=1, workers=n) for n in (1, 2))
     assert one.x.tobytes() == two.x.tobytes()
     assert one.hypotheses.probability.tobytes() == two.hypotheses.probability.tobytes()
     assert one.assessment == two.assessment
@@ -108,26 +109,22 @@ BEFORE, NOW = states(7, (0, 0.4, 0, 0, 0))
 PAIRS_ONLY = ar.DamagePrior(nothing=0.5, one=0.0, two=0.4, three=0.0, elsewhere=0.05, unknown=0.05)
 
 
-@pytest.mark.parametrize(
-    ("wrong", "given"),
-    [
-        ("gamma1", {"search": ar.SearchOptions(gamma1=0.1)}),
-        ("false_alarm_rate", {"baseline": None, "search": ar.SearchOptions(false_alarm_rate=0.05)}),
-        ("only together with a baseline", {"baseline": None, "search": ar.SearchOptions(reduction=True)}),
-        ("search", {"search": {"gamma1": 0.1}}),
-        ("reduction", {"search": ar.SearchOptions(reduction="always")}),
-        ("optimizer", {"optimizer": ar.IslandGA()}),
-        ("baseline", {"baseline": BEFORE[:1]}),
-        ("baseline", {"baseline": "intact"}),
-        ("baseline: got no antiresonance", {"baseline": ar.AntiresonanceSet(0, {1: []})}),
-        ("baseline: got a ModalSet", {"baseline": ar.ModalSet([1.0], [[1.0, 2.0]])}),
-        ("elements", {"elements": "all"}),
-        (
-            "false_alarm_rate.*one element alone",
-            {"prior": PAIRS_ONLY, "search": ar.SearchOptions(false_alarm_rate=0.05)},
-        ),
-    ],
-)
+WRONG = {
+    "gamma1": [{"search": ar.SearchOptions(gamma1=0.1)}],
+    "false_alarm_rate": [{"baseline": None, "search": RATE}],
+    "false_alarm_rate.*one element alone": [{"prior": PAIRS_ONLY, "search": RATE}],
+    "only together with a baseline": [{"baseline": None, "search": ar.SearchOptions(reduction=True)}],
+    "search": [{"search": {"gamma1": 0.1}}],
+    "reduction": [{"search": ar.SearchOptions(reduction="always")}],
+    "optimizer": [{"optimizer": ar.IslandGA()}],
+    "baseline": [{"baseline": BEFORE[:1]}, {"baseline": "intact"}],
+    "baseline: got no antiresonance": [{"baseline": ar.AntiresonanceSet(0, {1: []})}],
+    "baseline: got a ModalSet": [{"baseline": ar.ModalSet([1.0], [[1.0, 2.0]])}],
+    "elements": [{"elements": "all"}],
+}
+
+
+@pytest.mark.parametrize(("wrong", "given"), each_of(WRONG))
 def test_what_has_no_effect_or_no_meaning_is_refused(wrong, given):
     with pytest.raises(ar.InvalidInputError, match=wrong):
         ar.assess_damage(NOMINAL, NOW, **({"baseline": BEFORE} | given))
@@ -136,14 +133,13 @@ def test_what_has_no_effect_or_no_meaning_is_refused(wrong, given):
 
 
 def test_flat_options_of_before_work_and_warn(tmp_path):
-    options = ar.SearchOptions(false_alarm_rate=0.05)
-    new = ar.assess_damage(NOMINAL, NOW, baseline=BEFORE, search=options, rng=1)
+    new = ar.assess_damage(NOMINAL, NOW, baseline=BEFORE, search=RATE, rng=1)
     with pytest.warns(FutureWarning, match=r"search=SearchOptions\(false_alarm_rate=") as caught:
         old = ar.assess_damage(NOMINAL, NOW, baseline=BEFORE, false_alarm_rate=0.05, rng=1)
     assert caught[0].filename == __file__
     assert old.assessment.threshold == new.assessment.threshold is not None
     with pytest.warns(FutureWarning, match="Assessor: std_common") as caught:
-        ar.Assessor(NOMINAL, baseline=BEFORE, std_common=1e-3, search=options)
+        ar.Assessor(NOMINAL, baseline=BEFORE, std_common=1e-3, search=RATE)
     assert caught[0].filename == __file__
     with pytest.raises(TypeError, match="gamma3"):
         ar.assess_damage(NOMINAL, NOW, gamma3=1.0)

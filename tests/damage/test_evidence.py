@@ -39,10 +39,8 @@ def test_the_probability_of_a_box(n):
 
 
 def test_weighted_draws_are_those_of_rejection():
-    mean, spread = (
-        np.array([0.05, 0.1, 0.3]),
-        np.array([[0.04, -0.035, 0.0], [-0.035, 0.04, 0.01], [0.0, 0.01, 0.02]]),
-    )
+    mean = np.array([0.05, 0.1, 0.3])
+    spread = np.array([[0.04, -0.035, 0.0], [-0.035, 0.04, 0.01], [0.0, 0.01, 0.02]])
     rng = np.random.default_rng(3)
     free = rng.multivariate_normal(mean, spread, 80_000)
     wanted = free[np.all(free > 0.0, axis=1)]

@@ -11,19 +11,9 @@ from antires_rs.identification.paper import sweep_of
 from antires_rs.identification.stabilization import diagram
 from reference.matching import match
 from reference.structures import structure
-from reference.virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain8_matrices,
-    chain_matrices,
-    true_antiresonances,
-)
+from reference.virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, accelerance, chain_matrices
 from tests.support.campaign import campaign
-
-STIFFNESS, MASS = chain8_matrices()
-TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
-BAND = (3.0, 130.0)
+from tests.support.checked_records import BAND, MASS, STIFFNESS, TRUTH
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +81,7 @@ def test_the_papers_preset_on_a_record(noise):
 @campaign
 @pytest.mark.parametrize("seed", [7, 8, 9])
 def test_the_papers_preset_on_the_papers_chain(seed):
-    eight = structure(*chain8_matrices())
+    eight = structure(STIFFNESS, MASS)
     found, false = identified(eight, eight.record(noise=0.0, seed=seed))
     assert (found >= 26, false <= 1) == (True, True), (found, false)  # of 28
 

@@ -25,16 +25,6 @@ def record(model, noise, seed):
     )
 
 
-def matched(zeros, truth):
-    """(found, false) within 1 %."""
-    right = sum(
-        int(np.abs(truth[dof] / value - 1.0).min(initial=np.inf) < 0.01)
-        for dof in zeros
-        for value in zeros[dof]
-    )
-    return right, sum(map(len, zeros.values())) - right
-
-
 def test_zeros_of_exact_directions():
     freq = np.linspace(8.0, 12.0, 60)
     numerators = np.stack(
@@ -54,13 +44,15 @@ def test_zeros_of_exact_directions():
 @pytest.mark.parametrize(("noise", "least"), [(0.01, 25), (0.05, 23)])
 def test_the_chain_by_local_fits(chain, noise, least):
     model, truth = chain
-    zeros = ar.identify_antiresonances(
-        record(model, noise, 11), excitation=0, band_hz=BAND, fit=ar.FitOptions(formulation="directions")
-    )
-    found, false = matched(zeros, truth)
-    assert found >= least
-    assert false <= 1
+    rec, fit_options = record(model, noise, 11), ar.FitOptions(formulation="directions")
+    zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
+    near = [np.abs(truth[d] / f - 1.0).min(initial=np.inf) < 0.01 for d in zeros for f in zeros[d]]
+    assert sum(near) >= least
+    assert len(near) - sum(near) <= 1
     assert all((share >= 0.5).all() for share in zeros.share.values())
+    if noise == 0.05:  # the same record gives the same bits
+        again = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
+        assert all((zeros[dof] == again[dof]).all() for dof in zeros)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.1])
@@ -95,16 +87,6 @@ def test_a_hit_that_still_rings_is_a_hit(seconds):
     clean = np.where(time > 0.0, shapes @ np.array(modes), 0.0)
     noise = 1e-3 * np.random.default_rng(5).standard_normal(clean.shape)
     assert holds_hits(ar.Recording(clean + noise, fs_hz), Averaging())
-
-
-def test_the_same_record_gives_the_same_bits(chain):
-    rec = record(chain[0], 0.05, 13)
-    fit_options = ar.FitOptions(formulation="directions")
-    one, two = (
-        ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options, check="off")
-        for _ in "ab"
-    )
-    assert all((one[dof] == two[dof]).all() for dof in one)
 
 
 @needs_shake_table

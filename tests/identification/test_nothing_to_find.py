@@ -36,9 +36,7 @@ def identified(source):
     return found, "\n".join(str(one.message) for one in seen), {n for one in seen for n in one.message.about}
 
 
-def test_there_are_ten_cases():
-    assert set(REASONS) == set(nothing_to_find.RECORDS)
-    assert len(REASONS) >= 10
+assert set(REASONS) == set(nothing_to_find.RECORDS)  # eleven cases
 
 
 @pytest.mark.parametrize(
@@ -78,11 +76,8 @@ def test_an_ambient_record_is_not_of_one_force():
 def test_a_channel_in_noise_has_no_values(kind):
     """Its values were "sure" once; those of the others stay."""
     one = structures.random_chain(1)
-    x = (
-        nothing_to_find.hit(one, 1)
-        if kind == "hit"
-        else one.record(noise=0.01, seed=1, duration_s=60.0).responses
-    )
+    shaken = kind == "random"
+    x = one.record(noise=0.01, seed=1, duration_s=60.0).responses if shaken else nothing_to_find.hit(one, 1)
     whole, _, _ = identified(ar.Recording(x, structures.FS_HZ))
     noise = 3e-3 * np.abs(x).max() * np.random.default_rng(2).standard_normal(x.shape[1])
     found, said, about = identified(ar.Recording(np.vstack([x, noise]), structures.FS_HZ))

@@ -61,8 +61,6 @@ def test_a_dashpot_moves_zeros_by_more_than_their_error_but_they_are_those_of_th
 
 
 # ---- the structures themselves ---------------------------------------------------------------------
-
-
 def test_a_true_value_is_hit_once():
     matched = match([10.02, 10.05, 19.0, 30.1], [10.0, 20.0, 30.0])
     assert matched.pairs == ((10.02, 10.0), (30.1, 30.0))

@@ -1,5 +1,7 @@
 """Fits over windows: curves without averages, measured and made from matrices that no model of ours holds."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -31,6 +33,16 @@ def free_chain(n=7, k_over_m=5e4, damping=0.01, sensors=range(7), force=0, noise
     return FrequencyResponse(freq, column, dofs=list(sensors))
 
 
+@cache
+def rough():
+    """Of three sensors with a hundredth of noise."""
+    return free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
+
+
+def zeros_of(source, band_hz=BAND, excitation=0, **options):
+    return identify_antiresonances(source, excitation=excitation, band_hz=band_hz, check="off", **options)
+
+
 def test_peaks_without_an_antiresonance_are_named():
     freq = np.arange(10.0, 40.0, 0.05)
     curve = sum(1.0 / np.abs(f**2 - freq**2 + 0.02j * f * freq) for f in (15.0, 25.0))
@@ -45,10 +57,8 @@ def test_peaks_without_an_antiresonance_are_named():
 def test_frfs_and_transmissibilities_agree_but_for_nodes(noise):
     # Of the middle mass, on a node of every second mode, transmissibilities see three more.
     frfs = free_chain(noise=noise)
-    by_frfs = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off")
-    by_quotients = identify_antiresonances(
-        as_transmissibilities(frfs, 4), excitation=0, band_hz=BAND, check="off"
-    )
+    by_frfs = zeros_of(frfs)
+    by_quotients = zeros_of(as_transmissibilities(frfs, 4))
     for dof in frfs.dofs:
         extra = [f for f in by_quotients[dof] if not np.any(np.abs(by_frfs[dof] / f - 1.0) < 1e-3)]
         assert by_quotients[dof].size == by_frfs[dof].size + len(extra)
@@ -64,37 +74,32 @@ def test_frfs_and_transmissibilities_agree_but_for_nodes(noise):
 
 def test_the_same_values_for_other_edges():
     frfs = free_chain(noise=0.005, seed=3, sensors=(0, 1, 4))
-    whole = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off")
+    whole = zeros_of(frfs)
     rng = np.random.default_rng(5)
-    for _ in range(4):
+    for _ in range(2):
         low, high = np.array(BAND) * (1.0 + 0.1 * rng.uniform(-1.0, 1.0, 2))
-        other = identify_antiresonances(frfs, excitation=0, band_hz=(low, high), check="off")
+        other = zeros_of(frfs, (low, high))
         for dof in frfs.dofs:
             inside = whole[dof][(whole[dof] > 1.05 * low) & (whole[dof] < 0.95 * high)]
             for f in inside:
                 assert np.abs(other[dof] / f - 1.0).min(initial=1.0) < 2e-3
 
 
-def damped_zeros(dof, force=0, n=7, k_over_m=5e4, damping=0.01):
-    """abs(s) of the zeros of the receptance, from the reduced matrix with the same hysteretic damping."""
+def damped_zeros(n=7, k_over_m=5e4, damping=0.01):
+    """abs(s) of the zeros at the force, from the matrix without it, with the same hysteretic damping."""
     stiffness = k_over_m * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
-    stiffness[0, 0] = stiffness[-1, -1] = k_over_m
-    assert dof == force
-    keep = np.delete(np.arange(n), dof)
-    values = np.linalg.eigvalsh(stiffness[np.ix_(keep, keep)])
-    return np.sqrt(values * np.abs(1.0 + 2j * damping)) / (2 * np.pi)
+    stiffness[-1, -1] = k_over_m
+    return np.sqrt(np.linalg.eigvalsh(stiffness[1:, 1:]) * np.abs(1.0 + 2j * damping)) / (2 * np.pi)
 
 
 def test_stated_deviations_cover_white_noise():
     # 90 % intervals of the driving point's zeros, over seeds that nothing was set on.
-    truth = damped_zeros(0)
+    truth = damped_zeros()
     truth = truth[(truth > BAND[0]) & (truth < BAND[1])]
     inside = asked = 0
     stated, errors = [], []
     for seed in range(40, 46):
-        found = identify_antiresonances(
-            free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5)), excitation=0, band_hz=BAND, check="off"
-        )
+        found = zeros_of(free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5)))
         table = found.tables[0]
         for f in truth:
             near = np.abs(table.freq_hz / f - 1.0) < 0.01
@@ -112,12 +117,12 @@ def test_noise_that_is_given_replaces_the_estimate():
     frfs = free_chain(noise=0.01, seed=2, sensors=(0, 3, 6))
     std = np.full(frfs.values.shape, 1e-2 * np.sqrt(np.mean(np.abs(frfs.values) ** 2) / 2))
     with_std = FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std)
-    plain = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off")
-    given = identify_antiresonances(with_std, excitation=0, band_hz=BAND, check="off")
+    plain = zeros_of(frfs)
+    given = zeros_of(with_std)
     for f in plain[0]:
         assert np.abs(given[0] / f - 1.0).min() < 5e-3
     worse = FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=30.0 * std)
-    doubted = identify_antiresonances(worse, excitation=0, band_hz=BAND, check="off")
+    doubted = zeros_of(worse)
     for f, known in zip(given[0], given.std_hz[0], strict=True):
         near = int(np.argmin(np.abs(doubted[0] - f)))
         assert doubted.std_hz[0][near] > 3.0 * known
@@ -128,7 +133,7 @@ def test_noise_that_is_given_replaces_the_estimate():
 def test_three_storey_replica(kind):
     frfs = next(m.frfs for m in structures() if m.name == "three-storey replica")
     source = frfs if kind == "frf" else as_transmissibilities(frfs, 0)
-    found = identify_antiresonances(source, excitation=0, band_hz=(10.0, 95.0), check="off")
+    found = zeros_of(source, (10.0, 95.0))
     read = {0: [44.2, 66.9], 1: [76.4], 2: [27.3], 3: [17.4, 58.9]}
     for dof, values in read.items():
         assert found[dof] == pytest.approx(values, rel=5e-3)
@@ -146,74 +151,50 @@ def test_plates(states):
 def plate_counts(state):
     """Dips found by FRFs, after the transmissibilities were seen to lose none of their values."""
     measured = plate(state)
-    found = identify_antiresonances(measured.frfs, excitation="x", band_hz=measured.band_hz, check="off")
+    found = zeros_of(measured.frfs, measured.band_hz, "x")
     quotients = as_transmissibilities(measured.frfs, REFERENCE)
-    other = identify_antiresonances(quotients, excitation="x", band_hz=measured.band_hz, check="off")
+    other = zeros_of(quotients, measured.band_hz, "x")
     lost = [f for dof in found for f in found[dof] if not np.any(np.abs(other[dof] / f - 1.0) < 2e-3)]
     assert len(lost) <= 1
     return counted(measured, found)
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"fit": FitOptions(min_rows=5)}, "min_rows has no effect on fits over windows"),
-        (
-            {"fit": FitOptions(damping_tol=0.05, persistent=False)},
-            "damping_tol and persistent have no effect",
-        ),
-        (
-            {"fit": FitOptions(min_dominance=0.1)},
-            "what counts there is freq_tol, max_damping, min_share, min_depth_db",
-        ),
-        ({"max_order": 30}, "max_order above 16 has no effect"),
-        ({"fit": FitOptions(min_order=17)}, "min_order above 16 has no effect"),
-        (
-            {"fit": FitOptions(min_share=0.4, formulation="joint")},
-            r"min_share has no effect.*formulation 'joint'",
-        ),
-    ],
-)
-def test_options_without_effect_are_named(options, said):
-    frfs = free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
+WITHOUT_EFFECT = {
+    "min_rows has no effect on fits over windows": {"fit": FitOptions(min_rows=5)},
+    "damping_tol and persistent have no effect": {"fit": FitOptions(damping_tol=0.05, persistent=False)},
+    "counts there is freq_tol, max_damping, min_share, min_d": {"fit": FitOptions(min_dominance=0.1)},
+    "max_order above 16 has no effect": {"max_order": 30},
+    "min_order above 16 has no effect": {"fit": FitOptions(min_order=17)},
+    "min_share has no.*formulation 'joint'": {"fit": FitOptions(min_share=0.4, formulation="joint")},
+}
+
+
+@pytest.mark.parametrize("said", WITHOUT_EFFECT)
+def test_options_without_effect_are_named(said):
     with pytest.warns(AntiresWarning, match=said):
-        identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", **options)
+        zeros_of(rough(), **WITHOUT_EFFECT[said])
 
 
-@pytest.mark.parametrize(
-    "options", [{"preset": "strict"}, {"max_order": 16, "fit": FitOptions(min_share=0.4, freq_tol=0.02)}]
-)
-def test_options_that_count_are_no_cause_for_a_warning(options):
-    frfs = free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
-    identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", **options)
-
-
-def test_few_orders_are_enough_for_windows():
+def test_options_that_count_are_no_cause_for_a_warning_and_few_orders_are_enough():
+    for options in ({"preset": "strict"}, {"max_order": 16, "fit": FitOptions(min_share=0.4, freq_tol=0.02)}):
+        zeros_of(rough(), **options)
     # Chains of more than min_rows = 10 orders are the sweep's.
-    frfs = free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
-    found = identify_antiresonances(frfs, excitation=0, band_hz=BAND, check="off", max_order=8)
+    found = zeros_of(rough(), max_order=8)
     assert found[0].size >= 3
     assert max(d.orders.max() for d in found.diagrams.values()) <= 8
     with pytest.raises(InvalidInputError, match="^max_order"):
-        identify_antiresonances(
-            frfs,
-            excitation=0,
-            band_hz=BAND,
-            check="off",
-            max_order=8,
-            fit=FitOptions(formulation="numerators"),
-        )
+        zeros_of(rough(), max_order=8, fit=FitOptions(formulation="numerators"))
 
 
 def test_few_lines_are_told():
     frfs = free_chain(noise=0.003, seed=2, sensors=(0, 3, 6))
     with pytest.warns(AntiresWarning, match=r"holds 40 lines.*carry 8 orders.*want 48.*0\.041 Hz apart"):
-        few = identify_antiresonances(frfs, excitation=0, band_hz=(24.01, 26.01), check="off")
+        few = zeros_of(frfs, (24.01, 26.01))
     # Of one mode and fine lines they are enough all the same.
-    assert few[0] == pytest.approx([damped_zeros(0)[1]], rel=2e-3)
+    assert few[0] == pytest.approx([damped_zeros()[1]], rel=2e-3)
     coarse = FrequencyResponse(frfs.freq_hz[::30], frfs.values[:, ::30], dofs=frfs.dofs)
     with pytest.warns(AntiresWarning, match="want 48 lines"):
-        identify_antiresonances(coarse, excitation=0, band_hz=BAND, check="off")
+        zeros_of(coarse)
 
 
 def test_known_noise_says_the_same_on_both_routes():
@@ -226,10 +207,7 @@ def test_known_noise_says_the_same_on_both_routes():
         known = FrequencyResponse(
             frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std * np.ones(frfs.values.shape)
         )
-        responses, forces = (
-            identify_antiresonances(known, excitation=0, band_hz=BAND, check="off", route=route)
-            for route in ("transmissibility", "frf")
-        )
+        responses, forces = (zeros_of(known, route=route) for route in ("transmissibility", "frf"))
         for dof in known.dofs:
             for f, own in zip(responses[dof], responses.std_hz[dof], strict=True):
                 near = np.abs(forces[dof] / f - 1.0) < 3e-3
@@ -268,7 +246,7 @@ def test_a_zero_that_a_resonance_hides_is_left_out_with_the_reason(noise):
     frfs, (below, above) = hiding_chain(noise, 1)
     # Zeros of a chain's response are modes of what lies behind it, as seen from the force.
     hidden = {0: above[-1], 1: above[-1], 3: below[-1], 4: below[-1]}
-    found = identify_antiresonances(frfs, excitation=2, band_hz=(5.0, 80.0), check="off")
+    found = zeros_of(frfs, (5.0, 80.0), 2)
     for dof, zero in hidden.items():
         assert 55.0 < zero < 57.0
         assert not np.any(np.abs(found[dof] / zero - 1.0) < 0.005)  # it makes no dip

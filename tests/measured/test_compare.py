@@ -42,6 +42,10 @@ def test_no_value_serves_twice_and_the_nearest_do_not_steal():
     assert paired(np.array([10.0]), np.array([10.6]), 0.05) == []
     # A deviation as large as that makes them one.
     assert paired(np.array([10.0]), np.array([10.6]), 0.05, np.array([[0.04]])) == [(0, 0)]
+    # What few fits see is left alone at less cost.
+    known, seen = np.array([50.0]), np.array([50.5, 54.0])
+    assert paired(known, seen, 0.12) == [(0, 0)]
+    assert paired(known, seen, 0.12, worth=np.array([0.1, 1.0])) == [(0, 1)]
 
 
 def test_pairs_do_not_cross():

@@ -22,8 +22,6 @@ def zeros(freq_hz, force=0, **options):
 
 
 # ---- against numpy -----------------------------------------------------------------------------------
-
-
 def sub_chain_zeros(masses, springs, response):
     """Antiresonances of H_response,0 of a free chain: the masses beyond, clamped at the response."""
     beyond = np.asarray(masses)[response + 1 :]
@@ -122,8 +120,6 @@ def test_a_frame_by_the_band_route_is_the_independent_one():
 
 
 # ---- residuals, misfit, weights ----------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("misfit", NORMS)
 @pytest.mark.parametrize("kind", ["zeros", "modes"])
 def test_the_cost_is_the_norm_of_the_weighted_residuals(kind, misfit):
@@ -194,8 +190,6 @@ def test_penalties_count_reductions_only_and_negligible_severities_are_zero():
 
 
 # ---- pairing -----------------------------------------------------------------------------------------
-
-
 def test_zeros_are_paired_with_the_nearest_in_hz_and_ties_with_the_lower():
     """A tie needs two zeros whose middle has the same distance to both in floating point too."""
     dof, low, high = next(
@@ -275,8 +269,6 @@ def test_modes_without_a_partner_count_and_rigid_bodies_do_not():
 
 
 # ---- wrong input -------------------------------------------------------------------------------------
-
-
 def one_mode(freq_hz=20.0, shape=(1.0, -1.0), dofs=(0, 1)):
     return ar.ModalSet([freq_hz], [list(shape)], list(dofs))
 
@@ -284,15 +276,12 @@ def one_mode(freq_hz=20.0, shape=(1.0, -1.0), dofs=(0, 1)):
 @pytest.mark.parametrize(
     ("measured", "words"),
     [
-        (one_mode(dofs=(0, 8)), "measured dof: got 8"),
-        (one_mode(dofs=(0, "tip")), "measured dof: got 'tip'"),
+        *((one_mode(dofs=(0, dof)), f"measured dof: got {dof!r}") for dof in (8, "tip")),
         (one_mode(shape=(0.0, 0.0)), "zero at every dof"),
         (one_mode(freq_hz=-3.0), "positive"),
-        (one_mode(freq_hz=0.0), "no mode"),
-        (ar.ModalSet([], np.empty((0, 2))), "no mode"),
+        *((none, "no mode") for none in (one_mode(freq_hz=0.0), ar.ModalSet([], np.empty((0, 2))))),
         ([one_mode(), zeros({0: [12.0]})], "several of one kind"),
-        ([], "an AntiresonanceSet or a ModalSet"),
-        ("modes", "an AntiresonanceSet or a ModalSet"),
+        *((none, "an AntiresonanceSet or a ModalSet") for none in ([], "modes")),
     ],
 )
 def test_measurements_that_cannot_be(measured, words):

@@ -1,10 +1,13 @@
 """Penalties that grow with the data: the same data given three times leave elements and severities."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.cases.chain8 import MASSES_KG, SPRINGS_N_PER_M
+from tests.support.campaign import some_of
 from tests.support.tolerances import GENE_AGREEMENT
 
 CASE = ar.cases.chain8()
@@ -35,30 +38,25 @@ def chain_modes(seed):
     return CASE.model, ar.ModalSet(modes.freq_hz[1:], modes.shapes[1:])
 
 
-def off_and_damaged(model, force, dofs, seed, *, damaged, loss, f_max_hz=None):
-    """A model and the antiresonances of one with all stiffnesses off by up to 2 % and one damaged."""
-    rng = np.random.default_rng(seed)
-    factors = off(rng, len(model.default_elements), 2.0)
-    factors[damaged] *= 1.0 - loss
-    parameters = ar.stiffness_factor(model.default_elements, bounds=(0.05, 1.5))
-    tested = model.with_parameters(parameters, factors)
-    zeros = tested.antiresonances(dofs, force, f_max_hz=f_max_hz)
-    return model, ar.AntiresonanceSet(force, dict(zip(dofs, zeros, strict=True)))
-
-
 def frame(seed):
-    """A plane frame of pipes, clamped at one end, under a force across its middle."""
+    """A plane frame of pipes, clamped at one end, force across its middle; stiffnesses off by up to 2 %."""
     nodes = [(0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (1.1, 0.3), (1.1, 0.7), (0.6, 0.9)]
     model = ar.FrameModel(
         nodes, [(i, i + 1) for i in range(5)], ar.Tube(0.04, 2e-3, 210e9, 7850.0), fixed=[0]
     )
     force = model.dof(2, "v")
     sensors = [model.dof(node, name) for node, name in ((1, "v"), (3, "u"), (4, "u"), (5, "v"))]
-    return off_and_damaged(model, force, sensors, seed, damaged=2, loss=0.5, f_max_hz=900.0)
+    factors = off(np.random.default_rng(seed), 5, 2.0)
+    factors[2] *= 0.5
+    tested = model.with_parameters(ar.stiffness_factor(range(5), bounds=(0.05, 1.5)), factors)
+    zeros = tested.antiresonances(sensors, force, f_max_hz=900.0)
+    return model, ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
 
 
-@pytest.mark.parametrize("seed", [0, 8, 9, 14])
-@pytest.mark.parametrize("tested", [chain, chain_modes, frame])
+@pytest.mark.parametrize(
+    ("tested", "seed"),
+    some_of(product((chain, chain_modes, frame), (0, 8, 9, 14)), [(chain, 14), (chain_modes, 8), (frame, 9)]),
+)
 def test_the_same_data_three_times_leave_the_answer(tested, seed):
     model, measured = tested(seed)
     once, thrice = (ar.assess_damage(model, [measured] * n, rng=0) for n in (1, 3))

@@ -10,6 +10,7 @@ from antires_rs.exceptions import InvalidInputError, NumericalError
 from antires_rs.updating.reduced_model import Reduction, reduced_search
 from reference.building_frames import building
 from reference.meshes import frame, tower
+from tests.support.campaign import some_of
 
 LIMIT_HZ = 14.0
 FEW = ar.IslandGA(islands=1, population=6, max_generations=2)
@@ -41,7 +42,7 @@ def concrete_problem(concrete, seed, **options):
     return ar.UpdatingProblem(model, factors, measured, **options), truth
 
 
-@pytest.mark.parametrize("seed", [104, 105])
+@pytest.mark.parametrize("seed", some_of([104, 105]))
 def test_an_update_on_reduced_models_finds_what_the_full_model_does(concrete, seed):
     problem, truth = concrete_problem(concrete, seed)
     result = ar.update(problem, optimizer=FEW, rng=seed, reduction=True, progress=False)
@@ -130,16 +131,13 @@ def searched(problem, interrupted_at=None):
     return reduced_search(problem, Reduction(), minimize, problem.nominal, 0, lambda: np.inf)[0]
 
 
-def test_the_time_limit_is_that_of_all_searches_together(concrete):
+def test_a_time_limit_and_ctrl_c_between_searches_hand_back_the_best(concrete):
     problem, _ = concrete_problem(concrete, 31)
+    # The time limit is that of all searches together.
     result = ar.update(problem, optimizer=ar.IslandGA(max_seconds=0.0), reduction=True, rng=0)
     assert (result.status, result.success, result.reduction.rounds) == ("budget", False, 1)
     assert "time limit" in result.message
     assert result.fun <= problem.cost(problem.nominal)
-
-
-def test_ctrl_c_between_searches_hands_back_the_best(concrete):
-    problem, _ = concrete_problem(concrete, 31)
     found = searched(problem, interrupted_at=2)
     assert (found.status, found.success) == ("interrupted", False)
     assert found.fun == problem.cost(found.x)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from tests.support.refusals import assert_refused
 
 SHORT = ar.IslandGA(max_evaluations=400)
 
@@ -86,16 +87,9 @@ def test_ctrl_c_keeps_what_is_there():
 
 
 @pytest.mark.parametrize(
-    ("given", "options", "argument"),
-    [
-        (problem(), {}, "count"),
-        ([problem()], {"count": 3}, "count"),
-        (problem(), {"count": 0}, "count"),
-        ([problem(), "no problem"], {}, "problems[1]"),
-        (5, {}, "problems"),
-    ],
+    ("argument", "given", "count"),
+    [("count", problem(), None), ("count", [problem()], 3), ("count", problem(), 0)]
+    + [("problems[1]", [problem(), "no problem"], None), ("problems", 5, None)],
 )
-def test_wrong_arguments_are_refused(given, options, argument):
-    with pytest.raises(ar.InvalidInputError) as caught:
-        ar.update_ensemble(given, optimizer=SHORT, rng=0, **options)
-    assert caught.value.argument == argument
+def test_wrong_arguments_are_refused(argument, given, count):
+    assert_refused(argument, ar.update_ensemble, given, optimizer=SHORT, rng=0, count=count)

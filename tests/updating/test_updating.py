@@ -36,8 +36,6 @@ def modal_damage():
 
 
 # ---- tables and notes --------------------------------------------------------------------------------
-
-
 def test_the_table_says_what_was_measured_before_and_after(updated, modal_damage):
     case, result = updated
     table, modal = result.table, modal_damage.table
@@ -105,14 +103,14 @@ def test_of_two_unknown_combinations_the_scale_is_one():
 
 
 def test_standard_deviations_are_those_of_repeated_measurements():
-    """Five springs of a chain held at one end, zeros with 0.3 % of noise: 40 updates scatter as foretold."""
+    """Five springs of a chain held at one end, zeros with 0.3 % of noise: 24 updates scatter as foretold."""
     masses, springs, truth = np.ones(6), np.full(5, 500.0), np.array([1.05, 0.97, 1.02, 0.94, 1.01])
     model = ar.MassSpringChain(masses, springs, ground_first_n_per_m=300.0)
     parameters = ar.stiffness_factor(range(5), bounds=(0.8, 1.2))
     tested = ar.MassSpringChain(masses, springs * truth, ground_first_n_per_m=300.0)
     exact = {dof: f for dof, f in enumerate(tested.antiresonances(range(6), 0)) if f.size}
     rng, scores = np.random.default_rng(7), []
-    for _ in range(40):
+    for _ in range(24):
         noisy = {dof: freq * (1 + 3e-3 * rng.standard_normal(freq.size)) for dof, freq in exact.items()}
         problem = ar.UpdatingProblem(model, parameters, ar.AntiresonanceSet(0, noisy), misfit="squared")
         result = ar.update(problem, rng=0)
@@ -167,8 +165,6 @@ def test_pictures_and_report_of_modes(modal_damage, tmp_path):
 
 
 # ---- damage ------------------------------------------------------------------------------------------
-
-
 def test_damage_is_found_where_it_is_and_nowhere_else(damage):
     assert damage.damaged == [DAMAGED]
     assert damage.severity == pytest.approx({**dict.fromkeys(range(7), 0.0), 4: SEVERITY}, abs=EXACT_SEVERITY)
@@ -181,8 +177,7 @@ def test_damage_is_found_where_it_is_and_nowhere_else(damage):
 
 
 @pytest.mark.parametrize(
-    ("dofs", "error", "seed"),
-    [(range(8), 0.0, 0), (range(8), 0.01, 0), ([0, 3, 6], 0.01, 1), ([2, 5], 0.01, 2)],
+    ("dofs", "error", "seed"), [(range(8), 0.0, 0), ([0, 3, 6], 0.01, 1), ([2, 5], 0.01, 2)]
 )
 def test_damage_is_found_from_modes(dofs, error, seed):
     measured = disturbed(CASE.exact_modes(1), list(dofs), error, np.random.default_rng(seed))
@@ -252,8 +247,6 @@ def test_every_spring_of_a_free_chain_is_seen_alike_by_modes(modal_damage):
 
 
 # ---- the search --------------------------------------------------------------------------------------
-
-
 def springs_off():
     """Two springs that are not what the model has."""
     case = ar.cases.chain8(perturbation=0.08, rng=2)
