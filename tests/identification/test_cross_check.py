@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import UnsuitableDataError
 from antires_rs.identification.cross_check import CONFIRMING_DOMINANCE, METHODS, cross_check, set_valued_aaa
 from tests.support.refusals import assert_refused, each_of
 
@@ -146,5 +145,5 @@ def test_bad_arguments_are_named(record, truth, argument, value):
 
 def test_a_single_response_without_force_has_no_quotient(record):
     alone = ar.Recording(record.responses[:1], record.fs_hz, [0])
-    with pytest.raises(UnsuitableDataError, match="single channel and no force"):
+    with pytest.raises(ar.UnsuitableDataError, match="single channel and no force"):
         cross_check(alone, {0: [1.0]}, band_hz=BAND)

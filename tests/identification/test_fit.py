@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from antires_rs.identification.rational_fit import fit_rational
+import antires_rs as ar
 from reference.rational_curves import FAMILIES, draw, fit_errors, sweep_counts
 from reference.virtual_records import accelerance
 from tests.support.checked_records import MASS, STIFFNESS
@@ -23,7 +23,7 @@ def test_zeros_are_those_of_each_output(constraint):
 
     below = pair(8.0, 0.01) * pair(19.0, 0.02)
     values = np.array([pair(12.0, 0.005) / below, pair(25.0, -0.01) * pair(4.0, 0.03) / below])
-    fit = fit_rational(freq, values, 4, constraint=constraint)
+    fit = ar.fit_rational(freq, values, 4, constraint=constraint)
     assert np.allclose(fit.evaluate(freq), values, rtol=0, atol=1e-8 * np.abs(values).max())
     assert np.allclose(fit.poles.freq_hz, [8.0, 19.0], rtol=1e-9)
     assert np.allclose(fit.zeros[1].freq_hz, [4.0, 25.0], rtol=1e-9)
@@ -38,7 +38,7 @@ def test_an_improper_quotient_needs_no_monic_denominator():
     freq = np.linspace(1.0, 30.0, 600)
     s = 1j * freq
     values = (s**2 + 0.1 * s + 36.0) * (s**2 + 0.2 * s + 400.0) / (s**2 + 0.3 * s + 144.0)
-    fit = fit_rational(freq, values, 4)
+    fit = ar.fit_rational(freq, values, 4)
     physical = fit.poles.freq_hz[np.abs(fit.poles.damping_ratio) < 0.1]
     assert physical[0] == pytest.approx(12.0, rel=1e-9)
 
@@ -47,7 +47,7 @@ def test_an_improper_quotient_needs_no_monic_denominator():
 @given(scale=st.floats(1e-9, 1e9), stretch=st.floats(1e-3, 1e4))
 def test_units_do_not_matter(scale, stretch):
     freq, values, poles, _ = draw("spread", 8, 3)
-    fit = fit_rational(freq * stretch, scale * values, 8)
+    fit = ar.fit_rational(freq * stretch, scale * values, 8)
     assert np.allclose(np.sort(fit.poles.s.imag), np.sort(poles.imag) * stretch, rtol=1e-9)
 
 
@@ -66,7 +66,7 @@ WRONG = {
 @pytest.mark.parametrize(("argument", "value"), each_of(WRONG))
 def test_bad_arguments_are_named(argument, value):
     usual = {"freq_hz": FREQ, "values": CURVE, "order": 4}
-    assert_refused(argument, fit_rational, **(usual | {argument: value}))
+    assert_refused(argument, ar.fit_rational, **(usual | {argument: value}))
 
 
 def test_reweighting_never_makes_the_fit_much_worse():
@@ -75,7 +75,7 @@ def test_reweighting_never_makes_the_fit_much_worse():
     response = accelerance(STIFFNESS, MASS, 0, freq, 0.01)
     ratio = response[1] / response[0]
     for order in (12, 14, 16):
-        residuals = [fit_rational(freq, ratio, order, reweightings=n).residual for n in range(4)]
+        residuals = [ar.fit_rational(freq, ratio, order, reweightings=n).residual for n in range(4)]
         for n in range(4):
             assert residuals[n] <= 2.0 * min(residuals[: n + 1]) + 1e-12
 
@@ -104,11 +104,11 @@ def test_noise_costs_accuracy_in_proportion():
     noise = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
     errors = []
     for level in (1e-10, 1e-8, 1e-4):
-        found = fit_rational(freq, values + level * noise, 20).poles.s
+        found = ar.fit_rational(freq, values + level * noise, 20).poles.s
         errors.append(np.median(np.abs(found - poles[:, None]).min(axis=1) / np.abs(poles)))
     assert errors[0] < 1e-10
     assert errors[1] / errors[0] == pytest.approx(100.0, rel=0.05)
     assert errors[2] < 1e-5
     # An order above the true one does not lose the poles.
-    found = fit_rational(freq, values, 26).poles.s
+    found = ar.fit_rational(freq, values, 26).poles.s
     assert np.max(np.abs(found - poles[:, None]).min(axis=1) / np.abs(poles)) < 1e-10

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError
 from antires_rs.watch.stored_tests import decoded, encoded
 from reference.virtual_records import hit_record
 
@@ -120,7 +119,7 @@ def test_what_one_fit_over_the_band_predicts_keeps_its_values():
     ],
 )
 def test_what_cannot_be_followed_is_refused(near, band):
-    with pytest.raises(InvalidInputError):
+    with pytest.raises(ar.InvalidInputError):
         ar.identify_antiresonances(curves(chain()), excitation=EXCITATION, band_hz=band, near=near)
 
 
@@ -134,7 +133,7 @@ def test_of_responses_without_a_known_value_new_ones_are_found_or_refused():
         assert not zeros.not_seen[dof].size
     assert set(zeros.to_dataframe()["status"]) <= {"followed", "new", "not seen"}
     assert tuple(follow(curves(chain()), near, dofs=[1], fit=ar.FitOptions(new_values=True))) == (1,)
-    with pytest.raises(InvalidInputError, match=r"dofs: got \[1\], of which near has no values"):
+    with pytest.raises(ar.InvalidInputError, match=r"dofs: got \[1\], of which near has no values"):
         follow(curves(chain()), near, dofs=[1])
 
 

@@ -5,13 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from antires_rs import FitOptions
-from antires_rs.exceptions import AntiresWarning, InvalidInputError, UnsuitableDataError
-from antires_rs.identification.identify import identify_antiresonances
+import antires_rs as ar
 from antires_rs.identification.options import PRESETS, CallOptions, options_of
-from antires_rs.signals.frequency_response import FrequencyResponse
-from antires_rs.signals.recording import Recording
-from antires_rs.signals.transfer_functions import frf, transmissibility
 from reference.virtual_records import accelerance, random_record
 from tests.support.campaign import some_of
 from tests.support.checked_records import BAND, FS, MASS, STIFFNESS, TRUTH
@@ -22,17 +17,17 @@ from tests.support.refusals import assert_refused, each_of
 @cache
 def record(noise=0.0, seed=0, duration_s=256.0):
     responses, force = random_record(STIFFNESS, MASS, noise=noise, seed=seed, duration_s=duration_s)
-    return Recording(responses, FS, force=force)
+    return ar.Recording(responses, FS, force=force)
 
 
 def zeros_of(source, **options):
-    return identify_antiresonances(source, **({"excitation": 0, "band_hz": BAND} | options))
+    return ar.identify_antiresonances(source, **({"excitation": 0, "band_hz": BAND} | options))
 
 
 @cache
 def exact(damping=0.01, df=1 / 16):
     freq = np.arange(2.0, 140.0, df)
-    return FrequencyResponse(freq, accelerance(STIFFNESS, MASS, 0, freq, damping))
+    return ar.FrequencyResponse(freq, accelerance(STIFFNESS, MASS, 0, freq, damping))
 
 
 def assert_all(found, rel):
@@ -57,14 +52,14 @@ def test_chain8_with_one_percent_noise(seed):
 
 def test_the_force_is_never_read():
     rec = record(0.01, 5, 64.0)
-    without = Recording(rec.responses, FS)
+    without = ar.Recording(rec.responses, FS)
     assert zeros_of(rec) == zeros_of(without)
-    with pytest.raises(UnsuitableDataError, match="needs none"):
+    with pytest.raises(ar.UnsuitableDataError, match="needs none"):
         zeros_of(without, route="frf")
 
 
 def test_an_unrecorded_excitation_needs_no_channel():
-    some = Recording(record().responses[[1, 3, 6]], FS, dofs=["b", "d", "g"])
+    some = ar.Recording(record().responses[[1, 3, 6]], FS, dofs=["b", "d", "g"])
     found = zeros_of(some, excitation="a")
     assert found.excitation == "a"
     for dof, row in (("b", 1), ("d", 3), ("g", 6)):
@@ -75,7 +70,7 @@ def test_one_set_of_transmissibilities_serves_all_dofs():
     freq, values = exact().freq_hz, exact().values
     assert_all(zeros_of(exact()), 1e-3)  # abs(s) of the damped zero differs from the undamped root by zeta**2
     for reference in (0, 7):
-        ratios = FrequencyResponse(
+        ratios = ar.FrequencyResponse(
             freq, values / values[reference], kind="transmissibility", reference=reference
         )
         assert_all(zeros_of(ratios), 1e-3)
@@ -87,8 +82,8 @@ def test_other_estimators_work_on_clean_records(estimator):
 
 
 def test_responses_from_our_own_estimators_are_sources():
-    assert_all(zeros_of(frf(record(), nperseg=8192)), 5e-3)
-    assert_all(zeros_of(transmissibility(record(), 4, nperseg=8192, estimator="rank1")), 5e-3)
+    assert_all(zeros_of(ar.frf(record(), nperseg=8192)), 5e-3)
+    assert_all(zeros_of(ar.transmissibility(record(), 4, nperseg=8192, estimator="rank1")), 5e-3)
 
 
 def test_a_selection_of_dofs_and_the_band_are_kept():
@@ -99,7 +94,7 @@ def test_a_selection_of_dofs_and_the_band_are_kept():
         assert np.allclose(found[dof], inside, rtol=1e-3)
     assert found.diagrams[4].identified.tolist() == found[4].tolist()
     assert found.damping_ratio[4].shape == found[4].shape
-    single = FrequencyResponse(exact().freq_hz, exact().values[3], dofs=[3])  # has zeros as an FRF
+    single = ar.FrequencyResponse(exact().freq_hz, exact().values[3], dofs=[3])  # has zeros as an FRF
     assert np.allclose(zeros_of(single, route="frf")[3], TRUTH[3], rtol=1e-3)
 
 
@@ -107,13 +102,13 @@ def test_scale_and_order_of_channels_and_of_time_do_not_matter():
     rec = record(0.0, 10, 128.0)
     gains = np.array([1.0, 1e3, 1e-3, 5.0, -1.0, 20.0, 0.1, 1.0])[:, None]
     order = [3, 0, 7, 5, 1, 6, 2, 4]
-    plain, other = zeros_of(rec), zeros_of(Recording((gains * rec.responses)[order], FS, dofs=order))
+    plain, other = zeros_of(rec), zeros_of(ar.Recording((gains * rec.responses)[order], FS, dofs=order))
     for dof in plain:
         assert other[dof].size == plain[dof].size
         # Not bit for bit: the scales enter rounding, and ties between poles.
         assert np.allclose(other[dof], plain[dof], rtol=1e-4)
     # A structure 25 times as fast, sampled at 12.8 kHz: the default segments must follow.
-    fast = zeros_of(Recording(rec.responses, 25 * FS), band_hz=(75.0, 3250.0))
+    fast = zeros_of(ar.Recording(rec.responses, 25 * FS), band_hz=(75.0, 3250.0))
     for dof in fast:
         assert np.allclose(fast[dof], 25 * TRUTH[dof], rtol=1e-3)
 
@@ -134,7 +129,7 @@ OF_FITS = {"method": "burst", "min_rows": -1, "window": "bell"}
 @pytest.mark.parametrize(
     ("argument", "given"),
     [(name, {name: value}) for name, value in each_of(WRONG)]
-    + [(name, {"fit": FitOptions(**{name: value})}) for name, value in OF_FITS.items()],
+    + [(name, {"fit": ar.FitOptions(**{name: value})}) for name, value in OF_FITS.items()],
 )
 def test_bad_arguments_are_named(argument, given):
     assert_refused(argument, zeros_of, **({"source": record(duration_s=40.0)} | given))
@@ -142,14 +137,14 @@ def test_bad_arguments_are_named(argument, given):
 
 def test_data_that_cannot_answer_are_refused():
     rec = record(duration_s=40.0)
-    with pytest.raises(UnsuitableDataError, match="single channel"):
-        zeros_of(Recording(rec.responses[:1], FS))
-    with pytest.raises(UnsuitableDataError, match="dof 2"):
-        zeros_of(Recording(np.vstack([rec.responses[:2], np.zeros(rec.n_samples)]), FS))
-    ratios = FrequencyResponse(
+    with pytest.raises(ar.UnsuitableDataError, match="single channel"):
+        zeros_of(ar.Recording(rec.responses[:1], FS))
+    with pytest.raises(ar.UnsuitableDataError, match="dof 2"):
+        zeros_of(ar.Recording(np.vstack([rec.responses[:2], np.zeros(rec.n_samples)]), FS))
+    ratios = ar.FrequencyResponse(
         exact().freq_hz, np.ones((2, exact().n_freq)), kind="transmissibility", reference=0
     )
-    with pytest.raises(InvalidInputError, match="Transmissibilities do not hold"):
+    with pytest.raises(ar.InvalidInputError, match="Transmissibilities do not hold"):
         zeros_of(ratios, route="frf")
 
 
@@ -174,23 +169,26 @@ def test_southampton_frame(name):
 
 def test_options_of_curves_are_named_for_records():
     said = r"min_share and min_depth_db have no effect on the sweep.*'numerators'"
-    with pytest.warns(AntiresWarning, match=said):
-        zeros_of(record(duration_s=40.0), check="off", fit=FitOptions(min_share=0.4, min_depth_db=2.0))
+    with pytest.warns(ar.AntiresWarning, match=said):
+        zeros_of(record(duration_s=40.0), check="off", fit=ar.FitOptions(min_share=0.4, min_depth_db=2.0))
 
 
 @pytest.mark.parametrize("preset", [None, *PRESETS])
 def test_a_preset_is_a_set_of_options_over_which_what_is_given_wins(preset):
-    held = FitOptions(min_rows=3, persistent=False).under(preset)
+    held = ar.FitOptions(min_rows=3, persistent=False).under(preset)
     assert (held.min_rows, held.persistent) == (3, False)
-    assert held.damping_tol == FitOptions().under(preset).damping_tol
+    assert held.damping_tol == ar.FitOptions().under(preset).damping_tol
     assert held.given == {"min_rows", "persistent"}
-    assert options_of(CallOptions(preset=preset), FitOptions()).rule == FitOptions().under(preset).checked()
+    assert (
+        options_of(CallOptions(preset=preset), ar.FitOptions()).rule
+        == ar.FitOptions().under(preset).checked()
+    )
 
 
 def test_unknown_names_are_told_and_presets_cannot_be_changed():
-    with pytest.raises(InvalidInputError, match="^preset: got 'loose'; wanted one of None, 'paper'"):
-        options_of(CallOptions(preset="loose"), FitOptions())
+    with pytest.raises(ar.InvalidInputError, match="^preset: got 'loose'; wanted one of None, 'paper'"):
+        options_of(CallOptions(preset="loose"), ar.FitOptions())
     with pytest.raises(TypeError, match="rows"):
-        FitOptions(rows=3)
+        ar.FitOptions(rows=3)
     with pytest.raises(TypeError):
         PRESETS["paper"]["min_rows"] = 1

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.local_fits import fit, stretches
 from antires_rs.signals.averaging import Averaging, holds_hits
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
@@ -74,7 +73,7 @@ def test_noise_alone_says_so():
 def test_a_band_of_few_lines_is_refused(formulation):
     rec = ar.Recording(np.random.default_rng(4).standard_normal((3, 1000)), 100.0)
     asked = ar.FitOptions(formulation=formulation)
-    with pytest.raises(InvalidInputError, match=r"lines for (local fits|orders)"):
+    with pytest.raises(ar.InvalidInputError, match=r"lines for (local fits|orders)"):
         ar.identify_antiresonances(rec, excitation=0, band_hz=(10.0, 22.0), check="off", fit=asked)
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import AntiresError
 from antires_rs.identification.scores import without_common
 from reference import nothing_to_find, structures
 from tests.support.campaign import some_of
@@ -46,7 +45,7 @@ def test_it_says_so_and_why(case, seed):
     name, words = REASONS[case]
     source = nothing_to_find.record(case, seed)
     if name is None:
-        with pytest.raises(AntiresError, match=words):
+        with pytest.raises(ar.AntiresError, match=words):
             identified(source)
         return
     found, said, about = identified(source)

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from antires_rs import FitOptions
-from antires_rs.identification.identify import identify_antiresonances
+import antires_rs as ar
 from antires_rs.identification.lines import Lines
 from antires_rs.identification.numerators import Influence, likeliest
-from antires_rs.signals.recording import Recording
 from antires_rs.signals.spectra import Segments
 from reference.structures import structure
 from reference.virtual_records import accelerance, chain_matrices, random_record
@@ -67,11 +65,11 @@ def test_predicted_scatter_is_the_observed_one():
 def test_what_no_reference_alone_shows():
     """At 10 % noise a joint fit over one reference misses the lowest antiresonances; this one has all."""
     responses, _ = random_record(eight.STIFFNESS, eight.MASS, duration_s=200.0, noise=0.1, seed=14)
-    rec = Recording(responses, 512.0)
+    rec = ar.Recording(responses, 512.0)
     counts = {}
     for formulation in ("numerators", "joint"):
-        found = identify_antiresonances(
-            rec, excitation=0, band_hz=BAND, fit=FitOptions(formulation=formulation)
+        found = ar.identify_antiresonances(
+            rec, excitation=0, band_hz=BAND, fit=ar.FitOptions(formulation=formulation)
         )
         counts[formulation] = 0
         for dof in range(8):
@@ -82,14 +80,14 @@ def test_what_no_reference_alone_shows():
     assert counts["joint"] < 28
 
 
-@pytest.mark.parametrize("options", [{"fit": FitOptions(keep_common=True)}, {"channels": 2}])
+@pytest.mark.parametrize("options", [{"fit": ar.FitOptions(keep_common=True)}, {"channels": 2}])
 def test_light_damping_without_a_third_witness(options):
     """Whether all rows share a root cannot be asked: what stays over the orders is still found."""
     responses, _ = random_record(
         eight.STIFFNESS, eight.MASS, duration_s=64.0, noise=0.001, damping_ratio=0.0003, seed=16
     )
-    rec = Recording(responses[: options.pop("channels", 8)], 512.0)
-    found = identify_antiresonances(rec, excitation=0, band_hz=BAND, check="off", **options)
+    rec = ar.Recording(responses[: options.pop("channels", 8)], 512.0)
+    found = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, check="off", **options)
     for dof in found:
         near = [np.abs(found[dof] / f - 1.0).min(initial=np.inf) < 0.01 for f in eight.TRUTH[dof]]
         assert sum(near) >= len(near) - 2

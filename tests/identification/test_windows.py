@@ -5,13 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from antires_rs import (
-    AntiresWarning,
-    FitOptions,
-    FrequencyResponse,
-    InvalidInputError,
-    identify_antiresonances,
-)
+import antires_rs as ar
 from antires_rs.identification.scores import unexplained
 from reference.measured import DATA, REFERENCE, STATES, as_transmissibilities, counted, plate, structures
 from tests.support.campaign import some_of
@@ -30,7 +24,7 @@ def free_chain(n=7, k_over_m=5e4, damping=0.01, sensors=range(7), force=0, noise
     rng = np.random.default_rng(seed)
     rough = rng.standard_normal(column.shape) + 1j * rng.standard_normal(column.shape)
     column = column + noise * np.sqrt(np.mean(np.abs(column) ** 2, axis=1, keepdims=True) / 2) * rough
-    return FrequencyResponse(freq, column, dofs=list(sensors))
+    return ar.FrequencyResponse(freq, column, dofs=list(sensors))
 
 
 @cache
@@ -40,7 +34,7 @@ def rough():
 
 
 def zeros_of(source, band_hz=BAND, excitation=0, **options):
-    return identify_antiresonances(source, excitation=excitation, band_hz=band_hz, check="off", **options)
+    return ar.identify_antiresonances(source, excitation=excitation, band_hz=band_hz, check="off", **options)
 
 
 def test_peaks_without_an_antiresonance_are_named():
@@ -116,12 +110,12 @@ def test_stated_deviations_cover_white_noise():
 def test_noise_that_is_given_replaces_the_estimate():
     frfs = free_chain(noise=0.01, seed=2, sensors=(0, 3, 6))
     std = np.full(frfs.values.shape, 1e-2 * np.sqrt(np.mean(np.abs(frfs.values) ** 2) / 2))
-    with_std = FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std)
+    with_std = ar.FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std)
     plain = zeros_of(frfs)
     given = zeros_of(with_std)
     for f in plain[0]:
         assert np.abs(given[0] / f - 1.0).min() < 5e-3
-    worse = FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=30.0 * std)
+    worse = ar.FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=30.0 * std)
     doubted = zeros_of(worse)
     for f, known in zip(given[0], given.std_hz[0], strict=True):
         near = int(np.argmin(np.abs(doubted[0] - f)))
@@ -160,40 +154,43 @@ def plate_counts(state):
 
 
 WITHOUT_EFFECT = {
-    "min_rows has no effect on fits over windows": {"fit": FitOptions(min_rows=5)},
-    "damping_tol and persistent have no effect": {"fit": FitOptions(damping_tol=0.05, persistent=False)},
-    "counts there is freq_tol, max_damping, min_share, min_d": {"fit": FitOptions(min_dominance=0.1)},
+    "min_rows has no effect on fits over windows": {"fit": ar.FitOptions(min_rows=5)},
+    "damping_tol and persistent have no effect": {"fit": ar.FitOptions(damping_tol=0.05, persistent=False)},
+    "counts there is freq_tol, max_damping, min_share, min_d": {"fit": ar.FitOptions(min_dominance=0.1)},
     "max_order above 16 has no effect": {"max_order": 30},
-    "min_order above 16 has no effect": {"fit": FitOptions(min_order=17)},
-    "min_share has no.*formulation 'joint'": {"fit": FitOptions(min_share=0.4, formulation="joint")},
+    "min_order above 16 has no effect": {"fit": ar.FitOptions(min_order=17)},
+    "min_share has no.*formulation 'joint'": {"fit": ar.FitOptions(min_share=0.4, formulation="joint")},
 }
 
 
 @pytest.mark.parametrize("said", WITHOUT_EFFECT)
 def test_options_without_effect_are_named(said):
-    with pytest.warns(AntiresWarning, match=said):
+    with pytest.warns(ar.AntiresWarning, match=said):
         zeros_of(rough(), **WITHOUT_EFFECT[said])
 
 
 def test_options_that_count_are_no_cause_for_a_warning_and_few_orders_are_enough():
-    for options in ({"preset": "strict"}, {"max_order": 16, "fit": FitOptions(min_share=0.4, freq_tol=0.02)}):
+    for options in (
+        {"preset": "strict"},
+        {"max_order": 16, "fit": ar.FitOptions(min_share=0.4, freq_tol=0.02)},
+    ):
         zeros_of(rough(), **options)
     # Chains of more than min_rows = 10 orders are the sweep's.
     found = zeros_of(rough(), max_order=8)
     assert found[0].size >= 3
     assert max(d.orders.max() for d in found.diagrams.values()) <= 8
-    with pytest.raises(InvalidInputError, match="^max_order"):
-        zeros_of(rough(), max_order=8, fit=FitOptions(formulation="numerators"))
+    with pytest.raises(ar.InvalidInputError, match="^max_order"):
+        zeros_of(rough(), max_order=8, fit=ar.FitOptions(formulation="numerators"))
 
 
 def test_few_lines_are_told():
     frfs = free_chain(noise=0.003, seed=2, sensors=(0, 3, 6))
-    with pytest.warns(AntiresWarning, match=r"holds 40 lines.*carry 8 orders.*want 48.*0\.041 Hz apart"):
+    with pytest.warns(ar.AntiresWarning, match=r"holds 40 lines.*carry 8 orders.*want 48.*0\.041 Hz apart"):
         few = zeros_of(frfs, (24.01, 26.01))
     # Of one mode and fine lines they are enough all the same.
     assert few[0] == pytest.approx([damped_zeros()[1]], rel=2e-3)
-    coarse = FrequencyResponse(frfs.freq_hz[::30], frfs.values[:, ::30], dofs=frfs.dofs)
-    with pytest.warns(AntiresWarning, match="want 48 lines"):
+    coarse = ar.FrequencyResponse(frfs.freq_hz[::30], frfs.values[:, ::30], dofs=frfs.dofs)
+    with pytest.warns(ar.AntiresWarning, match="want 48 lines"):
         zeros_of(coarse)
 
 
@@ -204,7 +201,7 @@ def test_known_noise_says_the_same_on_both_routes():
     ratios = []
     for seed in range(80, 84):
         frfs = free_chain(noise=0.01, seed=seed, sensors=(0, 2, 5))
-        known = FrequencyResponse(
+        known = ar.FrequencyResponse(
             frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std * np.ones(frfs.values.shape)
         )
         responses, forces = (zeros_of(known, route=route) for route in ("transmissibility", "frf"))
@@ -238,7 +235,7 @@ def hiding_chain(noise, seed):
     parts = [
         np.sqrt(eigh(stiffness[s, s], np.diag(mass[s]))[0]) / (2 * np.pi) for s in (slice(0, 2), slice(3, 5))
     ]
-    return FrequencyResponse(freq, values.T.copy(), dofs=list(range(5))), parts
+    return ar.FrequencyResponse(freq, values.T.copy(), dofs=list(range(5))), parts
 
 
 @pytest.mark.parametrize("noise", [0.002, 0.005])

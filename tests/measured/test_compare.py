@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError
 from antires_rs.measured.matching import paired
 
 CASE = ar.cases.chain8()
@@ -137,7 +136,7 @@ ONE = ar.AntiresonanceSet(0, {0: [8.7], 1: [14.4]})
     ],
 )
 def test_bad_arguments_of_compare_are_named(a, b, options, name):
-    with pytest.raises(InvalidInputError, match=f"^{name}: got "):
+    with pytest.raises(ar.InvalidInputError, match=f"^{name}: got "):
         ar.compare(a, b, **options)
 
 

@@ -6,16 +6,15 @@ import pickle
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import InvalidInputError
+import antires_rs as ar
 from antires_rs.io.data_frames import rows_of
-from antires_rs.measured.antiresonance_set import AntiresonanceSet
 from antires_rs.measured.edits import Edit
 
 HOW = ["chain", "persistent", "chain"]
 
 
 def scored():
-    return AntiresonanceSet(
+    return ar.AntiresonanceSet(
         0,
         {0: [36.2, 12.2, 20.0], 1: [8.0], 2: []},
         damping_ratio={0: [0.02, 0.01, 0.03]},
@@ -75,7 +74,7 @@ def test_edits_are_printed_and_survive_the_file(tmp_path):
     assert str(made).splitlines()[-1] == f"edited by hand: {told}"
     assert "by hand" not in str(scored())
     made.save(tmp_path / "set.json")
-    back = AntiresonanceSet.load(tmp_path / "set.json")
+    back = ar.AntiresonanceSet.load(tmp_path / "set.json")
     assert back == made
     assert (back.edits, back.original(), str(back)) == (made.edits, scored(), str(made))
     assert back.original().scores[0]["rows"].dtype.kind == "i"
@@ -109,7 +108,7 @@ def test_edits_are_printed_and_survive_the_file(tmp_path):
     ],
 )
 def test_what_cannot_be_edited_is_told(call, said):
-    with pytest.raises(InvalidInputError, match=said):
+    with pytest.raises(ar.InvalidInputError, match=said):
         call(scored())
 
 
@@ -154,7 +153,7 @@ def test_a_set_cannot_be_changed(copied):
 
 def test_what_goes_in_is_copied_and_evidence_stays_with_edits():
     values, damping, check, cross = np.array([1.0, 2.0]), np.array([0.1, 0.2]), object(), object()
-    made = AntiresonanceSet(0, {0: values}, {0: damping}, data_check=check, cross_check=cross)
+    made = ar.AntiresonanceSet(0, {0: values}, {0: damping}, data_check=check, cross_check=cross)
     values[:], damping[:] = 5.0, 5.0
     assert made[0].tolist() == [1.0, 2.0]
     assert made.damping_ratio[0].tolist() == [0.1, 0.2]

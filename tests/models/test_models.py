@@ -52,8 +52,8 @@ def test_a_matrix_model_returns_the_matrices_it_was_given():
 @pytest.mark.parametrize(
     ("k_mat", "m_mat", "said"),
     [
-        (np.diag([1.0, 0.0]), np.diag([1.0, 0.0]), ""),  # a motion with neither mass nor stiffness
-        (np.diag([1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]]), ""),  # an indefinite mass
+        (np.diag([1.0, 0.0]), np.diag([1.0, 0.0]), "."),  # a motion with neither mass nor stiffness
+        (np.diag([1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]]), "."),  # an indefinite mass
         (np.diag([100.0, -1.0]), np.eye(2), "stiffness is indefinite"),
     ],
 )

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import InvalidInputError
-from antires_rs.signals.frequency_response import FrequencyResponse
-from antires_rs.signals.recording import Recording
+import antires_rs as ar
 from tests.support.refusals import each_of
 
 DATA = np.arange(20.0).reshape(2, 10)
@@ -14,7 +12,7 @@ FREQ = np.array([1.0, 2.0, 3.0])
 
 def test_recording_holds_copies_that_cannot_change():
     source = DATA.copy()
-    rec = Recording(source, 5.0, dofs=["a", 3], force=np.ones(10))
+    rec = ar.Recording(source, 5.0, dofs=["a", 3], force=np.ones(10))
     source[:] = -1.0
     assert (rec.n_channels, rec.n_samples, rec.duration_s) == (2, 10, 2.0)
     assert rec.dofs == ("a", 3)
@@ -24,7 +22,7 @@ def test_recording_holds_copies_that_cannot_change():
     with pytest.raises(AttributeError):
         rec.fs_hz = 7.0
     # What is read-only and its own is not copied again.
-    assert np.shares_memory(rec.responses, Recording(rec.responses, 5.0).responses)
+    assert np.shares_memory(rec.responses, ar.Recording(rec.responses, 5.0).responses)
 
 
 #: Values that an argument cannot have, and words of the error.
@@ -48,42 +46,42 @@ OF_RESPONSE = {
 
 @pytest.mark.parametrize(
     ("make", "argument", "case"),
-    [(Recording, *each) for each in each_of(OF_RECORDING)]
-    + [(FrequencyResponse, *each) for each in each_of(OF_RESPONSE)],
+    [(ar.Recording, *each) for each in each_of(OF_RECORDING)]
+    + [(ar.FrequencyResponse, *each) for each in each_of(OF_RESPONSE)],
 )
 def test_what_cannot_be_is_refused(make, argument, case):
     value, hint = case
     usual = (
-        {"responses": DATA, "fs_hz": 5.0} if make is Recording else {"freq_hz": FREQ, "values": np.ones(3)}
+        {"responses": DATA, "fs_hz": 5.0} if make is ar.Recording else {"freq_hz": FREQ, "values": np.ones(3)}
     )
-    with pytest.raises(InvalidInputError, match=f"(?s)^{argument}: got .*{hint}"):
+    with pytest.raises(ar.InvalidInputError, match=f"(?s)^{argument}: got .*{hint}"):
         make(**(usual | {argument: value}))
 
 
 def test_transmissibilities_hold_a_row_of_ones():
-    with pytest.raises(InvalidInputError, match="^reference: got .*row of ones"):
-        FrequencyResponse(FREQ, np.ones(3), kind="transmissibility")
-    with pytest.raises(InvalidInputError, match="^values: got .*Divide"):
-        FrequencyResponse(FREQ, [[2, 2, 2], [1, 1, 1]], kind="transmissibility", reference=0)
+    with pytest.raises(ar.InvalidInputError, match="^reference: got .*row of ones"):
+        ar.FrequencyResponse(FREQ, np.ones(3), kind="transmissibility")
+    with pytest.raises(ar.InvalidInputError, match="^values: got .*Divide"):
+        ar.FrequencyResponse(FREQ, [[2, 2, 2], [1, 1, 1]], kind="transmissibility", reference=0)
 
 
 def test_response_accepts_a_vector_as_one_output():
-    resp = FrequencyResponse(FREQ, [1, 2j, 3])
+    resp = ar.FrequencyResponse(FREQ, [1, 2j, 3])
     assert resp.values.shape == (1, 3)
     assert (resp.kind, resp.n_outputs, resp.n_freq, resp.dofs) == ("frf", 1, 3, (0,))
 
 
 def test_the_deviation_follows_from_coherence_and_averages_unless_given():
     values, coherence = [1.0, 2j, 3.0], [0.5, 0.8, 0.0]
-    derived = FrequencyResponse(FREQ, values, coherence=coherence, n_averages=11)
+    derived = ar.FrequencyResponse(FREQ, values, coherence=coherence, n_averages=11)
     # abs(H) sqrt((1 - g2) / (2 g2 (n - 1))); without coherence a value says nothing.
     assert np.allclose(derived.std[0, :2], [np.sqrt(0.05), 2 * np.sqrt(0.0125)])
     assert derived.std[0, 2] > 1e5
     assert derived.n_averages == 11.0
-    given = FrequencyResponse(FREQ, values, coherence=coherence, n_averages=11, std=[0.1, 0.2, 0.3])
+    given = ar.FrequencyResponse(FREQ, values, coherence=coherence, n_averages=11, std=[0.1, 0.2, 0.3])
     assert given.std.tolist() == [[0.1, 0.2, 0.3]]
     with pytest.raises(ValueError, match="read-only"):
         given.std[0, 0] = 1.0
     alone = {"coherence": coherence}
     for unknown in ({}, alone, {"n_averages": 5}, alone | {"n_averages": 1}):
-        assert FrequencyResponse(FREQ, values, **unknown).std is None
+        assert ar.FrequencyResponse(FREQ, values, **unknown).std is None

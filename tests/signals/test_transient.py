@@ -5,24 +5,21 @@ from functools import cache
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import UnsuitableDataError
-from antires_rs.identification.identify import identify_antiresonances
+import antires_rs as ar
 from antires_rs.signals.averaging import find_events, is_transient, transient_spectra
-from antires_rs.signals.recording import Recording
-from antires_rs.signals.transfer_functions import frf, transmissibility
 from reference.virtual_records import accelerance, hit_record, random_record, true_antiresonances
 from tests.support.checked_records import FS, MASS, STIFFNESS
 
 
 def hit(**kwargs):
     responses, force = hit_record(STIFFNESS, MASS, **kwargs)
-    return Recording(responses, FS, force=force)
+    return ar.Recording(responses, FS, force=force)
 
 
 @pytest.mark.parametrize(("seed", "damping"), [(0, 0.002), (1, 0.02), (2, 0.002)])
 def test_steady_vibration_is_not_taken_for_a_hit(seed, damping):
     responses, _ = random_record(STIFFNESS, MASS, seed=seed, duration_s=30.0, damping_ratio=damping)
-    assert not is_transient(Recording(responses, FS))
+    assert not is_transient(ar.Recording(responses, FS))
 
 
 @pytest.mark.parametrize(("times", "noise"), [((0.5,), 0.01), ((0.5, 10.0, 22.0), 0.0)])
@@ -40,7 +37,7 @@ def test_hits_are_found_where_they_are(times, noise):
 
 def test_a_whole_hit_gives_the_frf():
     rec = hit(duration_s=32.0, damping_ratio=0.02)
-    got = frf(rec, method="transient")
+    got = ar.frf(rec, method="transient")
     exact = accelerance(STIFFNESS, MASS, 0, got.freq_hz, 0.02)
     inside = (got.freq_hz > 2) & (got.freq_hz < 130)
     # The decay fits: exp(-2 pi 0.02 22.8 Hz 31 s) is nil; what is left is the cut at 0 Hz.
@@ -50,26 +47,26 @@ def test_a_whole_hit_gives_the_frf():
 
 def test_welch_on_a_decay_is_refused_unless_forced():
     rec = hit()
-    with pytest.raises(UnsuitableDataError, match="method='transient'"):
-        transmissibility(rec, 0, nperseg=512)
-    with pytest.raises(UnsuitableDataError, match="decay"):
-        frf(rec, nperseg=512)
-    assert transmissibility(rec, 0, nperseg=512, method="welch").n_freq == 257
+    with pytest.raises(ar.UnsuitableDataError, match="method='transient'"):
+        ar.transmissibility(rec, 0, nperseg=512)
+    with pytest.raises(ar.UnsuitableDataError, match="decay"):
+        ar.frf(rec, nperseg=512)
+    assert ar.transmissibility(rec, 0, nperseg=512, method="welch").n_freq == 257
 
 
 def test_a_record_that_starts_after_the_hit_is_refused():
     rec = hit(duration_s=16.0)
-    late = Recording(rec.responses[:, 400:], FS)
+    late = ar.Recording(rec.responses[:, 400:], FS)
     assert is_transient(late)
-    with pytest.raises(UnsuitableDataError, match="pre-trigger"):
-        identify_antiresonances(late, excitation=0, band_hz=(5, 130))
+    with pytest.raises(ar.UnsuitableDataError, match="pre-trigger"):
+        ar.identify_antiresonances(late, excitation=0, band_hz=(5, 130))
 
 
 @cache
 def identified(*times):
     # One hit, no averages: noise is 1e-4 of each channel's rms over the whole record.
     rec = hit(hit_times_s=times, duration_s=32.0, noise=1e-4, seed=8)
-    return identify_antiresonances(Recording(rec.responses, FS), excitation=0, band_hz=(5, 130))
+    return ar.identify_antiresonances(ar.Recording(rec.responses, FS), excitation=0, band_hz=(5, 130))
 
 
 @pytest.mark.parametrize("times", [(0.5,), (0.5, 16.0)])
@@ -87,7 +84,7 @@ def test_the_windows_damping_is_taken_off():
     assert transient_spectra(short).added_decay_per_s > 0.5
     assert transient_spectra(short, window="rectangular").added_decay_per_s == 0.0
     long = identified(0.5)
-    found = identify_antiresonances(short, excitation=0, band_hz=(10, 130))
+    found = ar.identify_antiresonances(short, excitation=0, band_hz=(10, 130))
     for dof in (2, 3, 4):
         inside = long[dof] > 10.0
         assert np.allclose(found[dof], long[dof][inside], rtol=5e-3)
