@@ -82,7 +82,7 @@ def test_modes_that_pass_each_other_are_followed():
     assert result.severity[0] == pytest.approx(0.2, abs=0.01)
 
 
-def test_modes_that_are_lost_and_modes_without_errors_stated():
+def test_lost_modes_no_stated_errors_several_setups_and_no_baseline():
     rng, factors = truth(40)
     now = measured(chain(factors, [0, 0, 0, 0.35, 0]), rng, n_modes=5, stated=False)
     before = measured(chain(factors), rng, stated=False)
@@ -91,9 +91,7 @@ def test_modes_that_are_lost_and_modes_without_errors_stated():
     assert abs(result.severity[3] - 0.35) < 0.04
     assert any("shape's length" in note for note in result.notes)
     assert result.assessment.n_baselines == 2
-
-
-def test_several_setups_of_sensors_each_with_its_own_shapes():
+    # Several setups of sensors, each with its own shapes.
     rng, factors = truth(50)
     setups = [0, 1, 2, 3], [5, 4, 3]
     now = [measured(chain(factors, [0, 0.3, 0, 0, 0]), rng, dofs) for dofs in setups]
@@ -101,6 +99,10 @@ def test_several_setups_of_sensors_each_with_its_own_shapes():
     result = ar.assess_damage(NOMINAL, now, baseline=before)
     assert result.damaged == [1]
     assert abs(result.severity[1] - 0.3) < 0.03
+    # Without a baseline modes have probabilities too.
+    rng = np.random.default_rng(62)
+    result = ar.assess_damage(NOMINAL, measured(chain(np.ones(2 * N), [0, 0.4, 0, 0, 0]), rng), rng=0)
+    assert result.probability[1] > 0.9
 
 
 def test_files_of_modes(tmp_path):
@@ -126,9 +128,3 @@ def test_kinds_and_sensors_that_do_not_fit_are_refused():
         ar.assess_damage(NOMINAL, modes, baseline=measured(chain(factors), rng, dofs=[0, 1]))
     with pytest.raises(ar.InvalidInputError, match="std_shapes"):
         ar.ModalSet([1.0], [[1.0, 2.0]], std_shapes=[-0.1])
-
-
-def test_without_a_baseline_modes_have_probabilities_too():
-    rng = np.random.default_rng(62)
-    result = ar.assess_damage(NOMINAL, measured(chain(np.ones(2 * N), [0, 0.4, 0, 0, 0]), rng), rng=0)
-    assert result.probability[1] > 0.9

@@ -25,9 +25,7 @@ def test_an_intact_chain_beside_the_model_is_not_said_to_be_damaged_without_rese
     assert first.endswith("if the model is exact")
     assert "an error of the model comes out as damage" in result.headline
     assert "nothing has changed" not in result.headline
-
-
-def test_headline_and_severity_agree_whatever_the_hypotheses_say():
+    # Headline and severity agree whatever the hypotheses say.
     exact = measured(chain(np.ones(12)), np.random.default_rng(96), std=1e-7)
     result = ar.assess_damage(NOMINAL, exact, rng=0)
     assert result.damaged == []

@@ -91,7 +91,7 @@ def test_same_bits_for_any_number_of_workers_and_others_for_another_seed(one):
     assert first != other
 
 
-def test_the_mixture_holds_every_near_set():
+def test_the_mixture_holds_every_near_set_and_nothing_where_nothing_is_declared():
     """Two springs, one with so little damage that it may be none."""
     sure = assessed(44, [0, 0.3, 0, 0.002, 0]).intervals("ensemble", draws=400)
     assert len(sure.sets) > 1
@@ -100,9 +100,6 @@ def test_the_mixture_holds_every_near_set():
     for each in sure.sets:
         own = (sure.mixture > 0.0) == np.isin(np.arange(N - 1), each.elements)
         assert abs(own.all(axis=1).mean() - each.confirmed) < 0.1
-
-
-def test_nothing_declared_is_nothing():
     sure = assessed(42, np.zeros(N - 1)).intervals("ensemble", draws=50)
     assert set(sure.words) == {"not damaged"}
     assert not sure.draws.any()

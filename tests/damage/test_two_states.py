@@ -26,15 +26,12 @@ def has_note(result, beginning):
 
 
 # -- Responses of one state only
-def test_responses_of_one_state_only_are_told():
+def test_responses_of_one_state_only_are_told_and_must_not_be_all():
     before, now = states(60)
     result = assess(changed(now, dofs=range(4)), changed(before, dofs=range(1, 5)))
     assert has_note(result, "Measured now only: mass 0 (force at mass 0), mass 0 (force")
     assert has_note(result, "Measured intact only: mass 4")
     assert not any("only:" in note for note in assess(now, before).notes)
-
-
-def test_states_with_no_response_in_common_are_refused():
     before, now = states(61)
     with pytest.raises(ar.InvalidInputError, match="mass 3.*wanted values at some of the dofs of measured"):
         assess(changed(now, dofs=(0, 1, 2)), changed(before, dofs=(3, 4)))
@@ -54,15 +51,13 @@ def test_the_odd_one_of_three_intact_tests_is_named(seed, odd, loss):
     assert result.headline.startswith(f"The baseline contradicts itself: baseline set {nth} differs")
 
 
-def test_of_two_that_disagree_none_is_named_alone():
+def test_of_two_that_disagree_none_is_named_alone_and_no_damage_is_confident():
     rng, factors = truth(65)
     before = [measured(chain(factors, losses), rng)[0] for losses in (None, [0, 0.3, 0, 0, 0])]
     result = assess(measured(chain(factors, (0, 0, 0.3, 0, 0)), rng)[:1], before)
     assert result.assessment.odd_baselines == (0, 1)
     assert "which of them is wrong cannot be told" in result.headline
-
-
-def test_baselines_that_are_scaled_give_no_confident_damage():
+    # Baselines that are scaled give no confident damage.
     before, now = states(91, (0, 0, 0, 0, 0.3))
     headline = assess(now, [*before, *changed(before, 1.03)]).headline
     assert headline.startswith("The baseline contradicts itself")
@@ -322,6 +317,12 @@ def test_probabilities_add_up_and_severities_are_those_of_the_first_hypothesis()
     found = dict(zip(best.elements, best.severities, strict=True))
     assert result.severity == {e: found.get(e, 0.0) for e in range(5)}
     assert result.chi_square < 3.0
+    # Intact tests that scatter more than they say widen everything.
+    rng, factors = truth(40)
+    now, *before = (changed(measured(chain(factors), rng), std=0.2) for _ in range(4))
+    result = ar.assess_damage(NOMINAL, now, baseline=[each for test in before for each in test])
+    assert 3.5 < result.assessment.scatter < 7.0
+    assert result.damaged == []
 
 
 def test_same_bits_for_any_number_of_workers():
@@ -350,14 +351,6 @@ def test_intervals_hold_nine_of_ten(tests, fewest, most):
         widths.append(high - low)
     assert fewest <= held <= most
     assert max(widths) < 0.01
-
-
-def test_intact_tests_that_scatter_more_than_they_say_widen_everything():
-    rng, factors = truth(40)
-    now, *before = (changed(measured(chain(factors), rng), std=0.2) for _ in range(4))
-    result = ar.assess_damage(NOMINAL, now, baseline=[each for test in before for each in test])
-    assert 3.5 < result.assessment.scatter < 7.0
-    assert result.damaged == []
 
 
 BEFORE, NOW = states(7, (0, 0.4, 0, 0, 0))

@@ -88,12 +88,15 @@ def test_a_strong_antiresonance_that_is_missing_is_a_candidate(record, truth, me
     )
 
 
-def test_frfs_of_one_channel_go_by_their_reciprocal():
+def test_one_channel_goes_by_the_reciprocal_of_its_frf_and_has_no_quotient(record):
     freq = np.linspace(*BAND, 400)
     h = CHAIN.frf([0], 0, freq, damping_ratio=0.01)
     truth = CHAIN.antiresonances(0, 0)
     compared = cross_check(ar.FrequencyResponse(freq, h, [0]), {0: truth}, band_hz=BAND)
     assert compared.confirmed[0].all()
+    alone = ar.Recording(record.responses[:1], record.fs_hz, [0])
+    with pytest.raises(ar.UnsuitableDataError, match="single channel and no force"):
+        cross_check(alone, {0: [1.0]}, band_hz=BAND)
 
 
 def test_what_all_channels_share_is_no_candidate():
@@ -108,7 +111,7 @@ def test_what_all_channels_share_is_no_candidate():
         assert not any(f.size for f in compared.candidates_hz.values())
 
 
-def test_a_set_with_its_cross_check_says_so_in_the_table(record, truth):
+def test_a_set_with_its_cross_check_says_so_in_the_table_and_in_words(record, truth):
     from antires_rs.io.data_frames import rows_of
 
     values = {dof: np.append(f, 3.0) for dof, f in truth.items()}
@@ -122,9 +125,6 @@ def test_a_set_with_its_cross_check_says_so_in_the_table(record, truth):
     assert said[0, float(truth[0][0])] is True
     assert said[0, 3.0] is False
     assert said[3, 5.0] is None  # added after the cross-check
-
-
-def test_it_reads_like_a_sentence(record, truth):
     compared = cross_check(record, {0: [3.0], 1: truth[1]}, band_hz=BAND)
     lines = str(compared).splitlines()
     assert lines[0] == "cross-check by vector fitting: 2 of 3 values confirmed within 1 %"
@@ -141,9 +141,3 @@ WRONG |= {"identified": [[1.0], {9: [1.0]}], "source": [3]}
 def test_bad_arguments_are_named(record, truth, argument, value):
     usual = {"source": record, "identified": truth, "band_hz": BAND}
     assert_refused(argument, cross_check, **(usual | {argument: value}))
-
-
-def test_a_single_response_without_force_has_no_quotient(record):
-    alone = ar.Recording(record.responses[:1], record.fs_hz, [0])
-    with pytest.raises(ar.UnsuitableDataError, match="single channel and no force"):
-        cross_check(alone, {0: [1.0]}, band_hz=BAND)

@@ -50,15 +50,12 @@ def test_chain8_with_one_percent_noise(seed):
     assert_all(zeros_of(record(0.01, seed)), 2e-3)
 
 
-def test_the_force_is_never_read():
+def test_the_force_is_never_read_and_its_place_needs_no_channel():
     rec = record(0.01, 5, 64.0)
     without = ar.Recording(rec.responses, FS)
     assert zeros_of(rec) == zeros_of(without)
     with pytest.raises(ar.UnsuitableDataError, match="needs none"):
         zeros_of(without, route="frf")
-
-
-def test_an_unrecorded_excitation_needs_no_channel():
     some = ar.Recording(record().responses[[1, 3, 6]], FS, dofs=["b", "d", "g"])
     found = zeros_of(some, excitation="a")
     assert found.excitation == "a"
@@ -66,7 +63,7 @@ def test_an_unrecorded_excitation_needs_no_channel():
         assert np.allclose(found[dof], TRUTH[row], rtol=1e-3)
 
 
-def test_one_set_of_transmissibilities_serves_all_dofs():
+def test_one_set_of_transmissibilities_serves_all_dofs_our_own_estimates_too():
     freq, values = exact().freq_hz, exact().values
     assert_all(zeros_of(exact()), 1e-3)  # abs(s) of the damped zero differs from the undamped root by zeta**2
     for reference in (0, 7):
@@ -74,16 +71,13 @@ def test_one_set_of_transmissibilities_serves_all_dofs():
             freq, values / values[reference], kind="transmissibility", reference=reference
         )
         assert_all(zeros_of(ratios), 1e-3)
+    assert_all(zeros_of(ar.frf(record(), nperseg=8192)), 5e-3)
+    assert_all(zeros_of(ar.transmissibility(record(), 4, nperseg=8192, estimator="rank1")), 5e-3)
 
 
 @pytest.mark.parametrize("estimator", some_of(["h1", "h2", "hv"]))
 def test_other_estimators_work_on_clean_records(estimator):
     assert sum(map(len, zeros_of(record(), estimator=estimator).values())) >= 27
-
-
-def test_responses_from_our_own_estimators_are_sources():
-    assert_all(zeros_of(ar.frf(record(), nperseg=8192)), 5e-3)
-    assert_all(zeros_of(ar.transmissibility(record(), 4, nperseg=8192, estimator="rank1")), 5e-3)
 
 
 def test_a_selection_of_dofs_and_the_band_are_kept():

@@ -42,13 +42,10 @@ def test_exact_frfs_of_any_quantity(power):
     assert (len(none), none.shapes.shape, repr(none)) == (0, (0, 8), "ModalSet(0 modes x 8 dofs)")
 
 
-def test_record_with_force_at_one_percent_noise():
+def test_a_record_at_one_percent_noise_with_force_and_without():
     # Measured: 6e-6 and 0.006. The bar is 0.1 %, 5 %, 0.99.
     assert_modes(ar.identify_modes(record(), band_hz=BAND), 1e-4, 0.02, mac=0.9999)
-
-
-def test_the_responses_alone():
-    """Scatter about twice that which no method beats; four standard deviations of it."""
+    # Scatter about twice that which no method beats; four standard deviations of it.
     found = ar.identify_modes(record(seed=13, duration_s=400.0), band_hz=BAND, route="responses")
     assert len(found) == 7
     cycles = TRUTH.freq_hz * 400.0
@@ -133,7 +130,7 @@ def test_bad_arguments_are_named(source, argument, value):
 
 
 # ---- the modal set -----------------------------------------------------------------------------------
-def test_mac_is_blind_to_complex_factors_and_looks_at_common_dofs():
+def test_mac_is_blind_to_complex_factors_and_to_real_takes_them_off():
     rng = np.random.default_rng(13)
     shapes = rng.standard_normal((3, 4)) + 1j * rng.standard_normal((3, 4))
     one = ar.ModalSet([1.0, 2.0, 3.0], shapes, dofs=["a", "b", "c", "d"])
@@ -145,9 +142,6 @@ def test_mac_is_blind_to_complex_factors_and_looks_at_common_dofs():
     fewer = ar.ModalSet([1.0], shapes[:1, 1:3], dofs=["b", "c"])
     assert fewer.mac(one).shape == (1, 3)
     assert fewer.mac(one)[0, 0] == pytest.approx(1.0)
-
-
-def test_to_real_turns_each_shape():
     modes = ar.ModalSet([1.0, 2.0], [[2j, -4j], [1 + 1j, 1 + 1j]], damping_ratio=[0.01, 0.02]).to_real()
     assert np.allclose(modes.shapes, [[-2.0, 4.0], [2**0.5, 2**0.5]])
     assert modes.damping_ratio.tolist() == [0.01, 0.02]

@@ -32,14 +32,11 @@ def test_chains_of_other_masses_and_supports(name):
     assert max(abs(value / true - 1.0) for value, true in pairs) < 5e-3
 
 
-def test_full_random_stiffness_at_one_percent_noise():
+def test_full_random_stiffness_and_unequal_sensors():
     # The bar of the project is 33 of 36; the false ones are dips of complex zeros, at most two a structure.
     pairs, _, false = zeros_of(structures.full_stiffness(SEED), 0.01)
     assert len(pairs) >= 33
     assert len(false) <= 1
-
-
-def test_unequal_sensors():
     pairs, missed, false = zeros_of(chain8(SEED), 0.01, "unequal")
     assert (len(pairs), missed, false) == (28, (), ())
 
@@ -107,7 +104,7 @@ def scores(chain, zeros):
     return there, found, false
 
 
-def test_the_orders_follow_the_data(chain, record):
+def test_the_orders_follow_the_data_and_a_highest_that_is_too_low_is_told(chain, record):
     # The limits are from chains of seeds 7, 8 and 100 to 106; with 60 orders more than half are missed.
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -117,9 +114,6 @@ def test_the_orders_follow_the_data(chain, record):
     assert found > 0.85 * there
     assert false <= 0.02 * there
     assert max(one.orders[-1] for one in zeros.diagrams.values()) > 90
-
-
-def test_a_highest_order_that_is_too_low_is_told(record):
     with pytest.warns(ar.exceptions.AntiresWarning, match="highest that is fitted, 60.*Leave max_order out"):
         zeros = identified(record, max_order=60)
     assert all(one.orders[-1] == 60 for one in zeros.diagrams.values())

@@ -45,19 +45,13 @@ def test_diagram_is_consistent():
         found.identified[0] = 0.0
 
 
-def test_noise_alone_gives_nothing():
+def test_noise_few_orders_and_cancelled_poles_give_nothing():
     rng = np.random.default_rng(4)
     values = rng.standard_normal((3, FREQ.size)) + 1j * rng.standard_normal((3, FREQ.size))
     assert stabilization(FREQ, values).identified.size == 0
-
-
-def test_more_than_min_rows_are_required():
     # The last pole appears at order 8 at the earliest: up to order 18 it can be stable ten times, not eleven.
     assert stabilization(FREQ, curves(1e-6), max_order=17).identified.size < 4
     assert stabilization(FREQ, curves(1e-6), max_order=17, min_rows=5).identified.size == 4
-
-
-def test_dominance_tells_a_cancelled_pole():
     # A pole with a residue of 1e-3 in a curve of order one is real in the data, but carries nothing.
     s = 1j * FREQ
     weak = curves(1e-7) + 1e-5 * 30.0**2 / (s**2 + 0.3 * s + 900.0)

@@ -247,14 +247,11 @@ def test_edits_and_files_keep_it(rich, tmp_path):
     assert "left out: 2 (2 no peak), see .left_out\nunexplained: 1, see .unexplained_hz" in str(rich)
 
 
-def test_other_names_keep_it_and_channels_unless_one_has_none(rich):
+def test_other_names_and_problems_keep_it_and_channels_unless_one_has_none(rich, tmp_path):
     named = rich.relabelled("a", {0: "a", 1: "b", 5: "c"})
     assert (named.sees, named.channels) == ("transmissibility", ("a", "b", "c"))
     assert_same_set(named.relabelled(0, {"a": 0, "b": 1, "c": 5}), rich)
     assert rich.relabelled(3, {0: 3, 1: 4}).channels == ()
-
-
-def test_problems_keep_it(rich, tmp_path):
     model = ar.MassSpringChain(np.full(7, 1.0), np.full(6, 5e3))
     problem = ar.UpdatingProblem(model, ar.stiffness_factor([0], bounds=(0.5, 1.5)), rich)
     ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=500)).save(tmp_path / "result.npz")
@@ -294,7 +291,7 @@ def as_read(values):
     return [None if value != value else value for value in values.tolist()]
 
 
-def test_every_number_is_read():
+def test_files_of_older_versions_are_read_with_every_number_and_edit(tmp_path):
     found, data = ar.AntiresonanceSet.load(FILE), json.loads(FILE.read_text())
     for tables, rows in ((found.tables, data["dofs"]), (found.original().tables, data["before_edits"])):
         assert list(tables) == [row["dof"] for row in rows] == [0, 2, 7]
@@ -306,9 +303,6 @@ def test_every_number_is_read():
                 assert as_read(table.scores[name]) == column
     assert found[7].size == 0
     assert found.original().scores[2]["rows"].dtype == np.int64
-
-
-def test_what_was_done_by_hand_is_known_again_and_written_as_it_was():
     found = ar.AntiresonanceSet.load(FILE)
     assert found.by_hand() == {(0, 125.0)}
     assert found.tables[0].by_hand.tolist() == [False] * 7 + [True]
@@ -318,9 +312,6 @@ def test_what_was_done_by_hand_is_known_again_and_written_as_it_was():
     assert found.original()[2].size == found[2].size + 1
     assert json.loads(found.to_json()) == json.loads(FILE.read_text())
     assert (found.sees, dict(found.left_out), dict(found.unexplained_hz)) == (None, {}, {})
-
-
-def test_files_of_version_1_still_load(tmp_path):
     path = tmp_path / "old.json"
     path.write_text(
         '{"format": "antires_rs.AntiresonanceSet", "version": 1, "excitation": 0, "dofs": ['

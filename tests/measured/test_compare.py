@@ -32,7 +32,7 @@ def damaged(loss):
     return ar.MassSpringChain([0.5593] + 7 * [0.4194], springs)
 
 
-def test_no_value_serves_twice_and_the_nearest_do_not_steal():
+def test_no_value_serves_twice_the_nearest_do_not_steal_and_pairs_do_not_cross():
     # Both of a lie nearest to 10.2: together they are worth most as neighbours in order.
     a, b = np.array([10.0, 10.3]), np.array([10.2, 10.6])
     assert paired(a, b, 0.05) == [(0, 0), (1, 1)]
@@ -45,9 +45,6 @@ def test_no_value_serves_twice_and_the_nearest_do_not_steal():
     known, seen = np.array([50.0]), np.array([50.5, 54.0])
     assert paired(known, seen, 0.12) == [(0, 0)]
     assert paired(known, seen, 0.12, worth=np.array([0.1, 1.0])) == [(0, 1)]
-
-
-def test_pairs_do_not_cross():
     rng = np.random.default_rng(1)
     for _ in range(50):
         a, b = (np.sort(rng.uniform(10.0, 20.0, n)) for n in rng.integers(1, 12, 2))

@@ -151,7 +151,7 @@ def test_a_set_cannot_be_changed(copied):
     assert made.by_hand() == {(1, 9.0)}
 
 
-def test_what_goes_in_is_copied_and_evidence_stays_with_edits():
+def test_what_goes_in_is_copied_and_edits_keep_evidence_and_names():
     values, damping, check, cross = np.array([1.0, 2.0]), np.array([0.1, 0.2]), object(), object()
     made = ar.AntiresonanceSet(0, {0: values}, {0: damping}, data_check=check, cross_check=cross)
     values[:], damping[:] = 5.0, 5.0
@@ -160,9 +160,6 @@ def test_what_goes_in_is_copied_and_evidence_stays_with_edits():
     for each in (made, made.drop(0, 1.0), copy.copy(made)):
         assert each.data_check is check
         assert each.cross_check is each.second_opinion is cross
-
-
-def test_edits_move_with_the_names():
     made = scored().drop(0, 12.2, reason="hum").add(1, 9.0).relabelled("hammer", {0: "tip", 2: 5})
     assert (made.excitation, list(made), dict(made.diagrams)) == ("hammer", ["tip", 5], {})
     assert made["tip"].tolist() == [20.0, 36.2]

@@ -47,11 +47,19 @@ def test_a_roving_hammer_by_reciprocity():
     assert {dof: f.size for dof, f in other.items()}[0] == merged[4].size
 
 
-def test_setups_that_agree_are_merged_in_silence():
+def test_setups_that_agree_are_merged_in_silence_and_others_not():
     # Set on seeds 0 and 1, looked at on these: no alarm, warnings being errors here.
     for seed in range(10, 30):
         rng = np.random.default_rng(seed)
         ar.merge_setups([setup(0, dofs, rng) for dofs in ((0, 1), (0, 2), (0, 3), (0, 4))], alpha=1e-3)
+    setups = [setup(0, dofs, np.random.default_rng(3)) for dofs in ((1, 2), (3, 4))]
+    with pytest.warns(ar.AntiresWarning, match="2 setups have no response in common"):
+        ar.merge_setups(setups)
+    sets = [ar.AntiresonanceSet(0, {0: f}) for f in ([8.7, 23.9], [8.7, 23.8], [8.8, 15.0, 23.9])]
+    merged = ar.merge_setups(sets)
+    assert merged[0].round(2).tolist() == [8.73, 23.87]
+    # Without stated deviations the scatter of the three is all there is.
+    assert merged.std_hz[0][0] == pytest.approx(0.1 / 3)
 
 
 def test_the_setup_that_disagrees_is_named():
@@ -69,20 +77,6 @@ def test_the_setup_that_disagrees_is_named():
     ar.merge_setups(setups, std_between=0.005)
     with pytest.warns(ar.AntiresWarning, match="Setups 0 and 1 disagree"):
         ar.merge_setups(setups[1:3])
-
-
-def test_setups_with_nothing_in_common_are_said_to_be_untested():
-    setups = [setup(0, dofs, np.random.default_rng(3)) for dofs in ((1, 2), (3, 4))]
-    with pytest.warns(ar.AntiresWarning, match="2 setups have no response in common"):
-        ar.merge_setups(setups)
-
-
-def test_a_value_that_one_of_three_shows_is_left_out():
-    sets = [ar.AntiresonanceSet(0, {0: f}) for f in ([8.7, 23.9], [8.7, 23.8], [8.8, 15.0, 23.9])]
-    merged = ar.merge_setups(sets)
-    assert merged[0].round(2).tolist() == [8.73, 23.87]
-    # Without stated deviations the scatter of the three is all there is.
-    assert merged.std_hz[0][0] == pytest.approx(0.1 / 3)
 
 
 ONE, OTHER = (setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1))
@@ -245,7 +239,7 @@ def test_bad_arguments_of_track_are_named(sets, options, name):
         ar.track(sets, **options)
 
 
-def test_what_was_seen_once_does_not_take_over_what_drifts_past_its_place():
+def test_what_was_seen_once_or_not_for_long_takes_nothing_over():
     # A value drifts by a tenth over 400 tests; now and then a false one lies where it will be later.
     rng = np.random.default_rng(3)
     true = 30.0 + 3.0 * np.arange(400) / 400 + 0.005 * rng.standard_normal(400)
@@ -254,8 +248,6 @@ def test_what_was_seen_once_does_not_take_over_what_drifts_past_its_place():
     seen = np.sum(~np.isnan(followed.freq_hz), axis=0)
     assert np.array_equal(followed.freq_hz[:, np.argmax(seen)], true)
 
-
-def test_what_was_not_seen_for_long_is_new_when_it_comes():
     def kinds_after(gap):
         tests = [[10.0, 20.0], *([[10.0]] * gap), [10.0, 20.0]]
         return kinds(ar.track(sets_of(*tests)))[1:]

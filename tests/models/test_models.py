@@ -234,16 +234,13 @@ def test_one_triangle_is_told_and_not_to_be_halved(sparse, half, word):
     np.testing.assert_array_equal(ar.MatrixModel(whole, M).stiffness().toarray(), K)
 
 
-def test_hysteretic_damping_is_left_out_with_a_word():
+def test_hysteretic_damping_and_masses_below_zero_by_rounding_are_left_out_with_a_word():
     with pytest.warns(ar.AntiresWarning, match="stiffness: its imaginary part, 0.04 of the real one") as said:
         model = ar.MatrixModel(K * (1.0 + 0.04j), M)
     assert said[0].filename == __file__
     np.testing.assert_array_equal(model.antiresonances(2, 5), ar.MatrixModel(K, M).antiresonances(2, 5))
     complex_but_real = ar.MatrixModel(scipy.sparse.csr_array(K.astype(complex)), M)
     np.testing.assert_array_equal(complex_but_real.stiffness().toarray(), K)
-
-
-def test_masses_below_zero_by_rounding_count_as_none():
     m = M.copy()
     m[3, 3] = 0.0
     without = ar.MatrixModel(K, m)

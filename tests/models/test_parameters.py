@@ -148,7 +148,7 @@ def test_all_kinds_mix_with_terms_and_names_carry_units():
     assert MODEL.sections["pipe"].thickness_m == 0.0015  # the model itself is as it was
 
 
-def test_moves_act_in_their_order():
+def test_moves_act_in_their_order_and_loops_move_as_a_whole():
     parameters = [
         ar.angle([2, 3], 2, bounds_deg=TURN),
         ar.length(2, pivot=2, bounds=(0.5, 2.0)),
@@ -166,6 +166,10 @@ def test_moves_act_in_their_order():
         "position of node 0, node 5 along (0, 1, 0) (m)",
         "position of node 0 along (0.6, 0.8, 0) (m)",
     ]
+    longer = LOOP.with_parameters(ar.length([0], pivot=0, bounds=BOUNDS), [1.05])
+    np.testing.assert_allclose(longer.nodes_m[1:], NODES[1:] + [0.025, 0.001], atol=1e-15)
+    shifted = LOOP.with_parameters(ar.position(4, "x", bounds_m=SHIFT), [0.05])
+    np.testing.assert_allclose(shifted.nodes_m, moved(4, [0.05, 0.0])["nodes"], atol=1e-15)
 
 
 def test_parameters_act_one_after_the_other_and_the_description_tells_them():
@@ -193,13 +197,6 @@ def test_an_updating_applies_what_it_found():
     assert applied.values.tolist() == [0.3, 0.0]  # snapped, as it is evaluated
     assert applied.parameters == problem.parameters
     same_matrices(model, CHAIN.with_parameters(problem.parameters, [0.3, 0.0]), within=0.0)
-
-
-def test_a_loop_moves_as_a_whole_or_by_position():
-    longer = LOOP.with_parameters(ar.length([0], pivot=0, bounds=BOUNDS), [1.05])
-    np.testing.assert_allclose(longer.nodes_m[1:], NODES[1:] + [0.025, 0.001], atol=1e-15)
-    shifted = LOOP.with_parameters(ar.position(4, "x", bounds_m=SHIFT), [0.05])
-    np.testing.assert_allclose(shifted.nodes_m, moved(4, [0.05, 0.0])["nodes"], atol=1e-15)
 
 
 @pytest.mark.parametrize("degrees", [3.0, 45.0, 90.0, 170.0])

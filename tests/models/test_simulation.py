@@ -16,16 +16,13 @@ def record(**options):
     return MODEL.simulate(**(settings | options))
 
 
-def test_shape_rate_dofs_and_force():
+def test_shape_rate_dofs_and_force_and_the_same_record_for_a_seed():
     made = record(responses=[2, 0])
     assert (made.responses.shape, made.fs_hz, made.dofs) == ((2, 8192), FS_HZ, (2, 0))
     assert made.force.shape == (8192,)
     assert made.force.std() == pytest.approx(1.0, rel=RECORD_STATISTICS)
     everything = record()
     assert everything.dofs == (0, 1, 2)
-
-
-def test_the_same_seed_makes_the_same_record():
     np.testing.assert_array_equal(record(noise=0.1).responses, record(noise=0.1).responses)
     generators = [np.random.default_rng(8) for _ in range(2)]
     a, b = (record(rng=g) for g in generators)

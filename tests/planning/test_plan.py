@@ -303,15 +303,12 @@ def draw(rng, n, a90=0.05, slope=4.0):
     return severity, rng.uniform(size=n) < share
 
 
-def test_a_known_curve_is_found_again():
+def test_a_known_curve_is_found_again_and_its_bound_holds_in_95_of_100_studies():
     curve = fit_logit(*draw(np.random.default_rng(0), 4000))
     assert curve.a90 == pytest.approx(0.05, rel=0.06)
     assert curve.slope == pytest.approx(4.0, rel=0.06)
     assert curve.a50 == pytest.approx(0.05 * 9.0 ** (-1 / 4.0), rel=0.06)
     assert curve.at(np.array([curve.a90, curve.a50])) == pytest.approx([0.9, 0.5])
-
-
-def test_the_bound_holds_in_95_of_100_studies():
     rng = np.random.default_rng(1)
     held = sum(fit_logit(*draw(rng, 60)).bound >= 0.05 for _ in range(150))
     assert 0.90 * 150 <= held <= 0.995 * 150

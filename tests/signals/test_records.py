@@ -53,11 +53,18 @@ def test_a_second_force_is_named(noise, relative, other):
     assert finding.value > finding.limit
 
 
-def test_two_channels_and_few_averages_do_not_tell_a_second_force(good):
+def test_hits_on_two_points_tell_a_second_force_but_not_two_channels_or_few_averages(good):
     assert "two channels" in check(ar.Recording(good[0][[0, 5]], FS)).not_tested["one_force"]
     long = check(ar.Recording(good[0], FS), nperseg=32768)
     assert "independent averages" in long.not_tested["one_force"]
     assert [name for name, _ in seen(long)] == ["averages"]
+    times = 0.5 + 8.0 * np.arange(6)
+    options = {"duration_s": 48.5, "noise": 0.001}
+    same, _ = hit_record(STIFFNESS, MASS, hit_times_s=tuple(times), seed=61, **options)
+    assert check(ar.Recording(same, FS)).ok
+    here, _ = hit_record(STIFFNESS, MASS, hit_times_s=tuple(times[::2]), seed=62, **options)
+    there, _ = hit_record(STIFFNESS, MASS, excitation=4, hit_times_s=tuple(times[1::2]), seed=63, **options)
+    assert check(ar.Recording(here + there, FS)).named("one_force")[0].severity == "fatal"
 
 
 # ---- place of the force -----------------------------------------------------------------------------------
@@ -72,14 +79,7 @@ def test_every_wrong_place_is_named_and_the_right_one_suggested(with_force, nois
         assert finding.advice.startswith("Dof 0 ")
 
 
-def test_a_force_in_the_middle_is_found_there():
-    responses, _ = data(0.01, 56, excitation=3)
-    for stated in range(8):
-        named = check(ar.Recording(responses, FS), stated).named("force_location")
-        assert bool(named) == (stated != 3)
-
-
-def test_a_place_that_was_not_recorded_cannot_be_tested(good):
+def test_a_force_in_the_middle_is_found_and_one_that_was_not_recorded_cannot_be_tested(good):
     result = check(ar.Recording(good[0][1:], FS, dofs=range(1, 8)), 0)
     assert "was not recorded" in result.not_tested["force_location"]
     assert (
@@ -89,6 +89,10 @@ def test_a_place_that_was_not_recorded_cannot_be_tested(good):
     (finding,) = check(ar.Recording(good[0][1:], FS, dofs=range(1, 8)), 5).findings
     assert finding.severity == "warning"
     assert "No recorded dof would fit" in finding.advice
+    responses, _ = data(0.01, 56, excitation=3)
+    for stated in range(8):
+        named = check(ar.Recording(responses, FS), stated).named("force_location")
+        assert bool(named) == (stated != 3)
 
 
 # ---- resolution and length --------------------------------------------------------------------------------
@@ -111,7 +115,7 @@ def test_too_short_records_are_named(duration_s, severity):
 
 
 # ---- hits -------------------------------------------------------------------------------------------------
-def test_a_single_hit_says_what_it_cannot_tell():
+def test_a_single_hit_says_what_it_cannot_tell_and_a_missed_one_is_named():
     responses, force = hit_record(STIFFNESS, MASS, noise=0.001, seed=60)
     result = check(ar.Recording(responses, FS, force=force))
     assert result.ok
@@ -120,19 +124,6 @@ def test_a_single_hit_says_what_it_cannot_tell():
     # The place of the force needs no averages.
     for rec in (ar.Recording(responses, FS, force=force), ar.Recording(responses, FS)):
         assert check(rec, 3).fatal
-
-
-def test_hits_on_one_point_are_one_force_and_on_two_are_not():
-    times = 0.5 + 8.0 * np.arange(6)
-    options = {"duration_s": 48.5, "noise": 0.001}
-    same, _ = hit_record(STIFFNESS, MASS, hit_times_s=tuple(times), seed=61, **options)
-    assert check(ar.Recording(same, FS)).ok
-    here, _ = hit_record(STIFFNESS, MASS, hit_times_s=tuple(times[::2]), seed=62, **options)
-    there, _ = hit_record(STIFFNESS, MASS, excitation=4, hit_times_s=tuple(times[1::2]), seed=63, **options)
-    assert check(ar.Recording(here + there, FS)).named("one_force")[0].severity == "fatal"
-
-
-def test_a_record_that_starts_after_its_hit_is_named():
     responses, _ = hit_record(STIFFNESS, MASS, seed=64)
     result = check(ar.Recording(responses[:, 300:], FS), method="transient")
     assert result.fatal
@@ -229,12 +220,25 @@ def test_a_clipped_channel_is_named(good, low, high):
     assert beyond <= result.findings[0].value <= 1.3 * beyond
 
 
-def test_the_same_signal_twice_is_named(good):
+def test_doubled_integrated_late_and_noisy_channels_are_named(good):
     responses = good[0].copy()
     responses[6] = -2.0 * responses[1]
     result = check(ar.Recording(responses, FS))
     assert seen(result) == [("duplicated_channels", (1, 6))]
     assert "-2" in result.findings[0].text
+
+    def integral(f):
+        return (f > 1) / (2j * np.pi * np.maximum(f, 1))
+
+    result = check(changed(good, 4, lambda x: filtered(x, integral)))
+    assert seen(result) == [("quadrature", (4,))]
+    assert check(changed(good, 4, np.negative)).ok  # polarity cannot be seen
+    late = filtered(good[0][5], lambda f: np.exp(-2j * np.pi * f * 2 / FS))
+    assert seen(check(ar.Recording([good[0][0], late], FS))) == [("time_shift", (0, 1))]
+    rng = np.random.default_rng(58)
+    result = check(changed(good, 5, lambda x: x + 0.5 * x.std() * rng.standard_normal(x.size)))
+    assert result.ok
+    assert [(f.severity, f.where) for f in result.named("signal_to_noise")] == [("note", (5,))]
 
 
 def test_dropouts_and_spikes_are_named(good):
@@ -268,24 +272,3 @@ def test_an_antiresonance_in_a_narrow_band_is_no_delay(good, band):
     """Its turn, continued from there to 0 Hz, looked like tens of samples or like another quantity."""
     result = ar.check_data(ar.Recording(good[0], FS), excitation=0, band_hz=band)
     assert not result.named("time_shift") + result.named("quadrature")
-
-
-def test_a_velocity_among_accelerations_is_named(good):
-    def integral(f):
-        return (f > 1) / (2j * np.pi * np.maximum(f, 1))
-
-    result = check(changed(good, 4, lambda x: filtered(x, integral)))
-    assert seen(result) == [("quadrature", (4,))]
-    assert check(changed(good, 4, np.negative)).ok  # polarity cannot be seen
-
-
-def test_of_two_channels_the_pair_is_named(good):
-    late = filtered(good[0][5], lambda f: np.exp(-2j * np.pi * f * 2 / FS))
-    assert seen(check(ar.Recording([good[0][0], late], FS))) == [("time_shift", (0, 1))]
-
-
-def test_a_channel_under_its_noise_is_a_note(good):
-    rng = np.random.default_rng(58)
-    result = check(changed(good, 5, lambda x: x + 0.5 * x.std() * rng.standard_normal(x.size)))
-    assert result.ok
-    assert [(f.severity, f.where) for f in result.named("signal_to_noise")] == [("note", (5,))]

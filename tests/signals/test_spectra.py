@@ -159,14 +159,11 @@ def test_predicted_deviations_hold_line_by_line_on_a_structure():
         np.testing.assert_allclose(np.median(ratio, axis=1), 1.0, atol=0.1)
 
 
-def test_a_single_average_has_no_deviation():
+def test_a_single_average_has_no_deviation_and_the_sum_is_equation_10_as_printed():
     x = RNG.standard_normal((2, 1000))
     resp = ar.frf(ar.Recording(x, 100.0, force=x[0]), nperseg=1000)
     assert (resp.coherence, resp.std, resp.n_averages) == (None, None, 1.0)
     assert ar.transmissibility(ar.Recording(x, 100.0), 0, nperseg=1000, estimator="rank1").std is None
-
-
-def test_sum_is_equation_10_as_printed():
     values = [[1, 1], [1 - 2j, -3 + 1j], [-2 - 1j, 0.5j]]
     resp = ar.FrequencyResponse([1.0, 2.0], values, kind="transmissibility", reference=0)
     assert ar.transmissibility_sum(resp).tolist() == [3 + 3j, 3 + 1.5j]

@@ -45,16 +45,13 @@ def test_a_whole_hit_gives_the_frf():
     assert got.coherence is None
 
 
-def test_welch_on_a_decay_is_refused_unless_forced():
+def test_welch_on_a_decay_and_a_record_that_starts_after_the_hit_are_refused():
     rec = hit()
     with pytest.raises(ar.UnsuitableDataError, match="method='transient'"):
         ar.transmissibility(rec, 0, nperseg=512)
     with pytest.raises(ar.UnsuitableDataError, match="decay"):
         ar.frf(rec, nperseg=512)
     assert ar.transmissibility(rec, 0, nperseg=512, method="welch").n_freq == 257
-
-
-def test_a_record_that_starts_after_the_hit_is_refused():
     rec = hit(duration_s=16.0)
     late = ar.Recording(rec.responses[:, 400:], FS)
     assert is_transient(late)

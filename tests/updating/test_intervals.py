@@ -124,7 +124,7 @@ def test_the_model_error_is_told_and_widens(free_chain):
     assert 0.3 < result.chi_square < 2.5
 
 
-def test_one_sided_at_the_bound_and_a_profile_that_says_so():
+def test_one_sided_at_the_bound_and_fixed_where_damage_was_decided_to_be_none():
     """The truth is at 1.1, the upper bound as well."""
     result = springs(error=2e-3, bounds=(0.8, 1.1))
     found = result.intervals()
@@ -134,6 +134,11 @@ def test_one_sided_at_the_bound_and_a_profile_that_says_so():
     assert held.kind == "one-sided"
     assert held.high == 1.1
     assert held.rise.min() == 0.0
+    case = ar.cases.chain8()
+    found = ar.assess_damage(case.model, case.exact(1), rng=1).intervals()
+    assert [words == "fixed" for words in found.words] == [True] * 4 + [False] + [True] * 2
+    assert found.low[0] == found.high[0] == 0.0
+    assert found.low[4] < 0.55 < found.high[4]
 
 
 def test_a_profile_ends_where_the_refitted_sum_of_squares_says():
@@ -158,16 +163,13 @@ def test_a_profile_ends_where_the_refitted_sum_of_squares_says():
     assert held.low == pytest.approx(low, abs=0.02 * (high - low))
 
 
-def test_without_stated_errors_they_are_learned_and_said():
+def test_errors_that_are_not_stated_are_learned_and_modes_have_intervals_too():
     _, result = noisy_chain8(0.05, 2, 1e-3, stated=False)
     found = result.intervals()
     assert np.isnan(found.chi_square)
     assert any("are stated" in note for note in found.notes)
     assert 1e-3 < found.model_error < 4e-3  # of omega squared, the truth is 2e-3
     assert f"{50 * found.model_error:.2g} %" in str(found)
-
-
-def test_modes_have_intervals_too():
     case = ar.cases.chain8(perturbation=0.05, rng=3)
     exact, rng = case.exact_modes(), np.random.default_rng(3)
     shapes = exact.shapes * (1.0 + 0.01 * rng.standard_normal(exact.shapes.shape))
@@ -180,14 +182,6 @@ def test_modes_have_intervals_too():
     found = result.intervals()
     assert np.sum((found.low <= truth) & (truth <= found.high)) >= 5
     assert np.all(found.std < 0.03)
-
-
-def test_damage_that_was_decided_to_be_none_is_fixed():
-    case = ar.cases.chain8()
-    found = ar.assess_damage(case.model, case.exact(1), rng=1).intervals()
-    assert [words == "fixed" for words in found.words] == [True] * 4 + [False] + [True] * 2
-    assert found.low[0] == found.high[0] == 0.0
-    assert found.low[4] < 0.55 < found.high[4]
 
 
 def test_wrong_names_and_numbers_are_refused():

@@ -202,16 +202,13 @@ def test_damage_is_located_and_sized_from_a_noisy_record(seed):
         assert result.severity[DAMAGED] == pytest.approx(SEVERITY, abs=NOISY_SEVERITY)
 
 
-def test_an_undamaged_structure_comes_out_undamaged():
+def test_no_damage_comes_out_as_none_and_damage_where_no_candidate_is_with_a_doubt():
     record = CASE.experiment(noise=0.01, rng=2)
     zeros = ar.identify_antiresonances(record, excitation=CASE.excitation, band_hz=CASE.band_hz)
     np.testing.assert_array_equal(ar.assess_damage(CASE.model, zeros, rng=2).x, np.zeros(7))
     # Nor does what the penalties outweigh come out.
     np.testing.assert_array_equal(ar.update(CASE.search_problem(0, 0.06), rng=0).x, np.zeros(7))
-
-
-def test_damage_where_no_candidate_is_comes_with_a_doubt():
-    """A shear frame that has lost 30 % of its lowest storey, the spring to ground."""
+    # A shear frame that has lost 30 % of its lowest storey, the spring to ground.
 
     def frame(lowest):
         springs = [52.5e3, 52.5e3, 50e3, 50e3, 48e3]
@@ -257,7 +254,7 @@ def springs_off():
     return ar.UpdatingProblem(case.model, springs, case.exact(), weights=np.linspace(0.5, 1.0, 28))
 
 
-def test_linearizations_and_exchanges_are_told():
+def test_linearizations_exchanges_and_a_search_cut_short_are_told():
     problem = springs_off()
     result = ar.update(problem, rng=0)
     assert 0 < result.njev < result.nfev
@@ -268,9 +265,6 @@ def test_linearizations_and_exchanges_are_told():
     alone = ar.update(problem, rng=0, optimizer=ar.IslandGA.paper(max_evaluations=2000))
     assert (alone.njev, alone.search.options["polish"]) == (0, False)
     assert "linearizations)" not in alone.summary()
-
-
-def test_the_budget_counts_linearizations_too_and_a_search_cut_short_says_so():
     for most in (162, 165, 170):
         result = ar.update(springs_off(), rng=0, optimizer=ar.IslandGA(max_evaluations=most))
         assert result.nfev <= most
