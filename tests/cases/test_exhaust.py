@@ -160,9 +160,7 @@ def test_from_exact_values_the_update_and_the_crack_are_found(case):
     update = ar.update(baseline, rng=100, progress=False)
     assert update.table.largest_after_percent < 2.0
     problem = case.damage_problem(level=1, model=update.model)
-    found = ar.assess_damage(
-        update.model, problem.measured, elements=case.candidates, rng=100, progress=False
-    )
+    found = ar.assess_damage(update.model, problem.measured, elements=case.candidates, rng=100)
     severity = found.severity
     assert max(severity, key=severity.get) == case.cracked_element
     assert severity[case.cracked_element] == pytest.approx(case.truth(1)["equivalent_loss"], abs=0.03)
@@ -173,9 +171,8 @@ def test_from_exact_values_the_update_and_the_crack_are_found(case):
     "options", [{"wall_scatter": 0.05}, {"joint_m": 0.03}, {"shear_coefficient": "cowper"}, {"cord_kg": 0.2}]
 )
 def test_each_error_moves_the_resonances_by_some_per_cent(options):
-    changed, usual = (
-        ar.cases.exhaust(**given).truth()["resonances_hz"][crack.RIGID_MODES :] for given in (options, {})
-    )
+    both = (ar.cases.exhaust(**given).truth()["resonances_hz"] for given in (options, {}))
+    changed, usual = (hz[crack.RIGID_MODES :] for hz in both)
     assert 0.3 < 100.0 * np.abs(changed / usual - 1.0).max() < 15.0
 
 

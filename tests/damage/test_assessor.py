@@ -33,9 +33,8 @@ def test_the_same_answer_as_the_full_run(seed, n_damaged):
     """Severities from the smallest that are seen to most of the element; seeds that nothing was set on."""
     rng = np.random.default_rng([seed, n_damaged])
     losses = np.zeros(N - 1)
-    losses[rng.choice(N - 1, n_damaged, replace=False)] = np.exp(
-        rng.uniform(np.log(0.01), np.log(0.8), n_damaged)
-    )
+    places = rng.choice(N - 1, n_damaged, replace=False)
+    losses[places] = np.exp(rng.uniform(np.log(0.01), np.log(0.8), n_damaged))
     before, now = states(seed, losses)
     quick, full = assessor(before).assess(now), full_run(before, now)
     if quick.full_run_wanted:
@@ -91,8 +90,7 @@ def test_a_small_damage_that_errors_of_three_times_their_size_explain_too(seed):
     dofs, model = [0, 1, 3, 4, 5], ar.MassSpringChain(MASSES, [5e4] * 5)
     before, now = of_chain(SPRINGS, dofs, 1), of_chain(SPRINGS * [1, 1, 1, 0.98, 1], dofs, seed)
     quick, full = (
-        assessor(before, model).assess(now).hypotheses[0],
-        full_run(before, now, model).hypotheses[0],
+        each.hypotheses[0] for each in (assessor(before, model).assess(now), full_run(before, now, model))
     )
     assert quick.elements == full.elements == (3,)
     assert quick.probability == pytest.approx(full.probability, abs=0.03)

@@ -143,16 +143,14 @@ def test_among_hundreds_of_roots_a_wide_first_association_does_not_decide():
     sensors = [model.dof(int(node), "uvw"[i % 3]) for i, node in enumerate(nodes)]
     force, limit_hz = sensors[2], float(model.modes(n_modes=30).freq_hz[-1])
     groups = grouped(mesh, n_groups)
-    unknown = [
-        each for kind in (ar.stiffness_factor, ar.mass_factor) for each in of_groups(kind, groups, (0.1, 2.0))
-    ]
+    kinds = ar.stiffness_factor, ar.mass_factor
+    unknown = [each for kind in kinds for each in of_groups(kind, groups, (0.1, 2.0))]
     scatter = np.repeat([off_stiffness, off_mass], n_groups)
     structure = model.with_parameters(unknown, 1.0 + scatter * rng.standard_normal(2 * n_groups))
     rng.integers(n_groups)
     before = measured(structure, sensors, force, limit_hz, rng)
-    question = Question(
-        with_groups(mesh, model, groups), (before,), (before,), tuple(range(n_groups)), ar.DamagePrior()
-    )
+    parted, elements = with_groups(mesh, model, groups), tuple(range(n_groups))
+    question = Question(parted, (before,), (before,), elements, ar.DamagePrior())
     error = question.prepared(1).likelihood.error
     assert np.count_nonzero(error.partner < 0) <= 0.02 * error.partner.size
     assert 0.5 * off_stiffness < error.s < 2.0 * off_stiffness

@@ -37,9 +37,8 @@ def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_n
     assert told.probability[0] > 0.99
     # One sensor has no shape: one number of unit length.
     rng = np.random.default_rng(1)
-    blind = ar.assess_damage(
-        model, measured(damaged, rng, dofs=[0]), baseline=measured(intact, rng, dofs=[0])
-    )
+    now, before = (measured(each, rng, dofs=[0]) for each in (damaged, intact))
+    blind = ar.assess_damage(model, now, baseline=before)
     both = {one.elements: one.probability for one in blind.hypotheses}
     assert both[(0,)] > 0.02
     assert both[(3,)] > 0.02

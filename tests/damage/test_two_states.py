@@ -43,9 +43,8 @@ def test_the_odd_one_of_three_intact_tests_is_named(seed, odd, loss):
     rng, factors = truth(seed)
     before = [measured(chain(factors), rng) for _ in range(3)]
     before[odd] = measured(chain(factors, [0, loss, 0, 0, 0]), rng)
-    result = assess(
-        measured(chain(factors, (0, 0, 0.3, 0, 0)), rng), [each for test in before for each in test]
-    )
+    now = measured(chain(factors, (0, 0, 0.3, 0, 0)), rng)
+    result = assess(now, [each for test in before for each in test])
     assert {nth // 2 for nth in result.assessment.odd_baselines} == {odd}
     nth = result.assessment.odd_baselines[0]
     assert result.headline.startswith(f"The baseline contradicts itself: baseline set {nth} differs")
@@ -231,9 +230,8 @@ def test_what_cannot_be_told_apart_stands_side_by_side_in_the_tables():
         half[n : n + 2, n : n + 2] = 250.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
         halves.append(half)
     model = ar.MatrixModel(intact.stiffness(), intact.mass(), stiffness_terms=halves)
-    before, now = (
-        ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances(range(4), 0)))) for m in (intact, hurt)
-    )
+    zeros = (m.antiresonances(range(4), 0) for m in (intact, hurt))
+    before, now = (ar.AntiresonanceSet(0, dict(enumerate(each))) for each in zeros)
     result = ar.assess_damage(model, now, baseline=before)
     assert sorted(one.elements for one in result.assessment.group) == [(2,), (3,)]
     rows = {row["name"]: row for row in damage_rows(result, None)}

@@ -83,9 +83,8 @@ def test_a_strong_antiresonance_that_is_missing_is_a_candidate(record, truth, me
     assert compared.candidates_hz[1][0] == pytest.approx(truth[1][0], rel=5e-3)
     assert compared.flagged == []
     complete = cross_check(record, truth, band_hz=BAND, method=method)
-    assert not any(
-        np.abs(f / truth[1][0] - 1.0).min(initial=1.0) < 0.02 for f in complete.candidates_hz.values()
-    )
+    others = complete.candidates_hz.values()
+    assert not any(np.abs(f / truth[1][0] - 1.0).min(initial=1.0) < 0.02 for f in others)
 
 
 def test_one_channel_goes_by_the_reciprocal_of_its_frf_and_has_no_quotient(record):

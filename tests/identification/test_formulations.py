@@ -89,9 +89,8 @@ def test_the_papers_preset_on_frfs_keeps_its_rule():
     record = three.record(noise=0.01, seed=7, duration_s=30.0)
     options = {"excitation": 0, "band_hz": three.band_hz, "route": "frf", "check": "off"}
     by_preset = ar.identify_antiresonances(record, **options, preset="paper")
-    by_name = ar.identify_antiresonances(
-        record, **options, preset="paper", fit=ar.FitOptions(formulation="joint")
-    )
+    joint = ar.FitOptions(formulation="joint")
+    by_name = ar.identify_antiresonances(record, **options, preset="paper", fit=joint)
     assert by_preset == by_name
     with pytest.raises(ar.InvalidInputError, match="^formulation: got eq10_squared"):
         ar.identify_antiresonances(record, **options, fit=ar.FitOptions(formulation="eq10_squared"))

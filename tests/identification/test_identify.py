@@ -67,9 +67,8 @@ def test_one_set_of_transmissibilities_serves_all_dofs_our_own_estimates_too():
     freq, values = exact().freq_hz, exact().values
     assert_all(zeros_of(exact()), 1e-3)  # abs(s) of the damped zero differs from the undamped root by zeta**2
     for reference in (0, 7):
-        ratios = ar.FrequencyResponse(
-            freq, values / values[reference], kind="transmissibility", reference=reference
-        )
+        quotients = {"kind": "transmissibility", "reference": reference}
+        ratios = ar.FrequencyResponse(freq, values / values[reference], **quotients)
         assert_all(zeros_of(ratios), 1e-3)
     assert_all(zeros_of(ar.frf(record(), nperseg=8192)), 5e-3)
     assert_all(zeros_of(ar.transmissibility(record(), 4, nperseg=8192, estimator="rank1")), 5e-3)
@@ -135,9 +134,8 @@ def test_data_that_cannot_answer_are_refused():
         zeros_of(ar.Recording(rec.responses[:1], FS))
     with pytest.raises(ar.UnsuitableDataError, match="dof 2"):
         zeros_of(ar.Recording(np.vstack([rec.responses[:2], np.zeros(rec.n_samples)]), FS))
-    ratios = ar.FrequencyResponse(
-        exact().freq_hz, np.ones((2, exact().n_freq)), kind="transmissibility", reference=0
-    )
+    ones = np.ones((2, exact().n_freq))
+    ratios = ar.FrequencyResponse(exact().freq_hz, ones, kind="transmissibility", reference=0)
     with pytest.raises(ar.InvalidInputError, match="Transmissibilities do not hold"):
         zeros_of(ratios, route="frf")
 
@@ -173,10 +171,8 @@ def test_a_preset_is_a_set_of_options_over_which_what_is_given_wins(preset):
     assert (held.min_rows, held.persistent) == (3, False)
     assert held.damping_tol == ar.FitOptions().under(preset).damping_tol
     assert held.given == {"min_rows", "persistent"}
-    assert (
-        options_of(CallOptions(preset=preset), ar.FitOptions()).rule
-        == ar.FitOptions().under(preset).checked()
-    )
+    rule = options_of(CallOptions(preset=preset), ar.FitOptions()).rule
+    assert rule == ar.FitOptions().under(preset).checked()
 
 
 def test_unknown_names_are_told_and_presets_cannot_be_changed():

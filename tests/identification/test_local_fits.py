@@ -19,9 +19,8 @@ def chain():
 
 
 def record(model, noise, seed):
-    return model.simulate(
-        excitation=0, fs_hz=400.0, duration_s=200.0, damping_ratio=0.01, noise=noise, rng=seed
-    )
+    made = {"excitation": 0, "fs_hz": 400.0, "duration_s": 200.0, "damping_ratio": 0.01}
+    return model.simulate(**made, noise=noise, rng=seed)
 
 
 def test_zeros_of_exact_directions():

@@ -42,9 +42,8 @@ def test_the_order_is_that_of_the_structure(level):
 
 def test_predicted_scatter_is_the_observed_one():
     """Forty experiments: errors over their own standard deviations have unit variance and no bias."""
-    zeros = [
-        each[np.abs(each) < 2 * np.pi * 70] for each in map(structure(STIFFNESS, MASS).damped_zeros, range(3))
-    ]
+    zeros = [structure(STIFFNESS, MASS).damped_zeros(row) for row in range(3)]
+    zeros = [each[np.abs(each) < 2 * np.pi * 70] for each in zeros]
     scores = []
     for seed in range(40):
         lines = lines_of(draw(np.random.default_rng(100 + seed), 0.1))
@@ -68,9 +67,8 @@ def test_what_no_reference_alone_shows():
     rec = ar.Recording(responses, 512.0)
     counts = {}
     for formulation in ("numerators", "joint"):
-        found = ar.identify_antiresonances(
-            rec, excitation=0, band_hz=BAND, fit=ar.FitOptions(formulation=formulation)
-        )
+        fit = ar.FitOptions(formulation=formulation)
+        found = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit)
         counts[formulation] = 0
         for dof in range(8):
             near = [np.abs(found[dof] / f - 1.0).min(initial=np.inf) < 0.01 for f in eight.TRUTH[dof]]
@@ -83,9 +81,8 @@ def test_what_no_reference_alone_shows():
 @pytest.mark.parametrize("options", [{"fit": ar.FitOptions(keep_common=True)}, {"channels": 2}])
 def test_light_damping_without_a_third_witness(options):
     """Whether all rows share a root cannot be asked: what stays over the orders is still found."""
-    responses, _ = random_record(
-        eight.STIFFNESS, eight.MASS, duration_s=64.0, noise=0.001, damping_ratio=0.0003, seed=16
-    )
+    lightly = {"duration_s": 64.0, "noise": 0.001, "damping_ratio": 0.0003}
+    responses, _ = random_record(eight.STIFFNESS, eight.MASS, **lightly, seed=16)
     rec = ar.Recording(responses[: options.pop("channels", 8)], 512.0)
     found = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, check="off", **options)
     for dof in found:

@@ -82,9 +82,8 @@ def chain():
 
 @pytest.fixture(scope="module")
 def record(chain):
-    return chain.simulate(
-        excitation=0, fs_hz=512, duration_s=200, damping_ratio=0.01, noise=0.01, responses=SENSORS, rng=10
-    )
+    made = {"excitation": 0, "fs_hz": 512, "duration_s": 200, "damping_ratio": 0.01, "noise": 0.01}
+    return chain.simulate(**made, responses=SENSORS, rng=10)
 
 
 def identified(record, **options):

@@ -31,9 +31,8 @@ print(hashlib.sha256(b"".join(zeros[d].tobytes() + zeros.std_hz[d].tobytes() for
 
 def _digest(threads: int) -> str:
     environment = os.environ | {"OPENBLAS_NUM_THREADS": str(threads), "MKL_NUM_THREADS": str(threads)}
-    done = subprocess.run(
-        [sys.executable, "-c", CURVES], env=environment, capture_output=True, text=True, check=True
-    )
+    call = [sys.executable, "-c", CURVES]
+    done = subprocess.run(call, env=environment, capture_output=True, text=True, check=True)
     return done.stdout.strip()
 
 

@@ -201,9 +201,8 @@ def test_known_noise_says_the_same_on_both_routes():
     ratios = []
     for seed in range(80, 84):
         frfs = free_chain(noise=0.01, seed=seed, sensors=(0, 2, 5))
-        known = ar.FrequencyResponse(
-            frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=std * np.ones(frfs.values.shape)
-        )
+        stated = std * np.ones(frfs.values.shape)
+        known = ar.FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=stated)
         responses, forces = (zeros_of(known, route=route) for route in ("transmissibility", "frf"))
         for dof in known.dofs:
             for f, own in zip(responses[dof], responses.std_hz[dof], strict=True):
@@ -223,18 +222,16 @@ def hiding_chain(noise, seed):
 
     draw = np.random.default_rng(123)
     mass, spring = draw.uniform(1, 2, 5), draw.uniform(3e4, 6e4, 5)
-    stiffness = (
-        np.diag(spring + np.append(spring[1:], 0.0)) - np.diag(spring[1:], 1) - np.diag(spring[1:], -1)
-    )
+    stiffness = np.diag(spring + np.append(spring[1:], 0.0))
+    stiffness -= np.diag(spring[1:], 1) + np.diag(spring[1:], -1)
     squares, shapes = eigh(stiffness, np.diag(mass))
     freq = 0.125 * np.arange(1, 801)
     w, own = 2.0 * np.pi * freq[:, None], np.sqrt(squares)
     values = (-(w**2) * shapes[2] / (squares - w**2 + 0.016j * own * w)) @ shapes.T
     rng = np.random.default_rng(seed)
     values *= 1.0 + noise * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape))
-    parts = [
-        np.sqrt(eigh(stiffness[s, s], np.diag(mass[s]))[0]) / (2 * np.pi) for s in (slice(0, 2), slice(3, 5))
-    ]
+    behind = (eigh(stiffness[s, s], np.diag(mass[s]))[0] for s in (slice(0, 2), slice(3, 5)))
+    parts = [np.sqrt(squares) / (2 * np.pi) for squares in behind]
     return ar.FrequencyResponse(freq, values.T.copy(), dofs=list(range(5))), parts
 
 

@@ -263,9 +263,8 @@ def test_identification_says_what_its_route_sees():
     chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 700.0])
     record = chain.simulate(excitation=0, fs_hz=40.0, duration_s=400.0, damping_ratio=0.01, rng=0)
     for route in ("transmissibility", "frf"):
-        found = ar.identify_antiresonances(
-            record, excitation=0, band_hz=(1.0, 12.0), route=route, dofs=[0, 1], check="off"
-        )
+        given = {"excitation": 0, "band_hz": (1.0, 12.0), "dofs": [0, 1], "check": "off"}
+        found = ar.identify_antiresonances(record, route=route, **given)
         assert (found.sees, found.channels, list(found)) == (route, (0, 1, 2), [0, 1])
 
 

@@ -140,9 +140,8 @@ def test_bad_arguments_of_compare_are_named(a, b, options, name):
 @cache
 def shaken(stiffness=1.0):
     model = ar.MassSpringChain(np.ones(4), stiffness * np.full(3, 4e4), ground_first_n_per_m=2e4)
-    return model.simulate(
-        excitation=0, fs_hz=256.0, duration_s=120.0, damping_ratio=0.01, noise=0.01, rng=7
-    ).responses
+    made = {"excitation": 0, "fs_hz": 256.0, "duration_s": 120.0, "damping_ratio": 0.01}
+    return model.simulate(**made, noise=0.01, rng=7).responses
 
 
 @pytest.mark.parametrize(

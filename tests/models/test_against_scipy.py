@@ -30,9 +30,8 @@ def compare(model, k_mat, m_mat, i, k):
     highest = scipy.linalg.eigvalsh(k_mat, m_mat)[-1]
     low, high = ZERO_ROOT * highest, 4.0 * highest
     band = {"f_max_hz": hertz(high)}
-    everything, visible = (
-        quietly(model.antiresonances, i, k, include_cancelled=flag, **band) for flag in (True, False)
-    )
+    flags = ({"include_cancelled": flag} | band for flag in (True, False))
+    everything, visible = (quietly(model.antiresonances, i, k, **flag) for flag in flags)
     if not joined(k_mat, m_mat, i, k):
         return ("ok" if everything.size == visible.size == 0 else "miss"), 0.0, "unconnected"
     oracle = Oracle(k_mat, m_mat, i, k)

@@ -58,9 +58,7 @@ def test_sparse_rows_dicts_and_arrays_say_the_same():
     for given in (*rows, [{0: 1.0, 2: -1.0, 3: 0.4}]):
         again = ar.eliminate_constraints(K, M, given).stiffness
         np.testing.assert_array_equal(again.toarray(), made.stiffness.toarray())
-        same_matrices(
-            ar.MatrixModel(K, M, constraints=given), ar.MatrixModel(K, M, constraints=c), within=0.0
-        )
+        same_matrices(*(ar.MatrixModel(K, M, constraints=each) for each in (given, c)), within=0.0)
     np.testing.assert_allclose(made.stiffness_terms[0].toarray(), made.stiffness.toarray())
     np.testing.assert_allclose(made.mass_terms[0].toarray(), made.mass.toarray())
     empty = ar.MatrixModel(K, M, constraints=scipy.sparse.csr_array((0, 6)))
@@ -235,9 +233,8 @@ def test_a_model_with_all_of_it_is_copied_pickled_and_saved(tmp_path):
         ar.MatrixModel.from_description(model.description),
     ):
         assert other.description == model.description
-        np.testing.assert_array_equal(
-            other.antiresonances("4:Z", "12:Z"), model.antiresonances("4:Z", "12:Z")
-        )
+        one, two = (each.antiresonances("4:Z", "12:Z") for each in (other, model))
+        np.testing.assert_array_equal(one, two)
 
 
 def test_equations_that_repeat_others_but_for_the_last_digits_are_told():

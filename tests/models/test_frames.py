@@ -174,9 +174,8 @@ def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     sensors = [model.dof(node, name) for node, name in ((3, "u"), (4, "v"), (2, "v"), (0, "u"))]
     damaged = model.with_parameters(ar.stiffness_reduction([2]), [0.6])
     zeros = damaged.antiresonances(sensors, force, f_max_hz=1500.0)
-    result = ar.assess_damage(
-        model, ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True))), rng=0
-    )
+    measured = ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
+    result = ar.assess_damage(model, measured, rng=0)
     text = result.summary()
     assert re.search(r"element 2 +60\.00 % \u00b1 \S+ %\nall others \(3\): exactly 0\n", text)
     assert "\n3 u, 1 v " in text

@@ -137,9 +137,8 @@ def membrane(m, apart=0.0):
     """The model of m by m unit masses, along one side stiffer by the part `apart`."""
     line = sp.diags_array([np.full(m, 2.0), np.full(m - 1, -1.0), np.full(m - 1, -1.0)], offsets=[0, 1, -1])
     one = sp.eye_array(m)
-    return ar.MatrixModel(
-        (STIFFNESS * (sp.kron(line, one) + (1.0 + apart) * sp.kron(one, line))).tocsc(), sp.eye_array(m * m)
-    )
+    stiffness = STIFFNESS * (sp.kron(line, one) + (1.0 + apart) * sp.kron(one, line))
+    return ar.MatrixModel(stiffness.tocsc(), sp.eye_array(m * m))
 
 
 def exact_hz(m, row, column, limit_hz, apart=0.0):

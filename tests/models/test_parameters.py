@@ -120,11 +120,8 @@ def test_parameters_of_a_chain_change_what_they_say():
 
 
 def test_all_kinds_mix_with_terms_and_names_carry_units():
-    terms = [
-        *ar.stiffness_reduction([1, 4]),
-        ar.stiffness_factor(5, bounds=BOUNDS),
-        ar.mass_factor(2, bounds=BOUNDS),
-    ]
+    terms = [*ar.stiffness_reduction([1, 4]), ar.stiffness_factor(5, bounds=BOUNDS)]
+    terms += [ar.mass_factor(2, bounds=BOUNDS)]
     parameters = [*terms, *(KINDS[i][0] for i in (0, 2, 3, 5, 6, 7, 8, 9))]
     problem = ar.UpdatingProblem(MODEL, parameters, MEASURED, penalty=(0.1, 0.1))
     assert "; ".join(problem.names) == (
@@ -327,9 +324,8 @@ def test_a_turn_about_an_elements_own_axis_turns_its_section():
     of_sensors = dict(zip(sensors, zeros, strict=True))
     task = ar.UpdatingProblem(model, turn, ar.AntiresonanceSet(force, of_sensors, sees="frf"))
     turned = task.model_at([35.0]).antiresonances(sensors, force, f_max_hz=1e4)
-    nearest = [
-        now[np.abs(now - f).argmin()] for now, before in zip(turned, zeros, strict=True) for f in before
-    ]
+    pairs = [(now, f) for now, before in zip(turned, zeros, strict=True) for f in before]
+    nearest = [now[np.abs(now - f).argmin()] for now, f in pairs]
     np.testing.assert_allclose(task.paired_hz([35.0]), nearest, rtol=1e-8)
     assert task.cost([35.0]) > 0.1
 

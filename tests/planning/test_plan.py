@@ -100,11 +100,8 @@ def test_it_says_which_errors_of_the_values_it_rests_on():
 # -- Sensors chosen, against all sets; and the information of a set, against the core asked for that set
 ERRORS = ExpectedErrors(0.01, 200.0, 0.01, 5e-4)
 #: Exchanges of two were brought in on the symmetric nine-mass chain; none of these was looked at before.
-KINDS = {
-    "portal": "3 storeys of 2, corner",
-    "grillage": "5 x 3, 1 x 0.5 m, corners held",
-    "ring": "12 masses, 2 held",
-}
+KINDS = {"portal": "3 storeys of 2, corner", "grillage": "5 x 3, 1 x 0.5 m, corners held"}
+KINDS["ring"] = "12 masses, 2 held"
 SPREAD = 0.07
 
 
@@ -160,9 +157,8 @@ def test_the_information_of_a_set_is_that_of_the_roots_the_core_shows_of_it(name
         roots = roots_at(core, np.zeros((1, len(parameters))), slopes=True, threads=1)[0]
         kept = (np.exp(roots.log_f) > 1.0) & (np.abs(roots.slopes).max(axis=1) < 3.0)
         rows = roots.slopes[kept] / (np.sqrt(2.0) * 5e-4)
-        np.testing.assert_allclose(
-            found.of(chosen), rows.T @ rows, rtol=1e-6, atol=1e-6 * np.trace(rows.T @ rows)
-        )
+        wanted = rows.T @ rows
+        np.testing.assert_allclose(found.of(chosen), wanted, rtol=1e-6, atol=1e-6 * np.trace(wanted))
 
 
 # -- Errors of values that a test leads to expect, against least squares on simulated spectral lines
@@ -171,9 +167,8 @@ BAND_HZ, DAMPING, LENGTH_S = 70.0, 0.02, 30.0
 
 
 def expected(sensor, force, **options):
-    errors = ExpectedErrors(
-        **{"noise": 0.2, "duration_s": LENGTH_S, "damping_ratio": DAMPING, "std": None} | options
-    )
+    usual = {"noise": 0.2, "duration_s": LENGTH_S, "damping_ratio": DAMPING, "std": None}
+    errors = ExpectedErrors(**(usual | options))
     roots = LIGHT.antiresonances(sensor, force, f_max_hz=BAND_HZ)
     return roots, errors.of(Layout(LIGHT, (sensor,), force, (0.0, BAND_HZ), "frf"), [roots])[0]
 

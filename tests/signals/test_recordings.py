@@ -51,9 +51,8 @@ OF_RESPONSE = {
 )
 def test_what_cannot_be_is_refused(make, argument, case):
     value, hint = case
-    usual = (
-        {"responses": DATA, "fs_hz": 5.0} if make is ar.Recording else {"freq_hz": FREQ, "values": np.ones(3)}
-    )
+    of_curves = {"freq_hz": FREQ, "values": np.ones(3)}
+    usual = {"responses": DATA, "fs_hz": 5.0} if make is ar.Recording else of_curves
     with pytest.raises(ar.InvalidInputError, match=f"(?s)^{argument}: got .*{hint}"):
         make(**(usual | {argument: value}))
 

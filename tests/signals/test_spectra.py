@@ -17,9 +17,8 @@ from reference.virtual_records import chain8_matrices, random_record
 from tests.support.refusals import assert_refused, each_of
 
 RNG = np.random.default_rng(11)
-RECORD = ar.Recording(
-    RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0, 200.0, force=RNG.standard_normal(5000)
-)
+WALK = RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0
+RECORD = ar.Recording(WALK, 200.0, force=RNG.standard_normal(5000))
 
 
 @pytest.mark.parametrize("nperseg", [256, 301])
@@ -29,9 +28,8 @@ def test_spectra_are_those_of_scipy(nperseg, window, noverlap):
     channels = np.vstack([RECORD.responses, RECORD.force])
     for a in range(4):
         for b in range(4):
-            freq, theirs = scipy.signal.csd(
-                channels[a], channels[b], 200.0, window=window, nperseg=nperseg, noverlap=noverlap
-            )
+            options = {"window": window, "nperseg": nperseg, "noverlap": noverlap}
+            freq, theirs = scipy.signal.csd(channels[a], channels[b], 200.0, **options)
             assert np.array_equal(ours.freq_hz, freq)
             # Rounding of sums of some 40 segments; the means of a random walk cost digits at zero frequency.
             assert np.abs(ours.matrix[:, a, b] - theirs).max() <= 1e-12 * np.abs(theirs).max()
@@ -44,9 +42,8 @@ def noisy_pair(noise_in, noise_out):
     measured = x + noise_in * rng.standard_normal(x.size)
     y = 3.0 * x + 3.0 * noise_out * rng.standard_normal(x.size)
     rec = ar.Recording([y, measured], 100.0, force=measured)
-    return {
-        e: np.abs(ar.frf(rec, nperseg=256, estimator=e).values[0, 2:-2]).mean() for e in ("h1", "h2", "hv")
-    }
+    found = {e: ar.frf(rec, nperseg=256, estimator=e).values[0, 2:-2] for e in ("h1", "h2", "hv")}
+    return {e: np.abs(values).mean() for e, values in found.items()}
 
 
 def test_estimators_have_their_textbook_bias():
@@ -141,15 +138,12 @@ def test_predicted_deviations_are_the_observed_ones(estimate, estimator):
 def test_predicted_deviations_hold_line_by_line_on_a_structure():
     # Leakage, noise and strong resonances together. 20 records tell a deviation to 16 %, its median over
     # 1,000 lines far better.
-    made = [
-        random_record(*chain8_matrices(), noise=0.01, seed=n, duration_s=64.0)[0] for n in range(130, 150)
-    ]
+    made = [random_record(*chain8_matrices(), noise=0.01, seed=n, duration_s=64.0) for n in range(130, 150)]
     for estimator, reference in (("rank1", 0), ("rank1", 4), ("h1", 4)):
         predicted, values = [], []
-        for responses in made:
-            t = ar.transmissibility(
-                ar.Recording(responses, 512.0), reference, nperseg=2048, estimator=estimator
-            )
+        for responses, _ in made:
+            rec = ar.Recording(responses, 512.0)
+            t = ar.transmissibility(rec, reference, nperseg=2048, estimator=estimator)
             inside = (t.freq_hz > 3) & (t.freq_hz < 130)
             predicted.append(np.delete(t.std[:, inside], reference, axis=0))
             values.append(np.delete(t.values[:, inside], reference, axis=0))
@@ -287,18 +281,15 @@ def test_power_from_the_autocorrelation_is_that_of_many_segments():
 
 def test_the_choice_follows_the_damping():
     case = ar.cases.chain8()
-    chosen = [
-        choose_nperseg(case.experiment(damping_ratio=damping, duration_s=256.0, rng=1), BAND)
-        for damping in (0.01, 0.02)
-    ]
+    records = (case.experiment(damping_ratio=ratio, duration_s=256.0, rng=1) for ratio in (0.01, 0.02))
+    chosen = [choose_nperseg(record, BAND) for record in records]
     assert chosen == [16384, 8192]
 
 
 def test_averages_and_their_check_need_less_than_the_record_beside_it():
     """The fit's own memory depends on its lines and orders, not on the length of the record."""
-    chain = ar.MassSpringChain(
-        1.0 + 0.1 * np.cos(np.arange(12.0)), np.full(11, 3e4), ground_first_n_per_m=4e4
-    )
+    masses = 1.0 + 0.1 * np.cos(np.arange(12.0))
+    chain = ar.MassSpringChain(masses, np.full(11, 3e4), ground_first_n_per_m=4e4)
     short, long = (
         chain.simulate(excitation=0, fs_hz=256.0, duration_s=n / 256.0, damping_ratio=0.01, noise=0.01, rng=5)
         for n in (1 << 13, 1 << 18)

@@ -155,9 +155,8 @@ def test_a_profile_ends_where_the_refitted_sum_of_squares_says():
         return least(lambda b: np.sum((result.problem.residuals([a, b]) / 4e-3) ** 2), 0.8, 1.2).fun
 
     best, limit = least(squares, 1.05, 1.15), 1.6448536**2
-    low, high = (
-        brentq(lambda a: squares(a) - best.fun - limit, *ends) for ends in ((1.0, best.x), (best.x, 1.19))
-    )
+    ends = (1.0, best.x), (best.x, 1.19)
+    low, high = (brentq(lambda a: squares(a) - best.fun - limit, *between) for between in ends)
     # The ends are interpolated between points whose roots of the rise differ by a quarter of the limit's.
     assert held.high == pytest.approx(high, abs=0.02 * (high - low))
     assert held.low == pytest.approx(low, abs=0.02 * (high - low))
@@ -252,9 +251,8 @@ def test_two_parameters_with_one_effect_are_told_together():
     """Two springs in series with nothing measured between them; in parallel they would be the same term."""
     model = ar.MassSpringChain([1.0, 1e-6, 1.0], [500.0, 500.0], ground_first_n_per_m=300.0)
     hz = model.antiresonances(0, 0)[:1]  # of the two nearly massless springs, one mode
-    problem = ar.UpdatingProblem(
-        model, ar.stiffness_factor([0, 1], bounds=(0.8, 1.25)), ar.AntiresonanceSet(0, {0: hz})
-    )
+    springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.25))
+    problem = ar.UpdatingProblem(model, springs, ar.AntiresonanceSet(0, {0: hz}))
     found = ar.identifiability(problem, points=8, forces=[], sensors=[])
     assert found.told == 1
     (words,) = found.words

@@ -14,11 +14,8 @@ from tests.support.tolerances import COST, GENE_AGREEMENT
 CASE = ar.cases.chain8()
 RNG = np.random.default_rng(20)
 SPRINGS = ar.stiffness_reduction(range(7))
-NORMS = {
-    "absolute": lambda e: np.abs(e).sum(),
-    "squared": lambda e: np.sum(e**2),
-    "largest": lambda e: np.abs(e).max(),
-}
+NORMS = {"absolute": lambda e: np.abs(e).sum(), "squared": lambda e: np.sum(e**2)}
+NORMS["largest"] = lambda e: np.abs(e).max()
 
 
 def zeros(freq_hz, force=0, **options):
@@ -337,9 +334,8 @@ def chain_modes(seed):
 def frame(seed):
     """A plane frame of pipes, clamped at one end, force across its middle; stiffnesses off by up to 2 %."""
     nodes = [(0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (1.1, 0.3), (1.1, 0.7), (0.6, 0.9)]
-    model = ar.FrameModel(
-        nodes, [(i, i + 1) for i in range(5)], ar.Tube(0.04, 2e-3, 210e9, 7850.0), fixed=[0]
-    )
+    pipe = ar.Tube(0.04, 2e-3, 210e9, 7850.0)
+    model = ar.FrameModel(nodes, [(i, i + 1) for i in range(5)], pipe, fixed=[0])
     force = model.dof(2, "v")
     sensors = [model.dof(node, name) for node, name in ((1, "v"), (3, "u"), (4, "u"), (5, "v"))]
     factors = off(np.random.default_rng(seed), 5, 2.0)
