@@ -195,17 +195,13 @@ THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01
 ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
 
 
-WRONG = {
-    "baseline": [{"baseline": value} for value in ([], "intact", [ar.AntiresonanceSet(0, {1: []})])],
-    "elements": [{"elements": []}],
-    r"elements\[0\]: got 99": [{"elements": [99]}],
-    "prior": [{"prior": 0.5}],
-    "false_alarm_rate": [{"search": ar.SearchOptions(false_alarm_rate=0.9)}],
-    "std_common": [{"search": ar.SearchOptions(std_common=-1.0)}],
-    "always damage": [{"prior": ALWAYS, "search": ar.SearchOptions(false_alarm_rate=0.05)}],
-    "model": [{"model": "chain"}],
-    "stiffness_terms": [{"model": ar.MatrixModel(2e4 * np.eye(6), np.eye(6))}],
-}
+WRONG = {"baseline": [{"baseline": value} for value in ([], "intact", [ar.AntiresonanceSet(0, {1: []})])]}
+WRONG |= {"elements": [{"elements": []}], r"elements\[0\]: got 99": [{"elements": [99]}]}
+WRONG |= {"prior": [{"prior": 0.5}], "false_alarm_rate": [{"search": ar.SearchOptions(false_alarm_rate=0.9)}]}
+WRONG |= {"std_common": [{"search": ar.SearchOptions(std_common=-1.0)}]}
+WRONG |= {"always damage": [{"prior": ALWAYS, "search": ar.SearchOptions(false_alarm_rate=0.05)}]}
+WRONG |= {"model": [{"model": "chain"}]}
+WRONG |= {"stiffness_terms": [{"model": ar.MatrixModel(2e4 * np.eye(6), np.eye(6))}]}
 OF_TESTS = {"zeros": ["zeros", [], 3.0, [3.0]], "force at 5": [ar.AntiresonanceSet(5, {1: [20.0]})]}
 
 

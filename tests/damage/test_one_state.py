@@ -80,16 +80,10 @@ def test_modes_too():
 
 # -- Wrong units, exchanged matrices, wrong dofs
 #: What the sentence has to name, by mistake.
-NAMED = {
-    "springs in N/mm, modulus in kPa": "N/mm for N/m",
-    "masses in tonnes": "tonnes for kg",
-    "frequencies in kHz": "kHz in place of Hz",
-    "frequencies in rad/s": "rad/s in place of Hz",
-    "frequencies in rpm": "revolutions per minute",
-    "K and M swapped": "K and M swapped",
-    "lengths in mm": "lengths in mm",
-    "twice the sampling rate": "twice the true one",
-}
+NAMED = {"springs in N/mm, modulus in kPa": "N/mm for N/m", "masses in tonnes": "tonnes for kg"}
+NAMED |= {"frequencies in kHz": "kHz in place of Hz", "frequencies in rad/s": "rad/s in place of Hz"}
+NAMED |= {"frequencies in rpm": "revolutions per minute", "K and M swapped": "K and M swapped"}
+NAMED |= {"lengths in mm": "lengths in mm", "twice the sampling rate": "twice the true one"}
 
 
 def given(structure, mistake, seed=3):
@@ -99,14 +93,8 @@ def given(structure, mistake, seed=3):
 #: With a baseline no value of which is near a root of the model there is nothing to assess.
 REFUSED = "got one that does not explain the measurement"
 #: Mistakes after which that is so.
-NOTHING_NEAR = {
-    "springs in N/um, modulus in MPa",
-    "masses in tonnes",
-    "springs in N/mm, masses in tonnes",
-    "frequencies in kHz",
-    "lengths in mm",
-    "K and M swapped",
-}
+NOTHING_NEAR = {"springs in N/um, modulus in MPa", "masses in tonnes", "springs in N/mm, masses in tonnes"}
+NOTHING_NEAR |= {"frequencies in kHz", "lengths in mm", "K and M swapped"}
 
 
 def headline(model, now, **options):

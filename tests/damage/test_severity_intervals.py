@@ -132,16 +132,13 @@ def test_a_profile_agrees_with_the_interval_where_the_likelihood_is_a_parabola(t
         assert (found.values[0], found.values[-1]) == (0.0, pytest.approx(0.99))
 
 
-@pytest.mark.parametrize(
-    ("wrong", "asked"),
-    [
-        ("method", lambda one: one.intervals("sure")),
-        ("draws", lambda one: one.intervals(draws=10)),
-        ("element", lambda one: one.intervals()[17]),
-        ("element declared damaged", lambda one: one.profile(one.problem.names[0])),
-        ("a parameter of the result", lambda one: one.profile("nothing")),
-    ],
-)
+WRONG = [("method", lambda one: one.intervals("sure")), ("draws", lambda one: one.intervals(draws=10))]
+WRONG += [("element", lambda one: one.intervals()[17])]
+WRONG += [("element declared damaged", lambda one: one.profile(one.problem.names[0]))]
+WRONG += [("a parameter of the result", lambda one: one.profile("nothing"))]
+
+
+@pytest.mark.parametrize(("wrong", "asked"), WRONG)
 def test_wrong_arguments_are_refused(one, wrong, asked):
     with pytest.raises(ar.InvalidInputError, match=wrong):
         asked(one)

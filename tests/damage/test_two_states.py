@@ -355,19 +355,17 @@ BEFORE, NOW = states(7, (0, 0.4, 0, 0, 0))
 PAIRS_ONLY = ar.DamagePrior(nothing=0.5, one=0.0, two=0.4, three=0.0, elsewhere=0.05, unknown=0.05)
 
 
-WRONG = {
-    "gamma1": [{"search": ar.SearchOptions(gamma1=0.1)}],
-    "false_alarm_rate": [{"baseline": None, "search": RATE}],
-    "false_alarm_rate.*one element alone": [{"prior": PAIRS_ONLY, "search": RATE}],
-    "only together with a baseline": [{"baseline": None, "search": ar.SearchOptions(reduction=True)}],
-    "search": [{"search": {"gamma1": 0.1}}],
-    "reduction": [{"search": ar.SearchOptions(reduction="always")}],
-    "optimizer": [{"optimizer": ar.IslandGA()}],
-    "baseline": [{"baseline": BEFORE[:1]}, {"baseline": "intact"}],
-    "baseline: got no antiresonance": [{"baseline": ar.AntiresonanceSet(0, {1: []})}],
-    "baseline: got a ModalSet": [{"baseline": ar.ModalSet([1.0], [[1.0, 2.0]])}],
-    "elements": [{"elements": "all"}],
-}
+WRONG = {"gamma1": [{"search": ar.SearchOptions(gamma1=0.1)}]}
+WRONG |= {"false_alarm_rate": [{"baseline": None, "search": RATE}]}
+WRONG |= {"false_alarm_rate.*one element alone": [{"prior": PAIRS_ONLY, "search": RATE}]}
+WRONG |= {"only together with a baseline": [{"baseline": None, "search": ar.SearchOptions(reduction=True)}]}
+WRONG |= {"search": [{"search": {"gamma1": 0.1}}]}
+WRONG |= {"reduction": [{"search": ar.SearchOptions(reduction="always")}]}
+WRONG |= {"optimizer": [{"optimizer": ar.IslandGA()}]}
+WRONG |= {"baseline": [{"baseline": BEFORE[:1]}, {"baseline": "intact"}]}
+WRONG |= {"baseline: got no antiresonance": [{"baseline": ar.AntiresonanceSet(0, {1: []})}]}
+WRONG |= {"baseline: got a ModalSet": [{"baseline": ar.ModalSet([1.0], [[1.0, 2.0]])}]}
+WRONG |= {"elements": [{"elements": "all"}]}
 
 
 @pytest.mark.parametrize(("wrong", "given"), each_of(WRONG))

@@ -60,15 +60,9 @@ def test_units_do_not_matter(scale, stretch):
 
 
 FREQ, CURVE = np.linspace(1.0, 10.0, 50), np.exp(1j * np.linspace(0, 1, 50))
-WRONG = {
-    "order": [0, 4.5, 50],
-    "freq_hz": [FREQ[::-1]],
-    "values": [CURVE[:-1], CURVE * np.nan, CURVE * 0],
-    "band_hz": [(5.0, 50.0), (5.0, 2.0)],
-    "weights": [np.ones(3), -np.ones(50)],
-    "constraint": ["monic"],
-    "reweightings": [-1],
-}
+WRONG = {"order": [0, 4.5, 50], "freq_hz": [FREQ[::-1]], "values": [CURVE[:-1], CURVE * np.nan, CURVE * 0]}
+WRONG |= {"band_hz": [(5.0, 50.0), (5.0, 2.0)], "weights": [np.ones(3), -np.ones(50)]}
+WRONG |= {"constraint": ["monic"], "reweightings": [-1]}
 
 
 @pytest.mark.parametrize(("argument", "value"), each_of(WRONG))

@@ -106,16 +106,10 @@ def test_scale_and_order_of_channels_and_of_time_do_not_matter():
         assert np.allclose(fast[dof], 25 * TRUTH[dof], rtol=1e-3)
 
 
-WRONG = {
-    "source": [np.zeros((2, 100))],
-    "band_hz": [(3.0, 300.0), (50.0, 10.0), (50.0, 50.2), (np.nan, 10.0)],
-    "route": ["modal"],
-    "estimator": ["h4"],
-    "dofs": [[0, 11], [], 3],
-    "excitation": [None, 1.5],
-    "nperseg": [10**6],
-    "max_order": [0, 8],
-}
+WRONG = {"source": [np.zeros((2, 100))]}
+WRONG |= {"band_hz": [(3.0, 300.0), (50.0, 10.0), (50.0, 50.2), (np.nan, 10.0)], "route": ["modal"]}
+WRONG |= {"estimator": ["h4"], "dofs": [[0, 11], [], 3], "excitation": [None, 1.5], "nperseg": [10**6]}
+WRONG |= {"max_order": [0, 8]}
 OF_FITS = {"method": "burst", "min_rows": -1, "window": "bell"}
 
 

@@ -153,13 +153,17 @@ def plate_counts(state):
     return counted(measured, found)
 
 
-WITHOUT_EFFECT = {
-    "min_rows has no effect on fits over windows": {"fit": ar.FitOptions(min_rows=5)},
-    "damping_tol and persistent have no effect": {"fit": ar.FitOptions(damping_tol=0.05, persistent=False)},
-    "counts there is freq_tol, max_damping, min_share, min_d": {"fit": ar.FitOptions(min_dominance=0.1)},
-    "max_order above 16 has no effect": {"max_order": 30},
-    "min_order above 16 has no effect": {"fit": ar.FitOptions(min_order=17)},
-    "min_share has no.*formulation 'joint'": {"fit": ar.FitOptions(min_share=0.4, formulation="joint")},
+WITHOUT_EFFECT = {"min_rows has no effect on fits over windows": {"fit": ar.FitOptions(min_rows=5)}}
+WITHOUT_EFFECT |= {
+    "damping_tol and persistent have no effect": {"fit": ar.FitOptions(damping_tol=0.05, persistent=False)}
+}
+WITHOUT_EFFECT |= {
+    "counts there is freq_tol, max_damping, min_share, min_d": {"fit": ar.FitOptions(min_dominance=0.1)}
+}
+WITHOUT_EFFECT |= {"max_order above 16 has no effect": {"max_order": 30}}
+WITHOUT_EFFECT |= {"min_order above 16 has no effect": {"fit": ar.FitOptions(min_order=17)}}
+WITHOUT_EFFECT |= {
+    "min_share has no.*formulation 'joint'": {"fit": ar.FitOptions(min_share=0.4, formulation="joint")}
 }
 
 

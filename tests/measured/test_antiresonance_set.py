@@ -70,16 +70,11 @@ OF_DOF = [{"freq_hz": [1.0, None]}, {"freq_hz": [-1.0, 2.0]}, {"damping_ratio": 
 OF_DOF += [{"left_out": {"freq_hz": [-1.0]}}, {"unexplained_hz": [0.0]}, {"unexplained_hz": "x"}]
 OF_DOF += [{"scores": {"rows": [1]}}]
 OF_EDIT = [{"action": "moved"}, {"freq_hz": "12"}, {"more": 1}]
-DAMAGES = [
-    *((lambda d, new=new: d.update(new)) for new in OF_SET),
-    *((lambda d, new=new: d["dofs"][0].update(new)) for new in OF_DOF),
-    *((lambda d, new=new: d["edits"][0].update(new)) for new in OF_EDIT),
-    lambda d: d.pop("dofs"),
-    lambda d: d.pop("before_edits"),
-    lambda d: d["dofs"].append(d["dofs"][0]),
-    lambda d: d["dofs"][0].pop("freq_hz"),
-    lambda d: d["edits"][0].pop("freq_hz"),
-]
+DAMAGES = [*((lambda d, new=new: d.update(new)) for new in OF_SET)]
+DAMAGES += [*((lambda d, new=new: d["dofs"][0].update(new)) for new in OF_DOF)]
+DAMAGES += [*((lambda d, new=new: d["edits"][0].update(new)) for new in OF_EDIT), lambda d: d.pop("dofs")]
+DAMAGES += [lambda d: d.pop("before_edits"), lambda d: d["dofs"].append(d["dofs"][0])]
+DAMAGES += [lambda d: d["dofs"][0].pop("freq_hz"), lambda d: d["edits"][0].pop("freq_hz")]
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
@@ -129,15 +124,11 @@ def test_dataframe(monkeypatch):
         example().to_dataframe()
 
 
-WRONG = {
-    "freq_hz": [{}, [1.0, 2.0], {0: [1.0, -2.0]}, {0: [0.0]}, {0: [np.nan]}, {0: ["x"]}, {1.5: [1.0]}],
-    "excitation": [None],
-    "damping_ratio": [{1: [0.1]}, {0: [0.1, 0.2]}, [0.1], {0: ["x"]}, {0: [np.inf]}],
-    "std_hz": [{0: [-0.1]}],
-    "scores": [{5: {"rows": [1]}}, {0: {"rows": [1, 2]}}],
-    "sees": ["both"],
-    "channels": ["01", [5], 3],
-}
+WRONG = {"freq_hz": [{}, [1.0, 2.0], {0: [1.0, -2.0]}, {0: [0.0]}, {0: [np.nan]}, {0: ["x"]}, {1.5: [1.0]}]}
+WRONG |= {"excitation": [None]}
+WRONG |= {"damping_ratio": [{1: [0.1]}, {0: [0.1, 0.2]}, [0.1], {0: ["x"]}, {0: [np.inf]}]}
+WRONG |= {"std_hz": [{0: [-0.1]}], "scores": [{5: {"rows": [1]}}, {0: {"rows": [1, 2]}}], "sees": ["both"]}
+WRONG |= {"channels": ["01", [5], 3]}
 
 
 @pytest.mark.parametrize(("argument", "value"), each_of(WRONG))

@@ -101,25 +101,21 @@ def test_lagrange_rows_become_equations():
     assert list(ar.lagrange_rows(joined, np.diag([0.0, 0.0, 1.0]))[0]) == [0, 1, 2]
 
 
-WRONG_EQUATIONS = [
-    ("abc", "constraints: got 'abc'"),
-    (3, "constraints: got 3"),
-    ({1: 1.0, 2: -1.0}, r"one dict.*Put it in a list"),
-    ([{1: "a"}], r"constraints\[0\]"),
-    (["abc"], r"constraints\[0\]"),
-    ([{6: 1.0}], r"constraints\[0\].*6"),
-    ([{1: np.nan}], r"constraints\[0\]: got nan; wanted a finite number"),
-    (np.full((1, 6), 1j), r"constraints\[0\]: got complex"),
-    (np.ones(6), r"constraints\[0\]: got a row of shape"),
-    ([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'"),
-    (scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)"),
-    *((scipy.sparse.csr_array(np.ones((1, n))), rf"sparse array of shape \(1, {n}\)") for n in (5, 9)),
-    *(
-        (scipy.sparse.csr_array(np.full((1, 6), x)), "constraints: got 6 NaN or inf")
-        for x in (np.nan, np.inf)
-    ),
-    (scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex"),
+WRONG_EQUATIONS = [("abc", "constraints: got 'abc'"), (3, "constraints: got 3")]
+WRONG_EQUATIONS += [({1: 1.0, 2: -1.0}, r"one dict.*Put it in a list"), ([{1: "a"}], r"constraints\[0\]")]
+WRONG_EQUATIONS += [(["abc"], r"constraints\[0\]"), ([{6: 1.0}], r"constraints\[0\].*6")]
+WRONG_EQUATIONS += [([{1: np.nan}], r"constraints\[0\]: got nan; wanted a finite number")]
+WRONG_EQUATIONS += [(np.full((1, 6), 1j), r"constraints\[0\]: got complex")]
+WRONG_EQUATIONS += [(np.ones(6), r"constraints\[0\]: got a row of shape")]
+WRONG_EQUATIONS += [([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'")]
+WRONG_EQUATIONS += [(scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)")]
+WRONG_EQUATIONS += [
+    *((scipy.sparse.csr_array(np.ones((1, n))), rf"sparse array of shape \(1, {n}\)") for n in (5, 9))
 ]
+WRONG_EQUATIONS += [
+    *((scipy.sparse.csr_array(np.full((1, 6), x)), "constraints: got 6 NaN or inf") for x in (np.nan, np.inf))
+]
+WRONG_EQUATIONS += [(scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex")]
 
 
 @pytest.mark.parametrize(

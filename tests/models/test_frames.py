@@ -85,23 +85,16 @@ def test_a_spring_between_nodes_and_a_joint_leave_rigid_motions_free():
 
 
 #: Arguments of a frame, and values that they cannot have.
-OPTIONS = {
-    "elements": [[], 5],
-    "elements[0]": [[5, 6], [(0, 9)], [(0, 0.5)], [(0, 1, 2, 3)]],
-    "elements[4]": [[*ELEMENTS, (1, 0)]],
-    "nodes_m": [[*NODES, (9, 9)], [[0.0], [1.0]], [(0, 0), (np.nan, 1)]],
-    "fixed": [range(5), "0"],
-    "fixed[0]": [[(0, "w")], [(0, 1)]],
-    "sections": [3],
-    "sections[0].thickness_m": [ar.Tube(0.03, 0.016, *STEEL)],
-    "sections['pipe'].thickness_m": [{"pipe": ar.Tube(0.03, "thin", *STEEL)}],
-    "orientation": [(0, 0, 1)],
-    "point_masses[0]": [[(7, 1.0)]],
-    "point_masses[0].mass_kg": [[(0, -1.0)]],
-    "point_masses[0].inertia_kg_m2": [[(0, 1.0, (1.0, 2.0))]],
-    "ground_springs[0]": [[(0, "x", 1.0)], [3]],
-    "node_springs[0]": [[ar.NodeSpring(0, 3, 1.0, "v")]],
-}
+OPTIONS = {"elements": [[], 5], "elements[0]": [[5, 6], [(0, 9)], [(0, 0.5)], [(0, 1, 2, 3)]]}
+OPTIONS |= {"elements[4]": [[*ELEMENTS, (1, 0)]]}
+OPTIONS |= {"nodes_m": [[*NODES, (9, 9)], [[0.0], [1.0]], [(0, 0), (np.nan, 1)]], "fixed": [range(5), "0"]}
+OPTIONS |= {"fixed[0]": [[(0, "w")], [(0, 1)]], "sections": [3]}
+OPTIONS |= {"sections[0].thickness_m": [ar.Tube(0.03, 0.016, *STEEL)]}
+OPTIONS |= {"sections['pipe'].thickness_m": [{"pipe": ar.Tube(0.03, "thin", *STEEL)}]}
+OPTIONS |= {"orientation": [(0, 0, 1)], "point_masses[0]": [[(7, 1.0)]]}
+OPTIONS |= {"point_masses[0].mass_kg": [[(0, -1.0)]]}
+OPTIONS |= {"point_masses[0].inertia_kg_m2": [[(0, 1.0, (1.0, 2.0))]]}
+OPTIONS |= {"ground_springs[0]": [[(0, "x", 1.0)], [3]], "node_springs[0]": [[ar.NodeSpring(0, 3, 1.0, "v")]]}
 WRONG = [
     *(
         (argument, partial(frame, **{argument.split("[")[0].removesuffix("_m"): value}))

@@ -204,23 +204,19 @@ def test_a_free_frame_stays_free_at_any_angle(degrees):
     assert np.count_nonzero(turned.modes().freq_hz < 1e-2) == 3
 
 
+WALL, LUMP = ar.thickness("pipe", bounds=(0.001, 0.002)), ar.point_mass(0, bounds=(1.0, 2.5))
+BEND, LONG = ar.angle([2, 3], 2, bounds_deg=(-15.0, 15.0)), ar.length(0, pivot=0, bounds=(0.9, 1.1))
+
+
 @pytest.mark.parametrize(
     ("truth", "parameters", "values"),
     [
         (
             {"wall": 0.0013, "mass": 1.8, "nodes": rotated(6.0, [3, 4], 2)},
-            [
-                ar.thickness("pipe", bounds=(0.001, 0.002)),
-                ar.point_mass(0, bounds=(1.0, 2.5)),
-                ar.angle([2, 3], 2, bounds_deg=(-15.0, 15.0)),
-            ],
+            [WALL, LUMP, BEND],
             [0.0013, 1.8, 6.0],
         ),
-        (
-            moved([1, 2, 3, 4, 5], [0.03, 0.0012]) | {"mass": 1.8},
-            [ar.length(0, pivot=0, bounds=(0.9, 1.1)), ar.point_mass(0, bounds=(1.0, 2.5))],
-            [1.06, 1.8],
-        ),
+        (moved([1, 2, 3, 4, 5], [0.03, 0.0012]) | {"mass": 1.8}, [LONG, LUMP], [1.06, 1.8]),
     ],
 )
 def test_an_update_finds_values_again(truth, parameters, values):

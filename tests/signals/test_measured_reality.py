@@ -48,17 +48,8 @@ def test_zeros_are_all_of_them_and_the_response_vanishes_there(name):
 
 def test_bound_is_the_scatter_of_the_best_fit():
     """Two channels with one zero each and known smooth factors, noise drawn anew, fitted by least squares."""
-    structure = ModalStructure(
-        "two masses",
-        np.array([8.0, 30.0]),
-        np.full(2, 0.01),
-        np.array([[1.0, 1.0], [1.0, -0.6]]),
-        np.ones(2),
-        np.ones((1, 2)),
-        0,
-        (5.0, 50.0),
-        128.0,
-    )
+    modes = np.array([8.0, 30.0]), np.full(2, 0.01), np.array([[1.0, 1.0], [1.0, -0.6]]), np.ones(2)
+    structure = ModalStructure("two masses", *modes, np.ones((1, 2)), 0, (5.0, 50.0), 128.0)
     zeros = [structure.zeros(row) for row in range(2)]
     assert zeros[0][0].size == 1  # and none of the other near it
     low, high = zeros[0][0][0] / 1.25, zeros[0][0][0] * 1.25

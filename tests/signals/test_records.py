@@ -172,14 +172,8 @@ def test_the_table_lists_the_worst_first_and_what_was_not_tested(good):
     assert seen(check(ar.Recording(responses, FS))) == [("dead_channel", (4,)), ("clipped_channel", (2,))]
 
 
-WRONG = {
-    "source": [np.zeros((2, 100))],
-    "band_hz": [(3.0, 300.0)],
-    "excitation": [1.5],
-    "method": ["burst"],
-    "nperseg": [10**7],
-    "window": ["bell"],
-}
+WRONG = {"source": [np.zeros((2, 100))], "band_hz": [(3.0, 300.0)], "excitation": [1.5], "method": ["burst"]}
+WRONG |= {"nperseg": [10**7], "window": ["bell"]}
 
 
 @pytest.mark.parametrize(("argument", "value"), each_of(WRONG))

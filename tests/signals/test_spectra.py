@@ -165,17 +165,10 @@ def test_a_single_average_has_no_deviation_and_the_sum_is_equation_10_as_printed
         ar.transmissibility_sum(ar.FrequencyResponse([1.0, 2.0], values))
 
 
-@pytest.mark.parametrize(
-    ("argument", "value"),
-    each_of(
-        {
-            "nperseg": [6000, 256.5],
-            "noverlap": [256],
-            "window": ["rectangle of mine", np.ones(255)],
-            "rec": [RECORD.responses],
-        }
-    ),
-)
+WRONG = {"nperseg": [6000, 256.5], "noverlap": [256], "window": ["rectangle of mine", np.ones(255)]}
+
+
+@pytest.mark.parametrize(("argument", "value"), each_of(WRONG | {"rec": [RECORD.responses]}))
 def test_bad_arguments_are_named(argument, value):
     assert_refused(argument, cross_spectra, **({"rec": RECORD, "nperseg": 256} | {argument: value}))
 
