@@ -61,7 +61,9 @@ SAID = {
     "Damage: spring 1 has lost 30.0 % of its stiffness and spring 4 20.0 %. Probability 95.0 %; 90 % "
     "intervals of the loss 29.0 to 32.0 and 19.0 to 22.0 "
     "%.": assessed([one((1, 4), 0.95, (0.3, 0.2))], (1, 4)),
+    "Damage; if only one element is damaged: spring 4": assessed(ONE, (4,), n_values=2, n_matched=2),
     "2 values cannot tell more.": assessed(ONE, (4,), n_values=2, n_matched=2),
+    "What else it may be: a change that no element explains (27.0 %).": assessed(GROUP, (3,), GROUP[:2]),
     "Something has changed (probability 98.0 %), perhaps what none of the candidates explains (probability "
     "60.0 %). What else it may be: spring 1 has lost 20.0 % of its stiffness (38.0 %); nothing (2.0 %).": (
         assessed([unknown(0.6), one(1, 0.38), nothing(0.02)], (), [])

@@ -300,6 +300,5 @@ def test_combinations_in_words():
 
 def test_wrong_arguments_are_refused():
     problem = ar.cases.chain8().updating_problem()
-    for argument, value in (("points", 1), ("noise", 0.0), ("problem", "problem")):
+    for argument, value in (("points", 1), ("noise", 0.0), ("problem", "problem"), ("forces", [99])):
         assert_refused(argument, ar.identifiability, **({"problem": problem} | {argument: value}))
-    assert_refused("forces[0]", ar.identifiability, problem, forces=[99])

@@ -152,17 +152,16 @@ def test_pictures_and_report_of_modes(modal_damage, tmp_path):
     ax = plot_damages({"zeros": beside, "modes": modal_damage}, ax=figure.Figure().subplots())
     heights = [bar.get_height() for bars in ax.containers for bar in bars]
     np.testing.assert_allclose(heights, 100 * np.concatenate([beside.x, modal_damage.x]))
-    modal_damage.report(tmp_path / "modes.html", truth={DAMAGED: SEVERITY})
-    html = (tmp_path / "modes.html").read_text()
-    assert "7 measured resonances with shapes at 8 dofs" in html
-    assert html.count('<th scope="col">MAC</th>') == 2
-    assert f"<td>{modal_damage.table.after_mac[0]:.3f}</td>" in html
-    assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")
     record = CASE.experiment(level=1, noise=0.01, rng=6, duration_s=64.0)
     identified = ar.identify_modes(record, band_hz=CASE.band_hz, route="responses")
     result = ar.update(CASE.damage_problem(identified), rng=0)
-    result.report(tmp_path / "identified.html")
-    assert "Stabilization diagram of all responses" in (tmp_path / "identified.html").read_text()
+    result.report(tmp_path / "modes.html", truth={DAMAGED: SEVERITY})
+    html = (tmp_path / "modes.html").read_text()
+    assert "7 measured resonances with shapes at 8 dofs" in html
+    assert html.count('<th scope="col">MAC</th>') == 2
+    assert f"<td>{result.table.after_mac[0]:.3f}</td>" in html
+    assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")
+    assert "Stabilization diagram of all responses" in html
     with pytest.raises(ar.InvalidInputError, match="response: got transmissibilities"):
         result.report(tmp_path / "x.html", response=ar.transmissibility(record, 0, nperseg=4096))
 
