@@ -9,7 +9,7 @@ import antires_rs as ar
 from antires_rs.damage.likelihood import Question
 from reference.grouped_meshes import grouped, measured, of_groups, with_groups
 from reference.meshes import MESHES, frame
-from tests.support.campaign import some_of
+from tests.support.campaign import campaign, some_of
 
 
 def of_zeros(zeros, std, rng, force=0):
@@ -127,6 +127,7 @@ def test_one_damage_among_many_elements_is_found():
     assert note.startswith(f"Of {n - 1} elements the 40 ") or note.startswith(f"Of {n} elements the 40 ")
 
 
+@campaign
 def test_among_hundreds_of_roots_a_wide_first_association_does_not_decide():
     # Values joined to neighbours of their roots were explained by factors that scatter by 60 %.
     off_stiffness, off_mass, n_groups, rng = 0.02, 0.01, 60, np.random.default_rng([2, 500])

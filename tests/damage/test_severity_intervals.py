@@ -158,7 +158,7 @@ def correlated(rng, n):
 def test_the_probability_of_a_box(n):
     rng = np.random.default_rng(n)
     compared = 0
-    for _ in range(60):
+    for _ in range(30):
         mean, spread = correlated(rng, n)
         exact = multivariate_normal(
             mean, spread, allow_singular=True, maxpts=200_000, abseps=1e-9, releps=1e-5, seed=1
@@ -166,7 +166,7 @@ def test_the_probability_of_a_box(n):
         if exact > 1e-4:  # the other method is exact to about 1e-9
             compared += 1
             assert abs(log_inside(mean[None], spread[None])[0] - np.log(exact)) < 0.02
-    assert compared > 30
+    assert compared > 15
 
 
 def test_weighted_draws_are_those_of_rejection():
@@ -206,7 +206,7 @@ def test_the_threshold_is_the_quantile_of_integrated_evidence():
     """Elements from well seen to hardly seen at all: a severity that nothing shows gains no evidence."""
     rng, prior = np.random.default_rng(0), ar.DamagePrior()
     slopes = np.linalg.qr(rng.standard_normal((6, 6)))[0] * [100.0, 10.0, 3.0, 1.0, 0.1, 1e-3]
-    beta = np.linspace(0.0, 0.99, 4001)
+    beta = np.linspace(0.0, 0.99, 2001)
     values = np.random.default_rng(1).standard_normal((4000, 6))
     odds = np.zeros(4000)
     for own in slopes.T:

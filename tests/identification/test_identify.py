@@ -25,7 +25,7 @@ def zeros_of(source, **options):
 
 
 @cache
-def exact(damping=0.01, df=1 / 16):
+def exact(damping=0.01, df=1 / 8):
     freq = np.arange(2.0, 140.0, df)
     return ar.FrequencyResponse(freq, accelerance(STIFFNESS, MASS, 0, freq, damping))
 

@@ -48,7 +48,7 @@ def test_it_says_so_and_why(case, seed):
         return
     found, said, about = identified(source)
     assert name in about
-    assert ar.check_data(source, excitation=0, band_hz=BAND).fatal
+    assert found.data_check.fatal
     assert re.search(words, said)
     grades = [grade for dof in found for grade in found.tables[dof].scores.get("grade", ())]
     assert set(grades) <= {"weak"}

@@ -47,7 +47,7 @@ def test_peaks_without_an_antiresonance_are_named():
     assert unexplained(freq, curve, np.array([15.0]), np.where(freq > 20.0, 0.1, 100.0)).size == 0
 
 
-@pytest.mark.parametrize("noise", [1e-4, 0.01])
+@pytest.mark.parametrize("noise", some_of([0.01, 1e-4]))
 def test_frfs_and_transmissibilities_agree_but_for_nodes(noise):
     # Of the middle mass, on a node of every second mode, transmissibilities see three more.
     frfs = free_chain(noise=noise)
@@ -86,13 +86,14 @@ def damped_zeros(n=7, k_over_m=5e4, damping=0.01):
     return np.sqrt(np.linalg.eigvalsh(stiffness[1:, 1:]) * np.abs(1.0 + 2j * damping)) / (2 * np.pi)
 
 
-def test_stated_deviations_cover_white_noise():
+@pytest.mark.parametrize("seeds", some_of([range(40, 43), range(40, 46)]))
+def test_stated_deviations_cover_white_noise(seeds):
     # 90 % intervals of the driving point's zeros, over seeds that nothing was set on.
     truth = damped_zeros()
     truth = truth[(truth > BAND[0]) & (truth < BAND[1])]
     inside = asked = 0
     stated, errors = [], []
-    for seed in range(40, 46):
+    for seed in seeds:
         found = zeros_of(free_chain(noise=0.02, seed=seed, sensors=(0, 2, 5)))
         table = found.tables[0]
         for f in truth:
@@ -135,7 +136,7 @@ def test_three_storey_replica(kind):
 
 
 @pytest.mark.skipif(not (DATA / "iqs_plates").is_dir(), reason="iqs_plates absent; set ANTIRES_DATA")
-@pytest.mark.parametrize("states", some_of([["00A_Ref_1", "36A_S3"], list(STATES)]))
+@pytest.mark.parametrize("states", some_of([["36A_S3"], list(STATES)]))
 def test_plates(states):
     counts = [plate_counts(state) for state in states]
     assert sum(c.found for c in counts) >= 0.97 * sum(c.clear for c in counts)
@@ -170,7 +171,7 @@ WITHOUT_EFFECT |= {
 @pytest.mark.parametrize("said", WITHOUT_EFFECT)
 def test_options_without_effect_are_named(said):
     with pytest.warns(ar.AntiresWarning, match=said):
-        zeros_of(rough(), **WITHOUT_EFFECT[said])
+        zeros_of(rough(), (20.0, 40.0), **WITHOUT_EFFECT[said])
 
 
 def test_options_that_count_are_no_cause_for_a_warning_and_few_orders_are_enough():
@@ -198,12 +199,13 @@ def test_few_lines_are_told():
         zeros_of(coarse)
 
 
-def test_known_noise_says_the_same_on_both_routes():
+@pytest.mark.parametrize("seeds", some_of([(80, 81), range(80, 84)]))
+def test_known_noise_says_the_same_on_both_routes(seeds):
     # With the force as a row, deviations were 2.2 to 2.5 times those without. Judged on seeds 80 to 83.
     clean = free_chain(sensors=(0, 2, 5))
     std = 0.01 * np.sqrt(np.mean(np.abs(clean.values) ** 2, axis=1, keepdims=True) / 2)
     ratios = []
-    for seed in range(80, 84):
+    for seed in seeds:
         frfs = free_chain(noise=0.01, seed=seed, sensors=(0, 2, 5))
         stated = std * np.ones(frfs.values.shape)
         known = ar.FrequencyResponse(frfs.freq_hz, frfs.values, dofs=frfs.dofs, std=stated)
@@ -213,7 +215,7 @@ def test_known_noise_says_the_same_on_both_routes():
                 near = np.abs(forces[dof] / f - 1.0) < 3e-3
                 if near.any():
                     ratios.append(forces.std_hz[dof][near][0] / own)
-    assert len(ratios) >= 28
+    assert len(ratios) >= 7 * len(seeds)
     assert 0.6 < np.median(ratios) < 1.6
 
 
@@ -239,7 +241,7 @@ def hiding_chain(noise, seed):
     return ar.FrequencyResponse(freq, values.T.copy(), dofs=list(range(5))), parts
 
 
-@pytest.mark.parametrize("noise", [0.002, 0.005])
+@pytest.mark.parametrize("noise", some_of([0.005, 0.002]))
 def test_a_zero_that_a_resonance_hides_is_left_out_with_the_reason(noise):
     frfs, (below, above) = hiding_chain(noise, 1)
     # Zeros of a chain's response are modes of what lies behind it, as seen from the force.
