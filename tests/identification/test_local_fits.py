@@ -90,7 +90,8 @@ def test_a_hit_that_still_rings_is_a_hit(seconds):
 
 @needs_shake_table
 @pytest.mark.parametrize(
-    ("event", "ground", "floor"), [("flexible_northridge", 3.7, 5.2), ("stiff_northridge", 7.8, 10.9)]
+    ("event", "ground", "floor"),
+    some_of([("flexible_northridge", 3.7, 5.2), ("stiff_northridge", 7.8, 10.9)]),
 )
 def test_halves_of_an_earthquake_agree(event, ground, floor):
     kept = np.load(DATA / "shake_table" / "records.npz")
