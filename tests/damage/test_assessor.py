@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from tests.support.campaign import some_of
+from tests.support.refusals import each_of
 from tests.support.wrong_chains import NOMINAL, N, changed, states
 
 
@@ -25,15 +27,14 @@ def full_run(before, now, model=NOMINAL, **options):
     return ar.assess_damage(model, now, baseline=before, workers=1, **options)
 
 
-@pytest.mark.parametrize("seed", range(310, 322))
+@pytest.mark.parametrize("seed", some_of(range(310, 322), 3))
 @pytest.mark.parametrize("n_damaged", [0, 1, 2])
 def test_the_same_answer_as_the_full_run(seed, n_damaged):
     """Severities from the smallest that are seen to most of the element; seeds that nothing was set on."""
     rng = np.random.default_rng([seed, n_damaged])
     losses = np.zeros(N - 1)
-    losses[rng.choice(N - 1, n_damaged, replace=False)] = np.exp(
-        rng.uniform(np.log(0.01), np.log(0.8), n_damaged)
-    )
+    places = rng.choice(N - 1, n_damaged, replace=False)
+    losses[places] = np.exp(rng.uniform(np.log(0.01), np.log(0.8), n_damaged))
     before, now = states(seed, losses)
     quick, full = assessor(before).assess(now), full_run(before, now)
     if quick.full_run_wanted:
@@ -50,15 +51,14 @@ def test_the_same_answer_as_the_full_run(seed, n_damaged):
         assert quick.probability[e] == pytest.approx(p, abs=0.05)
 
 
-def test_most_answers_need_no_full_run():
+@pytest.mark.parametrize("tests", some_of([10, 20]))
+def test_most_answers_need_no_full_run(tests):
     """Otherwise the flag would make every test above pass."""
     wanted = 0
-    for seed in range(330, 350):
-        losses = np.zeros(N - 1)
-        losses[seed % (N - 1)] = 0.02 * (1 + seed % 9)
-        before, now = states(seed, losses)
+    for seed in range(330, 330 + tests):
+        before, now = states(seed, 0.02 * (1 + seed % 9) * np.eye(N - 1)[seed % (N - 1)])
         wanted += assessor(before).assess(now).full_run_wanted
-    assert wanted <= 2
+    assert wanted <= tests // 10
 
 
 MASSES = [1.0] * 6
@@ -73,7 +73,7 @@ def of_chain(springs, dofs, seed):
     return ar.AntiresonanceSet(0, noisy, std_hz=std)
 
 
-@pytest.mark.parametrize("left", [480.0, 440.0, 400.0, 300.0, 200.0])
+@pytest.mark.parametrize("left", [480.0, 400.0, 200.0])
 def test_one_value_that_no_undamaged_root_is_near(left):
     """The element is judged at no damage first, where nothing belongs to the value and no slope leads on."""
     before, now = of_chain([520.0], [0, 1], 1), of_chain([left], [0, 1], 2)
@@ -84,14 +84,13 @@ def test_one_value_that_no_undamaged_root_is_near(left):
     assert quick.severity[0] == pytest.approx(1.0 - left / 520.0, abs=0.01)
 
 
-@pytest.mark.parametrize("seed", [31, 61, 90])
+@pytest.mark.parametrize("seed", some_of([31, 61, 90]))
 def test_a_small_damage_that_errors_of_three_times_their_size_explain_too(seed):
     """No damage is most probable with such errors, and seen with these no element is worth a look."""
     dofs, model = [0, 1, 3, 4, 5], ar.MassSpringChain(MASSES, [5e4] * 5)
     before, now = of_chain(SPRINGS, dofs, 1), of_chain(SPRINGS * [1, 1, 1, 0.98, 1], dofs, seed)
     quick, full = (
-        assessor(before, model).assess(now).hypotheses[0],
-        full_run(before, now, model).hypotheses[0],
+        each.hypotheses[0] for each in (assessor(before, model).assess(now), full_run(before, now, model))
     )
     assert quick.elements == full.elements == (3,)
     assert quick.probability == pytest.approx(full.probability, abs=0.03)
@@ -196,41 +195,33 @@ THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=0.98, elsewhere=0.01
 ONLY_THREE = ar.DamagePrior(nothing=0.0, one=0.0, two=0.0, three=1.0, elsewhere=0.0, unknown=0.0)
 
 
-@pytest.mark.parametrize(
-    ("options", "argument"),
-    [
-        ({"baseline": []}, "baseline"),
-        ({"baseline": "intact"}, "baseline"),
-        ({"baseline": [ar.AntiresonanceSet(0, {1: []})]}, "baseline"),
-        ({"elements": []}, "elements"),
-        ({"elements": [99]}, r"elements\[0\]: got 99"),
-        ({"prior": 0.5}, "prior"),
-        ({"search": ar.SearchOptions(false_alarm_rate=0.9)}, "false_alarm_rate"),
-        ({"search": ar.SearchOptions(std_common=-1.0)}, "std_common"),
-        ({"prior": ALWAYS, "search": ar.SearchOptions(false_alarm_rate=0.05)}, "always damage"),
-        ({"model": "chain"}, "model"),
-        ({"model": ar.MatrixModel(2e4 * np.eye(6), np.eye(6))}, "stiffness_terms"),
-    ],
-)
-def test_wrong_arguments_are_refused(prepared, options, argument):
-    with pytest.raises(ar.InvalidInputError, match=argument):
+WRONG = {"baseline": [{"baseline": value} for value in ([], "intact", [ar.AntiresonanceSet(0, {1: []})])]}
+WRONG |= {"elements": [{"elements": []}], r"elements\[0\]: got 99": [{"elements": [99]}]}
+WRONG |= {"prior": [{"prior": 0.5}], "false_alarm_rate": [{"search": ar.SearchOptions(false_alarm_rate=0.9)}]}
+WRONG |= {"std_common": [{"search": ar.SearchOptions(std_common=-1.0)}]}
+WRONG |= {"always damage": [{"prior": ALWAYS, "search": ar.SearchOptions(false_alarm_rate=0.05)}]}
+WRONG |= {"model": [{"model": "chain"}]}
+WRONG |= {"stiffness_terms": [{"model": ar.MatrixModel(2e4 * np.eye(6), np.eye(6))}]}
+OF_TESTS = {"zeros": ["zeros", [], 3.0, [3.0]], "force at 5": [ar.AntiresonanceSet(5, {1: [20.0]})]}
+
+
+@pytest.mark.parametrize(("words", "options"), each_of(WRONG))
+def test_wrong_arguments_are_refused(prepared, words, options):
+    with pytest.raises(ar.InvalidInputError, match=words):
         ar.Assessor(**({"model": NOMINAL, "baseline": prepared[1]} | options))
 
 
 @pytest.mark.parametrize(
-    ("zeros", "argument"),
-    [
-        *((wrong, "zeros") for wrong in ("zeros", [], 3.0, [3.0])),
-        (ar.AntiresonanceSet(5, {1: [20.0]}), "force at 5"),
-        (ar.AntiresonanceSet(0, {1: []}), "no antiresonance"),
-    ],
+    ("words", "zeros"), [*each_of(OF_TESTS), ("no antiresonance", ar.AntiresonanceSet(0, {1: []}))]
 )
-def test_wrong_tests_are_refused(prepared, zeros, argument):
-    made, before, _ = prepared
-    with pytest.raises(ar.InvalidInputError, match=argument):
-        made.assess(zeros)
+def test_wrong_tests_are_refused(prepared, words, zeros):
+    with pytest.raises(ar.InvalidInputError, match=words):
+        prepared[0].assess(zeros)
+
+
+def test_a_prior_that_allows_none_of_the_hypotheses_is_refused(prepared):
     with pytest.raises(ar.InvalidInputError, match="allows none of the hypotheses"):
-        assessor(before, prior=ONLY_THREE).assess(before)
+        assessor(prepared[1], prior=ONLY_THREE).assess(prepared[1])
 
 
 @pytest.mark.parametrize("prior", [ALWAYS, THREE], ids=["always damage", "three or none of ours"])

@@ -1,6 +1,9 @@
 """What two states have in common, what changes that are no damage look like, and what reports say of them."""
 
+from __future__ import annotations
+
 import re
+from itertools import product
 
 import numpy as np
 import pytest
@@ -9,7 +12,9 @@ import antires_rs as ar
 from antires_rs.damage.inference import Search
 from antires_rs.figures.report_parts import damage_rows, hypothesis_rows
 from tests.damage.test_modes import measured as modes
-from tests.support.wrong_chains import NOMINAL, N, chain, changed, measured, states, truth
+from tests.support.campaign import some_of
+from tests.support.refusals import each_of
+from tests.support.wrong_chains import NOMINAL, N, assessed, chain, changed, measured, states, truth
 
 
 def assess(now, before, **options):
@@ -21,47 +26,37 @@ def has_note(result, beginning):
 
 
 # -- Responses of one state only
-
-
-def test_responses_of_one_state_only_are_told():
+def test_responses_of_one_state_only_are_told_and_must_not_be_all():
     before, now = states(60)
     result = assess(changed(now, dofs=range(4)), changed(before, dofs=range(1, 5)))
     assert has_note(result, "Measured now only: mass 0 (force at mass 0), mass 0 (force")
     assert has_note(result, "Measured intact only: mass 4")
     assert not any("only:" in note for note in assess(now, before).notes)
-
-
-def test_states_with_no_response_in_common_are_refused():
     before, now = states(61)
     with pytest.raises(ar.InvalidInputError, match="mass 3.*wanted values at some of the dofs of measured"):
         assess(changed(now, dofs=(0, 1, 2)), changed(before, dofs=(3, 4)))
 
 
 # -- Tests of the intact structure that contradict each other, scatter, or are one record
-
-
-@pytest.mark.parametrize(("seed", "odd", "loss"), [(62, 0, 0.1), (63, 1, 0.3), (64, 2, 0.7)])
+@pytest.mark.parametrize(("seed", "odd", "loss"), some_of([(62, 0, 0.1), (63, 1, 0.3), (64, 2, 0.7)]))
 def test_the_odd_one_of_three_intact_tests_is_named(seed, odd, loss):
     rng, factors = truth(seed)
     before = [measured(chain(factors), rng) for _ in range(3)]
     before[odd] = measured(chain(factors, [0, loss, 0, 0, 0]), rng)
-    result = assess(
-        measured(chain(factors, (0, 0, 0.3, 0, 0)), rng), [each for test in before for each in test]
-    )
+    now = measured(chain(factors, (0, 0, 0.3, 0, 0)), rng)
+    result = assess(now, [each for test in before for each in test])
     assert {nth // 2 for nth in result.assessment.odd_baselines} == {odd}
     nth = result.assessment.odd_baselines[0]
     assert result.headline.startswith(f"The baseline contradicts itself: baseline set {nth} differs")
 
 
-def test_of_two_that_disagree_none_is_named_alone():
+def test_of_two_that_disagree_none_is_named_alone_and_no_damage_is_confident():
     rng, factors = truth(65)
     before = [measured(chain(factors, losses), rng)[0] for losses in (None, [0, 0.3, 0, 0, 0])]
     result = assess(measured(chain(factors, (0, 0, 0.3, 0, 0)), rng)[:1], before)
     assert result.assessment.odd_baselines == (0, 1)
     assert "which of them is wrong cannot be told" in result.headline
-
-
-def test_baselines_that_are_scaled_give_no_confident_damage():
+    # Baselines that are scaled give no confident damage.
     before, now = states(91, (0, 0, 0, 0, 0.3))
     headline = assess(now, [*before, *changed(before, 1.03)]).headline
     assert headline.startswith("The baseline contradicts itself")
@@ -70,7 +65,7 @@ def test_baselines_that_are_scaled_give_no_confident_damage():
     assert "%" not in headline.split("If the baseline")[1]
 
 
-@pytest.mark.parametrize("seed", range(66, 76))
+@pytest.mark.parametrize("seed", some_of(range(66, 76), 3))
 def test_ordinary_scatter_between_tests_is_no_contradiction(seed):
     rng, factors = truth(seed)
     # The third is three times as noisy.
@@ -134,8 +129,6 @@ def test_one_record_cut_into_overlapping_sets():
 
 
 # -- Changes that are no damage
-
-
 @pytest.mark.parametrize(("seed", "by"), [(81, -0.008), (82, 0.005)])
 def test_all_values_moved_alike_is_temperature_or_clock(seed, by):
     before, now = states(seed, np.zeros(N - 1))
@@ -156,9 +149,12 @@ def test_all_values_moved_alike_is_temperature_or_clock(seed, by):
 QUESTION = "are the sets swapped, or has something been stiffened?"
 
 
-@pytest.mark.parametrize(("seed", "loss"), [(110, 0.1), (111, 0.3), (112, 0.5)])
-@pytest.mark.parametrize("kind", [measured, modes])
-def test_swapped_sets_are_asked_about(seed, loss, kind):
+@pytest.mark.parametrize(
+    ("seed", "kind"),
+    some_of(product((110, 111, 112), (measured, modes)), [(110, measured), (112, measured), (111, modes)]),
+)
+def test_swapped_sets_are_asked_about(seed, kind):
+    loss = {110: 0.1, 111: 0.3, 112: 0.5}[seed]
     rng, factors = truth(seed)
     losses = loss * np.eye(5)[seed % 5]
     intact, hurt = kind(chain(factors), rng), kind(chain(factors, losses), rng)
@@ -182,13 +178,11 @@ def test_a_mass_that_was_added_is_no_damage_and_lowers_values():
 
 
 # -- Roots that the model loses on the way to a damage
-
-
 #: The cracked element of the exhaust, and the stiffness losses of a beam that its cracks come to.
 CRACKED, EQUIVALENT = 30, {1: 0.881, 2: 0.934}
 
 
-@pytest.mark.parametrize("level", [1, 2])
+@pytest.mark.parametrize("level", some_of([1, 2]))
 def test_the_likelihood_has_no_cliff_where_two_roots_of_the_model_meet(level):
     """At 85.8 % two roots of the model, never updated, vanish whose values are still measured."""
     case, sets = ar.cases.exhaust(), []
@@ -208,8 +202,6 @@ def test_the_likelihood_has_no_cliff_where_two_roots_of_the_model_meet(level):
 
 
 # -- What tables and reports say
-
-
 def test_what_explains_but_was_no_candidate_is_in_the_table_and_nothing_is_left_unexplained():
     before, now = states(30)
     result = assess(now, before, elements=[0, 1, 3, 4])
@@ -238,9 +230,8 @@ def test_what_cannot_be_told_apart_stands_side_by_side_in_the_tables():
         half[n : n + 2, n : n + 2] = 250.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
         halves.append(half)
     model = ar.MatrixModel(intact.stiffness(), intact.mass(), stiffness_terms=halves)
-    before, now = (
-        ar.AntiresonanceSet(0, dict(enumerate(m.antiresonances(range(4), 0)))) for m in (intact, hurt)
-    )
+    zeros = (m.antiresonances(range(4), 0) for m in (intact, hurt))
+    before, now = (ar.AntiresonanceSet(0, dict(enumerate(each))) for each in zeros)
     result = ar.assess_damage(model, now, baseline=before)
     assert sorted(one.elements for one in result.assessment.group) == [(2,), (3,)]
     rows = {row["name"]: row for row in damage_rows(result, None)}
@@ -265,3 +256,142 @@ def test_a_search_that_ctrl_c_stops_says_so_first(monkeypatch, tmp_path):
     assert not re.search(r"probability [\d a]|above 99", stopped.headline)
     stopped.save(tmp_path / "run.npz")
     assert ar.DamageResult.load(tmp_path / "run.npz").headline == stopped.headline
+
+
+# ---- Damage against a baseline, the model wrong by some per cent: chains that nothing was tuned on
+RATE = ar.SearchOptions(false_alarm_rate=0.05)
+
+
+def losses_of(damages):
+    losses = np.zeros(N - 1)
+    losses[list(damages)] = list(damages.values())
+    return losses
+
+
+@pytest.mark.parametrize("kind", [measured, modes])
+@pytest.mark.parametrize("seed", some_of(range(3)))
+def test_an_intact_structure_is_intact_however_wrong_the_model(kind, seed):
+    result = assessed(seed, np.zeros(N - 1), kind=kind)
+    assert result.damaged == []
+    assert not result.x.any()
+    assert result.probability_of_damage < 0.2
+    assert result.headline.startswith("No damage found")
+
+
+@pytest.mark.parametrize(
+    ("kind", "element", "loss"),
+    some_of(
+        [(measured, 0, 0.08), (measured, 4, 0.9), (modes, 0, 0.1), (measured, 1, 0.3), (measured, 2, 0.15)]
+        + [(measured, 3, 0.6), (modes, 2, 0.3), (modes, 4, 0.6)],
+        3,
+    ),
+)
+def test_one_damaged_spring_is_named_and_sized(kind, element, loss):
+    result = assessed(10 + element, losses_of({element: loss}), kind=kind)
+    assert result.damaged == [element]
+    assert result.probability[element] > 0.95
+    low, high = result.interval[element]
+    assert low < result.severity[element] < high < 1.0
+    # Nine of ten intervals hold it; these are five, seen to hold with twice the width at least.
+    assert abs(result.severity[element] - loss) < high - low < 0.1
+    if kind is modes:  # what was wrong both times is taken out of the modes of now
+        assert result.table.after_mac.min() > 0.99
+        assert np.nanmax(np.abs(result.table.after_percent)) < 1.0
+
+
+@pytest.mark.parametrize(("seed", "damages"), [(20, {1: 0.3, 4: 0.2}), (21, {0: 0.3, 2: 0.25, 3: 0.4})])
+def test_two_and_three_damages_are_told_apart(seed, damages):
+    result = assessed(seed, losses_of(damages))
+    assert sorted(result.damaged) == sorted(damages)
+    for element, loss in damages.items():
+        assert abs(result.severity[element] - loss) < 0.03
+
+
+def test_probabilities_add_up_and_severities_are_those_of_the_first_hypothesis():
+    result = assessed(32, [0, 0.1, 0, 0, 0])
+    assert np.isclose(result.hypotheses.probability.sum(), 1.0, atol=1e-6)
+    assert np.all(np.diff(result.hypotheses.probability) <= 0.0)
+    best = result.hypotheses[0]
+    found = dict(zip(best.elements, best.severities, strict=True))
+    assert result.severity == {e: found.get(e, 0.0) for e in range(5)}
+    assert result.chi_square < 3.0
+    # Intact tests that scatter more than they say widen everything.
+    rng, factors = truth(40)
+    now, *before = (changed(measured(chain(factors), rng), std=0.2) for _ in range(4))
+    result = ar.assess_damage(NOMINAL, now, baseline=[each for test in before for each in test])
+    assert 3.5 < result.assessment.scatter < 7.0
+    assert result.damaged == []
+
+
+def test_same_bits_for_any_number_of_workers():
+    one, two = (assessed(33, [0.2, 0, 0, 0.1, 0], search=RATE, rng=1, workers=n) for n in (1, 2))
+    assert one.x.tobytes() == two.x.tobytes()
+    assert one.hypotheses.probability.tobytes() == two.hypotheses.probability.tobytes()
+    assert one.assessment == two.assessment
+
+
+# 0.2 of the tests, give or take three standard deviations.
+@pytest.mark.parametrize(("tests", "fewest", "most"), some_of([(24, 1, 10), (60, 2, 21)]))
+def test_a_rate_of_false_alarms_is_kept(tests, fewest, most):
+    options = ar.SearchOptions(false_alarm_rate=0.2)
+    found = (assessed(1000 + seed, np.zeros(N - 1), search=options, rng=seed) for seed in range(tests))
+    assert fewest <= sum(bool(result.damaged) for result in found) <= most
+
+
+# 0.9 of the tests less three standard deviations; all 60 would hold in one of 500 such runs.
+@pytest.mark.parametrize(("tests", "fewest", "most"), some_of([(24, 18, 24), (60, 47, 59)]))
+def test_intervals_hold_nine_of_ten(tests, fewest, most):
+    held, widths = 0, []
+    for seed in range(tests):
+        loss = np.random.default_rng([2000, seed]).uniform(0.1, 0.6)
+        low, high = assessed(2000 + seed, losses_of({seed % 5: loss})).interval[seed % 5]
+        held += low <= loss <= high
+        widths.append(high - low)
+    assert fewest <= held <= most
+    assert max(widths) < 0.01
+
+
+BEFORE, NOW = states(7, (0, 0.4, 0, 0, 0))
+PAIRS_ONLY = ar.DamagePrior(nothing=0.5, one=0.0, two=0.4, three=0.0, elsewhere=0.05, unknown=0.05)
+
+
+WRONG = {"gamma1": [{"search": ar.SearchOptions(gamma1=0.1)}]}
+WRONG |= {"false_alarm_rate": [{"baseline": None, "search": RATE}]}
+WRONG |= {"false_alarm_rate.*one element alone": [{"prior": PAIRS_ONLY, "search": RATE}]}
+WRONG |= {"only together with a baseline": [{"baseline": None, "search": ar.SearchOptions(reduction=True)}]}
+WRONG |= {"search": [{"search": {"gamma1": 0.1}}]}
+WRONG |= {"reduction": [{"search": ar.SearchOptions(reduction="always")}]}
+WRONG |= {"optimizer": [{"optimizer": ar.IslandGA()}]}
+WRONG |= {"baseline": [{"baseline": BEFORE[:1]}, {"baseline": "intact"}]}
+WRONG |= {"baseline: got no antiresonance": [{"baseline": ar.AntiresonanceSet(0, {1: []})}]}
+WRONG |= {"baseline: got a ModalSet": [{"baseline": ar.ModalSet([1.0], [[1.0, 2.0]])}]}
+WRONG |= {"elements": [{"elements": "all"}]}
+
+
+@pytest.mark.parametrize(("wrong", "given"), each_of(WRONG))
+def test_what_has_no_effect_or_no_meaning_is_refused(wrong, given):
+    with pytest.raises(ar.InvalidInputError, match=wrong):
+        ar.assess_damage(NOMINAL, NOW, **({"baseline": BEFORE} | given))
+    with pytest.raises(ar.InvalidInputError, match="prior"):
+        ar.DamagePrior(nothing=0.9)
+
+
+def test_flat_options_of_before_work_and_warn(tmp_path):
+    new = ar.assess_damage(NOMINAL, NOW, baseline=BEFORE, search=RATE, rng=1)
+    with pytest.warns(FutureWarning, match=r"search=SearchOptions\(false_alarm_rate=") as caught:
+        old = ar.assess_damage(NOMINAL, NOW, baseline=BEFORE, false_alarm_rate=0.05, rng=1)
+    assert caught[0].filename == __file__
+    assert old.assessment.threshold == new.assessment.threshold is not None
+    with pytest.warns(FutureWarning, match="Assessor: std_common") as caught:
+        ar.Assessor(NOMINAL, baseline=BEFORE, std_common=1e-3, search=RATE)
+    assert caught[0].filename == __file__
+    with pytest.raises(TypeError, match="gamma3"):
+        ar.assess_damage(NOMINAL, NOW, gamma3=1.0)
+    new.save(tmp_path / "new.npz")
+    kept = ar.DamageResult.load(tmp_path / "new.npz").options
+    assert kept == new.options == old.options
+    assert (kept["false_alarm_rate"], kept["std_common"], kept["prior"]["one"]) == (0.05, 5e-4, 0.36)
+    paper = ar.assess_damage(NOMINAL, NOW, search=ar.SearchOptions(gamma1=0.1), rng=0)
+    assert (paper.options["gamma1"], paper.options["snap"]) == (0.1, 1e-3)
+    assert "islands" in paper.options
+    assert "std_common" not in paper.options

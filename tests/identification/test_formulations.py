@@ -4,26 +4,14 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import FitOptions
-from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.lines import Lines
 from antires_rs.identification.paper import sweep_of
 from antires_rs.identification.stabilization import diagram
 from reference.matching import match
 from reference.structures import structure
-from reference.virtual_records import (
-    CHAIN8_MASSES,
-    CHAIN8_SPRINGS,
-    accelerance,
-    chain8_matrices,
-    chain_matrices,
-    true_antiresonances,
-)
+from reference.virtual_records import CHAIN8_MASSES, CHAIN8_SPRINGS, accelerance, chain_matrices
 from tests.support.campaign import campaign
-
-STIFFNESS, MASS = chain8_matrices()
-TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
-BAND = (3.0, 130.0)
+from tests.support.checked_records import BAND, MASS, STIFFNESS, TRUTH
 
 
 @pytest.fixture(scope="module")
@@ -36,11 +24,11 @@ def lines():
 
 
 #: The paper's: 1 % and 5 % in more than ten orders, and no other test.
-PAPER = FitOptions(damping_tol=0.05, min_dominance=0.0, persistent=False)
+PAPER = ar.FitOptions(damping_tol=0.05, min_dominance=0.0, persistent=False)
 
 
 def found_by(formulation, lines, row, rule=None):
-    rule = rule or FitOptions()
+    rule = rule or ar.FitOptions()
     sweep, orders, background = sweep_of(lines, row, 2, 60, rule, formulation)
     assert background.shape == lines.freq_hz.shape
     assert background.min() >= 0.0
@@ -91,7 +79,7 @@ def test_the_papers_preset_on_a_record(noise):
 @campaign
 @pytest.mark.parametrize("seed", [7, 8, 9])
 def test_the_papers_preset_on_the_papers_chain(seed):
-    eight = structure(*chain8_matrices())
+    eight = structure(STIFFNESS, MASS)
     found, false = identified(eight, eight.record(noise=0.0, seed=seed))
     assert (found >= 26, false <= 1) == (True, True), (found, false)  # of 28
 
@@ -101,23 +89,22 @@ def test_the_papers_preset_on_frfs_keeps_its_rule():
     record = three.record(noise=0.01, seed=7, duration_s=30.0)
     options = {"excitation": 0, "band_hz": three.band_hz, "route": "frf", "check": "off"}
     by_preset = ar.identify_antiresonances(record, **options, preset="paper")
-    by_name = ar.identify_antiresonances(
-        record, **options, preset="paper", fit=ar.FitOptions(formulation="joint")
-    )
+    joint = ar.FitOptions(formulation="joint")
+    by_name = ar.identify_antiresonances(record, **options, preset="paper", fit=joint)
     assert by_preset == by_name
-    with pytest.raises(InvalidInputError, match="^formulation: got eq10_squared"):
+    with pytest.raises(ar.InvalidInputError, match="^formulation: got eq10_squared"):
         ar.identify_antiresonances(record, **options, fit=ar.FitOptions(formulation="eq10_squared"))
 
 
 @pytest.mark.parametrize(("name", "said"), [("eq11", ""), ("sum", ".*'joint'"), ("power", ".*'joint'")])
 def test_formulations_that_are_not_there_are_refused(name, said):
-    with pytest.raises(InvalidInputError, match=f"^formulation: got '{name}'{said}"):
-        FitOptions(formulation=name).checked()
+    with pytest.raises(ar.InvalidInputError, match=f"^formulation: got '{name}'{said}"):
+        ar.FitOptions(formulation=name).checked()
 
 
 def test_few_lines_bear_few_orders(lines):
     few = lines.part(0, 30)
-    assert sweep_of(few, 0, 2, 60, FitOptions(), "joint")[1] == range(2, 21)
+    assert sweep_of(few, 0, 2, 60, ar.FitOptions(), "joint")[1] == range(2, 21)
     # Without phase a line is one number, not two.
-    with pytest.raises(InvalidInputError, match="^band_hz: got a band with 30 lines"):
-        sweep_of(few, 0, 2, 60, FitOptions(), "eq10")
+    with pytest.raises(ar.InvalidInputError, match="^band_hz: got a band with 30 lines"):
+        sweep_of(few, 0, 2, 60, ar.FitOptions(), "eq10")

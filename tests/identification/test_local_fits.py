@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError
 from antires_rs.identification.local_fits import fits, stretches
 from antires_rs.identification.stability import VIEWS, false_values
 from antires_rs.signals.averaging import Averaging, holds_hits
+from tests.support.campaign import some_of
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
 
 BAND = (3.0, 130.0)
@@ -21,19 +21,8 @@ def chain():
 
 
 def record(model, noise, seed):
-    return model.simulate(
-        excitation=0, fs_hz=400.0, duration_s=200.0, damping_ratio=0.01, noise=noise, rng=seed
-    )
-
-
-def matched(zeros, truth):
-    """(found, false) within 1 %."""
-    right = sum(
-        int(np.abs(truth[dof] / value - 1.0).min(initial=np.inf) < 0.01)
-        for dof in zeros
-        for value in zeros[dof]
-    )
-    return right, sum(map(len, zeros.values())) - right
+    made = {"excitation": 0, "fs_hz": 400.0, "duration_s": 200.0, "damping_ratio": 0.01}
+    return model.simulate(**made, noise=noise, rng=seed)
 
 
 def test_zeros_of_exact_directions():
@@ -52,19 +41,21 @@ def test_zeros_of_exact_directions():
         assert np.abs(zeros[1] - (10.7 + 0.02j)).min() < 1e-9
 
 
-@pytest.mark.parametrize(("noise", "least"), [(0.01, 25), (0.05, 23)])
+@pytest.mark.parametrize(("noise", "least"), some_of([(0.05, 23), (0.01, 25)]))
 def test_the_chain_by_local_fits(chain, noise, least):
     model, truth = chain
-    zeros = ar.identify_antiresonances(
-        record(model, noise, 11), excitation=0, band_hz=BAND, fit=ar.FitOptions(formulation="directions")
-    )
-    found, false = matched(zeros, truth)
-    assert found >= least
-    assert false <= 1
+    rec, fit_options = record(model, noise, 11), ar.FitOptions(formulation="directions")
+    zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
+    near = [np.abs(truth[d] / f - 1.0).min(initial=np.inf) < 0.01 for d in zeros for f in zeros[d]]
+    assert sum(near) >= least
+    assert len(near) - sum(near) <= 1
     assert all((share >= 0.5).all() for share in zeros.share.values())
+    if noise == 0.05:  # the same record gives the same bits
+        again = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
+        assert all((zeros[dof] == again[dof]).all() for dof in zeros)
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.1])
+@pytest.mark.parametrize("noise", some_of([0.1, 0.0]))
 def test_what_one_fit_predicts_is_fitted_at_once(chain, noise):
     model, _ = chain
     zeros = ar.identify_antiresonances(record(model, noise, 12), excitation=0, band_hz=BAND)
@@ -83,7 +74,7 @@ def test_noise_alone_says_so():
 def test_a_band_of_few_lines_is_refused(formulation):
     rec = ar.Recording(np.random.default_rng(4).standard_normal((3, 1000)), 100.0)
     asked = ar.FitOptions(formulation=formulation)
-    with pytest.raises(InvalidInputError, match=r"lines for (local fits|orders)"):
+    with pytest.raises(ar.InvalidInputError, match=r"lines for (local fits|orders)"):
         ar.identify_antiresonances(rec, excitation=0, band_hz=(10.0, 22.0), check="off", fit=asked)
 
 
@@ -98,19 +89,10 @@ def test_a_hit_that_still_rings_is_a_hit(seconds):
     assert holds_hits(ar.Recording(clean + noise, fs_hz), Averaging())
 
 
-def test_the_same_record_gives_the_same_bits(chain):
-    rec = record(chain[0], 0.05, 13)
-    fit_options = ar.FitOptions(formulation="directions")
-    one, two = (
-        ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options, check="off")
-        for _ in "ab"
-    )
-    assert all((one[dof] == two[dof]).all() for dof in one)
-
-
 @needs_shake_table
 @pytest.mark.parametrize(
-    ("event", "ground", "floor"), [("flexible_northridge", 3.7, 5.2), ("stiff_northridge", 7.8, 10.9)]
+    ("event", "ground", "floor"),
+    some_of([("flexible_northridge", 3.7, 5.2), ("stiff_northridge", 7.8, 10.9)]),
 )
 def test_halves_of_an_earthquake_agree(event, ground, floor):
     kept = np.load(DATA / "shake_table" / "records.npz")

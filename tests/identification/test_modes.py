@@ -4,26 +4,23 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+import antires_rs as ar
 from antires_rs.cases import exhaust
 from antires_rs.cases.exhaust_truth import TestedStructure
-from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.identification.modes import identify_modes
-from antires_rs.measured.modal_set import ModalSet
-from antires_rs.signals.frequency_response import FrequencyResponse
-from antires_rs.signals.recording import Recording
-from reference.virtual_records import accelerance, chain8_matrices, hit_record, random_record
+from reference.virtual_records import accelerance, hit_record, random_record
+from tests.support.checked_records import BAND, FS, MASS, STIFFNESS
 from tests.support.measured_data import FLOORS, needs_southampton, southampton
+from tests.support.refusals import assert_refused, each_of
 
-STIFFNESS, MASS = chain8_matrices()
 LAMBDA, PHI = scipy.linalg.eigh(STIFFNESS, MASS)
 # Without the rigid-body mode at 0 Hz.
-TRUTH = ModalSet(np.sqrt(LAMBDA[1:]) / (2 * np.pi), PHI[:, 1:].T)
-BAND, FS = (3.0, 130.0), 512.0
+TRUTH = ar.ModalSet(np.sqrt(LAMBDA[1:]) / (2 * np.pi), PHI[:, 1:].T)
+FREQ = np.arange(3.0, 130.1, 1 / 16)
 
 
-def record(noise=0.01, seed=13, duration_s=200.0, **kwargs):
-    responses, force = random_record(STIFFNESS, MASS, noise=noise, seed=seed, duration_s=duration_s, **kwargs)
-    return Recording(responses, FS, force=force)
+def record(noise=0.01, seed=13, duration_s=200.0):
+    responses, force = random_record(STIFFNESS, MASS, noise=noise, seed=seed, duration_s=duration_s)
+    return ar.Recording(responses, FS, force=force)
 
 
 def assert_modes(found, freq_rel, damping_rel, mac=0.99, damping=0.01):
@@ -36,23 +33,20 @@ def assert_modes(found, freq_rel, damping_rel, mac=0.99, damping=0.01):
 @pytest.mark.parametrize("power", [0, 1, 2])
 def test_exact_frfs_of_any_quantity(power):
     """Receptance, mobility and accelerance have the same resonances and shapes."""
-    freq = np.arange(3.0, 130.1, 1 / 16)
-    values = accelerance(STIFFNESS, MASS, 0, freq, 0.01) * (2j * np.pi * freq) ** (power - 2)
-    found = identify_modes(FrequencyResponse(freq, values), band_hz=BAND)
+    values = accelerance(STIFFNESS, MASS, 0, FREQ, 0.01) * (2j * np.pi * FREQ) ** (power - 2)
+    found = ar.identify_modes(ar.FrequencyResponse(FREQ, values), band_hz=BAND)
     assert_modes(found, 1e-6, 1e-4, mac=1 - 1e-6)
     assert found.diagram.identified.tolist() == found.freq_hz.tolist()
     assert np.allclose(np.abs(found.shapes).max(axis=1), 1.0)
+    none = ar.identify_modes(ar.FrequencyResponse(FREQ, values), band_hz=(5.0, 20.0))
+    assert (len(none), none.shapes.shape, repr(none)) == (0, (0, 8), "ModalSet(0 modes x 8 dofs)")
 
 
-@pytest.mark.parametrize("seed", [13, 14])
-def test_record_with_force_at_one_percent_noise(seed):
+def test_a_record_at_one_percent_noise_with_force_and_without():
     # Measured: 6e-6 and 0.006. The bar is 0.1 %, 5 %, 0.99.
-    assert_modes(identify_modes(record(seed=seed), band_hz=BAND), 1e-4, 0.02, mac=0.9999)
-
-
-def test_the_responses_alone():
-    """Scatter about twice that which no method beats; four standard deviations of it."""
-    found = identify_modes(record(seed=13, duration_s=400.0), band_hz=BAND, route="responses")
+    assert_modes(ar.identify_modes(record(), band_hz=BAND), 1e-4, 0.02, mac=0.9999)
+    # Scatter about twice that which no method beats; four standard deviations of it.
+    found = ar.identify_modes(record(seed=13, duration_s=400.0), band_hz=BAND, route="responses")
     assert len(found) == 7
     cycles = TRUTH.freq_hz * 400.0
     assert np.all(np.abs(found.freq_hz / TRUTH.freq_hz - 1.0) < 8 * np.sqrt(0.01 / (4 * np.pi * cycles)))
@@ -62,8 +56,8 @@ def test_the_responses_alone():
 
 def test_the_force_is_not_read_on_the_way_of_responses():
     rec = record(seed=15, duration_s=100.0)
-    with_force = identify_modes(rec, band_hz=BAND, route="responses")
-    without = identify_modes(Recording(rec.responses, FS), band_hz=BAND)
+    with_force = ar.identify_modes(rec, band_hz=BAND, route="responses")
+    without = ar.identify_modes(ar.Recording(rec.responses, FS), band_hz=BAND)
     assert with_force.freq_hz.tolist() == without.freq_hz.tolist()
     assert with_force.shapes.tolist() == without.shapes.tolist()
 
@@ -71,18 +65,18 @@ def test_the_force_is_not_read_on_the_way_of_responses():
 @pytest.mark.parametrize("route", ["frf", "responses"])
 def test_hammer_hits(route):
     responses, force = hit_record(STIFFNESS, MASS, duration_s=3.0, seed=13)  # still ringing at the end
-    found = identify_modes(Recording(responses, FS, force=force), band_hz=BAND, route=route)
+    found = ar.identify_modes(ar.Recording(responses, FS, force=force), band_hz=BAND, route=route)
     assert_modes(found, 2e-4, 0.01, mac=0.999)
 
 
 def test_a_selection_of_channels_and_their_labels():
     rec = record(0.0)
-    some = Recording(100.0 * rec.responses[[0, 3, 6]], FS, dofs=["a", "d", "g"], force=rec.force)
-    found = identify_modes(some, band_hz=(30.0, 100.0))
+    some = ar.Recording(100.0 * rec.responses[[0, 3, 6]], FS, dofs=["a", "d", "g"], force=rec.force)
+    found = ar.identify_modes(some, band_hz=(30.0, 100.0))
     inside = (TRUTH.freq_hz > 30) & (TRUTH.freq_hz < 100)
     assert np.allclose(found.freq_hz, TRUTH.freq_hz[inside], rtol=1e-4)
     assert found.dofs == ("a", "d", "g")
-    few = ModalSet(TRUTH.freq_hz[inside], TRUTH.shapes[inside][:, [0, 3, 6]], ["a", "d", "g"])
+    few = ar.ModalSet(TRUTH.freq_hz[inside], TRUTH.shapes[inside][:, [0, 3, 6]], ["a", "d", "g"])
     assert np.diag(found.mac(few)).min() > 0.9999
 
 
@@ -91,117 +85,89 @@ def test_modes_just_outside_the_band_do_not_spoil_the_shapes():
     case, tested = exhaust(), TestedStructure(0)
     rec = case.experiment(0, duration_s=120.0, rng=0)
     inside = (tested.freq_hz > 8.0) & (tested.freq_hz < 260.0)
-    true = ModalSet(tested.freq_hz[inside], tested.shapes[inside][:, case.responses], case.responses)
+    true = ar.ModalSet(tested.freq_hz[inside], tested.shapes[inside][:, case.responses], case.responses)
     for route in ("frf", "responses"):
-        found = identify_modes(rec, band_hz=(8.0, 260.0), route=route)
+        found = ar.identify_modes(rec, band_hz=(8.0, 260.0), route=route)
         assert np.allclose(found.freq_hz, true.freq_hz, rtol=2e-3, atol=0)
         # Measured 0.9998 and 0.9999; without what lies around the band 0.40 and 0.37.
         assert np.diag(found.mac(true)).min() > 0.998
     # FRFs that end with the band leave nothing around it to fit.
     freq = np.arange(8.0, 260.1, 0.125)
     frfs = [tested.frf(dof, case.excitation, freq) for dof in case.responses]
-    cut = identify_modes(FrequencyResponse(freq, frfs, case.responses), band_hz=(8.0, 260.0))
+    cut = ar.identify_modes(ar.FrequencyResponse(freq, frfs, case.responses), band_hz=(8.0, 260.0))
     assert np.allclose(cut.freq_hz, true.freq_hz, rtol=2e-3, atol=0)
-
-
-def test_a_band_without_a_resonance_gives_an_empty_set():
-    freq = np.arange(3.0, 130.1, 1 / 16)
-    resp = FrequencyResponse(freq, accelerance(STIFFNESS, MASS, 0, freq, 0.01))
-    found = identify_modes(resp, band_hz=(5.0, 20.0))
-    assert (len(found), found.shapes.shape) == (0, (0, 8))
-    assert repr(found) == "ModalSet(0 modes x 8 dofs)"
 
 
 def test_what_cannot_be_answered_is_refused():
     freq = np.arange(3.0, 130.1, 0.25)
-    ratio = FrequencyResponse(freq, np.ones((2, freq.size)), kind="transmissibility", reference=0)
-    with pytest.raises(UnsuitableDataError, match="resonances cancel"):
-        identify_modes(ratio, band_hz=BAND)
+    ratio = ar.FrequencyResponse(freq, np.ones((2, freq.size)), kind="transmissibility", reference=0)
+    with pytest.raises(ar.UnsuitableDataError, match="resonances cancel"):
+        ar.identify_modes(ratio, band_hz=BAND)
     rec = record(0.0, duration_s=64.0)
-    with pytest.raises(UnsuitableDataError, match="broadband"):
-        identify_modes(Recording(rec.responses, FS), band_hz=BAND, route="frf")
+    with pytest.raises(ar.UnsuitableDataError, match="broadband"):
+        ar.identify_modes(ar.Recording(rec.responses, FS), band_hz=BAND, route="frf")
     dead = np.vstack([rec.responses[:2], np.zeros(rec.n_samples)])
     for force in (None, rec.force):
-        with pytest.raises(UnsuitableDataError, match="dead channel|live channel"):
-            identify_modes(Recording(dead, FS, force=force), band_hz=BAND)
+        with pytest.raises(ar.UnsuitableDataError, match="dead channel|live channel"):
+            ar.identify_modes(ar.Recording(dead, FS, force=force), band_hz=BAND)
 
 
-REC = Recording(np.random.default_rng(13).standard_normal((2, 8192)), FS)
-FRF = FrequencyResponse(np.linspace(1.0, 20.0, 400), np.ones((2, 400)))
+REC = ar.Recording(np.random.default_rng(13).standard_normal((2, 8192)), FS)
+FRF = ar.FrequencyResponse(np.linspace(1.0, 20.0, 400), np.ones((2, 400)))
+
+
+OF_RECORDS = {"band_hz": [(3.0, 300.0), 5.0], "route": ["force"], "method": ["fast"], "estimator": ["rank1"]}
+OF_RECORDS |= {"nperseg": [10000], "max_order": [10], "min_order": [0], "freq_tol": [-1.0]}
 
 
 @pytest.mark.parametrize(
-    ("source", "kwargs", "name"),
-    [
-        (np.zeros((2, 100)), {}, "source"),
-        (REC, {"band_hz": (3.0, 300.0)}, "band_hz"),
-        (REC, {"band_hz": 5.0}, "band_hz"),
-        (REC, {"route": "force"}, "route"),
-        (REC, {"method": "fast"}, "method"),
-        (REC, {"estimator": "rank1"}, "estimator"),
-        (REC, {"nperseg": 10000}, "nperseg"),
-        (REC, {"max_order": 10}, "max_order"),
-        (REC, {"min_order": 0}, "min_order"),
-        (REC, {"freq_tol": -1.0}, "freq_tol"),
-        (FRF, {"route": "responses"}, "route"),
-        (FRF, {"band_hz": (5.0, 5.6)}, "band_hz"),
-    ],
+    ("source", "argument", "value"),
+    [(REC, *each) for each in each_of(OF_RECORDS)]
+    + [(FRF, "route", "responses"), (FRF, "band_hz", (5.0, 5.6)), (REC, "source", np.zeros((2, 100)))],
 )
-def test_bad_arguments_are_named(source, kwargs, name):
-    with pytest.raises(InvalidInputError) as caught:
-        identify_modes(source, **{"band_hz": (3.0, 15.0), **kwargs})
-    assert str(caught.value).startswith(f"{name}: got ")
+def test_bad_arguments_are_named(source, argument, value):
+    assert_refused(argument, ar.identify_modes, **{"source": source, "band_hz": (3.0, 15.0), argument: value})
 
 
 # ---- the modal set -----------------------------------------------------------------------------------
-
-
-def test_mac_is_blind_to_complex_factors_and_looks_at_common_dofs():
+def test_mac_is_blind_to_complex_factors_and_to_real_takes_them_off():
     rng = np.random.default_rng(13)
     shapes = rng.standard_normal((3, 4)) + 1j * rng.standard_normal((3, 4))
-    one = ModalSet([1.0, 2.0, 3.0], shapes, dofs=["a", "b", "c", "d"])
-    turned = ModalSet(
+    one = ar.ModalSet([1.0, 2.0, 3.0], shapes, dofs=["a", "b", "c", "d"])
+    turned = ar.ModalSet(
         [1.0, 2.0, 3.0], shapes[:, ::-1] * np.array([[2j], [-1.0], [0.1 + 3j]]), dofs=["d", "c", "b", "a"]
     )
     assert np.allclose(np.diag(one.mac(turned)), 1.0)
     assert np.allclose(one.mac(turned), turned.mac(one).T)
-    fewer = ModalSet([1.0], shapes[:1, 1:3], dofs=["b", "c"])
+    fewer = ar.ModalSet([1.0], shapes[:1, 1:3], dofs=["b", "c"])
     assert fewer.mac(one).shape == (1, 3)
     assert fewer.mac(one)[0, 0] == pytest.approx(1.0)
-
-
-def test_to_real_turns_each_shape():
-    modes = ModalSet([1.0, 2.0], [[2j, -4j], [1 + 1j, 1 + 1j]], damping_ratio=[0.01, 0.02]).to_real()
+    modes = ar.ModalSet([1.0, 2.0], [[2j, -4j], [1 + 1j, 1 + 1j]], damping_ratio=[0.01, 0.02]).to_real()
     assert np.allclose(modes.shapes, [[-2.0, 4.0], [2**0.5, 2**0.5]])
     assert modes.damping_ratio.tolist() == [0.01, 0.02]
 
 
 @pytest.mark.parametrize(
-    ("make", "name"),
-    [
-        (lambda: TRUTH.mac([1.0]), "other"),
-        (lambda: TRUTH.mac(ModalSet([1.0], [[1.0]], dofs=["x"])), "other"),
-        (lambda: TRUTH.mac(ModalSet([1.0], [np.zeros(8)])), "other"),
-        (lambda: ModalSet([1.0], np.ones((1, 0))), "shapes"),
-        (lambda: ModalSet([1.0], [["a"]]), "shapes"),
-        (lambda: ModalSet([1.0], [[np.nan]]), "shapes"),
-        (lambda: ModalSet([1.0], [[1.0]], damping_ratio=[]), "damping_ratio"),
-        (lambda: ModalSet("", np.ones((0, 2))), "freq_hz"),
-    ],
+    "other", [[1.0], ar.ModalSet([1.0], [[1.0]], dofs=["x"]), ar.ModalSet([1.0], [np.zeros(8)])], ids=str
 )
-def test_bad_sets_are_named(make, name):
-    with pytest.raises(InvalidInputError) as caught:
-        make()
-    assert str(caught.value).startswith(f"{name}: got ")
+def test_sets_that_cannot_be_compared_are_named(other):
+    assert_refused("other", TRUTH.mac, other)
+
+
+WRONG = {"shapes": [np.ones((1, 0)), [["a"]], [[np.nan]]], "damping_ratio": [[]], "freq_hz": [""]}
+
+
+@pytest.mark.parametrize(("argument", "value"), each_of(WRONG))
+def test_bad_sets_are_named(argument, value):
+    usual = {"freq_hz": [1.0], "shapes": np.ones((0, 2)) if argument == "freq_hz" else [[1.0]]}
+    assert_refused(argument, ar.ModalSet, **(usual | {argument: value}))
 
 
 # ---- a measured structure ----------------------------------------------------------------------------
-
-
 @needs_southampton
 @pytest.mark.parametrize("name", FLOORS)
 def test_southampton_frame(name):
-    modes = identify_modes(southampton(name), band_hz=(5.0, 32.0))
+    modes = ar.identify_modes(southampton(name), band_hz=(5.0, 32.0))
     # The three of the storeys; a weak one at 28.9 Hz, of the frame's own, is in all three tests.
     assert np.allclose(modes.freq_hz, [6.51, 17.46, 26.50, 28.92], rtol=2e-3)
     assert np.all((modes.damping_ratio[:3] > 0.0014) & (modes.damping_ratio[:3] < 0.0026))

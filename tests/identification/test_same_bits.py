@@ -31,9 +31,8 @@ print(hashlib.sha256(b"".join(zeros[d].tobytes() + zeros.std_hz[d].tobytes() for
 
 def _digest(threads: int) -> str:
     environment = os.environ | {"OPENBLAS_NUM_THREADS": str(threads), "MKL_NUM_THREADS": str(threads)}
-    done = subprocess.run(
-        [sys.executable, "-c", CURVES], env=environment, capture_output=True, text=True, check=True
-    )
+    call = [sys.executable, "-c", CURVES]
+    done = subprocess.run(call, env=environment, capture_output=True, text=True, check=True)
     return done.stdout.strip()
 
 
@@ -45,7 +44,7 @@ def _blas_threads() -> list[int]:
     return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
 
 
-def test_the_limit_ends_with_the_call() -> None:
+def test_the_limit_ends_with_the_call_and_calls_that_overlap_share_it() -> None:
     before = _blas_threads()
     assert set(one_blas_thread(_blas_threads)()) == {1}
     assert _blas_threads() == before
@@ -57,10 +56,6 @@ def test_the_limit_ends_with_the_call() -> None:
     with pytest.raises(RuntimeError, match="inside"):
         fails()
     assert _blas_threads() == before
-
-
-def test_calls_that_overlap_share_the_limit() -> None:
-    before = _blas_threads()
     entered, leave = threading.Event(), threading.Event()
 
     @one_blas_thread

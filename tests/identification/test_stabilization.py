@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import InvalidInputError
-from antires_rs.identification.stabilization import stabilization
+from antires_rs.identification.stabilization import Window, join, stabilization
+from tests.support.refusals import assert_refused
 
 FREQ = np.linspace(2.0, 60.0, 1200)
 POLES = np.array([9.0, 21.0, 22.0, 47.0])
@@ -45,19 +45,13 @@ def test_diagram_is_consistent():
         found.identified[0] = 0.0
 
 
-def test_noise_alone_gives_nothing():
+def test_noise_few_orders_and_cancelled_poles_give_nothing():
     rng = np.random.default_rng(4)
     values = rng.standard_normal((3, FREQ.size)) + 1j * rng.standard_normal((3, FREQ.size))
     assert stabilization(FREQ, values).identified.size == 0
-
-
-def test_more_than_min_rows_are_required():
     # The last pole appears at order 8 at the earliest: up to order 18 it can be stable ten times, not eleven.
     assert stabilization(FREQ, curves(1e-6), max_order=17).identified.size < 4
     assert stabilization(FREQ, curves(1e-6), max_order=17, min_rows=5).identified.size == 4
-
-
-def test_dominance_tells_a_cancelled_pole():
     # A pole with a residue of 1e-3 in a curve of order one is real in the data, but carries nothing.
     s = 1j * FREQ
     weak = curves(1e-7) + 1e-5 * 30.0**2 / (s**2 + 0.3 * s + 900.0)
@@ -65,23 +59,35 @@ def test_dominance_tells_a_cancelled_pole():
     assert not np.any(np.abs(stabilization(FREQ, weak).identified - 30.0) < 0.3)
 
 
-@pytest.mark.parametrize(
-    ("kwargs", "name"),
-    [
-        ({"max_order": 1}, "max_order"),
-        ({"max_order": 12, "min_order": 4}, "max_order"),
-        ({"min_order": 0}, "min_order"),
-        ({"freq_tol": 0.0}, "freq_tol"),
-        ({"damping_tol": -0.1}, "damping_tol"),
-        ({"min_rows": 0}, "min_rows"),
-        ({"max_damping": np.nan}, "max_damping"),
-        ({"min_dominance": -1.0}, "min_dominance"),
-        ({"band_hz": (1.0, 30.0)}, "band_hz"),
-        ({"band_hz": (20.0, 21.0)}, "max_order"),
-        ({"band_hz": 20.0}, "band_hz"),
-    ],
-)
-def test_bad_arguments_are_named(kwargs, name):
-    with pytest.raises(InvalidInputError) as caught:
-        stabilization(FREQ, curves(), **kwargs)
-    assert str(caught.value).startswith(f"{name}: got ")
+def test_windows_of_other_orders_make_one_diagram():
+    """One mode below the cut, three above it."""
+    freq = np.linspace(2.0, 42.0, 1600)
+    modes = [(8.0, 1.0), (26.0, 0.5), (30.0, -0.7), (36.0, 0.4)]
+    curve = np.abs(sum(a * f0**2 / (f0**2 - freq**2 + 0.02j * f0 * freq) for f0, a in modes))
+    cut = [Window(0, 800, (2.0, 22.0), (2.0, 22.0)), Window(800, 1600, (22.0, 42.0), (22.0, 42.0))]
+    parts = [
+        stabilization(freq[w.first : w.last], curve[w.first : w.last], max_order=most)
+        for w, most in zip(cut, (14, 22), strict=True)
+    ]
+    assert parts[0].orders.size < parts[1].orders.size
+    for order in (parts, parts[::-1]):
+        windows = cut if order is parts else cut[::-1]
+        one = join(order, windows, (2.0, 42.0), 0.01)
+        assert one.orders.tolist() == parts[1].orders.tolist()
+        assert [f.size for f in one.freq_hz] == [s.size for s in one.stable]
+        last = one.freq_hz[-1]  # an order that only the second window has
+        assert last.size > 0
+        assert last.min() >= 22.0
+        for f0, _ in modes[1:]:
+            assert min(np.abs(f / f0 - 1.0).min(initial=1.0) for f in one.freq_hz) < 5e-3
+
+
+WRONG = {"freq_tol": 0.0, "damping_tol": -0.1, "min_rows": 0, "max_damping": np.nan, "min_dominance": -1.0}
+WRONG = [*((name, {name: value}) for name, value in WRONG.items()), ("min_order", {"min_order": 0})]
+WRONG += [("band_hz", {"band_hz": value}) for value in ((1.0, 30.0), 20.0)]
+WRONG += [("max_order", {"band_hz": (20.0, 21.0)}), ("max_order", {"max_order": 12, "min_order": 4})]
+
+
+@pytest.mark.parametrize(("argument", "given"), WRONG)
+def test_bad_arguments_are_named(argument, given):
+    assert_refused(argument, stabilization, FREQ, curves(), **given)

@@ -2,16 +2,19 @@
 
 import json
 import sys
+from dataclasses import FrozenInstanceError
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError, MissingDependencyError
-from antires_rs.identification.scores import graded
+from antires_rs.identification.scores import graded, grades
 from antires_rs.measured.antiresonance_set import AntiresonanceSet, doubts_of
 from antires_rs.measured.response_table import ResponseTable
+from tests.support.refusals import each_of
+from tests.support.same_sets import assert_same_set
 
 
 def example():
@@ -60,35 +63,29 @@ def test_saving_replaces_whole_or_not_at_all(tmp_path, monkeypatch):
     assert [p.name for p in tmp_path.iterdir()] == ["set.json"]
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda d: d.update(format="other"),
-        lambda d: d.update(version=99),
-        lambda d: d.update(version="1"),
-        lambda d: d.update(sees="everything"),
-        lambda d: d.pop("dofs"),
-        lambda d: d.update(dofs=[]),
-        lambda d: d["dofs"].append(d["dofs"][0]),
-        lambda d: d["dofs"][0].pop("freq_hz"),
-        lambda d: d["dofs"][0].update(freq_hz=[1.0, None]),
-        lambda d: d["dofs"][0].update(freq_hz=[-1.0, 2.0]),
-        lambda d: d["dofs"][0].update(damping_ratio=[0.1]),
-        lambda d: d["dofs"][0].update(left_out=[1.0]),
-        lambda d: d["dofs"][0].update(left_out={"freq_hz": [-1.0]}),
-        lambda d: d["dofs"][0].update(unexplained_hz=[0.0]),
-        lambda d: d["dofs"][0].update(unexplained_hz="x"),
-        lambda d: d.update(excitation=[0]),
-    ],
-)
-def test_a_damaged_file_is_named(tmp_path, change):
-    path = tmp_path / "set.json"
-    data = json.loads(example().to_json())
-    change(data)
-    for content in (json.dumps(data), "\x00\x01", "[1, 2]", example().to_json()[:-20], b"\xff"):
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        with pytest.raises(InvalidInputError, match="^path: got .*set.json"):
-            AntiresonanceSet.load(path)
+#: Entries of a file, of its first dof and of its first edit that damage it.
+OF_SET = [{"format": "other"}, {"version": 99}, {"version": "1"}, {"sees": "everything"}, {"dofs": []}]
+OF_SET += [{"excitation": [0]}, {"edits": 3}]
+OF_DOF = [{"freq_hz": [1.0, None]}, {"freq_hz": [-1.0, 2.0]}, {"damping_ratio": [0.1]}, {"left_out": [1.0]}]
+OF_DOF += [{"left_out": {"freq_hz": [-1.0]}}, {"unexplained_hz": [0.0]}, {"unexplained_hz": "x"}]
+OF_DOF += [{"scores": {"rows": [1]}}]
+OF_EDIT = [{"action": "moved"}, {"freq_hz": "12"}, {"more": 1}]
+DAMAGES = [*((lambda d, new=new: d.update(new)) for new in OF_SET)]
+DAMAGES += [*((lambda d, new=new: d["dofs"][0].update(new)) for new in OF_DOF)]
+DAMAGES += [*((lambda d, new=new: d["edits"][0].update(new)) for new in OF_EDIT), lambda d: d.pop("dofs")]
+DAMAGES += [lambda d: d.pop("before_edits"), lambda d: d["dofs"].append(d["dofs"][0])]
+DAMAGES += [lambda d: d["dofs"][0].pop("freq_hz"), lambda d: d["edits"][0].pop("freq_hz")]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_file_is_named(tmp_path, damage):
+    whole = example().add("tip", 9.0).to_json()
+    data = json.loads(whole)
+    damage(data)
+    for content in (json.dumps(data).encode(), b"\x00\x01", b"[1, 2]", whole[:-20].encode(), b"\xff"):
+        (tmp_path / "set.json").write_bytes(content)
+        with pytest.raises(ar.InvalidInputError, match="^path: got .*set.json"):
+            AntiresonanceSet.load(tmp_path / "set.json")
 
 
 def test_equality():
@@ -97,6 +94,11 @@ def test_equality():
     assert example() != AntiresonanceSet("hammer", values)
     assert example() != AntiresonanceSet(1, values, {0: [0.02, 0.01]}, {0: [0.2, 0.1], 2: []})
     assert example() != "a string"
+    # Companions that are not known are NaN or absent.
+    made = AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1], 1: [np.nan]})
+    assert np.isnan(made.damping_ratio[0][0])
+    assert 1 not in made.damping_ratio
+    assert made == AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1]})
 
 
 def test_table_and_repr():
@@ -118,50 +120,24 @@ def test_dataframe(monkeypatch):
     assert frame["freq_hz"].tolist() == [12.1, 36.2, 8.0]
     assert np.isnan(frame["std_hz"].iloc[2])
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(MissingDependencyError, match="pip install pandas"):
+    with pytest.raises(ar.MissingDependencyError, match="pip install pandas"):
         example().to_dataframe()
 
 
-@pytest.mark.parametrize(
-    ("args", "name"),
-    [
-        ((0, {}), "freq_hz"),
-        ((0, [1.0, 2.0]), "freq_hz"),
-        ((0, {0: [1.0, -2.0]}), "freq_hz"),
-        ((0, {0: [0.0]}), "freq_hz"),
-        ((0, {0: [np.nan]}), "freq_hz"),
-        ((0, {0: ["x"]}), "freq_hz"),
-        ((0, {1.5: [1.0]}), "freq_hz"),
-        ((None, {0: [1.0]}), "excitation"),
-        ((0, {0: [1.0]}, {1: [0.1]}), "damping_ratio"),
-        ((0, {0: [1.0]}, {0: [0.1, 0.2]}), "damping_ratio"),
-        ((0, {0: [1.0]}, [0.1]), "damping_ratio"),
-        ((0, {0: [1.0]}, None, {0: [-0.1]}), "std_hz"),
-        ((0, {0: [1.0]}, {0: ["x"]}), "damping_ratio"),
-        ((0, {0: [1.0]}, {0: [np.inf]}), "damping_ratio"),
-        ((0, {0: [1.0]}, None, None, {"scores": {5: {"rows": [1]}}}), "scores"),
-        ((0, {0: [1.0]}, None, None, {"scores": {0: {"rows": [1, 2]}}}), "scores"),
-        ((0, {0: [1.0]}, None, None, {"sees": "both"}), "sees"),
-        ((0, {0: [1.0]}, None, None, {"channels": "01"}), "channels"),
-        ((0, {0: [1.0]}, None, None, {"channels": [5]}), "channels"),
-        ((0, {0: [1.0]}, None, None, {"channels": 3}), "channels"),
-    ],
-)
-def test_bad_arguments_are_named(args, name):
-    with pytest.raises(InvalidInputError, match=f"^{name}.*: got "):
-        AntiresonanceSet(*args[:4], **dict(*args[4:]))
+WRONG = {"freq_hz": [{}, [1.0, 2.0], {0: [1.0, -2.0]}, {0: [0.0]}, {0: [np.nan]}, {0: ["x"]}, {1.5: [1.0]}]}
+WRONG |= {"excitation": [None]}
+WRONG |= {"damping_ratio": [{1: [0.1]}, {0: [0.1, 0.2]}, [0.1], {0: ["x"]}, {0: [np.inf]}]}
+WRONG |= {"std_hz": [{0: [-0.1]}], "scores": [{5: {"rows": [1]}}, {0: {"rows": [1, 2]}}], "sees": ["both"]}
+WRONG |= {"channels": ["01", [5], 3]}
 
 
-def test_companions_not_known_are_nan_or_absent():
-    made = AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1], 1: [np.nan]})
-    assert np.isnan(made.damping_ratio[0][0])
-    assert 1 not in made.damping_ratio
-    assert made == AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1]})
+@pytest.mark.parametrize(("argument", "value"), each_of(WRONG))
+def test_bad_arguments_are_named(argument, value):
+    with pytest.raises(ar.InvalidInputError, match=f"^{argument}.*: got "):
+        AntiresonanceSet(**({"excitation": 0, "freq_hz": {0: [1.0]}} | {argument: value}))
 
 
-# -- Printed: frequency, deviation, grade and doubts
-
-
+# -- The table of a response; printed: frequency, deviation, grade and doubts
 def table():
     made = ResponseTable.of_sweep(
         [8.7, 23.9, 31.0],
@@ -173,6 +149,39 @@ def table():
         how=["chain", "chain", "persistent"],
     )
     return graded(made.with_scores(residual=[0.01, 0.01, 0.2], prominence_db=[15.0, 2.0, 2.0]))
+
+
+def test_rows_of_a_table_are_taken_in_order_and_no_column_has_another_length():
+    made = ResponseTable.of_sweep(
+        [36.2, 12.2, 20.0],
+        [0.02, 0.01, 0.03],
+        rows=[30, 11, 25],
+        spread=[1e-4, 2e-4, 3e-4],
+        dominance=[1.0, 0.9, 0.8],
+        how=["chain", "persistent", "chain"],
+    )
+    assert made.freq_hz.tolist() == [12.2, 20.0, 36.2]
+    assert made.rows.tolist() == made.orders.tolist() == [11, 25, 30]
+    assert np.isnan([made.std_hz, made.residual]).all()
+    for chosen in ([0, 2], np.array([True, False, True])):
+        some = made.take(chosen)
+        assert (some.freq_hz.tolist(), some.how.tolist()) == ([12.2, 36.2], ["persistent", "chain"])
+    assert (len(made.take([])), list(made.take([]).scores)) == (0, list(made.scores))
+    assert made.rows.dtype == made.take([]).rows.dtype == np.int64
+    with pytest.raises(ar.InvalidInputError, match=r"^std_hz: got an array of shape \(1,\); wanted 2"):
+        ResponseTable([1.0, 2.0], std_hz=[0.1])
+    with pytest.raises(FrozenInstanceError):
+        made.freq_hz = np.zeros(3)
+    with pytest.raises(TypeError, match="read-only"):
+        made.scores["how"] = ["chain"] * 3
+
+
+def test_grades_count_what_is_passed_and_what_is_not_known_is_not():
+    good, bad = (30, 1e-4, 0.95, 0.05, 10.0), (12, 1e-2, 0.50, 0.50, 1.0)
+    for passed, word in enumerate(["weak", "weak", "weak", "fair", "sure", "sure"]):
+        assert grades(*np.array([*good[:passed], *bad[passed:]])[:, None]).tolist() == [word]
+    assert grades(*np.array([30, 1e-4, np.nan, np.nan, 10.0])[:, None]).tolist() == ["fair"]
+    assert grades(*[np.empty(0)] * 5).size == 0
 
 
 class Other:
@@ -193,3 +202,110 @@ def test_a_set_has_a_line_a_value_with_its_doubts_in_words():
     ]
     words = doubts_of(0, table(), Other())
     assert words == [[], ["unsteady", "no clear peak"], [*weak.split(", "), "not confirmed"]]
+
+
+# ---- What goes with a set through edits, files, names, problems and joining: sight, and what was left out
+def some(**options):
+    return ar.AntiresonanceSet(0, {0: [8.7, 12.2], 1: [14.4]}, **options)
+
+
+@pytest.fixture
+def rich():
+    """With values that were left out, and a peak that nothing explains, to the last bit."""
+    return ar.AntiresonanceSet.from_tables(
+        0,
+        some().tables,
+        left_out={0: ResponseTable([9.0, 9.5], scores={"why": ["no peak", "no peak"]}), 1: ResponseTable([])},
+        unexplained_hz={0: np.array([33.3 + 1e-13]), 1: np.empty(0)},
+        sees="transmissibility",
+        channels=[0, 1, 5],
+        options={"preset": "strict"},
+    )
+
+
+def test_edits_and_files_keep_it(rich, tmp_path):
+    # By default nothing is known, and the dofs are the channels.
+    assert (some().sees, some().channels) == (None, (0, 1))
+    assert not any(name in some().to_json() for name in ("left_out", "unexplained"))
+    edited = rich.drop(0, 8.7, reason="to see").add(1, 20.0)
+    assert (edited.sees, edited.channels, edited.left_out) == (rich.sees, rich.channels, rich.left_out)
+    for one in (rich, edited, some(sees="frf").drop(0, 8.7), some().add(1, 20.0)):
+        one.save(tmp_path / "set.json")
+        back = ar.AntiresonanceSet.load(tmp_path / "set.json")
+        assert_same_set(back, one)
+        assert_same_set(back.original(), one.original())
+        assert (str(back), back.options) == (str(one), one.options)
+    assert "left out: 2 (2 no peak), see .left_out\nunexplained: 1, see .unexplained_hz" in str(rich)
+
+
+def test_other_names_and_problems_keep_it_and_channels_unless_one_has_none(rich, tmp_path):
+    named = rich.relabelled("a", {0: "a", 1: "b", 5: "c"})
+    assert (named.sees, named.channels) == ("transmissibility", ("a", "b", "c"))
+    assert_same_set(named.relabelled(0, {"a": 0, "b": 1, "c": 5}), rich)
+    assert rich.relabelled(3, {0: 3, 1: 4}).channels == ()
+    model = ar.MassSpringChain(np.full(7, 1.0), np.full(6, 5e3))
+    problem = ar.UpdatingProblem(model, ar.stiffness_factor([0], bounds=(0.5, 1.5)), rich)
+    ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=500)).save(tmp_path / "result.npz")
+    (back,) = ar.UpdateResult.load(tmp_path / "result.npz").problem.measured
+    assert_same_set(rich, back)
+
+
+def test_identification_says_what_its_route_sees():
+    chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 700.0])
+    record = chain.simulate(excitation=0, fs_hz=40.0, duration_s=400.0, damping_ratio=0.01, rng=0)
+    for route in ("transmissibility", "frf"):
+        given = {"excitation": 0, "band_hz": (1.0, 12.0), "dofs": [0, 1], "check": "off"}
+        found = ar.identify_antiresonances(record, route=route, **given)
+        assert (found.sees, found.channels, list(found)) == (route, (0, 1, 2), [0, 1])
+
+
+def test_joined_setups_are_of_one_kind_or_of_none():
+    sets = [some(sees="frf"), some(sees="frf", channels=[0, 1, 4])]
+    merged = ar.merge_setups(sets, check="off")
+    assert (merged.sees, merged.channels) == ("frf", (0, 1, 4))
+    assert ar.merge_setups([sets[0], some(sees="transmissibility")], check="off").sees is None
+    moved = [ar.AntiresonanceSet(k, {"tip": [f]}, sees="frf") for k, f in ((3, 20.1), (4, 25.3))]
+    merged = ar.merge_setups(moved, excitation="tip", check="off")
+    assert (merged.sees, merged.channels) == ("frf", ())
+
+
+# -- Files of older versions
+#
+# antiresonances_0.1.0.json was made by that version: chain8 at level 0, 5 % noise, 64 s, rng=7; dofs 0, 2 and
+# 7 identified with excitation=0, band_hz=(3, 130); 48.63 Hz dropped from dof 2, 125 Hz added to dof 0.
+
+FILE = Path(__file__).with_name("antiresonances_0.1.0.json")
+
+
+def as_read(values):
+    return [None if value != value else value for value in values.tolist()]
+
+
+def test_files_of_older_versions_are_read_with_every_number_and_edit(tmp_path):
+    found, data = ar.AntiresonanceSet.load(FILE), json.loads(FILE.read_text())
+    for tables, rows in ((found.tables, data["dofs"]), (found.original().tables, data["before_edits"])):
+        assert list(tables) == [row["dof"] for row in rows] == [0, 2, 7]
+        for table, row in zip(tables.values(), rows, strict=True):
+            for name in ("freq_hz", "damping_ratio", "std_hz"):
+                assert as_read(getattr(table, name)) == row[name]
+            assert list(table.scores) == list(row["scores"])
+            for name, column in row["scores"].items():
+                assert as_read(table.scores[name]) == column
+    assert found[7].size == 0
+    assert found.original().scores[2]["rows"].dtype == np.int64
+    found = ar.AntiresonanceSet.load(FILE)
+    assert found.by_hand() == {(0, 125.0)}
+    assert found.tables[0].by_hand.tolist() == [False] * 7 + [True]
+    edits = [("drop", 2, "mains hum of the shaker"), ("add", 0, "clear in the phase")]
+    assert [(e.action, e.dof, e.reason) for e in found.edits] == edits
+    assert found.original().by_hand() == set()
+    assert found.original()[2].size == found[2].size + 1
+    assert json.loads(found.to_json()) == json.loads(FILE.read_text())
+    assert (found.sees, dict(found.left_out), dict(found.unexplained_hz)) == (None, {}, {})
+    path = tmp_path / "old.json"
+    path.write_text(
+        '{"format": "antires_rs.AntiresonanceSet", "version": 1, "excitation": 0, "dofs": ['
+        '{"dof": 0, "freq_hz": [1.0, 2.0], "damping_ratio": [0.1, 0.2]}, '
+        '{"dof": 1, "freq_hz": []}]}'
+    )
+    assert ar.AntiresonanceSet.load(path) == ar.AntiresonanceSet(0, {0: [1.0, 2.0], 1: []}, {0: [0.1, 0.2]})

@@ -1,32 +1,26 @@
 """Edits by hand give new sets, on record; a set itself cannot be changed."""
 
 import copy
-import json
 import pickle
 
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import InvalidInputError
+import antires_rs as ar
 from antires_rs.io.data_frames import rows_of
-from antires_rs.measured.antiresonance_set import AntiresonanceSet
 from antires_rs.measured.edits import Edit
+
+HOW = ["chain", "persistent", "chain"]
 
 
 def scored():
-    return AntiresonanceSet(
+    return ar.AntiresonanceSet(
         0,
         {0: [36.2, 12.2, 20.0], 1: [8.0], 2: []},
         damping_ratio={0: [0.02, 0.01, 0.03]},
         std_hz={0: [0.2, 0.1, 0.3], 2: []},
         diagrams={0: "diagram"},
-        scores={
-            0: {
-                "rows": [30, 11, 25],
-                "how": ["chain", "persistent", "chain"],
-                "residual": [0.01, np.nan, 0.03],
-            }
-        },
+        scores={0: {"rows": [30, 11, 25], "how": HOW, "residual": [0.01, np.nan, 0.03]}},
     )
 
 
@@ -80,7 +74,7 @@ def test_edits_are_printed_and_survive_the_file(tmp_path):
     assert str(made).splitlines()[-1] == f"edited by hand: {told}"
     assert "by hand" not in str(scored())
     made.save(tmp_path / "set.json")
-    back = AntiresonanceSet.load(tmp_path / "set.json")
+    back = ar.AntiresonanceSet.load(tmp_path / "set.json")
     assert back == made
     assert (back.edits, back.original(), str(back)) == (made.edits, scored(), str(made))
     assert back.original().scores[0]["rows"].dtype.kind == "i"
@@ -88,60 +82,32 @@ def test_edits_are_printed_and_survive_the_file(tmp_path):
     assert back.drop(1, 9.0).original() == scored()
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda d: d.pop("before_edits"),
-        lambda d: d["edits"][0].update(action="moved"),
-        lambda d: d["edits"][0].pop("freq_hz"),
-        lambda d: d["edits"][0].update(freq_hz="12"),
-        lambda d: d["edits"][0].update(more=1),
-        lambda d: d.update(edits=3),
-        lambda d: d["dofs"][0]["scores"]["rows"].pop(),
-    ],
-)
-def test_damaged_edits_are_named(tmp_path, change):
-    path = tmp_path / "set.json"
-    data = json.loads(scored().drop(0, 12.2).to_json())
-    change(data)
-    path.write_text(json.dumps(data))
-    with pytest.raises(InvalidInputError, match="^path: got .*set.json.*damaged"):
-        AntiresonanceSet.load(path)
+REFUSED = [(lambda s: s.drop(0, 14.0), "^freq_hz: got 14 Hz at dof 0, which has 12.200, 20.000, 36.200 Hz; ")]
+REFUSED += [(lambda s: s.drop(0, 12.4, tol_hz=0.1), "within 0.1 Hz")]
+REFUSED += [(lambda s: s.drop(2, 14.0), "dof 2, which has no value")]
+REFUSED += [(lambda s: s.drop(0, [12.2, 12.21]), "12.200 Hz of dof 0 meant twice")]
+REFUSED += [(lambda s: s.drop(5, 14.0), r"^dof: got 5; wanted one of \(0, 1, 2\)")]
+REFUSED += [(lambda s: s.drop(0, []), "^freq_hz: got an empty array")]
+REFUSED += [(lambda s: s.drop(0, -1.0), "^freq_hz: got -1 Hz")]
+REFUSED += [(lambda s: s.drop(0, 12.2, tol_hz=-1.0), "^tol_hz")]
+REFUSED += [(lambda s: s.drop(0, 12.2, reason=3), "^reason")]
+REFUSED += [(lambda s: s.add(0, 12.2 * (1 + 1e-10)), "which is there already")]
+REFUSED += [(lambda s: s.add(0, [5.0, 5.0]), "which is given twice")]
+REFUSED += [(lambda s: s.add(0, np.nan), "^freq_hz"), (lambda s: s.add(7, 1.0), "^dof: got 7")]
+REFUSED += [
+    (lambda s: s.add(0, [5.0, 6.0, 7.0], std_hz=[1.0, 2.0]), "^std_hz: got 2 values; wanted one .*or 3")
+]
+REFUSED += [(lambda s: s.add(0, 5.0, std_hz=-1.0), "^std_hz: got -1 Hz")]
+REFUSED += [(lambda s: s.add(0, 5.0, damping_ratio=np.inf), "^damping_ratio")]
+REFUSED += [(lambda s: s.plot(0, kind="round"), "^kind")]
+REFUSED += [(lambda s: s.plot(1), "^dof: got 1, which has no stabilization diagram")]
+REFUSED += [(lambda s: s.relabelled(0, {}), "^freq_hz: got an empty mapping")]
+REFUSED += [(lambda s: s.relabelled(0, {0: 3, 1: 3}), "^dofs: got 3 for two of")]
 
 
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (
-            lambda s: s.drop(0, 14.0),
-            "^freq_hz: got 14 Hz at dof 0, which has 12.200, 20.000, 36.200 Hz; wanted",
-        ),
-        (lambda s: s.drop(0, 12.4, tol_hz=0.1), "within 0.1 Hz"),
-        (lambda s: s.drop(2, 14.0), "dof 2, which has no value"),
-        (lambda s: s.drop(0, [12.2, 12.21]), "12.200 Hz of dof 0 meant twice"),
-        (lambda s: s.drop(5, 14.0), r"^dof: got 5; wanted one of \(0, 1, 2\)"),
-        (lambda s: s.drop(0, []), "^freq_hz: got an empty array"),
-        (lambda s: s.drop(0, -1.0), "^freq_hz: got -1 Hz"),
-        (lambda s: s.drop(0, 12.2, tol_hz=-1.0), "^tol_hz"),
-        (lambda s: s.drop(0, 12.2, reason=3), "^reason"),
-        (lambda s: s.add(0, 12.2 * (1 + 1e-10)), "which is there already"),
-        (lambda s: s.add(0, [5.0, 5.0]), "which is given twice"),
-        (lambda s: s.add(0, np.nan), "^freq_hz"),
-        (lambda s: s.add(7, 1.0), "^dof: got 7"),
-        (
-            lambda s: s.add(0, [5.0, 6.0, 7.0], std_hz=[1.0, 2.0]),
-            "^std_hz: got 2 values; wanted one finite number in Hz, or 3",
-        ),
-        (lambda s: s.add(0, 5.0, std_hz=-1.0), "^std_hz: got -1 Hz"),
-        (lambda s: s.add(0, 5.0, damping_ratio=np.inf), "^damping_ratio"),
-        (lambda s: s.plot(0, kind="round"), "^kind"),
-        (lambda s: s.plot(1), "^dof: got 1, which has no stabilization diagram"),
-        (lambda s: s.relabelled(0, {}), "^freq_hz: got an empty mapping"),
-        (lambda s: s.relabelled(0, {0: 3, 1: 3}), "^dofs: got 3 for two of"),
-    ],
-)
+@pytest.mark.parametrize(("call", "said"), REFUSED)
 def test_what_cannot_be_edited_is_told(call, said):
-    with pytest.raises(InvalidInputError, match=said):
+    with pytest.raises(ar.InvalidInputError, match=said):
         call(scored())
 
 
@@ -184,18 +150,15 @@ def test_a_set_cannot_be_changed(copied):
     assert made.by_hand() == {(1, 9.0)}
 
 
-def test_what_goes_in_is_copied_and_evidence_stays_with_edits():
+def test_what_goes_in_is_copied_and_edits_keep_evidence_and_names():
     values, damping, check, cross = np.array([1.0, 2.0]), np.array([0.1, 0.2]), object(), object()
-    made = AntiresonanceSet(0, {0: values}, {0: damping}, data_check=check, cross_check=cross)
+    made = ar.AntiresonanceSet(0, {0: values}, {0: damping}, data_check=check, cross_check=cross)
     values[:], damping[:] = 5.0, 5.0
     assert made[0].tolist() == [1.0, 2.0]
     assert made.damping_ratio[0].tolist() == [0.1, 0.2]
     for each in (made, made.drop(0, 1.0), copy.copy(made)):
         assert each.data_check is check
         assert each.cross_check is each.second_opinion is cross
-
-
-def test_edits_move_with_the_names():
     made = scored().drop(0, 12.2, reason="hum").add(1, 9.0).relabelled("hammer", {0: "tip", 2: 5})
     assert (made.excitation, list(made), dict(made.diagrams)) == ("hammer", ["tip", 5], {})
     assert made["tip"].tolist() == [20.0, 36.2]

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import AntiresWarning, InvalidInputError, UnsuitableDataError
 
 MODEL = ar.MassSpringChain([0.5593] + 7 * [0.4194], np.full(7, 56.7e3))
 STD = 3e-4
@@ -48,42 +47,36 @@ def test_a_roving_hammer_by_reciprocity():
     assert {dof: f.size for dof, f in other.items()}[0] == merged[4].size
 
 
-def test_setups_that_agree_are_merged_in_silence():
+def test_setups_that_agree_are_merged_in_silence_and_others_not():
     # Set on seeds 0 and 1, looked at on these: no alarm, warnings being errors here.
     for seed in range(10, 30):
         rng = np.random.default_rng(seed)
         ar.merge_setups([setup(0, dofs, rng) for dofs in ((0, 1), (0, 2), (0, 3), (0, 4))], alpha=1e-3)
+    setups = [setup(0, dofs, np.random.default_rng(3)) for dofs in ((1, 2), (3, 4))]
+    with pytest.warns(ar.AntiresWarning, match="2 setups have no response in common"):
+        ar.merge_setups(setups)
+    sets = [ar.AntiresonanceSet(0, {0: f}) for f in ([8.7, 23.9], [8.7, 23.8], [8.8, 15.0, 23.9])]
+    merged = ar.merge_setups(sets)
+    assert merged[0].round(2).tolist() == [8.73, 23.87]
+    # Without stated deviations the scatter of the three is all there is.
+    assert merged.std_hz[0][0] == pytest.approx(0.1 / 3)
 
 
 def test_the_setup_that_disagrees_is_named():
     rng = np.random.default_rng(2)
     setups = [setup(0, (0, d), rng, shift=0.005 if d == 3 else 0.0) for d in (1, 2, 3, 4)]
     with pytest.warns(
-        AntiresWarning, match=r"Setup 2 disagrees .*at dof 0, \+0\..* % from the others"
+        ar.AntiresWarning, match=r"Setup 2 disagrees .*at dof 0, \+0\..* % from the others"
     ) as seen:
         merged = ar.merge_setups(setups)
     assert "Setup 0" not in str(seen[0].message)
     # The errors hold what is left of it in the mean.
     assert np.all(np.abs(merged[0] / MODEL.antiresonances(0, 0) - 1.0) < 3 * merged.std_hz[0] / merged[0])
-    with pytest.raises(UnsuitableDataError, match="^sets: got setups that disagree: Setup 2"):
+    with pytest.raises(ar.UnsuitableDataError, match="^sets: got setups that disagree: Setup 2"):
         ar.merge_setups(setups, check="raise")
     ar.merge_setups(setups, std_between=0.005)
-    with pytest.warns(AntiresWarning, match="Setups 0 and 1 disagree"):
+    with pytest.warns(ar.AntiresWarning, match="Setups 0 and 1 disagree"):
         ar.merge_setups(setups[1:3])
-
-
-def test_setups_with_nothing_in_common_are_said_to_be_untested():
-    setups = [setup(0, dofs, np.random.default_rng(3)) for dofs in ((1, 2), (3, 4))]
-    with pytest.warns(AntiresWarning, match="2 setups have no response in common"):
-        ar.merge_setups(setups)
-
-
-def test_a_value_that_one_of_three_shows_is_left_out():
-    sets = [ar.AntiresonanceSet(0, {0: f}) for f in ([8.7, 23.9], [8.7, 23.8], [8.8, 15.0, 23.9])]
-    merged = ar.merge_setups(sets)
-    assert merged[0].round(2).tolist() == [8.73, 23.87]
-    # Without stated deviations the scatter of the three is all there is.
-    assert merged.std_hz[0][0] == pytest.approx(0.1 / 3)
 
 
 ONE, OTHER = (setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1))
@@ -99,7 +92,7 @@ ONE, OTHER = (setup(k, (0, 1), np.random.default_rng(0)) for k in (0, 1))
     ],
 )
 def test_bad_arguments_of_merge_are_named(sets, options, said):
-    with pytest.raises(InvalidInputError, match=said):
+    with pytest.raises(ar.InvalidInputError, match=said):
         ar.merge_setups(sets, **options)
 
 
@@ -120,22 +113,141 @@ def test_identified_setups_keep_their_scores():
 def test_the_same_set_twice_counts_once():
     rng = np.random.default_rng(5)
     one, other = setup(0, (0, 1, 2), rng), setup(0, (0, 3), rng)
-    with pytest.warns(AntiresWarning, match=r"setups 0 and 1 have \d+ values in common to the last bit"):
+    with pytest.warns(ar.AntiresWarning, match=r"setups 0 and 1 have \d+ values in common to the last bit"):
         merged = ar.merge_setups([one, one])
     for dof in one:
         assert merged[dof].tolist() == one[dof].tolist()
         assert merged.std_hz[dof].tolist() == one.std_hz[dof].tolist()
-    with pytest.warns(AntiresWarning, match="setups 0 and 2 have"):
+    with pytest.warns(ar.AntiresWarning, match="setups 0 and 2 have"):
         merged = ar.merge_setups([one, other, one])
     plain = ar.merge_setups([one, other])
     for dof in plain:
         assert merged[dof].tolist() == plain[dof].tolist()
         assert merged.std_hz[dof].tolist() == plain.std_hz[dof].tolist()
-    with pytest.raises(UnsuitableDataError, match=r"setups 0 and 1 .* Give each setup once"):
+    with pytest.raises(ar.UnsuitableDataError, match=r"setups 0 and 1 .* Give each setup once"):
         ar.merge_setups([one, one], check="raise")
     assert ar.merge_setups([one, one], check="off") == ar.AntiresonanceSet.from_tables(0, one.tables)
-
-
-def test_empty_responses_are_no_copies():
+    # Empty responses are no copies.
     a, b = (ar.AntiresonanceSet(0, {0: [f], 1: []}, std_hz={0: [0.02]}) for f in (8.7, 8.71))
     assert ar.merge_setups([a, b])[1].size == 0
+
+
+# ---- Antiresonances followed over many tests
+def sets_of(*tests):
+    return [ar.AntiresonanceSet(0, {0: values}) for values in tests]
+
+
+def kinds(followed):
+    return [(event.kind, event.test, round(event.freq_hz, 2)) for event in followed.events]
+
+
+def test_values_move_through_many_tests():
+    # Spring 4 softens by 60 % in steps of 2 %: some values move by a tenth, none is taken for another.
+    tests, exact = [], []
+    for loss in np.arange(0.0, 0.6, 0.02):
+        springs = np.full(7, 56.7e3)
+        springs[4] *= 1.0 - loss
+        values = ar.MassSpringChain([0.5593] + 7 * [0.4194], springs).antiresonances(range(8), 0)
+        exact.append(np.concatenate(values))
+        tests.append(ar.AntiresonanceSet(0, dict(enumerate(values))))
+    followed = ar.track(tests, conditions=100 * np.arange(0.0, 0.6, 0.02), max_shift=0.02)
+    assert followed.events == ()
+    assert np.array_equal(followed.freq_hz, np.array(exact))
+    assert followed.change_percent.min() < -8.0
+    assert followed.of(3).tolist() == [18, 19, 20, 21]
+
+
+def test_new_lost_merged_and_back_are_told():
+    followed = ar.track(sets_of([10.0, 20.0, 20.3], [10.0, 20.1], [20.1, 40.0], [10.1, 20.1, 40.0]))
+    assert kinds(followed) == [("merged", 1, 20.3), ("lost", 2, 10.0), ("new", 2, 40.0), ("back", 3, 10.1)]
+    assert followed.freq_hz.shape == (4, 4)
+    assert np.isnan(followed.freq_hz[2, 0])
+    assert "lost at 2, back at 3" in str(followed)
+    empty = ar.track(sets_of([], []))
+    assert len(empty) == 0
+    assert np.isnan(empty.std_between)
+
+
+def test_the_scatter_between_repeats_is_estimated():
+    rng = np.random.default_rng(5)
+    exact = np.concatenate(ar.cases.chain8().model.antiresonances(range(8), 0))
+    # Errors of 0.02 % that are stated, and 0.1 % from test to test that are not.
+    errors = [2e-4 * rng.standard_normal(7) + 1e-3 * rng.standard_normal(7) for _ in range(20)]
+    std = {0: 2e-4 * exact[:7]}
+    tests = [ar.AntiresonanceSet(0, {0: exact[:7] * (1.0 + error)}, std_hz=std) for error in errors]
+    between = ar.track(tests).std_between
+    assert 7e-4 < between < 1.4e-3
+    # With it a test of repeats keeps its rate of false alarms, which it does not without.
+    pairs = list(zip(tests[::2], tests[1::2], strict=True))
+    assert sum(ar.compare(a, b).different for a, b in pairs) >= 8
+    assert sum(ar.compare(a, b, std_between=between).different for a, b in pairs) <= 1
+    steady = [ar.AntiresonanceSet(0, {0: exact[:7]}, std_hz=std)] * 3
+    assert ar.track(steady).std_between == 0.0
+
+
+def test_what_moves_all_values_alike_is_told_from_what_moves_each():
+    rng = np.random.default_rng(6)
+    exact = np.linspace(10.0, 120.0, 28)
+    std = np.geomspace(1e-5, 5e-4, 28)
+
+    def test_at(warmth):
+        values = exact * (1.0 + warmth + std * rng.standard_normal(28))
+        return ar.AntiresonanceSet(0, {0: values}, std_hz={0: std * exact})
+
+    # Temperature: 0.1 % up and down, far beyond the errors of the well-known values.
+    tests = [test_at(1e-3 * rng.standard_normal()) for _ in range(40)]
+    followed = ar.track(tests[:20])
+    assert 6e-4 < followed.std_common < 1.5e-3
+    assert followed.std_between < 1e-5
+    pairs = list(zip(tests[20::2], tests[21::2], strict=True))
+    known = {"std_between": followed.std_between, "std_common": followed.std_common}
+    assert sum(ar.compare(a, b).different for a, b in pairs) == 10
+    assert sum(ar.compare(a, b, **known).different for a, b in pairs) <= 1
+    # One value that moves by 0.1 % on its own is found all the same.
+    a, b = pairs[0]
+    moved = {0: b[0] * np.where(np.arange(28) == np.argmin(b.std_hz[0] / b[0]), 1.001, 1.0)}
+    assert ar.compare(a, ar.AntiresonanceSet(0, moved, std_hz=b.std_hz), **known).different
+
+
+def test_tables_of_tracks():
+    pytest.importorskip("pandas")
+    followed = ar.track(sets_of([10.0, 20.0], [10.1]), conditions=["20 C", "30 C"])
+    frame = followed.to_dataframe()
+    assert frame["event"].tolist() == ["", "", "", "lost"]
+    assert frame["condition"].tolist() == ["20 C", "20 C", "30 C", "30 C"]
+    pytest.importorskip("xarray")
+    data = followed.to_xarray()
+    assert dict(data.sizes) == {"test": 2, "track": 2}
+    assert data["change_percent"].values[1, 0] == pytest.approx(1.0)
+
+
+WRONG = [(sets_of([10.0]), {}, "sets"), (sets_of([10.0])[0], {}, "sets")]
+WRONG += [([*sets_of([10.0]), 3], {}, r"sets\[1\]")]
+WRONG += [([*sets_of([10.0]), ar.AntiresonanceSet(1, {0: [10.0]})], {}, r"sets\[1\]")]
+WRONG += [([*sets_of([10.0]), ar.AntiresonanceSet(0, {1: [10.0]})], {}, "sets")]
+WRONG += [(sets_of([10.0], [10.0]), {"conditions": [1.0]}, "conditions")]
+WRONG += [(sets_of([10.0], [10.0]), {"conditions": "ab"}, "conditions")]
+WRONG += [(sets_of([10.0], [10.0]), {"max_shift": 2.0}, "max_shift")]
+
+
+@pytest.mark.parametrize(("sets", "options", "name"), WRONG)
+def test_bad_arguments_of_track_are_named(sets, options, name):
+    with pytest.raises(ar.InvalidInputError, match=f"^{name}: got "):
+        ar.track(sets, **options)
+
+
+def test_what_was_seen_once_or_not_for_long_takes_nothing_over():
+    # A value drifts by a tenth over 400 tests; now and then a false one lies where it will be later.
+    rng = np.random.default_rng(3)
+    true = 30.0 + 3.0 * np.arange(400) / 400 + 0.005 * rng.standard_normal(400)
+    tests = [[f] if nth % 9 else [f, f + rng.uniform(0.2, 2.0)] for nth, f in enumerate(true)]
+    followed = ar.track(sets_of(*tests), max_shift=0.01)
+    seen = np.sum(~np.isnan(followed.freq_hz), axis=0)
+    assert np.array_equal(followed.freq_hz[:, np.argmax(seen)], true)
+
+    def kinds_after(gap):
+        tests = [[10.0, 20.0], *([[10.0]] * gap), [10.0, 20.0]]
+        return kinds(ar.track(sets_of(*tests)))[1:]
+
+    assert kinds_after(99) == [("back", 100, 20.0)]
+    assert kinds_after(120) == [("new", 121, 20.0)]

@@ -1,10 +1,8 @@
 """What tests of models share: structures drawn at random, and what models and refusals are held against."""
 
-import re
 import warnings
 
 import numpy as np
-import pytest
 
 import antires_rs as ar
 from reference.exact_roots import ExactPencil
@@ -48,11 +46,6 @@ def rigid_force(model):
     for node, (x, y) in enumerate(model.nodes_m):
         motions[[model.dof(node, d) for d in ("u", "v", "theta")]] = [[1, 0, -y], [0, 1, x], [0, 0, 1]]
     return np.abs(model.stiffness() @ motions).max() / abs(model.stiffness()).max()
-
-
-def assert_refused(argument, call):
-    with pytest.raises(ar.InvalidInputError, match=rf"^{re.escape(argument)}: got .*; wanted "):
-        call()
 
 
 def warned(make):

@@ -30,9 +30,8 @@ def compare(model, k_mat, m_mat, i, k):
     highest = scipy.linalg.eigvalsh(k_mat, m_mat)[-1]
     low, high = ZERO_ROOT * highest, 4.0 * highest
     band = {"f_max_hz": hertz(high)}
-    everything, visible = (
-        quietly(model.antiresonances, i, k, include_cancelled=flag, **band) for flag in (True, False)
-    )
+    flags = ({"include_cancelled": flag} | band for flag in (True, False))
+    everything, visible = (quietly(model.antiresonances, i, k, **flag) for flag in flags)
     if not joined(k_mat, m_mat, i, k):
         return ("ok" if everything.size == visible.size == 0 else "miss"), 0.0, "unconnected"
     oracle = Oracle(k_mat, m_mat, i, k)
@@ -95,7 +94,7 @@ def test_far_apart_dofs_of_a_random_chain_have_the_zeros_of_its_ends_and_no_othe
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_modes_against_eigh(kind):
-    for seed in range(20):
+    for seed in range(10):
         k_mat, m_mat = random_model(kind, np.random.default_rng([9, seed]))
         modes = ar.MatrixModel(k_mat, m_mat).modes()
         lam = scipy.linalg.eigvalsh(k_mat, m_mat)

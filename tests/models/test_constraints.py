@@ -35,7 +35,7 @@ def assert_zeros(k, m, c, ends, zeros):
         assert below * above < 0.0
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_the_response_is_that_of_the_bordered_system(seed):
     k, m, c = constrained(seed, 14)
     follows = np.vstack([c, c[0] - 2.0 * c[1]])
@@ -58,9 +58,7 @@ def test_sparse_rows_dicts_and_arrays_say_the_same():
     for given in (*rows, [{0: 1.0, 2: -1.0, 3: 0.4}]):
         again = ar.eliminate_constraints(K, M, given).stiffness
         np.testing.assert_array_equal(again.toarray(), made.stiffness.toarray())
-        same_matrices(
-            ar.MatrixModel(K, M, constraints=given), ar.MatrixModel(K, M, constraints=c), within=0.0
-        )
+        same_matrices(*(ar.MatrixModel(K, M, constraints=each) for each in (given, c)), within=0.0)
     np.testing.assert_allclose(made.stiffness_terms[0].toarray(), made.stiffness.toarray())
     np.testing.assert_allclose(made.mass_terms[0].toarray(), made.mass.toarray())
     empty = ar.MatrixModel(K, M, constraints=scipy.sparse.csr_array((0, 6)))
@@ -103,25 +101,21 @@ def test_lagrange_rows_become_equations():
     assert list(ar.lagrange_rows(joined, np.diag([0.0, 0.0, 1.0]))[0]) == [0, 1, 2]
 
 
-WRONG_EQUATIONS = [
-    ("abc", "constraints: got 'abc'"),
-    (3, "constraints: got 3"),
-    ({1: 1.0, 2: -1.0}, r"one dict.*Put it in a list"),
-    ([{1: "a"}], r"constraints\[0\]"),
-    (["abc"], r"constraints\[0\]"),
-    ([{6: 1.0}], r"constraints\[0\].*6"),
-    ([{1: np.nan}], r"constraints\[0\]: got nan; wanted a finite number"),
-    (np.full((1, 6), 1j), r"constraints\[0\]: got complex"),
-    (np.ones(6), r"constraints\[0\]: got a row of shape"),
-    ([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'"),
-    (scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)"),
-    *((scipy.sparse.csr_array(np.ones((1, n))), rf"sparse array of shape \(1, {n}\)") for n in (5, 9)),
-    *(
-        (scipy.sparse.csr_array(np.full((1, 6), x)), "constraints: got 6 NaN or inf")
-        for x in (np.nan, np.inf)
-    ),
-    (scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex"),
+WRONG_EQUATIONS = [("abc", "constraints: got 'abc'"), (3, "constraints: got 3")]
+WRONG_EQUATIONS += [({1: 1.0, 2: -1.0}, r"one dict.*Put it in a list"), ([{1: "a"}], r"constraints\[0\]")]
+WRONG_EQUATIONS += [(["abc"], r"constraints\[0\]"), ([{6: 1.0}], r"constraints\[0\].*6")]
+WRONG_EQUATIONS += [([{1: np.nan}], r"constraints\[0\]: got nan; wanted a finite number")]
+WRONG_EQUATIONS += [(np.full((1, 6), 1j), r"constraints\[0\]: got complex")]
+WRONG_EQUATIONS += [(np.ones(6), r"constraints\[0\]: got a row of shape")]
+WRONG_EQUATIONS += [([{"1:Z": 1.0}], r"constraints\[0\]: got '1:Z'")]
+WRONG_EQUATIONS += [(scipy.sparse.coo_array(np.ones(6)), r"sparse array of shape \(6,\)")]
+WRONG_EQUATIONS += [
+    *((scipy.sparse.csr_array(np.ones((1, n))), rf"sparse array of shape \(1, {n}\)") for n in (5, 9))
 ]
+WRONG_EQUATIONS += [
+    *((scipy.sparse.csr_array(np.full((1, 6), x)), "constraints: got 6 NaN or inf") for x in (np.nan, np.inf))
+]
+WRONG_EQUATIONS += [(scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: got complex")]
 
 
 @pytest.mark.parametrize(
@@ -140,12 +134,9 @@ def test_wrong_equations_and_dofs_to_keep_are_refused(given, words):
     for call in (ar.eliminate_constraints, ar.MatrixModel):
         with pytest.raises(ar.InvalidInputError, match=words):
             call(K, M, **given)
-
-
-@pytest.mark.parametrize("wrong", [{"constraints": [{"1:Z": 1.0}]}, {"keep": ["1:Z"]}])
-def test_a_name_asks_for_names(wrong):
-    with pytest.raises(ar.InvalidInputError, match="no names.*dofs="):
-        ar.MatrixModel(K, M, **wrong)
+    for named in ({"constraints": [{"1:Z": 1.0}]}, {"keep": ["1:Z"]}):
+        with pytest.raises(ar.InvalidInputError, match="no names.*dofs="):
+            ar.MatrixModel(K, M, **named)
 
 
 @pytest.mark.parametrize("wrong", [3, "a", None, np.ones((2, 6)), np.ones(6), np.eye(3)])
@@ -157,8 +148,6 @@ def test_matrices_that_are_none(wrong):
 
 
 # -- Inside a model: numbers and names stay, roots are those of the whole system
-
-
 @pytest.mark.parametrize("ends", [(0, 1), (3, 3), (5, 9), (11, 2), (7, 8)])
 def test_any_dof_can_be_asked_whether_it_was_taken_out_or_not(ends):
     k, m, c = constrained()
@@ -240,17 +229,8 @@ def test_a_model_with_all_of_it_is_copied_pickled_and_saved(tmp_path):
         ar.MatrixModel.from_description(model.description),
     ):
         assert other.description == model.description
-        np.testing.assert_array_equal(
-            other.antiresonances("4:Z", "12:Z"), model.antiresonances("4:Z", "12:Z")
-        )
-
-
-def test_two_dofs_that_an_equation_joins_answer_as_one():
-    model = ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -1.0}])
-    both = model.antiresonances([2, 5], 0)
-    np.testing.assert_array_equal(*both)
-    with pytest.raises(ar.InvalidInputError, match=r"dofs: got dof 2, dof 5 together"):
-        ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -0.5}]).antiresonances(2, 5)
+        one, two = (each.antiresonances("4:Z", "12:Z") for each in (other, model))
+        np.testing.assert_array_equal(one, two)
 
 
 def test_equations_that_repeat_others_but_for_the_last_digits_are_told():
@@ -266,10 +246,14 @@ def test_equations_that_repeat_others_but_for_the_last_digits_are_told():
 
 
 @pytest.mark.parametrize("what", ["response", "excitation"])
-def test_a_dof_that_an_equation_holds_is_no_place_for_a_sensor_or_a_force(what):
+def test_dofs_that_an_equation_holds_or_joins(what):
     k, m, _ = random_structure(4, 8)
     model = ar.MatrixModel(k, m, constraints=[{3: 1.0, 5: 1.0}, {3: 1.0, 5: -1.0}, {6: 2.0}])
     for dof in (3, 5, 6):
         ends = {"response": 0, "excitation": 1, what: dof}
         with pytest.raises(ar.InvalidInputError, match=rf"{what}: got dof {dof}, which .* hold at zero"):
             model.antiresonances(**ends)
+    joined = ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -1.0}])
+    np.testing.assert_array_equal(*joined.antiresonances([2, 5], 0))
+    with pytest.raises(ar.InvalidInputError, match=r"dofs: got dof 2, dof 5 together"):
+        ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -0.5}]).antiresonances(2, 5)

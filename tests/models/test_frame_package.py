@@ -74,9 +74,8 @@ def ours(nodes, elements, fixed, **options):
         name: ar.Section(area, i_z, E, RHO, inertia_y_m4=i_y, torsion_m4=i_y + i_z, poisson=NU)
         for name, (area, i_y, i_z) in SECTIONS.items()
     }
-    return ar.FrameModel(
-        nodes, elements, sections, fixed=fixed, point_masses=[ar.PointMass(MASS_NODE, MASS_KG)], **options
-    )
+    masses = [ar.PointMass(MASS_NODE, MASS_KG)]
+    return ar.FrameModel(nodes, elements, sections, fixed=fixed, point_masses=masses, **options)
 
 
 @pytest.mark.parametrize("space", [False, True])

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.models.shared import assert_refused, rigid_force, same_matrices
+from tests.models.shared import rigid_force, same_matrices
+from tests.support.refusals import assert_refused, each_of
 from tests.support.tolerances import RIGID_FORCE
 
 STEEL = (2.1e11, 7850.0)
@@ -79,36 +80,25 @@ def test_a_spring_between_nodes_and_a_joint_leave_rigid_motions_free():
     springs = [ar.NodeSpring(0, 3, 1e4), *joint]
     model = frame([*NODES, NODES[4], (1.8, 0.2)], [*ELEMENTS, (5, 6)], node_springs=springs)
     assert rigid_force(model) < RIGID_FORCE
-
-
-def test_a_frame_in_two_parts_warns():
     with pytest.warns(ar.AntiresWarning, match=r"2 parts that nothing joins.*\[3, 4\]"):
         frame([*NODES[:3], (3, 0), (4, 0)], [(0, 1), (1, 2), (3, 4)])
 
 
 #: Arguments of a frame, and values that they cannot have.
-OPTIONS = {
-    "elements": [[], 5],
-    "elements[0]": [[5, 6], [(0, 9)], [(0, 0.5)], [(0, 1, 2, 3)]],
-    "elements[4]": [[*ELEMENTS, (1, 0)]],
-    "nodes_m": [[*NODES, (9, 9)], [[0.0], [1.0]], [(0, 0), (np.nan, 1)]],
-    "fixed": [range(5), "0"],
-    "fixed[0]": [[(0, "w")], [(0, 1)]],
-    "sections": [3],
-    "sections[0].thickness_m": [ar.Tube(0.03, 0.016, *STEEL)],
-    "sections['pipe'].thickness_m": [{"pipe": ar.Tube(0.03, "thin", *STEEL)}],
-    "orientation": [(0, 0, 1)],
-    "point_masses[0]": [[(7, 1.0)]],
-    "point_masses[0].mass_kg": [[(0, -1.0)]],
-    "point_masses[0].inertia_kg_m2": [[(0, 1.0, (1.0, 2.0))]],
-    "ground_springs[0]": [[(0, "x", 1.0)], [3]],
-    "node_springs[0]": [[ar.NodeSpring(0, 3, 1.0, "v")]],
-}
+OPTIONS = {"elements": [[], 5], "elements[0]": [[5, 6], [(0, 9)], [(0, 0.5)], [(0, 1, 2, 3)]]}
+OPTIONS |= {"elements[4]": [[*ELEMENTS, (1, 0)]]}
+OPTIONS |= {"nodes_m": [[*NODES, (9, 9)], [[0.0], [1.0]], [(0, 0), (np.nan, 1)]], "fixed": [range(5), "0"]}
+OPTIONS |= {"fixed[0]": [[(0, "w")], [(0, 1)]], "sections": [3]}
+OPTIONS |= {"sections[0].thickness_m": [ar.Tube(0.03, 0.016, *STEEL)]}
+OPTIONS |= {"sections['pipe'].thickness_m": [{"pipe": ar.Tube(0.03, "thin", *STEEL)}]}
+OPTIONS |= {"orientation": [(0, 0, 1)], "point_masses[0]": [[(7, 1.0)]]}
+OPTIONS |= {"point_masses[0].mass_kg": [[(0, -1.0)]]}
+OPTIONS |= {"point_masses[0].inertia_kg_m2": [[(0, 1.0, (1.0, 2.0))]]}
+OPTIONS |= {"ground_springs[0]": [[(0, "x", 1.0)], [3]], "node_springs[0]": [[ar.NodeSpring(0, 3, 1.0, "v")]]}
 WRONG = [
     *(
         (argument, partial(frame, **{argument.split("[")[0].removesuffix("_m"): value}))
-        for argument, values in OPTIONS.items()
-        for value in values
+        for argument, value in each_of(OPTIONS)
     ),
     ("elements[0]", lambda: frame([(0, 0), (0, 0), (1, 0)], [(0, 1), (1, 2)])),
     ("elements", lambda: frame(sections=[PIPE, BAR])),
@@ -177,9 +167,8 @@ def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     sensors = [model.dof(node, name) for node, name in ((3, "u"), (4, "v"), (2, "v"), (0, "u"))]
     damaged = model.with_parameters(ar.stiffness_reduction([2]), [0.6])
     zeros = damaged.antiresonances(sensors, force, f_max_hz=1500.0)
-    result = ar.assess_damage(
-        model, ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True))), rng=0
-    )
+    measured = ar.AntiresonanceSet(force, dict(zip(sensors, zeros, strict=True)))
+    result = ar.assess_damage(model, measured, rng=0)
     text = result.summary()
     assert re.search(r"element 2 +60\.00 % \u00b1 \S+ %\nall others \(3\): exactly 0\n", text)
     assert "\n3 u, 1 v " in text

@@ -15,9 +15,8 @@ import antires_rs as ar
 def grid():
     """A square grid of masses and springs, 2,025 dofs, its halves as terms; and a problem with it."""
     side = 45
-    line = scipy.sparse.diags_array(
-        [-np.ones(side - 1), 2.01 * np.ones(side), -np.ones(side - 1)], offsets=(-1, 0, 1)
-    )
+    off = -np.ones(side - 1)
+    line = scipy.sparse.diags_array([off, 2.01 * np.ones(side), off], offsets=(-1, 0, 1))
     k = 1e5 * scipy.sparse.kronsum(line, line, format="csr")
     m = scipy.sparse.diags_array(np.random.default_rng(0).uniform(0.5, 2.0, side * side))
     half = scipy.sparse.diags_array((np.arange(side * side) < side * side // 2).astype(float))

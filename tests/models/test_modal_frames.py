@@ -38,7 +38,7 @@ def seen_by_qz(k_mat, m_mat, i, k, limit_hz, from_hz=0.0):
     return roots[~cancelled(k_mat, m_mat, i, k, roots)]
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", some_of(range(12), [3, 4, 7, 8, 10, 11]))
 def test_random_frames(seed):
     """QZ loses roots of frames on soft supports (seed 3: one at 2.2 Hz); where it differs, 50 digits."""
     rng = np.random.default_rng([5, seed])
@@ -104,26 +104,12 @@ def square_tube():
     return k_mat, m_mat
 
 
+NEAR_HZ, LIGHT = np.sqrt(6e4) / (2 * np.pi), tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2])
+CLOSE = {gap: tuned([(6, 0.5), (13, 0.5)], [3e4, 3e4 * (1 + 2 * gap)]) for gap in (5e-7, 1e-7, 1e-8)}
 #: Matrices, dofs, limit in Hz; and how many roots lie within a thousandth of a frequency.
 HARD = {
-    **{
-        f"two zeros {gap:g} apart": (
-            tuned([(6, 0.5), (13, 0.5)], [3e4, 3e4 * (1 + 2 * gap)]),
-            (19, 40),
-            400.0,
-            (np.sqrt(6e4) / (2 * np.pi), 2),
-        )
-        for gap in (5e-7, 1e-7, 1e-8)
-    },
-    **{
-        f"zero beside a pole, {i} and {k}": (
-            tuned([(15, 1e-6)], [1e-6 * (2 * np.pi * 60.0) ** 2]),
-            (i, k),
-            300.0,
-            (60.0, 1),
-        )
-        for i, k in ((19, 19), (19, 46), (46, 46))
-    },
+    **{f"two zeros {gap:g} apart": (pair, (19, 40), 400.0, (NEAR_HZ, 2)) for gap, pair in CLOSE.items()},
+    **{f"a pole beside {ends}": (LIGHT, ends, 300.0, (60.0, 1)) for ends in ((19, 19), (19, 46), (46, 46))},
     "driven at its node": (straight(21), (31, 31), 1500.0, None),
     "rigid bodies": (tuned([(6, 0.5)], [3e4], rigid=True), (1, 1), 500.0, None),
     # There a zero lies on a pole that cancels, and K - x M is singular.
@@ -151,8 +137,6 @@ def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
 
 
 # -- Soft springs
-
-
 def pipe(beams, wave, spring):
     """2 m of tube, wavy or straight, on three springs and with a mass that breaks its symmetry."""
     nodes, tenth = [(2.0 * j / beams, wave * np.sin(j)) for j in range(beams + 1)], beams // 10
@@ -171,17 +155,16 @@ def test_a_root_at_two_hertz_that_was_lost():
     assert left * right < 0.0
     for method in METHODS:
         found = model.antiresonances(i, k, method=method)
-        np.testing.assert_allclose(
-            found[found < BAND_HZ], [1.981467, 2.547607, 44.458773, 398.506783], rtol=1e-5
-        )
+        found, wanted = found[found < BAND_HZ], [1.981467, 2.547607, 44.458773, 398.506783]
+        np.testing.assert_allclose(found, wanted, rtol=1e-5)
 
 
 @pytest.mark.parametrize(
     ("beams", "wave", "spring"),
     some_of(
-        [(12, 0.02, 20.0), (40, 0.02, 20.0), (12, 0.0, 20.0), (40, 0.0, 500.0)]
+        [(12, 0.02, 20.0), (12, 0.0, 20.0), (24, 0.02, 500.0), (40, 0.02, 20.0), (40, 0.0, 500.0)]
         + [(40, 0.02, 500.0), (60, 0.0, 500.0), (60, 0.02, 20.0), (99, 0.02, 500.0)],
-        kept=5,
+        kept=3,
     ),
 )
 def test_limit_and_method_do_not_change_the_set(beams, wave, spring):
@@ -192,9 +175,7 @@ def test_limit_and_method_do_not_change_the_set(beams, wave, spring):
         i = model.dof(node, direction)
         # In the straight pipe u is not connected to v, of which it warns.
         limits = ((BAND_HZ, "modal"), (None, "modal"), (6.0 * BAND_HZ, "modal"), (BAND_HZ, "pencil"))
-        band, *others = (
-            quietly(model.antiresonances, i, k, f_max_hz=most, method=method) for most, method in limits
-        )
+        band, *others = (quietly(model.antiresonances, i, k, f_max_hz=hz, method=how) for hz, how in limits)
         assert_promise(k_mat, m_mat, i, k, band)
         for other in others:
             other = other[other <= BAND_HZ]

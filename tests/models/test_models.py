@@ -21,14 +21,10 @@ def test_chain_matrices_are_those_of_the_textbook():
     np.testing.assert_array_equal(model.mass(), np.diag([1.0, 2.0, 3.0]))
     assert model.n_dof == 3
     assert repr(model) == "MassSpringChain(3 masses)"
-
-
-def test_a_single_mass_is_a_chain():
+    # A single mass is a chain.
     free, held = ar.MassSpringChain([2.0], []), ar.MassSpringChain([2.0], [], ground_first_n_per_m=800.0)
     assert free.modes().freq_hz.tolist() == [0.0]
     np.testing.assert_allclose(held.modes().freq_hz, [20 / (2 * np.pi)], rtol=ROUNDING)
-    for method in ("modal", "pencil"):
-        assert held.antiresonances(0, 0, method=method).size == 0
 
 
 def test_labels_count_from_one():
@@ -53,41 +49,34 @@ def test_a_matrix_model_returns_the_matrices_it_was_given():
         np.testing.assert_array_equal(model.mass().toarray(), m_mat)
 
 
-def test_an_unstable_structure_has_no_resonances_and_says_so():
-    unstable = ar.MatrixModel(np.diag([100.0, -1.0]), np.eye(2))
-    with pytest.raises(ar.NumericalError, match="stiffness is indefinite"):
-        unstable.modes()
-
-
 @pytest.mark.parametrize(
-    ("k_mat", "m_mat"),
+    ("k_mat", "m_mat", "said"),
     [
-        (np.diag([1.0, 0.0]), np.diag([1.0, 0.0])),  # a motion with neither mass nor stiffness
-        (np.diag([1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])),  # an indefinite mass
+        (np.diag([1.0, 0.0]), np.diag([1.0, 0.0]), "."),  # a motion with neither mass nor stiffness
+        (np.diag([1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]]), "."),  # an indefinite mass
+        (np.diag([100.0, -1.0]), np.eye(2), "stiffness is indefinite"),
     ],
 )
-def test_matrices_without_modes_are_a_numerical_error(k_mat, m_mat):
+def test_matrices_without_modes_are_a_numerical_error(k_mat, m_mat, said):
     model = ar.MatrixModel(k_mat, m_mat)
-    with pytest.raises(ar.NumericalError) as caught:
+    with pytest.raises(ar.NumericalError, match=said) as caught:
         model.modes()
     assert isinstance(caught.value, ArithmeticError)
 
 
 @pytest.mark.parametrize("method", ["modal", "pencil"])
-def test_cancelled_roots_come_on_request_only(method):
+def test_cancelled_roots_come_on_request_only_and_others_not_at_all(method):
     """Driven at its middle, a symmetric chain hides its odd modes: clamping leaves two equal halves."""
     model = ar.MassSpringChain(np.ones(5), np.full(4, 1e4))
     odd = model.modes().freq_hz[[1, 3]]
     np.testing.assert_allclose(model.antiresonances(2, 2, method=method), odd, rtol=CLOSED_FORM)
     everything = model.antiresonances(2, 2, method=method, include_cancelled=True)
     np.testing.assert_allclose(everything, np.repeat(odd, 2), rtol=CLOSED_FORM)
-
-
-@pytest.mark.parametrize("method", ["modal", "pencil"])
-def test_an_unconnected_response_has_none_and_warns(method):
-    model = ar.MatrixModel(np.diag([1e4, 2e4]), np.eye(2))
+    alone = ar.MassSpringChain([2.0], [], ground_first_n_per_m=800.0)
+    assert alone.antiresonances(0, 0, method=method).size == 0
+    apart = ar.MatrixModel(np.diag([1e4, 2e4]), np.eye(2))
     with pytest.warns(ar.AntiresWarning, match="response dof 1 is not connected to excitation dof 0"):
-        assert model.antiresonances(1, 0, method=method).size == 0
+        assert apart.antiresonances(1, 0, method=method).size == 0
 
 
 def test_frf_shapes_and_the_static_limit():
@@ -103,8 +92,6 @@ def test_frf_shapes_and_the_static_limit():
 
 
 # -- Dofs by name: wherever a number is taken a name is, with the same answer
-
-
 NAMES = ["1204:Z", "1204:RX", "1205:Z", "1205:RX", "7:X", "hub"]
 
 
@@ -193,9 +180,7 @@ def test_an_unknown_name_is_told_with_those_near_it():
     with pytest.raises(ar.InvalidInputError, match=r"excitation: got 'hubb'.*like 'hub'"):
         model.antiresonances(0, "hubb")
     with pytest.raises(ar.InvalidInputError, match=r"measured dof: got '12\+Z'"):
-        ar.UpdatingProblem(
-            model, ar.stiffness_factor([1], bounds=(0.5, 2.0)), ar.AntiresonanceSet(0, {"12+Z": [3.0]})
-        )
+        ar.UpdatingProblem(model, ar.stiffness_reduction(1), ar.AntiresonanceSet(0, {"12+Z": [3.0]}))
     with pytest.raises(ar.InvalidInputError, match=r"constraints\[0\]: got '9:Z'"):
         named(constraints=[{"9:Z": 1.0, "hub": -1.0}])
 
@@ -205,24 +190,19 @@ def test_frames_and_chains_have_names_too():
     frame = ar.FrameModel([(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)], [(0, 1), (1, 2)], tube, fixed=[0])
     tip = frame.dof(2, "v")
     for name in ("node 2 v", "2:v", "2:Y"):
-        np.testing.assert_array_equal(
-            frame.antiresonances(name, "1:v"), frame.antiresonances(tip, frame.dof(1, "v"))
-        )
+        by_number = frame.antiresonances(tip, frame.dof(1, "v"))
+        np.testing.assert_array_equal(frame.antiresonances(name, "1:v"), by_number)
     chain = ar.MassSpringChain([1.0, 1.0], [500.0])
     np.testing.assert_array_equal(chain.antiresonances("mass 1", "mass 0"), chain.antiresonances(1, 0))
 
 
-@pytest.mark.parametrize(
-    ("dofs", "words"),
-    [
-        (["a", "b"], "2 names; wanted 6"),
-        (["a", "b", "c", "d", "e", "a"], "'a' more than once"),
-        ("1204:Z", "6 names, or a mapping"),
-        ([1, 2, 3, 4, 5, 6], r"dofs\[0\]: got 1; wanted a text"),
-        ({"a": 6}, r"dofs\['a'\]: got 6"),
-        (["1:Z", "1 UZ", "2", "3", "4", "5"], "'1:Z' and '1 UZ', two spellings"),
-    ],
-)
+WRONG = [(["a", "b"], "2 names; wanted 6"), (["a", "b", "c", "d", "e", "a"], "'a' more than once")]
+WRONG += [("1204:Z", "6 names, or a mapping"), ([1, 2, 3, 4, 5, 6], r"dofs\[0\]: got 1; wanted a text")]
+WRONG += [({"a": 6}, r"dofs\['a'\]: got 6")]
+WRONG += [(["1:Z", "1 UZ", "2", "3", "4", "5"], "'1:Z' and '1 UZ', two spellings")]
+
+
+@pytest.mark.parametrize(("dofs", "words"), WRONG)
 def test_names_that_do_not_fit(dofs, words):
     k, m, _ = random_structure(6, 6)
     with pytest.raises(ar.InvalidInputError, match=words):
@@ -230,8 +210,6 @@ def test_names_that_do_not_fit(dofs, words):
 
 
 # -- What other programs' matrices are like: triangles, damping, rounding-size masses, compression
-
-
 K, M, _ = random_structure(4, 9)
 LABELS = [f"{4 + dof}:Z" for dof in range(9)]
 
@@ -249,16 +227,13 @@ def test_one_triangle_is_told_and_not_to_be_halved(sparse, half, word):
     np.testing.assert_array_equal(ar.MatrixModel(whole, M).stiffness().toarray(), K)
 
 
-def test_hysteretic_damping_is_left_out_with_a_word():
+def test_hysteretic_damping_and_masses_below_zero_by_rounding_are_left_out_with_a_word():
     with pytest.warns(ar.AntiresWarning, match="stiffness: its imaginary part, 0.04 of the real one") as said:
         model = ar.MatrixModel(K * (1.0 + 0.04j), M)
     assert said[0].filename == __file__
     np.testing.assert_array_equal(model.antiresonances(2, 5), ar.MatrixModel(K, M).antiresonances(2, 5))
     complex_but_real = ar.MatrixModel(scipy.sparse.csr_array(K.astype(complex)), M)
     np.testing.assert_array_equal(complex_but_real.stiffness().toarray(), K)
-
-
-def test_masses_below_zero_by_rounding_count_as_none():
     m = M.copy()
     m[3, 3] = 0.0
     without = ar.MatrixModel(K, m)

@@ -5,7 +5,8 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.updating.identifiability import at_solution
-from tests.models.shared import assert_refused, rigid_force, same_matrices
+from tests.models.shared import rigid_force, same_matrices
+from tests.support.refusals import assert_refused, each_of
 from tests.support.tolerances import FOUND_AGAIN, RIGID_FORCE, ROUNDING, SOFT_ZERO
 
 E, RHO = 2.1e11, 7850.0
@@ -19,11 +20,8 @@ TURN, SHIFT = (-90, 90), (-0.1, 0.1)
 def build(
     nodes=NODES, wall=0.0015, diameter=0.045, modulus=E, density=RHO, mass=1.5, inertia=0.01, hanger=2e3
 ):
-    sections = {
-        "pipe": ar.Tube(0.038, wall, modulus, RHO),
-        "bend": ar.Tube(diameter, 0.002, E, RHO),
-        "arm": ar.Rectangle(0.02, 0.01, E, density),
-    }
+    sections = {"pipe": ar.Tube(0.038, wall, modulus, RHO), "bend": ar.Tube(diameter, 0.002, E, RHO)}
+    sections["arm"] = ar.Rectangle(0.02, 0.01, E, density)
     masses = [(3, mass, inertia), (5, 0.7)]
     springs = [(0, "v", hanger), (4, "v", hanger), (1, "u", 800.0)]
     return ar.FrameModel(nodes, ELEMENTS, sections, point_masses=masses, ground_springs=springs)
@@ -122,27 +120,17 @@ def test_parameters_of_a_chain_change_what_they_say():
 
 
 def test_all_kinds_mix_with_terms_and_names_carry_units():
-    terms = [
-        *ar.stiffness_reduction([1, 4]),
-        ar.stiffness_factor(5, bounds=BOUNDS),
-        ar.mass_factor(2, bounds=BOUNDS),
-    ]
+    terms = [*ar.stiffness_reduction([1, 4]), ar.stiffness_factor(5, bounds=BOUNDS)]
+    terms += [ar.mass_factor(2, bounds=BOUNDS)]
     parameters = [*terms, *(KINDS[i][0] for i in (0, 2, 3, 5, 6, 7, 8, 9))]
     problem = ar.UpdatingProblem(MODEL, parameters, MEASURED, penalty=(0.1, 0.1))
-    assert problem.names == [
-        "stiffness loss of element 1",
-        "stiffness loss of element 4",
-        "stiffness of ground spring 0 (node 0 v)",
-        "mass of element 2",
-        "Young's modulus of pipe (Pa)",
-        "density of arm (kg/m3)",
-        "thickness of pipe (m)",
-        "outer diameter of bend (m)",
-        "mass 0 (node 3) (kg)",
-        "inertia of mass 0 (node 3) (kg m2)",
-        "stiffness of ground spring 0 (node 0 v), ground spring 1 (node 4 v) (N/m)",
-        "angle of element 2, element 3 about node 2 (deg)",
-    ]
+    assert "; ".join(problem.names) == (
+        "stiffness loss of element 1; stiffness loss of element 4; stiffness of ground spring 0 (node 0 v); "
+        "mass of element 2; Young's modulus of pipe (Pa); density of arm (kg/m3); thickness of pipe (m); "
+        "outer diameter of bend (m); mass 0 (node 3) (kg); inertia of mass 0 (node 3) (kg m2); "
+        "stiffness of ground spring 0 (node 0 v), ground spring 1 (node 4 v) (N/m); "
+        "angle of element 2, element 3 about node 2 (deg)"
+    )
     x = problem.nominal
     x[:4], x[5], x[6], x[11] = [0.2, 0.1, 1.1, 0.9], 8000.0, 0.0012, 5.0
     updated = problem.model_at(x)
@@ -157,7 +145,7 @@ def test_all_kinds_mix_with_terms_and_names_carry_units():
     assert MODEL.sections["pipe"].thickness_m == 0.0015  # the model itself is as it was
 
 
-def test_moves_act_in_their_order():
+def test_moves_act_in_their_order_and_loops_move_as_a_whole():
     parameters = [
         ar.angle([2, 3], 2, bounds_deg=TURN),
         ar.length(2, pivot=2, bounds=(0.5, 2.0)),
@@ -175,6 +163,10 @@ def test_moves_act_in_their_order():
         "position of node 0, node 5 along (0, 1, 0) (m)",
         "position of node 0 along (0.6, 0.8, 0) (m)",
     ]
+    longer = LOOP.with_parameters(ar.length([0], pivot=0, bounds=BOUNDS), [1.05])
+    np.testing.assert_allclose(longer.nodes_m[1:], NODES[1:] + [0.025, 0.001], atol=1e-15)
+    shifted = LOOP.with_parameters(ar.position(4, "x", bounds_m=SHIFT), [0.05])
+    np.testing.assert_allclose(shifted.nodes_m, moved(4, [0.05, 0.0])["nodes"], atol=1e-15)
 
 
 def test_parameters_act_one_after_the_other_and_the_description_tells_them():
@@ -204,13 +196,6 @@ def test_an_updating_applies_what_it_found():
     same_matrices(model, CHAIN.with_parameters(problem.parameters, [0.3, 0.0]), within=0.0)
 
 
-def test_a_loop_moves_as_a_whole_or_by_position():
-    longer = LOOP.with_parameters(ar.length([0], pivot=0, bounds=BOUNDS), [1.05])
-    np.testing.assert_allclose(longer.nodes_m[1:], NODES[1:] + [0.025, 0.001], atol=1e-15)
-    shifted = LOOP.with_parameters(ar.position(4, "x", bounds_m=SHIFT), [0.05])
-    np.testing.assert_allclose(shifted.nodes_m, moved(4, [0.05, 0.0])["nodes"], atol=1e-15)
-
-
 @pytest.mark.parametrize("degrees", [3.0, 45.0, 90.0, 170.0])
 def test_a_free_frame_stays_free_at_any_angle(degrees):
     turns = [ar.angle([element], element, bounds_deg=(-180, 180)) for element in (2, 3)]
@@ -219,23 +204,19 @@ def test_a_free_frame_stays_free_at_any_angle(degrees):
     assert np.count_nonzero(turned.modes().freq_hz < 1e-2) == 3
 
 
+WALL, LUMP = ar.thickness("pipe", bounds=(0.001, 0.002)), ar.point_mass(0, bounds=(1.0, 2.5))
+BEND, LONG = ar.angle([2, 3], 2, bounds_deg=(-15.0, 15.0)), ar.length(0, pivot=0, bounds=(0.9, 1.1))
+
+
 @pytest.mark.parametrize(
     ("truth", "parameters", "values"),
     [
         (
             {"wall": 0.0013, "mass": 1.8, "nodes": rotated(6.0, [3, 4], 2)},
-            [
-                ar.thickness("pipe", bounds=(0.001, 0.002)),
-                ar.point_mass(0, bounds=(1.0, 2.5)),
-                ar.angle([2, 3], 2, bounds_deg=(-15.0, 15.0)),
-            ],
+            [WALL, LUMP, BEND],
             [0.0013, 1.8, 6.0],
         ),
-        (
-            moved([1, 2, 3, 4, 5], [0.03, 0.0012]) | {"mass": 1.8},
-            [ar.length(0, pivot=0, bounds=(0.9, 1.1)), ar.point_mass(0, bounds=(1.0, 2.5))],
-            [1.06, 1.8],
-        ),
+        (moved([1, 2, 3, 4, 5], [0.03, 0.0012]) | {"mass": 1.8}, [LONG, LUMP], [1.06, 1.8]),
     ],
 )
 def test_an_update_finds_values_again(truth, parameters, values):
@@ -251,63 +232,68 @@ def problem(*parameters, model=MODEL):
     return lambda: ar.UpdatingProblem(model, parameters, MEASURED)
 
 
-THIN, SLIGHT = {"bounds": (0.001, 0.002)}, {"bounds_deg": (-5, 5)}
-WRONG = [
-    ("quantity", lambda: ar.Parameter("stifness_factor", (0,), BOUNDS)),
-    ("terms[0]", lambda: ar.Parameter("mass_factor", (-1,), BOUNDS)),
-    ("terms", lambda: ar.Parameter("mass_factor", (), BOUNDS)),
-    ("terms[0]", lambda: ar.Parameter("mass_factor", (0.5,), BOUNDS)),
-    ("bounds", lambda: ar.Parameter("mass_factor", (0,), (1.2, 0.8))),
-    ("bounds[0]", lambda: ar.Parameter("mass_factor", (0,), (0.0, 0.8))),
-    ("bounds[1]", lambda: ar.Parameter("stiffness_reduction", (0,), (0.0, 1.1))),
-    ("elements", lambda: ar.stiffness_reduction([3, 3])),
-    ("sections", lambda: ar.thickness(["pipe", "pipe"], bounds=BOUNDS)),
-    ("parameters", problem(ar.density("pipe", bounds=(7e3, 8e3)), ar.density(0, bounds=(7e3, 8e3)))),
-    ("parameters", problem(*[ar.angle(2, 2, bounds_deg=(0, 1))] * 2)),
-    ("sections", problem(ar.density("rod", bounds=(7e3, 8e3)))),
-    ("parameters[0]", problem(ar.density(7, bounds=(7e3, 8e3)))),
-    ("parameters[0]", problem(ar.thickness("arm", **THIN))),
-    ("parameters[0]", problem(ar.inertia(1, bounds=BOUNDS, relative=True))),
-    ("parameters[0]", problem(ar.point_mass([0, 1], bounds=(1, 2), together=True))),
-    ("bounds", problem(ar.thickness("pipe", bounds=(0.001, 0.02)))),
-    (
-        "bounds",
-        problem(ar.thickness("bend", bounds=(0.001, 0.015)), ar.diameter("bend", bounds=(0.025, 0.05))),
-    ),
-    ("bounds[0]", lambda: ar.youngs_modulus(0, bounds=(-1.0, 2e11))),
-    ("bounds[0]", lambda: ar.point_mass(0, bounds=(0.0, 2.0), relative=True)),
-    ("bounds", lambda: ar.angle(2, 2, bounds_deg=(5.0, -5.0))),
-    ("sections", lambda: ar.thickness(-1, bounds=BOUNDS)),
-    ("masses", lambda: ar.point_mass("lump", bounds=BOUNDS)),
-    ("pivot", problem(ar.angle(3, 0, **SLIGHT))),
-    ("pivot", problem(ar.angle(3, 60, **SLIGHT))),
-    ("pivot", lambda: ar.angle(3, None, **SLIGHT)),
-    ("parameters[0]", problem(ar.angle(3, 3, axis=(1, 0, 0), **SLIGHT))),
-    ("axis", lambda: ar.angle(3, 3, axis=(0, 0, 0), **SLIGHT)),
-    ("elements", problem(ar.angle(2, 2, **SLIGHT), model=LOOP)),
-    ("parameters[0]", problem(ar.thickness(0, **THIN), model=CHAIN)),
-    ("parameters", problem(ar.thickness("pipe", **THIN), model=CHAIN)),
-    ("parameters[0]", problem(ar.angle(0, 0, **SLIGHT), model=CHAIN)),
-    ("bounds[0]", lambda: ar.length(0, 0, bounds=(0.0, 1.0))),
-    ("pivot", lambda: ar.length(0, None, bounds=BOUNDS)),
-    ("pivot", problem(ar.length(3, 0, bounds=BOUNDS))),
-    ("elements", problem(ar.length(2, 2, bounds=BOUNDS), model=LOOP)),
-    ("parameters[0]", problem(ar.length(1, 1, bounds=BOUNDS), model=CHAIN)),
-    ("direction", lambda: ar.position(0, "r", bounds_m=SHIFT)),
-    ("direction", lambda: ar.position(0, (0, 0, 0), bounds_m=SHIFT)),
-    ("nodes", lambda: ar.position([1, 1], "x", bounds_m=SHIFT)),
-    ("parameters[0]", problem(ar.position(9, "x", bounds_m=SHIFT))),
-    ("parameters[0]", problem(ar.position(1, "z", bounds_m=SHIFT))),
-    ("bounds", problem(ar.position(1, (0.5, 0.02, 0.0), bounds_m=(-0.6, 0.1)))),
-    ("parameters[0]", problem(ar.position(1, "x", bounds_m=SHIFT), model=CHAIN)),
-    ("description", lambda: ar.MassSpringChain.from_description(MODEL.description)),
-    ("description", lambda: ar.MassSpringChain.from_description(3)),
-    ("values", lambda: CHAIN.with_parameters(ar.stiffness_reduction([0, 1]), [0.1])),
-    ("parameters", lambda: CHAIN.with_parameters(3, [0.1])),
-]
+def parameter(terms, bounds=BOUNDS, quantity="mass_factor"):
+    return lambda: ar.Parameter(quantity, terms, bounds)
 
 
-@pytest.mark.parametrize(("argument", "call"), WRONG)
+THIN, SLIGHT, HEAVY = {"bounds": (0.001, 0.002)}, {"bounds_deg": (-5, 5)}, {"bounds": (7e3, 8e3)}
+BOTH = [ar.thickness("bend", bounds=(0.001, 0.015)), ar.diameter("bend", bounds=(0.025, 0.05))]
+X = {"bounds_m": SHIFT}
+WRONG = {
+    "quantity": [parameter((0,), quantity="stifness_factor")],
+    "terms": [parameter(())],
+    "terms[0]": [parameter((-1,)), parameter((0.5,))],
+    "bounds[0]": [
+        lambda: ar.youngs_modulus(0, bounds=(-1.0, 2e11)),
+        lambda: ar.point_mass(0, bounds=(0.0, 2.0), relative=True),
+        lambda: ar.length(0, 0, bounds=(0.0, 1.0)),
+    ],
+    "bounds": [
+        problem(ar.thickness("pipe", bounds=(0.001, 0.02))),
+        problem(*BOTH),
+        lambda: ar.angle(2, 2, bounds_deg=(5.0, -5.0)),
+        problem(ar.position(1, (0.5, 0.02, 0.0), bounds_m=(-0.6, 0.1))),
+    ],
+    "elements": [
+        problem(ar.angle(2, 2, **SLIGHT), model=LOOP),
+        problem(ar.length(2, 2, bounds=BOUNDS), model=LOOP),
+    ],
+    "sections": [
+        lambda: ar.thickness(["pipe", "pipe"], bounds=BOUNDS),
+        lambda: ar.thickness(-1, bounds=BOUNDS),
+        problem(ar.density("rod", **HEAVY)),
+    ],
+    "parameters": [
+        problem(ar.density("pipe", **HEAVY), ar.density(0, **HEAVY)),
+        problem(*[ar.angle(2, 2, bounds_deg=(0, 1))] * 2),
+        problem(ar.thickness("pipe", **THIN), model=CHAIN),
+        lambda: CHAIN.with_parameters(3, [0.1]),
+    ],
+    "parameters[0]": [
+        *map(problem, (ar.density(7, **HEAVY), ar.thickness("arm", **THIN))),
+        problem(ar.inertia(1, bounds=BOUNDS, relative=True)),
+        problem(ar.point_mass([0, 1], bounds=(1, 2), together=True)),
+        problem(ar.angle(3, 3, axis=(1, 0, 0), **SLIGHT)),
+        *map(problem, (ar.position(9, "x", **X), ar.position(1, "z", **X))),
+        *(problem(each, model=CHAIN) for each in (ar.thickness(0, **THIN), ar.angle(0, 0, **SLIGHT))),
+        *(problem(each, model=CHAIN) for each in (ar.length(1, 1, bounds=BOUNDS), ar.position(1, "x", **X))),
+    ],
+    "masses": [lambda: ar.point_mass("lump", bounds=BOUNDS)],
+    "pivot": [
+        *map(problem, (ar.angle(3, 0, **SLIGHT), ar.angle(3, 60, **SLIGHT), ar.length(3, 0, bounds=BOUNDS))),
+        lambda: ar.angle(3, None, **SLIGHT),
+        lambda: ar.length(0, None, bounds=BOUNDS),
+    ],
+    "axis": [lambda: ar.angle(3, 3, axis=(0, 0, 0), **SLIGHT)],
+    "direction": [lambda: ar.position(0, "r", **X), lambda: ar.position(0, (0, 0, 0), **X)],
+    "nodes": [lambda: ar.position([1, 1], "x", **X)],
+    "description": [lambda: ar.MassSpringChain.from_description(MODEL.description)]
+    + [lambda: ar.MassSpringChain.from_description(3)],
+    "values": [lambda: CHAIN.with_parameters(ar.stiffness_reduction([0, 1]), [0.1])],
+}
+
+
+@pytest.mark.parametrize(("argument", "call"), each_of(WRONG))
 def test_ill_posed_parameters(argument, call):
     assert_refused(argument, call)
 
@@ -334,9 +320,8 @@ def test_a_turn_about_an_elements_own_axis_turns_its_section():
     of_sensors = dict(zip(sensors, zeros, strict=True))
     task = ar.UpdatingProblem(model, turn, ar.AntiresonanceSet(force, of_sensors, sees="frf"))
     turned = task.model_at([35.0]).antiresonances(sensors, force, f_max_hz=1e4)
-    nearest = [
-        now[np.abs(now - f).argmin()] for now, before in zip(turned, zeros, strict=True) for f in before
-    ]
+    pairs = [(now, f) for now, before in zip(turned, zeros, strict=True) for f in before]
+    nearest = [now[np.abs(now - f).argmin()] for now, f in pairs]
     np.testing.assert_allclose(task.paired_hz([35.0]), nearest, rtol=1e-8)
     assert task.cost([35.0]) > 0.1
 

@@ -80,7 +80,6 @@ def test_scaling_stiffness_and_mass_together_changes_no_frequency(model, scale):
 
 
 # ---- the objective ----------------------------------------------------------------------------------
-
 CASE = ar.cases.chain8()
 DAMAGE = CASE.damage_problem()
 UPDATING = CASE.updating_problem(ar.cases.chain8(perturbation=0.08, rng=3).exact())

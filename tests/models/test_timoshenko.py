@@ -8,7 +8,8 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import antires_rs as ar
-from tests.models.shared import assert_refused, same_matrices
+from tests.models.shared import same_matrices
+from tests.support.refusals import assert_refused
 from tests.support.tolerances import ROUNDING
 
 E, RHO, NU = 2.1e11, 7850.0, 0.3
@@ -58,12 +59,9 @@ def elastic(model, count):
     return freq[freq > 1.0][:count]
 
 
-SUPPORTS = {
-    "cantilever": (CLAMPED, FREE, lambda n: [(0, "v"), (0, "theta")]),
-    "free": (FREE, FREE, lambda n: []),
-    "pinned": (PINNED, PINNED, lambda n: [(0, "v"), (n, "v")]),
-    "clamped and pinned": (CLAMPED, PINNED, lambda n: [(0, "v"), (0, "theta"), (n, "v")]),
-}
+SUPPORTS = {"cantilever": (CLAMPED, FREE, lambda n: [(0, "v"), (0, "theta")])}
+SUPPORTS |= {"free": (FREE, FREE, lambda n: []), "pinned": (PINNED, PINNED, lambda n: [(0, "v"), (n, "v")])}
+SUPPORTS |= {"clamped and pinned": (CLAMPED, PINNED, lambda n: [(0, "v"), (0, "theta"), (n, "v")])}
 
 
 @pytest.mark.parametrize("name", SUPPORTS)
@@ -105,9 +103,7 @@ def test_cowpers_coefficient_is_that_of_the_shape(shape, kappa):
     named, given = beam(3, shape), beam(3, replace(shape, shear_coefficient=kappa))
     same_matrices(named, given, within=10 * ROUNDING)
     assert named.sections[0] == shape  # and comes back as it was given
-
-
-def test_a_wall_as_a_parameter_carries_shear_along():
+    # A wall as a parameter carries shear along.
     thin, thick = (ar.Tube(0.08, wall, *STEEL, shear_coefficient="cowper") for wall in (0.004, 0.006))
     updated = beam(5, thin).with_parameters(ar.thickness(0, bounds=(0.002, 0.01)), [0.006])
     same_matrices(updated, beam(5, thick), within=0.0)

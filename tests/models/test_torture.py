@@ -49,7 +49,7 @@ def both_hz(case):
     return quietly(model.antiresonances, *ends, include_cancelled=True), np.array(hz)
 
 
-@pytest.mark.parametrize("seeds", some_of([range(40, 50), range(100)]))
+@pytest.mark.parametrize("seeds", some_of([range(40, 46), range(100)]))
 @pytest.mark.parametrize("kind", ["graded_stiffness", "graded_units", "graded_mass", "diagonal", "penalties"])
 def test_all_roots_without_bounds(kind, seeds):
     for seed in seeds:
@@ -87,16 +87,13 @@ def test_units_of_the_dofs_change_neither_roots_nor_modes(size):
     np.testing.assert_allclose(ratio * d[2] * d[7], 1.0, rtol=1e-8)
 
 
-def test_bounds_of_several_responses():
+def test_bounds_of_several_responses_and_roots_that_are_not_certain():
     chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
     found = chain.antiresonances([0, 1, 2], 0, bounds=True)
     assert [freq.size for freq, _ in found] == [2, 1, 0]
     for (freq, error), plain in zip(found, chain.antiresonances([0, 1, 2], 0), strict=True):
         np.testing.assert_allclose(freq, plain, rtol=1e-13)
         assert np.all((error > 0) & (error < 1e-11 * freq))
-
-
-def test_roots_that_are_not_certain_are_told():
     # A tie of 1e20 N/m has taken the digits of the springs beside it already in the sums of the assembly.
     k_mat = 1e4 * line(8)
     k_mat[1:3, 1:3] += 1e20 * np.array([[1.0, -1.0], [-1.0, 1.0]])

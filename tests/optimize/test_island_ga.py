@@ -1,7 +1,6 @@
 """The island search on Python objectives: contract, not performance."""
 
 import time
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
@@ -9,27 +8,13 @@ import pytest
 
 import antires_rs as ar
 from tests.support.tolerances import GENE_AGREEMENT, SPHERE
+from tests.support.worker_tasks import sphere, spheres
 
 BOX = [(-1.0, 1.0)] * 3
 SHORT = {"max_evaluations": 2000}
 
 
-def sphere(x):
-    """At module level, so that a process pool can pickle it."""
-    return float(np.sum((np.asarray(x) - 0.3) ** 2))
-
-
-def spheres(candidates):
-    return np.sum((candidates - 0.3) ** 2, axis=1)
-
-
-def same(a, b):
-    np.testing.assert_array_equal(a.x, b.x)
-    np.testing.assert_array_equal(a.history.cost, b.history.cost)
-    np.testing.assert_array_equal(a.populations, b.populations)
-
-
-@pytest.mark.parametrize("islands", [1, 2, 4, 6])
+@pytest.mark.parametrize("islands", [1, 4, 6])
 def test_finds_the_minimum_and_says_why_it_ended(islands):
     result = ar.IslandGA(islands=islands).minimize(sphere, BOX, rng=0)
     assert result.success
@@ -41,12 +26,23 @@ def test_finds_the_minimum_and_says_why_it_ended(islands):
         assert "agree" in result.message
 
 
-def test_what_agreed_claims_holds_for_the_populations():
+def test_what_agreed_claims_holds_and_genes_alone_do_not_agree_in_a_flat_valley():
     """Bests at a corner of the box, which boundary mutation reaches exactly."""
     result = ar.IslandGA().minimize(lambda x: float(np.abs(x).sum()), [(0, 1)] * 3, rng=1)
     assert result.status == "agreed"
     bests = result.populations[np.arange(4), result.population_costs.argmin(axis=1)]
     assert np.ptp(bests, axis=0).max() <= GENE_AGREEMENT
+    # cost = (x + y - 1)^2: any point of a line is best, and the islands' bests stay apart.
+
+    def valley(candidates):
+        return (candidates.sum(axis=1) - 1.0) ** 2
+
+    box = [(0.0, 1.0)] * 2
+    both = ar.IslandGA().minimize(valley, box, rng=3, vectorized=True)
+    genes = ar.IslandGA(agreement="genes").minimize(valley, box, rng=3, vectorized=True)
+    assert both.status == "cost agreed"
+    assert genes.nfev > both.nfev
+    assert genes.status != "cost agreed"
 
 
 def test_shapes_and_order_of_the_outcome():
@@ -64,7 +60,7 @@ def test_shapes_and_order_of_the_outcome():
     assert np.all((result.populations >= -1) & (result.populations <= 1))
 
 
-def test_the_budget_of_evaluations_is_never_exceeded():
+def test_the_budget_of_evaluations_generations_and_time_is_never_exceeded():
     calls = []
 
     def counted(x):
@@ -77,16 +73,10 @@ def test_the_budget_of_evaluations_is_never_exceeded():
         assert result.nfev == len(calls) <= budget
         assert (result.status, result.success) == ("budget", False)
         assert "evaluations" in result.message
-
-
-def test_vectorized_and_mapped_objectives_give_the_same_bits():
-    ga = ar.IslandGA(**SHORT)
-    one = ga.minimize(sphere, BOX, rng=5)
-    same(one, ga.minimize(spheres, BOX, rng=5, vectorized=True))
-    with pytest.warns(FutureWarning, match="has no submit"):
-        same(one, ga.minimize(sphere, BOX, rng=5, workers=map))
-    with ThreadPoolExecutor(2) as pool:
-        same(one, ga.minimize(sphere, BOX, rng=5, workers=pool.map))
+    for word, option in (("generations", {"max_generations": 5}), ("time", {"max_seconds": 0.0})):
+        result = ar.IslandGA(**option).minimize(sphere, BOX, rng=0)
+        assert (result.status, result.nit) == ("budget", option.get("max_generations", 0))
+        assert word in result.message
 
 
 def test_a_whole_generation_is_one_call():
@@ -102,18 +92,13 @@ def test_a_whole_generation_is_one_call():
     assert len(sizes) <= result.nit + 1
 
 
-@pytest.mark.parametrize(
-    ("fun", "got"),
-    [
-        (lambda X: spheres(X)[:-1], r"shape \(159,\)"),
-        (lambda X: X, r"shape \(160, 3\)"),
-        (lambda X: 1.0, r"shape \(\)"),
-        (lambda X: ["a"] * len(X), "not numeric"),
-        (lambda X: None, r"shape \(\)|not numeric"),
-        (lambda X: spheres(X) + 0j, "complex"),
-        (lambda X: np.full(len(X), np.nan), "no finite cost for any of 160 candidates"),
-    ],
-)
+WRONG = [(lambda X: spheres(X)[:-1], r"shape \(159,\)"), (lambda X: X, r"shape \(160, 3\)")]
+WRONG += [(lambda X: 1.0, r"shape \(\)"), (lambda X: ["a"] * len(X), "not numeric")]
+WRONG += [(lambda X: None, r"shape \(\)|not numeric"), (lambda X: spheres(X) + 0j, "complex")]
+WRONG += [(lambda X: np.full(len(X), np.nan), "no finite cost for any of 160 candidates")]
+
+
+@pytest.mark.parametrize(("fun", "got"), WRONG)
 def test_a_wrong_answer_of_the_objective_is_named(fun, got):
     with pytest.raises(ar.ObjectiveError, match=f"^fun: got .*{got}.*; wanted 160 real costs"):
         ar.IslandGA().minimize(fun, BOX, rng=0, vectorized=True)
@@ -121,7 +106,7 @@ def test_a_wrong_answer_of_the_objective_is_named(fun, got):
         ar.IslandGA().minimize(lambda x: x, BOX, rng=0)  # a vector for one candidate
 
 
-def test_guesses_join_the_populations_and_equal_bounds_fix_a_variable():
+def test_guesses_equal_bounds_and_costs_that_are_not_finite():
     guess = [0.3, 0.3, 0.3]
     for x0 in (guess, [[0.9, 0.9, 0.9], guess]):
         result = ar.IslandGA(max_generations=0).minimize(sphere, BOX, rng=0, x0=x0)
@@ -131,14 +116,12 @@ def test_guesses_join_the_populations_and_equal_bounds_fix_a_variable():
     assert fixed.x[1] == 0.5
     assert np.all(fixed.populations[:, :, 1] == 0.5)
 
+    def half(x):
+        return sphere(x) if x[0] > 0 else (np.nan if x[1] > 0 else np.inf)
 
-@pytest.mark.parametrize(
-    ("option", "word"), [({"max_generations": 5}, "generations"), ({"max_seconds": 0.0}, "time")]
-)
-def test_the_budget_of_generations_and_of_time(option, word):
-    result = ar.IslandGA(**option).minimize(sphere, BOX, rng=0)
-    assert (result.status, result.nit) == ("budget", option.get("max_generations", 0))
-    assert word in result.message
+    result = ar.IslandGA(**SHORT).minimize(half, BOX, rng=0)
+    assert result.x[0] > 0
+    assert np.isfinite(result.fun)
 
 
 def searched(native, **options):
@@ -181,16 +164,7 @@ def test_exceptions_of_the_user_come_out_unchanged(where):
     assert caught.value is error
 
 
-def test_infinite_and_nan_costs_are_the_worst():
-    def half(x):
-        return sphere(x) if x[0] > 0 else (np.nan if x[1] > 0 else np.inf)
-
-    result = ar.IslandGA(**SHORT).minimize(half, BOX, rng=0)
-    assert result.x[0] > 0
-    assert np.isfinite(result.fun)
-
-
-def test_options_in_force_are_shown_with_their_defaults():
+def test_options_in_force_are_shown_and_the_algorithm_as_printed_is_one_call():
     options = ar.IslandGA(population=20, crossovers=("blend",)).options
     assert (options["population"], options["islands"], options["max_evaluations"]) == (20, 4, 200_000)
     assert options["crossovers"] == ["blend"]
@@ -200,20 +174,14 @@ def test_options_in_force_are_shown_with_their_defaults():
     for wrong in ({"polish": "yes"}, {"polish_interval": 0}, {"crossovers": [3]}, {"agreement": 1}):
         with pytest.raises(ar.InvalidInputError, match=next(iter(wrong))):
             ar.IslandGA(**wrong)
-
-
-def test_agreement_in_genes_alone_does_not_end_in_a_flat_valley():
-    """cost = (x + y - 1)^2: any point of a line is best, and the islands' bests stay apart."""
-
-    def valley(candidates):
-        return (candidates.sum(axis=1) - 1.0) ** 2
-
-    box = [(0.0, 1.0)] * 2
-    both = ar.IslandGA().minimize(valley, box, rng=3, vectorized=True)
-    genes = ar.IslandGA(agreement="genes").minimize(valley, box, rng=3, vectorized=True)
-    assert both.status == "cost agreed"
-    assert genes.nfev > both.nfev
-    assert genes.status != "cost agreed"
+    printed = {"polish": False, "improvement_tolerance": 0.0, "agreement": "genes", "gene_tolerance": 0.0}
+    ga = ar.IslandGA.paper(max_evaluations=3000)
+    assert {name: ga.options[name] for name in printed} == printed
+    others = {name: value for name, value in ga.options.items() if name not in (*printed, "max_evaluations")}
+    assert all(value == ar.IslandGA().options[name] for name, value in others.items())
+    assert ga.minimize(sphere, BOX, rng=0).status in ("agreed", "budget")
+    assert ar.IslandGA.paper(patience=7, polish=None).options["polish"] is None
+    assert ar.IslandGA(polish=False).options["agreement"] == "genes-or-cost"
 
 
 def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
@@ -242,14 +210,3 @@ def test_a_polished_function_has_exact_zeros():
     result = ar.IslandGA(polish=True, max_evaluations=6000).minimize(penalised, [(0, 0.99)] * 7, rng=0)
     np.testing.assert_allclose(result.x, [0, 0, 0.55, 0, 0, 0, 0], atol=1e-5)
     assert np.count_nonzero(result.x) == 1
-
-
-def test_the_algorithm_as_printed_is_one_call():
-    printed = {"polish": False, "improvement_tolerance": 0.0, "agreement": "genes", "gene_tolerance": 0.0}
-    ga = ar.IslandGA.paper(max_evaluations=3000)
-    assert {name: ga.options[name] for name in printed} == printed
-    others = {name: value for name, value in ga.options.items() if name not in (*printed, "max_evaluations")}
-    assert all(value == ar.IslandGA().options[name] for name, value in others.items())
-    assert ga.minimize(sphere, BOX, rng=0).status in ("agreed", "budget")
-    assert ar.IslandGA.paper(patience=7, polish=None).options["polish"] is None
-    assert ar.IslandGA(polish=False).options["agreement"] == "genes-or-cost"

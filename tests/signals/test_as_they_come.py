@@ -1,5 +1,7 @@
 """Records as they come: hits that bounce, of one sample, before minutes of noise; resonances that drift."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -17,7 +19,7 @@ def found(source):
     return ar.identify_antiresonances(source, excitation=0, band_hz=BAND)
 
 
-@pytest.mark.parametrize("seed", range(1, 5))
+@pytest.mark.parametrize("seed", some_of(range(1, 5), 2))
 def test_a_hammer_that_bounces_is_told(seed):
     one = structures.random_chain(seed)
     single, double = (
@@ -40,12 +42,12 @@ def test_values_of_a_double_hit_are_right():
 
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
 def test_rest_minutes_of_noise_and_offsets_change_little():
-    """A hit of one sample, 5 s of rest before and 100 s of noise after it, on offsets that creep."""
+    """A hit of one sample, 5 s of rest before and a minute of noise after it, on offsets that creep."""
     one = structures.random_chain(1)
     x = nothing_to_find.hit(one, 1, width_s=0.5 / FS)
     rng = np.random.default_rng(8)
     level = x[:, -512:].std(axis=1).max()
-    before, after = (level * rng.standard_normal((len(x), round(s * FS))) for s in (5.0, 100.0))
+    before, after = (level * rng.standard_normal((len(x), round(s * FS))) for s in (5.0, 60.0))
     long = np.hstack([before, x, after])
     creep = np.linspace(0.0, 1.0, long.shape[1]) * rng.uniform(-3.0, 3.0, (len(x), 1))
     long = long + level * (creep + rng.uniform(-50.0, 50.0, (len(x), 1)))
@@ -64,17 +66,10 @@ def drifting(one, seed, change, duration_s=60.0):
     return ar.Recording(np.stack([CubicSpline(known, row)(at - at.min()) for row in x]), FS, one.responses)
 
 
-@pytest.mark.parametrize(
-    ("family", "seed"),
-    some_of(
-        [
-            (family, seed)
-            for seed in (1, 2, 3, 5)
-            for family in ("random_chain", "full_stiffness", "portal_frame")
-        ],
-        3,
-    ),
-)
+FAMILIES = ("portal_frame", "random_chain", "full_stiffness")
+
+
+@pytest.mark.parametrize(("seed", "family"), some_of(product((1, 2, 3, 5), FAMILIES), 1))
 def test_frequencies_that_drift_are_told_and_held_by_the_errors(family, seed):
     one = getattr(structures, family)(seed)
     assert not ar.check_data(drifting(one, seed, 0.0), band_hz=one.band_hz).named("drift")
@@ -91,18 +86,18 @@ def test_frequencies_that_drift_are_told_and_held_by_the_errors(family, seed):
 
 
 @pytest.mark.filterwarnings("ignore::antires_rs.exceptions.AntiresWarning")
-def test_a_band_between_resonances_empties_no_channel():
+@pytest.mark.parametrize("seed", some_of([0, 1]))
+def test_a_band_between_resonances_empties_no_channel(seed):
     """Where the hit moves little in the band it may still move much beyond it."""
-    one = STRUCTURES["frame"]()
-    for seed in (0, 1):
-        made = hit(one, MEASURED, seed)
-        rec = ar.Recording(made.samples, made.fs_hz)
-        sets = [
-            ar.identify_antiresonances(rec, excitation=0, band_hz=(80, 120), check=check)
-            for check in ("warn", "off")
-        ]
-        assert sum(map(len, sets[1].values())) >= 5
-        assert all(np.array_equal(sets[0][dof], sets[1][dof]) for dof in sets[1])
+    made = hit(STRUCTURES["frame"](), MEASURED, seed)
+    checked, unchecked = (
+        ar.identify_antiresonances(
+            ar.Recording(made.samples, made.fs_hz), excitation=0, band_hz=(80, 120), check=check
+        )
+        for check in ("warn", "off")
+    )
+    assert sum(map(len, unchecked.values())) >= 5
+    assert all(np.array_equal(checked[dof], unchecked[dof]) for dof in unchecked)
 
 
 @pytest.mark.filterwarnings("ignore::antires_rs.exceptions.AntiresWarning")
@@ -121,7 +116,7 @@ def test_the_check_finds_hits_that_drift():
 def test_a_band_may_begin_at_zero():
     made = hit(STRUCTURES["frame"](), MEASURED, 1)
     rec, fit = ar.Recording(made.samples, made.fs_hz), ar.FitOptions(formulation="directions")
+    zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=(0.0, 120), fit=fit)
     for low in (0.0, 1e-6):
-        zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=(low, 120), fit=fit)
         followed = ar.identify_antiresonances(rec, excitation=0, band_hz=(low, 120), near=zeros)
         assert sum(map(len, followed.values())) >= 1

@@ -20,24 +20,16 @@ def responses(one, kind, seed):
     return one.record(noise=0.01, seed=seed, duration_s=60.0).responses
 
 
+HUMMING = [("random_chain", 1, "hit", 0.05), ("random_chain", 4, "random", 0.3)]
+HUMMING += [("full_stiffness", 3, "hit", 0.05)]
+LEVELS = (("hit", 0.05), ("random", 0.05), ("random", 0.3))
+MORE = [
+    (name, n, *each) for name in ("random_chain", "full_stiffness") for n in range(11, 17) for each in LEVELS
+]
+
+
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
-@pytest.mark.parametrize(
-    ("family", "seed", "kind", "level"),
-    some_of(
-        [
-            ("random_chain", 1, "hit", 0.05),
-            ("random_chain", 4, "random", 0.3),
-            ("full_stiffness", 3, "hit", 0.05),
-            *[
-                (family, seed, kind, level)
-                for family in ("random_chain", "full_stiffness")
-                for seed in range(11, 17)
-                for kind, level in (("hit", 0.05), ("random", 0.05), ("random", 0.3))
-            ],
-        ],
-        3,
-    ),
-)
+@pytest.mark.parametrize(("family", "seed", "kind", "level"), some_of(HUMMING + MORE, 2))
 def test_values_are_those_without_hum(family, seed, kind, level):
     """Or more that are right. Before, the first three had 13, 6, 6 at the hum, five "sure"."""
     one = getattr(structures, family)(seed)
@@ -85,7 +77,7 @@ def with_a_mode_at(freq_hz, seed, damping_ratio):
 @pytest.mark.parametrize("kind", ["hit", "random"])
 @pytest.mark.parametrize("damping_ratio", [0.001, 0.01])
 def test_a_mode_at_a_multiple_is_no_hum(kind, damping_ratio):
-    for seed in range(1, 7):
+    for seed in range(1, 5):
         at = (50.0, 60.0, 100.0, 120.0)[seed % 4] * 1.0003
         x = responses(with_a_mode_at(at, seed, damping_ratio), kind, seed)
         assert without_hum(ar.Recording(x, structures.FS_HZ), BAND)[1] is None

@@ -2,36 +2,34 @@
 
 import subprocess
 import sys
+import tracemalloc
 from functools import partial
 
 import numpy as np
 import pytest
 import scipy.signal
 
-from antires_rs.exceptions import InvalidInputError, UnsuitableDataError
-from antires_rs.signals.frequency_response import FrequencyResponse
-from antires_rs.signals.recording import Recording
+import antires_rs as ar
+from antires_rs.signals import spectra
+from antires_rs.signals.averaging import Autocorrelation, choose_nperseg
 from antires_rs.signals.spectra import cross_spectra, effective_averages, prominent_peaks
-from antires_rs.signals.transfer_functions import frf, transmissibility, transmissibility_sum
 from reference.virtual_records import chain8_matrices, random_record
+from tests.support.refusals import assert_refused, each_of
 
 RNG = np.random.default_rng(11)
-RECORD = Recording(
-    RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0, 200.0, force=RNG.standard_normal(5000)
-)
+WALK = RNG.standard_normal((3, 5000)).cumsum(axis=1) + 4.0
+RECORD = ar.Recording(WALK, 200.0, force=RNG.standard_normal(5000))
 
 
 @pytest.mark.parametrize("nperseg", [256, 301])
-@pytest.mark.parametrize("window", ["hann", ("tukey", 0.3)])
-@pytest.mark.parametrize("noverlap", [None, 100])
+@pytest.mark.parametrize(("window", "noverlap"), [("hann", None), (("tukey", 0.3), 100)])
 def test_spectra_are_those_of_scipy(nperseg, window, noverlap):
     ours = cross_spectra(RECORD, nperseg=nperseg, noverlap=noverlap, window=window, include_force=True)
     channels = np.vstack([RECORD.responses, RECORD.force])
     for a in range(4):
         for b in range(4):
-            freq, theirs = scipy.signal.csd(
-                channels[a], channels[b], 200.0, window=window, nperseg=nperseg, noverlap=noverlap
-            )
+            options = {"window": window, "nperseg": nperseg, "noverlap": noverlap}
+            freq, theirs = scipy.signal.csd(channels[a], channels[b], 200.0, **options)
             assert np.array_equal(ours.freq_hz, freq)
             # Rounding of sums of some 40 segments; the means of a random walk cost digits at zero frequency.
             assert np.abs(ours.matrix[:, a, b] - theirs).max() <= 1e-12 * np.abs(theirs).max()
@@ -43,8 +41,9 @@ def noisy_pair(noise_in, noise_out):
     x = rng.standard_normal(200_000)
     measured = x + noise_in * rng.standard_normal(x.size)
     y = 3.0 * x + 3.0 * noise_out * rng.standard_normal(x.size)
-    rec = Recording([y, measured], 100.0, force=measured)
-    return {e: np.abs(frf(rec, nperseg=256, estimator=e).values[0, 2:-2]).mean() for e in ("h1", "h2", "hv")}
+    rec = ar.Recording([y, measured], 100.0, force=measured)
+    found = {e: ar.frf(rec, nperseg=256, estimator=e).values[0, 2:-2] for e in ("h1", "h2", "hv")}
+    return {e: np.abs(values).mean() for e, values in found.items()}
 
 
 def test_estimators_have_their_textbook_bias():
@@ -63,12 +62,12 @@ def test_estimators_have_their_textbook_bias():
 
 def test_without_noise_all_estimators_agree():
     x = RNG.standard_normal(20_000)
-    rec = Recording([x, -2.5 * x], 100.0, force=4.0 * x)
+    rec = ar.Recording([x, -2.5 * x], 100.0, force=4.0 * x)
     for estimator in ("h1", "h2", "hv"):
-        values = frf(rec, nperseg=512, estimator=estimator).values[:, 1:]
+        values = ar.frf(rec, nperseg=512, estimator=estimator).values[:, 1:]
         assert np.allclose(values, [[0.25], [-0.625]], rtol=0, atol=1e-10)
     for estimator in ("h1", "h2", "hv", "rank1"):
-        values = transmissibility(rec, 0, nperseg=512, estimator=estimator).values[1, 1:]
+        values = ar.transmissibility(rec, 0, nperseg=512, estimator=estimator).values[1, 1:]
         # The dominant eigenvector of a matrix of rank one holds half the digits at worst.
         assert np.allclose(values, -2.5, rtol=0, atol=1e-8)
 
@@ -77,12 +76,12 @@ def test_rank_one_keeps_the_peak_that_h1_flattens():
     stiffness, mass = chain8_matrices()
     clean, _ = random_record(stiffness, mass, seed=21)
     noisy, _ = random_record(stiffness, mass, seed=21, noise=0.02)
-    truth = transmissibility(Recording(clean, 512.0), 3, nperseg=8192, estimator="rank1")
+    truth = ar.transmissibility(ar.Recording(clean, 512.0), 3, nperseg=8192, estimator="rank1")
     line = int(np.argmin(np.abs(truth.freq_hz - 20.3235)))  # the lowest antiresonance of mass 3
     lines = slice(line - 2, line + 3)
     peak = np.abs(truth.values[7, lines]).max()
-    h1 = np.abs(transmissibility(Recording(noisy, 512.0), 3, nperseg=8192).values[7, lines]).max()
-    best = transmissibility(Recording(noisy, 512.0), 3, nperseg=8192, estimator="rank1")
+    h1 = np.abs(ar.transmissibility(ar.Recording(noisy, 512.0), 3, nperseg=8192).values[7, lines]).max()
+    best = ar.transmissibility(ar.Recording(noisy, 512.0), 3, nperseg=8192, estimator="rank1")
     rank1 = np.abs(best.values[7, lines])
     assert h1 < 0.8 * peak
     assert abs(rank1.max() - peak) < abs(h1 - peak)
@@ -96,7 +95,7 @@ def test_effective_averages_are_those_of_the_observed_scatter(window, overlap):
     noverlap = round(overlap * nperseg)
     auto = []
     for seed in range(130, 155):
-        rec = Recording(np.random.default_rng(seed).standard_normal((16, 1024)), 1.0)
+        rec = ar.Recording(np.random.default_rng(seed).standard_normal((16, 1024)), 1.0)
         spectra = cross_spectra(rec, nperseg=nperseg, noverlap=noverlap, window=window)
         auto.append(np.einsum("fii->fi", spectra.matrix).real[3:-3])
     auto = np.concatenate(auto, axis=1)
@@ -117,7 +116,7 @@ def deviations(estimate, records=60):
         rng = np.random.default_rng(seed)
         force = rng.standard_normal(4096)
         x = gains * force + noise * rng.standard_normal((4, 4096))
-        resp = estimate(Recording(x, 100.0, force=force))
+        resp = estimate(ar.Recording(x, 100.0, force=force))
         predicted.append(resp.std[1:, 3:-3])
         values.append(resp.values[1:, 3:-3])
     values = np.array(values)
@@ -127,8 +126,8 @@ def deviations(estimate, records=60):
 
 @pytest.mark.parametrize(
     ("estimate", "estimator"),
-    [(frf, one) for one in ("h1", "h2", "hv")]
-    + [(partial(transmissibility, reference=0), one) for one in ("h1", "h2", "hv", "rank1")],
+    [(ar.frf, one) for one in ("h1", "h2", "hv")]
+    + [(partial(ar.transmissibility, reference=0), one) for one in ("h1", "h2", "hv", "rank1")],
 )
 def test_predicted_deviations_are_the_observed_ones(estimate, estimator):
     # 60 records of 58 lines, neighbours correlated: the observed deviation is good to about 2 %.
@@ -136,65 +135,53 @@ def test_predicted_deviations_are_the_observed_ones(estimate, estimator):
     np.testing.assert_allclose(predicted, observed, rtol=0.04)
 
 
-@pytest.mark.parametrize(("estimator", "reference"), [("rank1", 0), ("rank1", 4), ("h1", 4)])
-def test_predicted_deviations_hold_line_by_line_on_a_structure(estimator, reference):
+def test_predicted_deviations_hold_line_by_line_on_a_structure():
     # Leakage, noise and strong resonances together. 20 records tell a deviation to 16 %, its median over
     # 1,000 lines far better.
-    stiffness, mass = chain8_matrices()
-    predicted, values = [], []
-    for seed in range(130, 150):
-        responses, _ = random_record(stiffness, mass, noise=0.01, seed=seed, duration_s=64.0)
-        t = transmissibility(Recording(responses, 512.0), reference, nperseg=2048, estimator=estimator)
-        inside = (t.freq_hz > 3) & (t.freq_hz < 130)
-        predicted.append(np.delete(t.std[:, inside], reference, axis=0))
-        values.append(np.delete(t.values[:, inside], reference, axis=0))
-        assert np.all(t.std[reference] == 0.0)
-    observed = np.sqrt(0.5 * np.sum(np.abs(values - np.mean(values, axis=0)) ** 2, axis=0) / 19)
-    ratio = np.median(predicted, axis=0) / observed
-    np.testing.assert_allclose(np.median(ratio, axis=1), 1.0, atol=0.1)
+    made = [random_record(*chain8_matrices(), noise=0.01, seed=n, duration_s=64.0) for n in range(130, 150)]
+    for estimator, reference in (("rank1", 0), ("rank1", 4), ("h1", 4)):
+        predicted, values = [], []
+        for responses, _ in made:
+            rec = ar.Recording(responses, 512.0)
+            t = ar.transmissibility(rec, reference, nperseg=2048, estimator=estimator)
+            inside = (t.freq_hz > 3) & (t.freq_hz < 130)
+            predicted.append(np.delete(t.std[:, inside], reference, axis=0))
+            values.append(np.delete(t.values[:, inside], reference, axis=0))
+            assert np.all(t.std[reference] == 0.0)
+        observed = np.sqrt(0.5 * np.sum(np.abs(values - np.mean(values, axis=0)) ** 2, axis=0) / 19)
+        ratio = np.median(predicted, axis=0) / observed
+        np.testing.assert_allclose(np.median(ratio, axis=1), 1.0, atol=0.1)
 
 
-def test_a_single_average_has_no_deviation():
+def test_a_single_average_has_no_deviation_and_the_sum_is_equation_10_as_printed():
     x = RNG.standard_normal((2, 1000))
-    resp = frf(Recording(x, 100.0, force=x[0]), nperseg=1000)
+    resp = ar.frf(ar.Recording(x, 100.0, force=x[0]), nperseg=1000)
     assert (resp.coherence, resp.std, resp.n_averages) == (None, None, 1.0)
-    assert transmissibility(Recording(x, 100.0), 0, nperseg=1000, estimator="rank1").std is None
-
-
-def test_sum_is_equation_10_as_printed():
+    assert ar.transmissibility(ar.Recording(x, 100.0), 0, nperseg=1000, estimator="rank1").std is None
     values = [[1, 1], [1 - 2j, -3 + 1j], [-2 - 1j, 0.5j]]
-    resp = FrequencyResponse([1.0, 2.0], values, kind="transmissibility", reference=0)
-    assert transmissibility_sum(resp).tolist() == [3 + 3j, 3 + 1.5j]
-    with pytest.raises(InvalidInputError, match="kind 'transmissibility'"):
-        transmissibility_sum(FrequencyResponse([1.0, 2.0], values))
+    resp = ar.FrequencyResponse([1.0, 2.0], values, kind="transmissibility", reference=0)
+    assert ar.transmissibility_sum(resp).tolist() == [3 + 3j, 3 + 1.5j]
+    with pytest.raises(ar.InvalidInputError, match="kind 'transmissibility'"):
+        ar.transmissibility_sum(ar.FrequencyResponse([1.0, 2.0], values))
 
 
-@pytest.mark.parametrize(
-    ("call", "name"),
-    [
-        (lambda: cross_spectra(RECORD, nperseg=6000), "nperseg"),
-        (lambda: cross_spectra(RECORD, nperseg=256.5), "nperseg"),
-        (lambda: cross_spectra(RECORD, nperseg=256, noverlap=256), "noverlap"),
-        (lambda: cross_spectra(RECORD, nperseg=256, window="rectangle of mine"), "window"),
-        (lambda: cross_spectra(RECORD, nperseg=256, window=np.ones(255)), "window"),
-        (lambda: cross_spectra(RECORD.responses, nperseg=256), "rec"),
-        (lambda: frf(RECORD, nperseg=256, estimator="h3"), "estimator"),
-        (lambda: frf(RECORD), "nperseg"),
-        (lambda: frf(Recording(RECORD.responses, 200.0), nperseg=256), "rec"),
-        (lambda: transmissibility(RECORD, 9, nperseg=256), "reference"),
-        (lambda: transmissibility(RECORD, 0, nperseg=256, method="fast"), "method"),
-    ],
-)
-def test_bad_arguments_are_named(call, name):
-    with pytest.raises(InvalidInputError) as caught:
-        call()
-    assert str(caught.value).startswith(f"{name}: got ")
+WRONG = {"nperseg": [6000, 256.5], "noverlap": [256], "window": ["rectangle of mine", np.ones(255)]}
 
 
-def test_a_dead_channel_is_named():
+@pytest.mark.parametrize(("argument", "value"), each_of(WRONG | {"rec": [RECORD.responses]}))
+def test_bad_arguments_are_named(argument, value):
+    assert_refused(argument, cross_spectra, **({"rec": RECORD, "nperseg": 256} | {argument: value}))
+
+
+def test_bad_arguments_of_estimators_are_named():
+    assert_refused("estimator", ar.frf, RECORD, nperseg=256, estimator="h3")
+    assert_refused("nperseg", ar.frf, RECORD)
+    assert_refused("rec", ar.frf, ar.Recording(RECORD.responses, 200.0), nperseg=256)
+    assert_refused("reference", ar.transmissibility, RECORD, 9, nperseg=256)
+    assert_refused("method", ar.transmissibility, RECORD, 0, nperseg=256, method="fast")
     dead = np.vstack([RECORD.responses[:2], np.zeros(5000)])
-    with pytest.raises(UnsuitableDataError, match="channel 2"):
-        transmissibility(Recording(dead, 200.0), 0, nperseg=256)
+    with pytest.raises(ar.UnsuitableDataError, match="channel 2"):
+        ar.transmissibility(ar.Recording(dead, 200.0), 0, nperseg=256)
 
 
 @pytest.mark.parametrize("digits", [0, 1, 6])
@@ -203,7 +190,7 @@ def test_the_peaks_are_those_of_scipy_also_on_flat_tops_and_among_equals(digits)
 
     rng = np.random.default_rng(digits)
     for size in (*range(9), 50, 400):
-        for _ in range(40):
+        for _ in range(20):
             curve = np.round(rng.standard_normal(size).cumsum(), digits)
             for least in (0.0, 0.5, 1.0, 3.0):
                 wanted = find_peaks(curve, prominence=least)[0]
@@ -218,3 +205,93 @@ def test_identifying_a_record_does_not_import_scipy_signal():
         "assert 'scipy.signal' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+# ---- Averages of a record are made once, and everything that follows looks at them
+BAND = (3.0, 130.0)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return ar.cases.chain8().experiment(noise=0.01, duration_s=60.0, rng=7)
+
+
+@pytest.fixture
+def passes(monkeypatch):
+    """Shapes of the segments transformed, one entry for each pass over a record."""
+    made = []
+    transforms = spectra._transforms
+
+    def counted(rows, unit, taper, step, lines):
+        made.append((len(rows), taper.size))
+        return transforms(rows, unit, taper, step, lines)
+
+    monkeypatch.setattr(spectra, "_transforms", counted)
+    return made
+
+
+@pytest.mark.parametrize("options", [{"cross_check": "aaa"}, {"route": "frf", "nperseg": 2048}])
+def test_an_identification_transforms_the_segments_once(record, passes, options):
+    found = ar.identify_antiresonances(record, excitation=0, band_hz=BAND, **options)
+    assert found.data_check is not None
+    assert len(passes) == 1
+
+
+def test_a_data_check_and_modes_transform_the_segments_once(record, passes):
+    # Segments so short that the check asks for the longest ones' resolution, too.
+    checked = ar.check_data(record, excitation=0, band_hz=BAND, nperseg=512)
+    assert checked.named("resolution")
+    assert len(passes) == 1
+    ar.identify_modes(record, band_hz=BAND)
+    assert len(passes) == 2
+
+
+def test_the_check_within_an_identification_is_the_check_alone(record):
+    for route, source in (
+        ("frf", record),
+        ("transmissibility", ar.Recording(record.responses, record.fs_hz)),
+    ):
+        within = ar.identify_antiresonances(record, excitation=0, band_hz=BAND, route=route).data_check
+        alone = ar.check_data(source, excitation=0, band_hz=BAND)
+        assert str(within) == str(alone)
+        np.testing.assert_allclose(within.eigenvalues, alone.eigenvalues, rtol=1e-12)
+
+
+def test_power_from_the_autocorrelation_is_that_of_many_segments():
+    # Noise through a resonator: many segments at every place of a long record have the same mean.
+    rng = np.random.default_rng(3)
+    t = np.arange(2048) / 256.0
+    ring = np.exp(-2.0 * t) * np.sin(2 * np.pi * 40.0 * t)
+    x = np.convolve(rng.standard_normal(65536), ring)[:65536]
+    rec = ar.Recording(np.stack([x, -3.0 * x]), 256.0)
+    n = 1024
+    dense = spectra.cross_spectra(rec, nperseg=n, noverlap=n - 16, band_hz=(20.0, 60.0))
+    welch = np.einsum("fii->f", dense.matrix.real / np.array([1.0, 9.0]))
+    ours = Autocorrelation(rec).power(n, (20.0, 60.0))
+    assert ours.shape == welch.shape
+    np.testing.assert_allclose(ours / ours.sum(), welch / welch.sum(), rtol=0.02, atol=1e-5)
+
+
+def test_the_choice_follows_the_damping():
+    case = ar.cases.chain8()
+    records = (case.experiment(damping_ratio=ratio, duration_s=256.0, rng=1) for ratio in (0.01, 0.02))
+    chosen = [choose_nperseg(record, BAND) for record in records]
+    assert chosen == [16384, 8192]
+
+
+def test_averages_and_their_check_need_less_than_the_record_beside_it():
+    """The fit's own memory depends on its lines and orders, not on the length of the record."""
+    masses = 1.0 + 0.1 * np.cos(np.arange(12.0))
+    chain = ar.MassSpringChain(masses, np.full(11, 3e4), ground_first_n_per_m=4e4)
+    short, long = (
+        chain.simulate(excitation=0, fs_hz=256.0, duration_s=n / 256.0, damping_ratio=0.01, noise=0.01, rng=5)
+        for n in (1 << 13, 1 << 18)
+    )
+    asked = {"excitation": 0, "band_hz": (5.0, 60.0), "nperseg": 2048}
+    ar.check_data(short, **asked)  # imports
+    tracemalloc.start()
+    ar.check_data(long, **asked)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # Segments from 5 to 60 of 128 Hz, half overlapping, in single precision, take 0.43 of it.
+    assert peak < long.responses.nbytes

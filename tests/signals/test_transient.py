@@ -1,39 +1,28 @@
 """Hammer hits: recognised, cut out whole, and their added damping taken off."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
-from antires_rs.exceptions import UnsuitableDataError
-from antires_rs.identification.identify import identify_antiresonances
+import antires_rs as ar
 from antires_rs.signals.averaging import find_events, is_transient, transient_spectra
-from antires_rs.signals.recording import Recording
-from antires_rs.signals.transfer_functions import frf, transmissibility
-from reference.virtual_records import (
-    accelerance,
-    chain8_matrices,
-    hit_record,
-    random_record,
-    true_antiresonances,
-)
-
-STIFFNESS, MASS = chain8_matrices()
-FS = 512.0
+from reference.virtual_records import accelerance, hit_record, random_record, true_antiresonances
+from tests.support.checked_records import FS, MASS, STIFFNESS
 
 
 def hit(**kwargs):
     responses, force = hit_record(STIFFNESS, MASS, **kwargs)
-    return Recording(responses, FS, force=force)
+    return ar.Recording(responses, FS, force=force)
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("damping", [0.002, 0.02])
+@pytest.mark.parametrize(("seed", "damping"), [(0, 0.002), (1, 0.02), (2, 0.002)])
 def test_steady_vibration_is_not_taken_for_a_hit(seed, damping):
     responses, _ = random_record(STIFFNESS, MASS, seed=seed, duration_s=30.0, damping_ratio=damping)
-    assert not is_transient(Recording(responses, FS))
+    assert not is_transient(ar.Recording(responses, FS))
 
 
-@pytest.mark.parametrize("times", [(0.5,), (0.5, 10.0, 22.0)])
-@pytest.mark.parametrize("noise", [0.0, 0.01])
+@pytest.mark.parametrize(("times", "noise"), [((0.5,), 0.01), ((0.5, 10.0, 22.0), 0.0)])
 def test_hits_are_found_where_they_are(times, noise):
     rec = hit(hit_times_s=times, duration_s=32.0, noise=noise, seed=3)
     assert is_transient(rec)
@@ -42,15 +31,13 @@ def test_hits_are_found_where_they_are(times, noise):
     # Every event begins before its hit, and they do not overlap.
     assert all(event.start < event.hit < event.stop for event in events)
     assert all(a.stop <= b.start for a, b in zip(events, events[1:], strict=False))
-
-
-def test_a_rebound_belongs_to_its_hit():
+    # A rebound belongs to its hit.
     assert len(find_events(hit(hit_times_s=(0.5, 0.58), duration_s=8.0), 0.0)) == 1
 
 
 def test_a_whole_hit_gives_the_frf():
     rec = hit(duration_s=32.0, damping_ratio=0.02)
-    got = frf(rec, method="transient")
+    got = ar.frf(rec, method="transient")
     exact = accelerance(STIFFNESS, MASS, 0, got.freq_hz, 0.02)
     inside = (got.freq_hz > 2) & (got.freq_hz < 130)
     # The decay fits: exp(-2 pi 0.02 22.8 Hz 31 s) is nil; what is left is the cut at 0 Hz.
@@ -58,31 +45,33 @@ def test_a_whole_hit_gives_the_frf():
     assert got.coherence is None
 
 
-def test_welch_on_a_decay_is_refused_unless_forced():
+def test_welch_on_a_decay_and_a_record_that_starts_after_the_hit_are_refused():
     rec = hit()
-    with pytest.raises(UnsuitableDataError, match="method='transient'"):
-        transmissibility(rec, 0, nperseg=512)
-    with pytest.raises(UnsuitableDataError, match="decay"):
-        frf(rec, nperseg=512)
-    assert transmissibility(rec, 0, nperseg=512, method="welch").n_freq == 257
-
-
-def test_a_record_that_starts_after_the_hit_is_refused():
+    with pytest.raises(ar.UnsuitableDataError, match="method='transient'"):
+        ar.transmissibility(rec, 0, nperseg=512)
+    with pytest.raises(ar.UnsuitableDataError, match="decay"):
+        ar.frf(rec, nperseg=512)
+    assert ar.transmissibility(rec, 0, nperseg=512, method="welch").n_freq == 257
     rec = hit(duration_s=16.0)
-    late = Recording(rec.responses[:, 400:], FS)
+    late = ar.Recording(rec.responses[:, 400:], FS)
     assert is_transient(late)
-    with pytest.raises(UnsuitableDataError, match="pre-trigger"):
-        identify_antiresonances(late, excitation=0, band_hz=(5, 130))
+    with pytest.raises(ar.UnsuitableDataError, match="pre-trigger"):
+        ar.identify_antiresonances(late, excitation=0, band_hz=(5, 130))
+
+
+@cache
+def identified(*times):
+    # One hit, no averages: noise is 1e-4 of each channel's rms over the whole record.
+    rec = hit(hit_times_s=times, duration_s=32.0, noise=1e-4, seed=8)
+    return ar.identify_antiresonances(ar.Recording(rec.responses, FS), excitation=0, band_hz=(5, 130))
 
 
 @pytest.mark.parametrize("times", [(0.5,), (0.5, 16.0)])
 def test_antiresonances_from_hits(times):
-    rec = hit(hit_times_s=times, duration_s=32.0, noise=1e-4, seed=8)
-    found = identify_antiresonances(Recording(rec.responses, FS), excitation=0, band_hz=(5, 130))
+    found = identified(*times)
     for dof in range(8):
         truth = true_antiresonances(STIFFNESS, MASS, dof, 0)
         assert found[dof].size == truth.size
-        # One hit, no averages: noise is 1e-4 of each channel's rms over the whole record.
         assert np.allclose(found[dof], truth, rtol=2e-3, atol=0)
 
 
@@ -91,9 +80,10 @@ def test_the_windows_damping_is_taken_off():
     short = hit(duration_s=3.0, damping_ratio=0.01)
     assert transient_spectra(short).added_decay_per_s > 0.5
     assert transient_spectra(short, window="rectangular").added_decay_per_s == 0.0
-    long = identify_antiresonances(hit(duration_s=32.0), excitation=0, band_hz=(10, 130))
-    found = identify_antiresonances(short, excitation=0, band_hz=(10, 130))
+    long = identified(0.5)
+    found = ar.identify_antiresonances(short, excitation=0, band_hz=(10, 130))
     for dof in (2, 3, 4):
-        assert np.allclose(found[dof], long[dof], rtol=5e-3)
+        inside = long[dof] > 10.0
+        assert np.allclose(found[dof], long[dof][inside], rtol=5e-3)
         # Without the correction the damping at 16 Hz would be 2 % instead of 0.9 %.
-        assert np.allclose(found.damping_ratio[dof], long.damping_ratio[dof], atol=2e-3)
+        assert np.allclose(found.damping_ratio[dof], long.damping_ratio[dof][inside], atol=2e-3)

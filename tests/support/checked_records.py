@@ -2,9 +2,10 @@
 
 from antires_rs.signals.data_check import check_data
 from antires_rs.signals.recording import Recording
-from reference.virtual_records import chain8_matrices, random_record
+from reference.virtual_records import chain8_matrices, random_record, true_antiresonances
 
 STIFFNESS, MASS = chain8_matrices()
+TRUTH = [true_antiresonances(STIFFNESS, MASS, dof, 0) for dof in range(8)]
 BAND = (3.0, 130.0)
 FS = 512.0
 

@@ -62,6 +62,10 @@ def sphere(x):
     return float(np.sum((x - 0.3) ** 2))
 
 
+def spheres(candidates):
+    return np.sum((candidates - 0.3) ** 2, axis=1)
+
+
 class Breaks:
     """The sphere, but for evaluations beyond a number, which raise or end their worker."""
 

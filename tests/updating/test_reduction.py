@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.exceptions import InvalidInputError, NumericalError
 from antires_rs.updating.reduced_model import Reduction, reduced_search
 from reference.building_frames import building
 from reference.meshes import frame, tower
+from tests.support.campaign import some_of
 
 LIMIT_HZ = 14.0
 FEW = ar.IslandGA(islands=1, population=6, max_generations=2)
@@ -41,7 +41,7 @@ def concrete_problem(concrete, seed, **options):
     return ar.UpdatingProblem(model, factors, measured, **options), truth
 
 
-@pytest.mark.parametrize("seed", [104, 105])
+@pytest.mark.parametrize("seed", some_of([104, 105]))
 def test_an_update_on_reduced_models_finds_what_the_full_model_does(concrete, seed):
     problem, truth = concrete_problem(concrete, seed)
     result = ar.update(problem, optimizer=FEW, rng=seed, reduction=True, progress=False)
@@ -86,15 +86,15 @@ def test_masses_and_reductions_of_a_frame_with_consistent_masses():
 
 def test_what_cannot_be_reduced_is_told(concrete, tmp_path):
     problem, _ = concrete_problem(concrete, 108)
-    with pytest.raises(InvalidInputError, match="checkpoint"):
+    with pytest.raises(ar.InvalidInputError, match="checkpoint"):
         ar.update(problem, reduction=True, checkpoint=tmp_path / "kept")
-    with pytest.raises(InvalidInputError, match="reduction"):
+    with pytest.raises(ar.InvalidInputError, match="reduction"):
         ar.update(problem, reduction="always")
-    with pytest.raises(NumericalError, match=r"model of 5 vectors.*size="):
+    with pytest.raises(ar.NumericalError, match=r"model of 5 vectors.*size="):
         ar.update(problem, optimizer=FEW, rng=0, reduction=ar.Reduction(size=5), progress=False)
     twice = [ar.stiffness_factor([0, 1], bounds=(0.9, 1.1), together=True), ar.stiffness_reduction(1)]
     shared = ar.UpdatingProblem(problem.model, twice, problem.measured)
-    with pytest.raises(InvalidInputError, match="two parameters scale term 1"):
+    with pytest.raises(ar.InvalidInputError, match="two parameters scale term 1"):
         ar.update(shared, reduction=True)
     # Small models are not reduced unasked.
     assert ar.update(problem, optimizer=FEW, rng=0, progress=False).reduction is None
@@ -130,16 +130,13 @@ def searched(problem, interrupted_at=None):
     return reduced_search(problem, Reduction(), minimize, problem.nominal, 0, lambda: np.inf)[0]
 
 
-def test_the_time_limit_is_that_of_all_searches_together(concrete):
+def test_a_time_limit_and_ctrl_c_between_searches_hand_back_the_best(concrete):
     problem, _ = concrete_problem(concrete, 31)
+    # The time limit is that of all searches together.
     result = ar.update(problem, optimizer=ar.IslandGA(max_seconds=0.0), reduction=True, rng=0)
     assert (result.status, result.success, result.reduction.rounds) == ("budget", False, 1)
     assert "time limit" in result.message
     assert result.fun <= problem.cost(problem.nominal)
-
-
-def test_ctrl_c_between_searches_hands_back_the_best(concrete):
-    problem, _ = concrete_problem(concrete, 31)
     found = searched(problem, interrupted_at=2)
     assert (found.status, found.success) == ("interrupted", False)
     assert found.fun == problem.cost(found.x)

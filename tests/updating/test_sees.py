@@ -26,13 +26,10 @@ def paired(freq_hz, sees, force=0, channels=range(7)):
     return ar.UpdatingProblem(CHAIN, SPRINGS, measured).paired_hz(np.zeros(6))
 
 
-def test_a_transmissibility_sees_what_a_node_hides_from_an_frf():
+def test_a_transmissibility_sees_what_a_node_hides_but_not_what_all_channels_share():
     for sees in ("transmissibility", None):
         assert paired({3: ON_NODES}, sees) == pytest.approx(ON_NODES, abs=0.005)
     assert np.isnan(paired({3: ON_NODES}, "frf")).all()
-
-
-def test_what_all_channels_share_no_transmissibility_sees():
     # Force on the node of the odd modes, whose roots are in every numerator.
     given = {2: [15.84, 44.38]}
     assert paired(given, None, force=3) == pytest.approx([15.84, 44.38], abs=0.005)

@@ -1,16 +1,19 @@
 """Searches and what their results tell, by antiresonances and by modes; where damage can be seen.
 
-The full studies are ``benchmarks/chain8_study.py`` and ``benchmarks/both_objectives.py``.
-"""
+The full studies are ``benchmarks/chain8_study.py`` and ``benchmarks/both_objectives.py``."""
 
 import dataclasses
+import os
 import re
+import signal
+import threading
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from tests.support.campaign import some_of
+from tests.support.refusals import assert_refused
 from tests.support.tolerances import COST, DETECTABLE_PERCENT, EXACT_SEVERITY, NOISY_SEVERITY, UPDATED_PERCENT
 from tests.updating.test_objective import disturbed
 
@@ -36,8 +39,6 @@ def modal_damage():
 
 
 # ---- tables and notes --------------------------------------------------------------------------------
-
-
 def test_the_table_says_what_was_measured_before_and_after(updated, modal_damage):
     case, result = updated
     table, modal = result.table, modal_damage.table
@@ -105,14 +106,14 @@ def test_of_two_unknown_combinations_the_scale_is_one():
 
 
 def test_standard_deviations_are_those_of_repeated_measurements():
-    """Five springs of a chain held at one end, zeros with 0.3 % of noise: 40 updates scatter as foretold."""
+    """Five springs of a chain held at one end, zeros with 0.3 % of noise: 24 updates scatter as foretold."""
     masses, springs, truth = np.ones(6), np.full(5, 500.0), np.array([1.05, 0.97, 1.02, 0.94, 1.01])
     model = ar.MassSpringChain(masses, springs, ground_first_n_per_m=300.0)
     parameters = ar.stiffness_factor(range(5), bounds=(0.8, 1.2))
     tested = ar.MassSpringChain(masses, springs * truth, ground_first_n_per_m=300.0)
     exact = {dof: f for dof, f in enumerate(tested.antiresonances(range(6), 0)) if f.size}
     rng, scores = np.random.default_rng(7), []
-    for _ in range(40):
+    for _ in range(24):
         noisy = {dof: freq * (1 + 3e-3 * rng.standard_normal(freq.size)) for dof, freq in exact.items()}
         problem = ar.UpdatingProblem(model, parameters, ar.AntiresonanceSet(0, noisy), misfit="squared")
         result = ar.update(problem, rng=0)
@@ -151,24 +152,21 @@ def test_pictures_and_report_of_modes(modal_damage, tmp_path):
     ax = plot_damages({"zeros": beside, "modes": modal_damage}, ax=figure.Figure().subplots())
     heights = [bar.get_height() for bars in ax.containers for bar in bars]
     np.testing.assert_allclose(heights, 100 * np.concatenate([beside.x, modal_damage.x]))
-    modal_damage.report(tmp_path / "modes.html", truth={DAMAGED: SEVERITY})
-    html = (tmp_path / "modes.html").read_text()
-    assert "7 measured resonances with shapes at 8 dofs" in html
-    assert html.count('<th scope="col">MAC</th>') == 2
-    assert f"<td>{modal_damage.table.after_mac[0]:.3f}</td>" in html
-    assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")
     record = CASE.experiment(level=1, noise=0.01, rng=6, duration_s=64.0)
     identified = ar.identify_modes(record, band_hz=CASE.band_hz, route="responses")
     result = ar.update(CASE.damage_problem(identified), rng=0)
-    result.report(tmp_path / "identified.html")
-    assert "Stabilization diagram of all responses" in (tmp_path / "identified.html").read_text()
+    result.report(tmp_path / "modes.html", truth={DAMAGED: SEVERITY})
+    html = (tmp_path / "modes.html").read_text()
+    assert "7 measured resonances with shapes at 8 dofs" in html
+    assert html.count('<th scope="col">MAC</th>') == 2
+    assert f"<td>{result.table.after_mac[0]:.3f}</td>" in html
+    assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")
+    assert "Stabilization diagram of all responses" in html
     with pytest.raises(ar.InvalidInputError, match="response: got transmissibilities"):
         result.report(tmp_path / "x.html", response=ar.transmissibility(record, 0, nperseg=4096))
 
 
 # ---- damage ------------------------------------------------------------------------------------------
-
-
 def test_damage_is_found_where_it_is_and_nowhere_else(damage):
     assert damage.damaged == [DAMAGED]
     assert damage.severity == pytest.approx({**dict.fromkeys(range(7), 0.0), 4: SEVERITY}, abs=EXACT_SEVERITY)
@@ -181,8 +179,7 @@ def test_damage_is_found_where_it_is_and_nowhere_else(damage):
 
 
 @pytest.mark.parametrize(
-    ("dofs", "error", "seed"),
-    [(range(8), 0.0, 0), (range(8), 0.01, 0), ([0, 3, 6], 0.01, 1), ([2, 5], 0.01, 2)],
+    ("dofs", "error", "seed"), [(range(8), 0.0, 0), ([0, 3, 6], 0.01, 1), ([2, 5], 0.01, 2)]
 )
 def test_damage_is_found_from_modes(dofs, error, seed):
     measured = disturbed(CASE.exact_modes(1), list(dofs), error, np.random.default_rng(seed))
@@ -204,16 +201,13 @@ def test_damage_is_located_and_sized_from_a_noisy_record(seed):
         assert result.severity[DAMAGED] == pytest.approx(SEVERITY, abs=NOISY_SEVERITY)
 
 
-def test_an_undamaged_structure_comes_out_undamaged():
+def test_no_damage_comes_out_as_none_and_damage_where_no_candidate_is_with_a_doubt():
     record = CASE.experiment(noise=0.01, rng=2)
     zeros = ar.identify_antiresonances(record, excitation=CASE.excitation, band_hz=CASE.band_hz)
     np.testing.assert_array_equal(ar.assess_damage(CASE.model, zeros, rng=2).x, np.zeros(7))
     # Nor does what the penalties outweigh come out.
     np.testing.assert_array_equal(ar.update(CASE.search_problem(0, 0.06), rng=0).x, np.zeros(7))
-
-
-def test_damage_where_no_candidate_is_comes_with_a_doubt():
-    """A shear frame that has lost 30 % of its lowest storey, the spring to ground."""
+    # A shear frame that has lost 30 % of its lowest storey, the spring to ground.
 
     def frame(lowest):
         springs = [52.5e3, 52.5e3, 50e3, 50e3, 48e3]
@@ -252,8 +246,6 @@ def test_every_spring_of_a_free_chain_is_seen_alike_by_modes(modal_damage):
 
 
 # ---- the search --------------------------------------------------------------------------------------
-
-
 def springs_off():
     """Two springs that are not what the model has."""
     case = ar.cases.chain8(perturbation=0.08, rng=2)
@@ -261,7 +253,7 @@ def springs_off():
     return ar.UpdatingProblem(case.model, springs, case.exact(), weights=np.linspace(0.5, 1.0, 28))
 
 
-def test_linearizations_and_exchanges_are_told():
+def test_linearizations_exchanges_and_a_search_cut_short_are_told():
     problem = springs_off()
     result = ar.update(problem, rng=0)
     assert 0 < result.njev < result.nfev
@@ -272,9 +264,6 @@ def test_linearizations_and_exchanges_are_told():
     alone = ar.update(problem, rng=0, optimizer=ar.IslandGA.paper(max_evaluations=2000))
     assert (alone.njev, alone.search.options["polish"]) == (0, False)
     assert "linearizations)" not in alone.summary()
-
-
-def test_the_budget_counts_linearizations_too_and_a_search_cut_short_says_so():
     for most in (162, 165, 170):
         result = ar.update(springs_off(), rng=0, optimizer=ar.IslandGA(max_evaluations=most))
         assert result.nfev <= most
@@ -341,3 +330,89 @@ def test_problems_and_results_are_read_only():
     assert problem.names == ["stiffness of spring 0", "stiffness of spring 1"]
     assert len(damage.severity) == len(damage.detectable) == 7
     assert problem.nominal.tolist() == [1.0, 1.0]
+
+
+# ---- Many updatings by any workers: the bits of single ones, in order, and what fails is told
+SHORT = ar.IslandGA(max_evaluations=400)
+
+
+def problem(stiffness=550.0, measured=None):
+    """A chain on the ground with one storey that is unknown; ``measured`` in place of its own values."""
+    true = ar.MassSpringChain([2.0, 1.0, 1.5], [stiffness, 480.0], ground_first_n_per_m=300.0)
+    nominal = ar.MassSpringChain([2.0, 1.0, 1.5], [500.0, 500.0], ground_first_n_per_m=300.0)
+    values = dict(enumerate(true.antiresonances([0, 1, 2], 0))) if measured is None else measured
+    springs = ar.stiffness_factor([0, 1], bounds=(0.7, 1.3))
+    return ar.UpdatingProblem(nominal, springs, ar.AntiresonanceSet(0, values))
+
+
+def bits(found):
+    return found.x.tobytes(), found.fun.tobytes(), found.seeds
+
+
+@pytest.mark.parametrize("workers", ["threads", 2])
+def test_the_bits_do_not_depend_on_the_workers(workers):
+    several = [problem(k) for k in (520.0, 550.0, 580.0)]
+    alone = ar.update_ensemble(iter(several), optimizer=SHORT, rng=3)
+    assert bits(ar.update_ensemble(several, optimizer=SHORT, rng=3, workers=workers)) == bits(alone)
+    one = [ar.update_ensemble(problem(), count=3, optimizer=SHORT, rng=0, workers=w) for w in (None, workers)]
+    assert bits(one[0]) == bits(one[1])
+    assert one[0].x.shape == (3, 2)
+    assert "3 updatings, 3 with a result" in str(one[0])
+    assert alone.failed == {}
+    assert not alone.interrupted
+
+
+def test_each_is_what_update_gives_with_its_seed():
+    several = [problem(k) for k in (520.0, 580.0)]
+    found = ar.update_ensemble(several, optimizer=SHORT, rng=7)
+    for k, one in enumerate(found):
+        again = ar.update(several[k], optimizer=SHORT, rng=found.seeds[k], workers=1)
+        assert one.x.tobytes() == again.x.tobytes()
+        assert one.problem is several[k]
+    assert len(set(found.seeds)) == len(found) == 2
+    fewer = ar.UpdatingProblem(problem().model, several[0].parameters[:1], problem().measured)
+    with pytest.raises(ar.InvalidInputError, match="problems of 1, 2 parameters"):
+        _ = ar.update_ensemble([several[0], fewer], optimizer=SHORT, rng=0).x
+    np.testing.assert_allclose(found.x[:, 0], [1.04, 1.16], atol=0.01)
+
+
+def test_what_fails_is_told_and_the_others_stand(monkeypatch):
+    from antires_rs.updating import update as room
+
+    real = room.update
+
+    def brittle(given, **options):
+        if given is several[1]:
+            raise ar.NumericalError("the modes", "this one only")
+        return real(given, **options)
+
+    several = [problem(k) for k in (520.0, 550.0, 580.0)]
+    monkeypatch.setattr(room, "update", brittle)
+    found = ar.update_ensemble(several, optimizer=SHORT, rng=0)
+    assert found.failed == {1: "NumericalError: the modes failed: this one only"}
+    assert found[1] is None
+    assert np.isnan(found.x[1]).all()
+    assert np.isfinite(found.x[[0, 2]]).all()
+    assert "updating 1 failed" in str(found)
+
+
+def test_ctrl_c_keeps_what_is_there():
+    def stopped():
+        yield problem(520.0)
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+        for _ in range(10_000):
+            yield problem(550.0)
+
+    found = ar.update_ensemble(stopped(), optimizer=SHORT, rng=0)
+    assert found.interrupted
+    assert 1 <= len(found) < 10_000
+    assert found.x[0, 0] == pytest.approx(1.04, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("argument", "given", "count"),
+    [("count", problem(), None), ("count", [problem()], 3), ("count", problem(), 0)]
+    + [("problems[1]", [problem(), "no problem"], None), ("problems", 5, None)],
+)
+def test_wrong_arguments_are_refused(argument, given, count):
+    assert_refused(argument, ar.update_ensemble, given, optimizer=SHORT, rng=0, count=count)

@@ -1,0 +1,17 @@
+"""Refusals: errors that name the argument, what was got and what was wanted."""
+
+import re
+
+import pytest
+
+import antires_rs as ar
+
+
+def each_of(wrong):
+    """Rows for ``parametrize``: every argument with each of the values that it cannot have."""
+    return [(argument, value) for argument, values in wrong.items() for value in values]
+
+
+def assert_refused(argument, call, *given, **options):
+    with pytest.raises(ar.InvalidInputError, match=rf"(?s)^{re.escape(argument)}: got .*; wanted "):
+        call(*given, **options)
