@@ -37,7 +37,7 @@ PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --di
 
 tools: $(STAMP) $(DOCS_STAMP)
 
-test-python: tools  ## tests of the Python package, the documentation built among them
+test-python: tools  ## tests of the Python package
 	$(PYTEST)
 
 # Not in every run: before Python 3.12 a tracer costs a quarter of the time of a test, and no limit hangs on the figure.

@@ -42,13 +42,16 @@ def test_zeros_of_exact_directions():
 
 
 @pytest.mark.parametrize(("noise", "least"), some_of([(0.05, 23), (0.01, 25)]))
-def test_the_chain_by_local_fits(chain, noise, least):
+def test_the_chain_by_local_fits(chain, noise, least, tmp_path):
     model, truth = chain
     rec, fit_options = record(model, noise, 11), ar.FitOptions(formulation="directions")
     zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
     near = [np.abs(truth[d] / f - 1.0).min(initial=np.inf) < 0.01 for d in zeros for f in zeros[d]]
     assert sum(near) >= least
-    assert len(near) - sum(near) <= 1
+    # Of 28 a tenth at most are stated to be false; hits as they are measured: benchmarks/simulated_reality.py.
+    assert len(near) - sum(near) <= zeros.expected_false <= 3.0
+    zeros.save(tmp_path / "zeros.json")
+    assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").expected_false == zeros.expected_false
     assert all((share >= 0.5).all() for share in zeros.share.values())
     if noise == 0.05:  # the same record gives the same bits
         again = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
@@ -132,16 +135,3 @@ def test_the_bound_on_false_values_is_that_of_shah_and_samworth():
     bound = false_values(share, 5.0, 100.0)
     assert bound[1:] == pytest.approx(np.array(c) * 0.25)
     assert bound[0] == pytest.approx(min(5.0 / 0.55, 0.25 / (2 * (0.1 - 1 / (2 * pairs)))))
-
-
-def test_simulated_records_have_no_more_false_values_than_stated(chain, tmp_path):
-    """Records with noise; hits with all that is wrong with them: ``benchmarks/simulated_reality.py``."""
-    model, truth = chain
-    local = ar.FitOptions(formulation="directions")
-    zeros = ar.identify_antiresonances(record(model, 0.1, 21), excitation=0, band_hz=BAND, fit=local)
-    assert matched(zeros, truth)[1] <= zeros.expected_false <= 0.25 * sum(map(len, zeros.values()))
-    zeros.save(tmp_path / "zeros.json")
-    assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").expected_false == zeros.expected_false
-    assert (
-        ar.identify_antiresonances(record(model, 0.01, 21), excitation=0, band_hz=BAND).expected_false is None
-    )
