@@ -48,7 +48,7 @@ def test_the_chain_by_local_fits(chain, noise, least, tmp_path):
     zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
     near = [np.abs(truth[d] / f - 1.0).min(initial=np.inf) < 0.01 for d in zeros for f in zeros[d]]
     assert sum(near) >= least
-    # Of 28 a tenth at most are stated to be false; hits as they are measured: benchmarks/simulated_reality.py.
+    # Of 28 a tenth at most are stated to be false; hits as measured: benchmarks/simulated_reality.py.
     assert len(near) - sum(near) <= zeros.expected_false <= 3.0
     zeros.save(tmp_path / "zeros.json")
     assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").expected_false == zeros.expected_false
