@@ -5,7 +5,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.identification.local_fits import fits, stretches
-from antires_rs.identification.stability import VIEWS, false_values
+from antires_rs.identification.stability import false_values
 from antires_rs.signals.averaging import Averaging, holds_hits
 from tests.support.campaign import some_of
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
@@ -48,8 +48,8 @@ def test_the_chain_by_local_fits(chain, noise, least, tmp_path):
     zeros = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)
     near = [np.abs(truth[d] / f - 1.0).min(initial=np.inf) < 0.01 for d in zeros for f in zeros[d]]
     assert sum(near) >= least
-    # Of 28 a tenth at most are stated to be false; hits as measured: benchmarks/simulated_reality.py.
-    assert len(near) - sum(near) <= zeros.expected_false <= 3.0
+    # Of 28 a fifth at most are stated to be false; hits as measured: benchmarks/simulated_reality.py.
+    assert len(near) - sum(near) <= zeros.expected_false <= 6.0
     zeros.save(tmp_path / "zeros.json")
     assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").expected_false == zeros.expected_false
     assert all((share >= 0.5).all() for share in zeros.share.values())
@@ -128,10 +128,6 @@ def test_one_hit_in_noise(seconds):
     assert sum(map(len, zeros.values())) <= 3
 
 
-def test_the_bound_on_false_values_is_that_of_shah_and_samworth():
-    pairs = VIEWS // 2
-    share = np.array([0.55, 0.7, 0.9, 1.0])
-    c = [1 / (2 * (0.4 - 1 / (2 * pairs))), 4 * (0.1 + 1 / (2 * pairs)) / (1 + 1 / pairs), 2 / (pairs + 1)]
-    bound = false_values(share, 5.0, 100.0)
-    assert bound[1:] == pytest.approx(np.array(c) * 0.25)
-    assert bound[0] == pytest.approx(min(5.0 / 0.55, 0.25 / (2 * (0.1 - 1 / (2 * pairs)))))
+def test_the_bound_on_false_values_is_that_of_meinshausen_and_buehlmann():
+    bound = false_values(np.array([0.5, 0.75, 1.0]), 5.0, 100.0)
+    assert bound == pytest.approx([5.0 / 0.5, 25.0 / 100.0 / 0.5, 25.0 / 100.0])
