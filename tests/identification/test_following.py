@@ -19,8 +19,8 @@ def chain(factor=1.0, at=None):
     return ar.MassSpringChain(MASSES, springs, ground_first_n_per_m=GROUND * (factor if at is None else 1.0))
 
 
-def curves(model):
-    freq, rng = np.linspace(2.0, 80.0, 700), np.random.default_rng(0)
+def curves(model, seed=0):
+    freq, rng = np.linspace(2.0, 80.0, 700), np.random.default_rng(seed)
     values = model.frf([0, 1, 2, 3], EXCITATION, freq, damping_ratio=0.01)
     rough = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
     return ar.FrequencyResponse(freq, values * (1.0 + 1e-3 * rough), dofs=[0, 1, 2, 3])

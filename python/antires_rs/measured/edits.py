@@ -68,8 +68,9 @@ def dropped(
         within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
         gap = np.abs(table.freq_hz - asked)
         if not gap.size or gap.min() > within:
-            got, wanted = f"{asked:g} Hz at dof {dof!r}, which has {there}", f"one within {within:.3g} Hz"
-            reject("freq_hz", got, f"{wanted} of a value", "Name one of them, or widen tol_hz.")
+            got = f"{asked:g} Hz at dof {dof!r}, which has {there}"
+            wanted = f"a frequency within {within:.3g} Hz of a value"
+            reject("freq_hz", got, wanted, "Name one of them, or widen tol_hz.")
         at = int(np.argmin(gap))
         if at in chosen:
             got = f"{table.freq_hz[at]:.3f} Hz of dof {dof!r} meant twice"
