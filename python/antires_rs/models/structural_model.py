@@ -331,11 +331,12 @@ class StructuralModel(AroundCore[CoreModel]):
         if np.isnan(freq).any():
             moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
             named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
-            why = f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound,"
-            why += (
-                f" most at {named}. Check its signs, or with geometric stiffness whether the load is beyond"
+            why = (
+                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, most "
+                f"at {named}. Check its signs, or with geometric stiffness whether the load is beyond buckling; "
+                "antiresonances are still found."
             )
-            raise NumericalError("modes of (K, M)", f"{why} buckling; antiresonances are still found.")
+            raise NumericalError("modes of (K, M)", why)
         if every:
             _warn_modes_left_out(freq, self.stiffness(), self.mass(), self.dof_label)
         keep = int(np.count_nonzero(freq[:most] <= (np.inf if limit is None else limit)))
