@@ -332,9 +332,9 @@ class StructuralModel(AroundCore[CoreModel]):
             moved = np.nan_to_num(np.abs(self._whole_shapes(shapes[:, np.isnan(freq)].T))).argmax(axis=1)
             named = ", ".join(map(self.dof_label, dict.fromkeys(moved.tolist())))
             why = (
-                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, most "
-                f"at {named}. Check its signs, or with geometric stiffness whether the load is beyond buckling; "
-                "antiresonances are still found."
+                f"the stiffness is indefinite, so that {np.isnan(freq).sum()} motion(s) grow without bound, "
+                f"most at {named}. Check its signs, or with geometric stiffness whether the load is beyond "
+                "buckling; antiresonances are still found."
             )
             raise NumericalError("modes of (K, M)", why)
         if every:
