@@ -159,7 +159,7 @@ def _one_by_one(
 FEW_LINES = SCALES[-1][1]
 #: Of the samples of a channel this share is below the level that tells how strongly a record shook; told from
 #: so many of them.
-LEVEL_QUANTILE, LEVEL_SAMPLES = 0.999, 16384
+LEVEL_QUANTILE, LEVEL_SAMPLES = 0.999, 8192
 
 
 def settled(

@@ -74,10 +74,9 @@ def without_hum(rec: Recording, band_hz: tuple[float, float]) -> tuple[Recording
     for base in BASES_HZ:
         highest = min(BEYOND * band_hz[1], 0.45 * rec.fs_hz)
         multiples = range(max(1, int(np.ceil(band_hz[0] / BEYOND / base))), int(highest / base) + 1)
-        seen = {k: _f_of_line(parts, k * base) for k in multiples}
-        found[base] = [
-            k for k, f in seen.items() if f >= (ANOTHER_F if max(seen.values()) >= LINE_F else LINE_F)
-        ]
+        found[base] = [k for k in multiples if _f_of_line(parts, k * base, LINE_F) >= LINE_F]
+        if found[base]:
+            found[base] = [k for k in multiples if _f_of_line(parts, k * base, ANOTHER_F) >= ANOTHER_F]
     base = max(BASES_HZ, key=lambda each: len(found[each]))
     if not found[base]:
         return rec, None
@@ -116,8 +115,10 @@ def _tapers(n: int) -> FloatArray:
     return np.asarray(np.sqrt(2.0 / (n + 1.0)) * np.sin(np.pi * np.arange(1, TAPERS + 1)[:, None] * at))
 
 
-def _f_of_line(parts: tuple[Recording, ...], freq_hz: float) -> float:
+def _f_of_line(parts: tuple[Recording, ...], freq_hz: float, least: float) -> float:
     """F that most of the pieces reach in a channel in which the line is steady, the largest of all channels.
+
+    0 as soon as it cannot be ``least``.
 
     At what frequency, within what the mains may be off, all channels of a piece say together.
     """
@@ -146,7 +147,7 @@ def _f_of_line(parts: tuple[Recording, ...], freq_hz: float) -> float:
         best = int(np.argmax(np.minimum(f, LINE_F).sum(axis=0)))
         fits.append(f[:, best])
         powers.append(np.abs(mu[:, best]) ** 2)
-        without += fits[-1] < ANOTHER_F
+        without += fits[-1] < least
         if without.min() >= enough:
             return 0.0
     if not fits:
