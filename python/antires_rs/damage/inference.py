@@ -170,12 +170,21 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
+        self._keep_better(view, [elements])
+        self._judge_larger(elements, view)
+
+    def _judge_larger(self, elements: Elements, view: View) -> None:
+        """Tell the evidence of the sets with one element more."""
         larger = [] if len(elements) == LARGEST or self.outside(elements) else self._larger(elements, view)
-        for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
-            for fit in fitted(view, sets) if sets else ():
-                known = self.fits.get(fit.elements)
-                if known is None or fit.log_evidence > known.log_evidence:
-                    self.fits[fit.elements] = fit
+        if larger:
+            self._keep_better(view, [tuple(sorted((*elements, e))) for e in larger])
+
+    def _keep_better(self, view: View, sets: Sequence[Elements]) -> None:
+        """The evidence of sets of one size as seen from one point, where no other point showed more."""
+        for fit in fitted(view, sets):
+            known = self.fits.get(fit.elements)
+            if known is None or fit.log_evidence > known.log_evidence:
+                self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
