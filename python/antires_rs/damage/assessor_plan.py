@@ -363,23 +363,23 @@ class TabulatedLikelihood(ValueLikelihood):
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
-_NEAR, _MOST_LOOKS = 0.8, 6
+_NEAR, _MOST_LOOKS = 0.8, 4
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
-_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
+_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 6, 4), 8, 10
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
 _STEPS, _HOPELESS = 2, 25.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
-_SETTLING, _FAR = 3, 25.0
+_SETTLING, _FAR = 2, 10.0
 #: Pairs that are seen from single elements.
-_GROWN = 8
+_GROWN = 6
 #: Sets known from another one's severities alone that are looked at from their own in the end.
-_LINEAR = 12
+_LINEAR = 8
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
-_RESTS, _LOOKS, _SURE_RESTS = 0.06, 3, 1e-2
+_RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
 #: Sets within this of the likeliest are judged at the end, so many.
 _CLOSE, _LAST = 0.4, 2
 
@@ -512,10 +512,13 @@ class QuickSearch(Search):
     def _open(self, size: int, room: float, done: set[Elements]) -> list[Elements]:
         """Sets of at most ``size`` elements that come within some room of the likeliest and are not done, the
         likeliest first."""
-        rough = {s: log_evidence + self.log_prior(s) for s, (log_evidence, _) in self.rough.items()}
-        weights = {s: w for s, w in (self._weights() | rough).items() if len(s) <= size}
-        top = max(weights.values())
-        near = [s for s, w in weights.items() if s and s not in done and w >= top - room > -np.inf]
+        weights = self._weights()
+        for s, (log_evidence, _) in self.rough.items():
+            weights[s] = log_evidence + self.log_prior(s)
+        least = max(w for s, w in weights.items() if len(s) <= size) - room
+        if least == -np.inf:
+            return []
+        near = [s for s, w in weights.items() if w >= least and s and len(s) <= size and s not in done]
         return sorted(near, key=lambda s: -weights[s])
 
     def _judge_from(self, view: View, elements: Elements) -> None:
@@ -526,7 +529,7 @@ class QuickSearch(Search):
 
     def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
         """Judge a set from its own severities, as the full run does."""
-        u = self._u(elements)
+        u, before = self._u(elements), self.looks
         for _ in range(_LOOKS):
             if elements in self.judged and np.abs(u - _seen_from(self.fits[elements])).max() <= rests:
                 break
@@ -535,7 +538,8 @@ class QuickSearch(Search):
             self.judged.add(elements)
             self._judge_from(view, elements)
             u = self._u(elements)
-        self._judge_larger(elements, self.fits[elements].view)
+        if self.looks > before:
+            self._judge_larger(elements, self.fits[elements].view)
 
     @property
     def finished(self) -> bool:

@@ -219,7 +219,8 @@ class Search:
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""
-        return self._log_priors[4 if self.outside(elements) else len(elements)]
+        outside = elements and elements[-1] >= self.n_candidates  # they ascend
+        return self._log_priors[4 if outside else len(elements)]
 
     def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
