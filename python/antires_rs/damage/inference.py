@@ -46,6 +46,8 @@ _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 _UNTOLD = 16
 #: Errors added on the way to the most probable severities.
 _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
+#: More steps of what has not come to rest after them, and may be the answer.
+_FURTHER = 6
 #: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
 _HOPELESS, _KEPT = 30.0, 8
 #: Largest step of ln(1 - beta).
@@ -153,7 +155,15 @@ class Search:
         if sets:
             betas = np.array([self._row(elements, self.fits[elements].beta) for elements in sets])
             for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
-                self.fits.update({fit.elements: fit for fit in fitted(view, [elements])})
+                self._renewed(elements, view)
+
+    def _renewed(self, elements: Elements, view: View) -> None:
+        """Judge a set from its own severities, or from where it comes to rest if that is not there."""
+        for _ in range(1 + _FURTHER):
+            if fits := fitted(view, [elements]):
+                self.fits[elements] = fits[0]
+                return
+            (view,) = self.likelihood.views(_stepped(elements, view)[None])
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -269,20 +279,40 @@ class Search:
                 near = sorted(kept | {n for n, elements in enumerate(sets) if len(elements) == 1})
                 sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
             for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
-                at = np.array(elements)
-                matrix = view.curvature[np.ix_(at, at)]
-                ridge = 1e-9 * np.trace(matrix) + 1e-6
-                newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
-                # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
-                room = 1.0 - betas[row, at]
-                ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
-                betas[row, at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
+                betas[row] = _stepped(elements, view)
         views = self.likelihood.views(betas)
         for elements, view in zip(sets, views, strict=True):
             self._judge(elements, view)
+        self._rest(sets, views)
         top = max(fit.view.log_likelihood for fit in self.fits.values())
         far = (s for s, view in zip(sets, views, strict=True) if view.log_likelihood < top - _HOPELESS)
         self.hopeless.update(elements for elements in far if elements not in self.fits)
+
+    def _rest(self, sets: list[Elements], views: list[View]) -> None:
+        """Further steps of single elements that may still win and have not come to rest."""
+        for _ in range(_FURTHER):
+            least = max(view.log_likelihood for view in views) - _HOPELESS
+            singles = (n for n, elements in enumerate(sets) if len(elements) == 1)
+            moving = [n for n in singles if sets[n] not in self.fits and views[n].log_likelihood > least]
+            if not moving:
+                break
+            betas = np.array([_stepped(sets[n], views[n]) for n in moving])
+            for n, view in zip(moving, self.likelihood.views(betas), strict=True):
+                views[n] = view
+                self._judge(sets[n], view)
+
+
+def _stepped(elements: Elements, view: View) -> FloatArray:
+    """Severities of all elements (n,) after a Newton step of a set from where it is seen."""
+    beta, at = view.beta.copy(), np.array(elements)
+    matrix = view.curvature[np.ix_(at, at)]
+    ridge = 1e-9 * np.trace(matrix) + 1e-6
+    newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
+    # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
+    room = 1.0 - beta[at]
+    ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
+    beta[at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
+    return beta
 
 
 # -- The threshold at which damage is declared, and the smallest severity that a pair of tests would show
