@@ -541,11 +541,10 @@ class QuickSearch(Search):
         if self.looks > before:
             self._judge_larger(elements, self.fits[elements].view)
 
-    @property
-    def finished(self) -> bool:
+    def _explains(self, gain: float) -> bool:
         """See the base class; nor may a set be likelier that was not judged."""
         most = max((log_evidence for log_evidence, _ in self.grown.values()), default=-np.inf)
-        return super().finished and most <= self._likeliest.log_evidence
+        return super()._explains(gain) and most <= self._likeliest.log_evidence
 
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""

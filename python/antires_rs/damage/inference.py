@@ -52,8 +52,9 @@ _FURTHER = 6
 _HOPELESS, _KEPT = 30.0, 8
 #: Largest step of ln(1 - beta).
 _LONGEST = 0.7
-#: Gain of the log-likelihood below which no further element can win against its prior.
-_GAIN = 7.0
+#: Gain of the log-likelihood, to second order, below which no further element can win against its prior; and
+#: below which no pair is looked for where one element explains the values: of a large loss slopes show less.
+_GAIN, _PAIR_GAIN = 7.0, 5.0
 #: Chi-square so many standard deviations above what is expected is too much.
 _TOO_MUCH = 3.0
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
@@ -91,7 +92,7 @@ class Search:
                 step(f"sets of {size}")
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                if self.finished and singles:
+                if singles and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -199,6 +200,10 @@ class Search:
     @property
     def finished(self) -> bool:
         """Whether the likeliest set leaves nothing to be explained."""
+        return self._explains(_GAIN)
+
+    def _explains(self, gain: float) -> bool:
+        """Whether the likeliest set explains the values, so that no further element gains so much."""
         fit = self._likeliest
         view, count = fit.view, fit.view.n_matched
         gains = view.gains
@@ -209,7 +214,7 @@ class Search:
         stated = view.times <= (_WIDER if fit.elements else 1.0)
         # A few values are explained by much that is not so, and what is no damage may explain them better.
         many = not fit.elements or count >= _MANY + len(fit.elements)
-        return bool(fits and all_there and gains.max() < _GAIN and stated and many and self._any())
+        return bool(fits and all_there and gains.max() < gain and stated and many and self._any())
 
     def outside(self, elements: Elements) -> bool:
         """Whether a set has an element that is no candidate."""
@@ -289,11 +294,15 @@ class Search:
         self.hopeless.update(elements for elements in far if elements not in self.fits)
 
     def _rest(self, sets: list[Elements], views: list[View]) -> None:
-        """Further steps of single elements that may still win and have not come to rest."""
+        """Further steps of sets that may still win and have not come to rest."""
         for _ in range(_FURTHER):
-            least = max(view.log_likelihood for view in views) - _HOPELESS
-            singles = (n for n, elements in enumerate(sets) if len(elements) == 1)
-            moving = [n for n in singles if sets[n] not in self.fits and views[n].log_likelihood > least]
+            top = max(view.log_likelihood for view in views)
+            moving = [
+                n
+                for n, (elements, view) in enumerate(zip(sets, views, strict=True))
+                if elements not in self.fits
+                and view.log_likelihood > top - (_HOPELESS if len(elements) == 1 else _NEAR)
+            ]
             if not moving:
                 break
             betas = np.array([_stepped(sets[n], views[n]) for n in moving])
