@@ -363,18 +363,18 @@ class TabulatedLikelihood(ValueLikelihood):
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
-_NEAR, _MOST_LOOKS = 0.8, 4
+_NEAR, _MOST_LOOKS = 0.8, 3
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
 _LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 6, 4), 8, 10
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
-_STEPS, _HOPELESS = 2, 25.0
+_STEPS, _HOPELESS = 2, 18.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
-_SETTLING, _FAR = 2, 10.0
+_SETTLING, _FAR = 2, 6.0
 #: Pairs that are seen from single elements.
 _GROWN = 6
 #: Sets known from another one's severities alone that are looked at from their own in the end.
-_LINEAR = 8
+_LINEAR = 6
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
