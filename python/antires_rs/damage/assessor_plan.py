@@ -363,23 +363,23 @@ class TabulatedLikelihood(ValueLikelihood):
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
-_NEAR, _MOST_LOOKS = 0.8, 6
+_NEAR, _MOST_LOOKS = 0.8, 3
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
-_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (14, 8, 6), 12, 14
+_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 6, 4), 8, 10
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
-_STEPS, _HOPELESS = 2, 25.0
+_STEPS, _HOPELESS = 2, 18.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
-_SETTLING, _FAR = 3, 25.0
+_SETTLING, _FAR = 2, 6.0
 #: Pairs that are seen from single elements.
-_GROWN = 8
+_GROWN = 6
 #: Sets known from another one's severities alone that are looked at from their own in the end.
-_LINEAR = 12
+_LINEAR = 6
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
-_RESTS, _LOOKS, _SURE_RESTS = 0.06, 3, 1e-2
+_RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
 #: Sets within this of the likeliest are judged at the end, so many.
 _CLOSE, _LAST = 0.4, 2
 
@@ -389,9 +389,10 @@ class QuickSearch(Search):
     """A search in tables; the few sets that may be the answer are judged as the full run judges them."""
 
     likelihood: TabulatedLikelihood
-    #: Log evidence and severities (u) of sets as the tables have them; sets judged from their own severities,
-    #: by computed antiresonances and errors.
+    #: Log evidence and severities (u) of sets as the tables have them; sets seen from their own severities,
+    #: and those of them that were judged there by computed antiresonances and errors.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
+    seen: set[Elements] = field(default_factory=set)
     judged: set[Elements] = field(default_factory=set)
     #: The same of pairs in the linear model of a single element.
     grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
@@ -455,7 +456,7 @@ class QuickSearch(Search):
             level = np.argmin(left, axis=1)
             order = np.argsort(left[np.arange(level.size), level], kind="stable").tolist()
             sets = (_with(joined[nth][0], joined[nth][1], int(level[nth])) for nth in order)
-            for elements, at, start in islice((one for one in sets if one[0] not in self.judged), most):
+            for elements, at, start in islice((one for one in sets if one[0] not in self.seen), most):
                 chosen.setdefault((elements, at), start)
         return chosen
 
@@ -471,7 +472,7 @@ class QuickSearch(Search):
         return _within(self.fits[elements])
 
     def _refine(self, chosen: dict[Elements, FloatArray]) -> None:
-        """Judge those that may be the most probable ones, the likeliest first."""
+        """See those that may be the most probable ones, the likeliest first."""
         if not chosen:
             return
         self._tabulate(chosen)
@@ -480,21 +481,21 @@ class QuickSearch(Search):
         if size > 1 and own:
             best = max(own, key=lambda s: self.rough[s][0])
             self._tabulate({s: u for s, u in self._replaced(best).items() if s not in self.rough})
-        self._judge_open(size, 0.0)
+        while near := self._open(size, 0.0, self.seen):
+            if len(near[0]) > 1:
+                if self.looks >= _MOST_LOOKS:
+                    break
+                self._settle(near[0])
+                continue
+            # The tables are as good as computed antiresonances where one element alone is damaged.
+            self._judge_from(self.likelihood.seen(near[0], self._u(near[0])), near[0])
+            self._judge_larger(near[0], self.fits[near[0]].view)
         if size == 1:
             self._grow()
 
-    def _judge_open(self, size: int, room: float) -> None:
-        """Judge sets of at most ``size`` elements that come within some room of the likeliest."""
-        while near := self._open(size, room):
-            if self.looks >= _MOST_LOOKS:
-                self.cut = room > 0.0
-                break
-            self._settle(near[0])
-
     def _tabulate(self, chosen: dict[Elements, FloatArray], looks: int = _SETTLING) -> None:
         """Evidence and severities of sets as the tables have them."""
-        asked = {s: u for s, u in chosen.items() if s not in self.judged}
+        asked = {s: u for s, u in chosen.items() if s not in self.seen}
         for _ in range(looks):
             if not asked:
                 return
@@ -508,33 +509,42 @@ class QuickSearch(Search):
     def _weights(self) -> dict[Elements, float]:
         return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
 
-    def _open(self, size: int, room: float) -> list[Elements]:
-        """Those of them that were not judged from their own severities, the likeliest first."""
-        rough = {s: log_evidence + self.log_prior(s) for s, (log_evidence, _) in self.rough.items()}
-        weights = {s: w for s, w in (self._weights() | rough).items() if len(s) <= size}
-        top = max(weights.values())
-        near = [s for s, w in weights.items() if s and s not in self.judged and w >= top - room > -np.inf]
+    def _open(self, size: int, room: float, done: set[Elements]) -> list[Elements]:
+        """Sets of at most ``size`` elements that come within some room of the likeliest and are not done, the
+        likeliest first."""
+        weights = self._weights()
+        for s, (log_evidence, _) in self.rough.items():
+            weights[s] = log_evidence + self.log_prior(s)
+        least = max(w for s, w in weights.items() if len(s) <= size) - room
+        if least == -np.inf:
+            return []
+        near = [s for s, w in weights.items() if w >= least and s and len(s) <= size and s not in done]
         return sorted(near, key=lambda s: -weights[s])
+
+    def _judge_from(self, view: View, elements: Elements) -> None:
+        """Judge a set from its own severities."""
+        self.rough.pop(elements, None)
+        self.seen.add(elements)
+        self.fits[elements] = refitted(view, elements)
 
     def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
         """Judge a set from its own severities, as the full run does."""
-        u = self._u(elements)
+        u, before = self._u(elements), self.looks
         for _ in range(_LOOKS):
             if elements in self.judged and np.abs(u - _seen_from(self.fits[elements])).max() <= rests:
                 break
             (view,) = self.likelihood.views(self.likelihood.rows(elements, -np.expm1(-u)[None]))
             self.looks += 1
-            self.rough.pop(elements, None)
             self.judged.add(elements)
-            self.fits[elements] = refitted(view, elements)
+            self._judge_from(view, elements)
             u = self._u(elements)
-        self._judge(elements, self.fits[elements].view)
+        if self.looks > before:
+            self._judge_larger(elements, self.fits[elements].view)
 
-    @property
-    def finished(self) -> bool:
+    def _explains(self, gain: float) -> bool:
         """See the base class; nor may a set be likelier that was not judged."""
         most = max((log_evidence for log_evidence, _ in self.grown.values()), default=-np.inf)
-        return super().finished and most <= self._likeliest.log_evidence
+        return super()._explains(gain) and most <= self._likeliest.log_evidence
 
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""
@@ -570,7 +580,11 @@ class QuickSearch(Search):
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
         linear = {s: _within(self.fits[s]) for s in new}
         self._tabulate(linear, looks=1)
-        self._judge_open(LARGEST, _NEAR)
+        while near := self._open(LARGEST, _NEAR, self.judged):
+            if self.looks >= _MOST_LOOKS:
+                self.cut = True
+                break
+            self._settle(near[0])
         done: set[Elements] = set()
         while len(done) < _LAST and self.looks < _MOST_LOOKS:
             weights = self._weights()

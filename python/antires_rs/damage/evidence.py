@@ -162,17 +162,27 @@ class Fit:
 
     def interval(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
         """Quantiles of one severity, given the set, as :meth:`sides` has them."""
-        low, high = self._quantiles(nth, self.sides(nth, shares))
+        _, (low, high) = self._between(nth, shares)
         return -float(np.expm1(-low)), -float(np.expm1(-high))
 
     def sides(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
         """Shares with the most probable severity between their quantiles: those given, else as much of the
         probability from the nearer bound on."""
+        return self._between(nth, shares)[0]
+
+    def _between(
+        self, nth: int, shares: tuple[float, float]
+    ) -> tuple[tuple[float, float], tuple[float, float]]:
+        """These shares and their quantiles of u."""
         low, high = self._quantiles(nth, shares)
         best, whole = self.u[nth], shares[1] - shares[0]
         if best <= 0.0 or best < low:
-            return 0.0, whole
-        return (1.0 - whole, 1.0) if best > high else shares
+            shares = 0.0, whole
+        elif best > high:
+            shares = 1.0 - whole, 1.0
+        else:
+            return shares, (low, high)
+        return shares, self._quantiles(nth, shares)
 
     @property
     def u(self) -> FloatArray:

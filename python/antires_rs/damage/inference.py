@@ -46,12 +46,15 @@ _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
 _UNTOLD = 16
 #: Errors added on the way to the most probable severities.
 _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
+#: More steps of what has not come to rest after them, and may be the answer.
+_FURTHER = 6
 #: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
 _HOPELESS, _KEPT = 30.0, 8
 #: Largest step of ln(1 - beta).
 _LONGEST = 0.7
-#: Gain of the log-likelihood below which no further element can win against its prior.
-_GAIN = 7.0
+#: Gain of the log-likelihood, to second order, below which no further element can win against its prior; and
+#: below which no pair is looked for where one element explains the values: of a large loss slopes show less.
+_GAIN, _PAIR_GAIN = 7.0, 5.0
 #: Chi-square so many standard deviations above what is expected is too much.
 _TOO_MUCH = 3.0
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
@@ -89,7 +92,7 @@ class Search:
                 step(f"sets of {size}")
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                if self.finished and singles:
+                if singles and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -153,7 +156,15 @@ class Search:
         if sets:
             betas = np.array([self._row(elements, self.fits[elements].beta) for elements in sets])
             for elements, view in zip(sets, self.likelihood.views(betas), strict=True):
-                self.fits.update({fit.elements: fit for fit in fitted(view, [elements])})
+                self._renewed(elements, view)
+
+    def _renewed(self, elements: Elements, view: View) -> None:
+        """Judge a set from its own severities, or from where it comes to rest if that is not there."""
+        for _ in range(1 + _FURTHER):
+            if fits := fitted(view, [elements]):
+                self.fits[elements] = fits[0]
+                return
+            (view,) = self.likelihood.views(_stepped(elements, view)[None])
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -170,16 +181,29 @@ class Search:
 
     def _judge(self, elements: Elements, view: View) -> None:
         """Tell the evidence of a set, and of those with one element more, as seen from one point."""
+        self._keep_better(view, [elements])
+        self._judge_larger(elements, view)
+
+    def _judge_larger(self, elements: Elements, view: View) -> None:
+        """Tell the evidence of the sets with one element more."""
         larger = [] if len(elements) == LARGEST or self.outside(elements) else self._larger(elements, view)
-        for sets in ([elements], [tuple(sorted((*elements, e))) for e in larger]):
-            for fit in fitted(view, sets) if sets else ():
-                known = self.fits.get(fit.elements)
-                if known is None or fit.log_evidence > known.log_evidence:
-                    self.fits[fit.elements] = fit
+        if larger:
+            self._keep_better(view, [tuple(sorted((*elements, e))) for e in larger])
+
+    def _keep_better(self, view: View, sets: Sequence[Elements]) -> None:
+        """The evidence of sets of one size as seen from one point, where no other point showed more."""
+        for fit in fitted(view, sets):
+            known = self.fits.get(fit.elements)
+            if known is None or fit.log_evidence > known.log_evidence:
+                self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
         """Whether the likeliest set leaves nothing to be explained."""
+        return self._explains(_GAIN)
+
+    def _explains(self, gain: float) -> bool:
+        """Whether the likeliest set explains the values, so that no further element gains so much."""
         fit = self._likeliest
         view, count = fit.view, fit.view.n_matched
         gains = view.gains
@@ -190,7 +214,7 @@ class Search:
         stated = view.times <= (_WIDER if fit.elements else 1.0)
         # A few values are explained by much that is not so, and what is no damage may explain them better.
         many = not fit.elements or count >= _MANY + len(fit.elements)
-        return bool(fits and all_there and gains.max() < _GAIN and stated and many and self._any())
+        return bool(fits and all_there and gains.max() < gain and stated and many and self._any())
 
     def outside(self, elements: Elements) -> bool:
         """Whether a set has an element that is no candidate."""
@@ -210,7 +234,8 @@ class Search:
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""
-        return self._log_priors[4 if self.outside(elements) else len(elements)]
+        outside = elements and elements[-1] >= self.n_candidates  # they ascend
+        return self._log_priors[4 if outside else len(elements)]
 
     def _starts(self, size: int) -> dict[Elements, FloatArray]:
         """The sets that explain most in a scan, and the severities at which they do."""
@@ -259,20 +284,44 @@ class Search:
                 near = sorted(kept | {n for n, elements in enumerate(sets) if len(elements) == 1})
                 sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
             for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
-                at = np.array(elements)
-                matrix = view.curvature[np.ix_(at, at)]
-                ridge = 1e-9 * np.trace(matrix) + 1e-6
-                newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
-                # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
-                room = 1.0 - betas[row, at]
-                ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
-                betas[row, at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
+                betas[row] = _stepped(elements, view)
         views = self.likelihood.views(betas)
         for elements, view in zip(sets, views, strict=True):
             self._judge(elements, view)
+        self._rest(sets, views)
         top = max(fit.view.log_likelihood for fit in self.fits.values())
         far = (s for s, view in zip(sets, views, strict=True) if view.log_likelihood < top - _HOPELESS)
         self.hopeless.update(elements for elements in far if elements not in self.fits)
+
+    def _rest(self, sets: list[Elements], views: list[View]) -> None:
+        """Further steps of sets that may still win and have not come to rest."""
+        for _ in range(_FURTHER):
+            top = max(view.log_likelihood for view in views)
+            moving = [
+                n
+                for n, (elements, view) in enumerate(zip(sets, views, strict=True))
+                if elements not in self.fits
+                and view.log_likelihood > top - (_HOPELESS if len(elements) == 1 else _NEAR)
+            ]
+            if not moving:
+                break
+            betas = np.array([_stepped(sets[n], views[n]) for n in moving])
+            for n, view in zip(moving, self.likelihood.views(betas), strict=True):
+                views[n] = view
+                self._judge(sets[n], view)
+
+
+def _stepped(elements: Elements, view: View) -> FloatArray:
+    """Severities of all elements (n,) after a Newton step of a set from where it is seen."""
+    beta, at = view.beta.copy(), np.array(elements)
+    matrix = view.curvature[np.ix_(at, at)]
+    ridge = 1e-9 * np.trace(matrix) + 1e-6
+    newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
+    # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
+    room = 1.0 - beta[at]
+    ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
+    beta[at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
+    return beta
 
 
 # -- The threshold at which damage is declared, and the smallest severity that a pair of tests would show

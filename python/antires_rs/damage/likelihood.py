@@ -474,6 +474,8 @@ ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
 #: The same for changes of all values alike, as of temperature, and their share of the
 #: probability: small, since std_common allows for what is usual.
 ALIKE, ALIKE_SHARE = (5e-3, 1.5e-2, 4e-2), 0.05
+#: What is so much less probable (ln) adds nothing in double precision.
+_NOTHING = 40.0
 #: Change of a root that has just appeared.
 _NEW = 0.1
 #: Roots so far outside of what was measured (ln f) are not looked at.
@@ -512,8 +514,12 @@ class ValueLikelihood(ABC):
     @cached_property
     def something_else(self) -> float:
         """Log evidence of a change of every value by any amount, or of all values alike."""
-        found = [self.log_without_damage(extra, 0.0) for extra in ANY_CHANGE]
-        by_itself = np.logaddexp.reduce(found) - np.log(len(found))
+        found: list[float] = []
+        for extra in ANY_CHANGE:
+            found.append(self.log_without_damage(extra, 0.0))
+            if found[-1] < max(found) - _NOTHING:  # the more a change exceeds the values', the less probable
+                break
+        by_itself = np.logaddexp.reduce(found) - np.log(ANY_CHANGE.size)
         return float(np.logaddexp(np.log1p(-ALIKE_SHARE) + by_itself, self._alike[1]))
 
     @property
