@@ -52,6 +52,8 @@ def test_the_chain_by_local_fits(chain, noise, least, tmp_path):
     assert len(near) - sum(near) <= zeros.expected_false <= 6.0
     zeros.save(tmp_path / "zeros.json")
     assert ar.AntiresonanceSet.load(tmp_path / "zeros.json").expected_false == zeros.expected_false
+    assert zeros.add(0, 8.0).expected_false == zeros.expected_false
+    assert ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, near=zeros).expected_false is None
     assert all((share >= 0.5).all() for share in zeros.share.values())
     if noise == 0.05:  # the same record gives the same bits
         again = ar.identify_antiresonances(rec, excitation=0, band_hz=BAND, fit=fit_options)

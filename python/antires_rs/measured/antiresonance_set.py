@@ -354,10 +354,10 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     @property
     def expected_false(self) -> float | None:
-        """Bound on how many values are false, on average; None where no perturbed fits were counted.
+        """Bound on how many values are false, on average; None where no search by perturbed fits tells all.
 
         The score ``expected_false`` bounds those of a response with at least the share of a value; all with
-        less are counted as false, from the share on that gives the least sum.
+        less are counted as false, from the share on that gives the least sum. Values by hand count as right.
 
         Examples
         --------
@@ -366,11 +366,13 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         >>> ar.AntiresonanceSet(0, {0: [5.8, 10.2, 14.0]}, scores=scores).expected_false
         1.3
         """
-        if not all("expected_false" in t.scores for t in self.tables.values()):
-            return None
         total = 0.0
         for table in self.tables.values():
-            bound = np.sort(table.scores["expected_false"])
+            if "expected_false" not in table.scores:
+                return None
+            bound = np.sort(table.scores["expected_false"][~table.by_hand])
+            if np.isnan(bound).any():
+                return None
             total += float(np.min(bound + np.arange(bound.size)[::-1], initial=bound.size))
         return total
 

@@ -73,8 +73,9 @@ class MassSpringChain(StructuralModel):
     def element_label(self, element: int) -> str:
         """``spring 0`` to ``spring n-2`` between the masses, then the two ground springs."""
         between = self.n_dof - 1
-        ends = {between: "first ground spring", between + 1: "last ground spring"}
-        return ends.get(element, f"spring {element}")
+        if element < between:
+            return f"spring {element}"
+        return "first ground spring" if element == between else "last ground spring"
 
     def dof_label(self, dof: int) -> str:
         """``mass 0`` for dof 0 and on, counted from 0 like the springs."""

@@ -121,6 +121,8 @@ class FrameModel(StructuralModel, Viewed):
     >>> beam = ar.FrameModel(nodes, [(i, i + 1) for i in range(10)], rod, fixed=[0])
     >>> beam.modes(1).freq_hz.round(3)   # 3.516 / (2 pi L**2) sqrt(EI / rho A)
     array([14.472])
+    >>> beam.antiresonances(beam.dof(10, "v"), beam.dof(10, "v"), f_max_hz=300.0).round(1)
+    array([ 63.5, 205.7])
     """
 
     _recipe_type = FrameRecipe
@@ -242,6 +244,11 @@ class FrameModel(StructuralModel, Viewed):
         node : int
         direction : str
             ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
+
+        Returns
+        -------
+        int
+            From 0, as rows of the matrices and of FRFs are counted.
 
         Raises
         ------

@@ -71,6 +71,9 @@ class MatrixModel(StructuralModel):
     >>> bar = ar.MatrixModel(stiffness, np.eye(3), constraints=rigid, dofs=names)
     >>> bar.antiresonances("1:Z", "1:Z").round(3)
     array([2.516])
+    >>> spring = stiffness[1:, 1:] - np.diag([500.0, 0.0])
+    >>> ar.MatrixModel(spring, np.eye(2), stiffness_terms=[spring]).antiresonances(0, 0).round(3)
+    array([3.559])
     """
 
     _recipe_type = MatrixRecipe

@@ -305,10 +305,11 @@ class Batch:
 class IslandGA:
     """Island genetic algorithm of Meruane, J. Sound Vib. 332 (2013) 807-820.
 
-    Each island selects by normalized geometric ranking, crosses by an operator of its own, mutates genes to a
-    bound or anywhere, and never loses its best. An island that finds nothing better for ``patience``
-    generations waits; when all wait they compare their bests, and stop or exchange them with their ring
-    neighbours (best out, worst replaced). The algorithm as printed is :meth:`IslandGA.paper`.
+    Each island selects by normalized geometric ranking, crosses by an operator of its own (arithmetic,
+    heuristic, BLX-0.5, uniform, in turn), mutates genes to a bound or anywhere, and never loses its best. An
+    island that finds nothing better for ``patience`` generations waits; when all wait they compare their
+    bests, and stop or exchange them with their ring neighbours (best out, worst replaced). The algorithm as
+    printed is :meth:`IslandGA.paper`.
 
     Parameters
     ----------
@@ -345,7 +346,8 @@ class IslandGA:
     polish_evaluations : int, default 1000
         Evaluations after which the polish of one point begins no new move; all count in ``nfev``.
     max_evaluations : int, default 200000
-        Budget of evaluations, never exceeded; linearizations count.
+        Budget of evaluations, never exceeded. A linearization, which takes one solution of the eigenproblem
+        like a cost, counts as one: see ``njev`` of :class:`OptimizeResult`.
     max_generations : int, optional
         Budget of generations.
     max_seconds : float, optional
@@ -363,9 +365,12 @@ class IslandGA:
 
     Examples
     --------
-    >>> import antires_rs as ar
-    >>> ar.IslandGA(islands=2, population=20).options["crossover_probability"]
+    >>> import numpy as np, antires_rs as ar
+    >>> ga = ar.IslandGA(islands=2, population=20, max_evaluations=5000)
+    >>> ga.options["crossover_probability"]
     0.8
+    >>> ga.minimize(lambda x: float(np.sum((x - 0.3) ** 2)), [(-1, 1)] * 2, rng=0).fun < 1e-3
+    True
     """
 
     def __init__(self, *, max_seconds: float | None = None, **options: Any) -> None:

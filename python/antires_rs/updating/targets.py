@@ -460,7 +460,9 @@ class AntiresonanceTargets:
         spread = self.relative_std
         if not np.isfinite(spread).any():
             got = "'std' for values without standard deviations"
-            remedy = "Identify an averaged record with formulation='numerators' (its default)."
+            remedy = (
+                "Identify an averaged record with formulation='numerators' (its default), or give std_hz."
+            )
             reject("weights", got, "sets with std_hz", remedy)
         spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
         made = 1.0 / np.hypot(spread, MODEL_ERROR)
