@@ -148,7 +148,8 @@ class UpdateResult(ReadOnly, Viewed):
         before, after = self.table.largest_before_percent, self.table.largest_after_percent
         if after > max(_EXPLAINED * before, _NOISE_PERCENT):
             said = f"Hardly explained: the largest difference is {after:.2f} %, after {before:.2f} % before."
-            notes.append(f"{said} What is wrong may have no parameter; doubt the values found.")
+            cause = "What is wrong may have no parameter, or a dof may be another one"
+            notes.append(f"{said} {cause}; doubt the values found.")
         if self.at_bound:
             notes.append(f"On a bound: {', '.join(self.at_bound)}. Widen the bounds or doubt the model.")
         return notes + self.identifiability.notes
