@@ -148,7 +148,7 @@ SEGMENT += ["***End_of_Header***", "X_Value\ta\tComment"]
 REAL = np.abs(H) + 0j
 UNEVEN = np.concatenate([np.arange(2000) / 128.0, 2000 / 128.0 + np.arange(2000) / 127.3])
 GAP = np.delete(np.arange(65) / 128.0, 30)
-MARKET = "%%MatrixMarket matrix array "
+MARKET, SPARSE = "%%MatrixMarket matrix array ", "%%MatrixMarket matrix coordinate "
 SET = {"wf_increment": 1 / 128, "unit_string": "g"}
 
 MISTAKES = {
@@ -158,6 +158,8 @@ MISTAKES = {
     "npz: time and frequency": npz(time=T, freq=F, a=A),
     "npz: real responses": npz(freq=F, H=np.abs(H)),
     "npz: responses without imaginary part": npz(freq=F, H=REAL),
+    "npz: one response real": npz(more={"responses": "H*"}, freq=F, H1=H[0], H2=np.abs(H[0])),
+    "npz: one response zero": npz(more={"responses": "H*"}, freq=F, H1=H[0], H2=np.zeros(32)),
     "npz: a time with a gap": npz(time=GAP, a=A),
     "npz: a time that drifts": npz(time=UNEVEN, a=RNG.standard_normal(4000)),
     "npz: a time that descends": npz(time=T[::-1], a=A),
@@ -214,6 +216,7 @@ MISTAKES = {
     "mat: an unknown unit in a field": mat({"run": {"acc": A, "fs": 128.0, "unit": "furlong"}}),
     "mat: an increment of zero": mat({"S": {"x_values": {"increment": 0.0}, "y_values": {"values": A}}}),
     "mat: cut in its head": raw("a.mat", b"MATLAB 7.3 MAT-file", ar.read_mat),
+    "mat: a real response of ones": mat({"freq": F, "H1": np.ones(32)}),
     "uff: no dataset": raw("a.uff", b"nothing here\n", ar.read_uff),
     "uff: a cut set": uff(RECORD, lambda data: data[:-200]),
     "uff: FRFs without reference to choose": uff(FRFS, reference="7+Z"),
@@ -232,6 +235,7 @@ MISTAKES = {
     "uff: a function of an unknown type": other(function(kind=0)),
     "uff: m and m/s2 together": other(function(), function(node=2, unit="mm")),
     "uff: a real FRF": other(function(A)),
+    "uff: a real FRF of ones": other(function(), function(np.ones(32), node=2)),
     "uff: other frequencies": other(function(), function(node=2, step=0.25)),
     "uff: a step of zero": other(measured(step=0.0)),
     "uff: an unknown unit": other(measured(unit="V")),
@@ -242,6 +246,7 @@ MISTAKES = {
     "uff: written in g": uff(RECORD, write={"unit": "g"}),
     "uff: a dof without point": uff(RECORD, write={"dofs": {"1+X": (1, 0)}}),
     "uff: a label that is too long": uff(ar.Recording([A], 128.0, dofs=["x" * 100])),
+    "sep005: written in g": lambda folder: ar.to_sep005(RECORD, unit="g"),
     "tdms: two rates": tdms([SET, {**SET, "wf_increment": 0.1}], A, B[:9]),
     "tdms: no rate": tdms([{"unit_string": "g"}], A),
     "tdms: no unit": tdms([{"wf_increment": 0.1}], A),
@@ -269,6 +274,20 @@ MISTAKES = {
     "matrices: a NUL byte": matrices("k.mtx", f"{MARKET}real general\n1 1\n\x00\n", np.eye(1)),
     "matrices: a lost entry": matrices("k.mtx", f"{MARKET}real general\n2 2\n1\n1\n1\n", np.eye(2)),
     "matrices: sizes in words": matrices("k.mtx", f"{MARKET}real general\n2 two\n1\n", np.eye(2)),
+    "matrices: one size": matrices("k.mtx", f"{MARKET}real general\n2\n1\n", np.eye(2)),
+    "matrices: not square": matrices("k.mtx", f"{SPARSE}real general\n2 3 1\n1 1 1\n", np.eye(2)),
+    "matrices: one word": matrices("k.mtx", "stiffness\n", np.eye(2)),
+    "matrices: blank lines": matrices("k.mtx", "\n \n", np.eye(2)),
+    "matrices: comments of Abaqus": matrices("k.mtx", "** of Abaqus\n*MATRIX\n", np.eye(2)),
+    "matrices: a head of four words": matrices("k.mtx", f"{MARKET}real\n1 1\n1\n", np.eye(1)),
+    "matrices: complex": matrices("k.mtx", f"{MARKET}complex hermitian\n1 1\n1 0\n", np.eye(1)),
+    "matrices: a cut entry": matrices("k.mtx", f"{SPARSE}real general\n2 2 2\n1 1 1\n2 1\n", np.eye(2)),
+    "matrices: a word": matrices("k.mtx", f"{SPARSE}real general\n2 2 2\n1 1 1\n2 2 foo\n", np.eye(2)),
+    "matrices: a row beyond": matrices("k.mtx", f"{SPARSE}real general\n2 2 2\n1 1 1\n3 1 1\n", np.eye(2)),
+    "matrices: other arrays": lambda folder: ar.read_matrices(
+        ar.write_npz(folder / "a.npz", RECORD), np.eye(1)
+    ),
+    "matrices: no DMIG card": matrices("k.pch", "GRID,1,,0.,0.,0.\n", np.eye(1)),
     "matrices: no line end": matrices("k.mtx", f"{MARKET}real general\n1 1\n1", np.eye(1)),
     "matrices: a cut archive": matrices("k.mtx.gz", "\x1f\x8b", np.eye(1)),
     "matrices: an unknown ending": matrices("k.txt", "1 2 3\n", np.eye(1)),

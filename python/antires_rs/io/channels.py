@@ -80,7 +80,7 @@ def response_of(
     named = None if given.unit is None else named_unit("unit", given.unit)
     units = [named or unit_or_warning(path, columns[i].unit) for i in chosen]
     values = [in_si(columns[i].values, unit) for i, unit in zip(chosen, units, strict=True)]
-    refuse_real(path, values)
+    refuse_real(path, [(columns[i].name, row) for i, row in zip(chosen, values, strict=True)])
     kind: Any = "frf" if given.kind is None else given.kind
     beside = None if coherence is None else coherence[chosen]
     dofs = [labels[i] for i in chosen]
@@ -305,7 +305,7 @@ def si_unit(name: str, value: Any) -> Unit:
     unit = named_unit(name, value)
     if unit.factor != 1.0:
         wanted = "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI"
-        reject(name, repr(value), wanted, "Convert the values to SI first, or leave unit out.")
+        reject(name, repr(value), wanted, "Name the SI unit, or leave unit out.")
     return unit
 
 

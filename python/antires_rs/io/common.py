@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from importlib.util import find_spec
@@ -75,12 +75,14 @@ def choose_run(count: int) -> str:
     return f"Choose one by run=1 to run={count}, and give them together as repeats of one test."
 
 
-def refuse_real(path: Path, rows: Iterable[Any]) -> None:
-    """Refuse responses that are real, or whose imaginary parts all vanish; rows of ones are references."""
-    made = [row for row in map(np.asarray, rows) if (row != row[:1]).any() or np.any(row.imag)]
-    if not all(map(np.iscomplexobj, made)) or (made and not any(np.any(row.imag) for row in made)):
-        found, wanted = "whose responses have no imaginary part", "complex FRFs or transmissibilities"
+def refuse_real(path: Path, rows: Sequence[tuple[Any, Any]]) -> None:
+    """Refuse names and responses if one is real, or all imaginary parts vanish; ones are references."""
+    real = next((name for name, row in rows if not np.iscomplexobj(row)), None)
+    vary = any((row != row[:1]).any() for _, row in rows)
+    if real is not None or (vary and not any(np.any(row.imag) for _, row in rows)):
+        found = "whose responses have no imaginary part" if real is None else f"whose {real} is real"
         remedy = "export real and imaginary part, or magnitude and phase."
+        wanted = "complex FRFs or transmissibilities"
         unsuitable(path, found, wanted, f"Magnitudes alone have lost the phase: {remedy}")
 
 

@@ -119,7 +119,7 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 
     arrays = read_archive(file)
     if "format" not in arrays or "shape" not in arrays:
-        raise ValueError(f"the arrays {', '.join(arrays)}")
+        unsuitable(file, f"with the arrays {', '.join(arrays)}", *_FORMATS[".npz"][1:])
     return {file.stem: Labelled(load_npz(file))}
 
 
@@ -163,6 +163,8 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
                     own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _fortran(fields[i + 2])))
         except (ValueError, IndexError) as exc:
             raise ValueError(f"the card in line {number}: {exc}") from exc
+    if not entries:
+        unsuitable(file, "without a DMIG card", _DMIG.wanted, "Export with PARAM,EXTOUT,DMIGPCH.")
     return {name: by_points(own, columns[name]) for name, own in entries.items()}
 
 
@@ -261,6 +263,12 @@ def _numbers(lines: list[str], form: str, count: int) -> NDArray[np.float64]:
 
 # -- Matrix Market files: a head, the sizes, and a line for each entry, all of which are counted and checked
 
+_MARKET_HEAD = re.compile(
+    r"%%matrixmarket\s+matrix\s+(array(?!\s+pattern)|coordinate)\s+(real|integer|double|pattern)"
+    r"\s+(general|symmetric)"
+)
+_NUMBER = re.compile(r"[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf|infinity|nan)", re.IGNORECASE)
+
 
 def read_matrix_market(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem."""
@@ -268,35 +276,57 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
 
     with (gzip.open if file.suffix == ".gz" else open)(file, "rt", encoding="latin-1") as opened:
         text = opened.read()
-    head, *rest = [line for line in text.split("\n") if line.strip()]
-    sizes, *rows = [line for line in rest if not line.startswith("%")]
-    mark, _, form, kind, symmetry = head.lower().split()
-    dense, width = form == "array", {"array": 1, "coordinate": 3}.get(form, 0) - (kind == "pattern")
-    known = kind in ("real", "integer", "double", "pattern") and symmetry in ("general", "symmetric")
-    if mark != "%%matrixmarket" or not known or width < 1:
-        raise ValueError(f"the head {head!r}, of no real matrix, general or symmetric")
-    if not "".join(sizes.split()).isdecimal():
-        raise ValueError(f"the sizes {sizes!r}")
-    n, n_columns, *stated = map(int, sizes.split())
-    if n != n_columns or not 0 < n < 2**31 or len(stated) == dense:
-        raise ValueError(f"the sizes {sizes!r}, of no square matrix")
+    lines = [line for line in text.split("\n") if line.strip()]
+    sizes, *rows = [line for line in lines if not line.startswith("%")] or [""]
+    if not sizes or not lines[0].lower().startswith("%%matrixmarket"):
+        found = "which is cut in its head or of another kind"
+        unsuitable(file, found, _MARKET.wanted, "Export it again as MatrixMarket, .mtx.")
+    head = _MARKET_HEAD.fullmatch(lines[0].lower().strip())
+    if head is None:
+        found, remedy = f"with the head {lines[0][:80]!r}", "Export it as real numbers, general or symmetric."
+        unsuitable(file, found, _MARKET.wanted, remedy)
+    form, kind, symmetry = head.groups()
+    dense, n_places = form == "array", 0 if form == "array" else 2
+    whole_ones = re.fullmatch(r"\s*(\d{1,18})\s+(\d{1,18})" + r"\s+(\d{1,18})" * (not dense) + r"\s*", sizes)
+    n, n_columns, *stated = map(int, whole_ones.groups()) if whole_ones else (0, 0)
+    if n != n_columns or not 0 < n < 2**31:
+        found, remedy = f"with the sizes {sizes[:40]!r}", "Export it again: the matrix must be square."
+        unsuitable(file, found, _MARKET.wanted, remedy)
     count = stated[0] if stated else n * n if symmetry == "general" else n * (n + 1) // 2
     if len(rows) != count or not text.endswith("\n"):
         end = "" if text.endswith("\n") else ", the last without a line end"
         raise ValueError(f"{len(rows)} of {count} entries{end}")
-    numbers = np.loadtxt(rows, comments=None, ndmin=2) if rows else np.empty((0, width))
-    places = numbers[:, : width - 1 if kind != "pattern" else width]
-    if numbers.shape[1] != width or not np.all((places >= 1) & (places <= n) & (places == np.floor(places))):
-        raise ValueError("an entry of other numbers, or out of place")
+    numbers = _entries(file, rows, n_places + (kind != "pattern"), n_places, n)
     values = np.ones(count) if kind == "pattern" else numbers[:, -1]
     if not dense:
-        i, j = places.T.astype(np.int64) - 1
+        i, j = numbers[:, :2].T.astype(np.int64) - 1
     else:  # column by column
         j, i = np.divmod(np.arange(count), n) if symmetry == "general" else np.triu_indices(n)
     whole = (
         completed(i, j, values, n) if symmetry == "symmetric" else coo_array((values, (i, j)), shape=(n, n))
     )
     return {file.stem: Labelled(whole.toarray() if dense else whole)}
+
+
+def _entries(file: Path, rows: list[str], width: int, n_places: int, n: int) -> NDArray[np.float64]:
+    """Numbers (n_entries, width), the first ``n_places`` from 1 to n; an entry of others is shown."""
+    if not rows:
+        return np.empty((0, width))
+    try:
+        numbers = np.loadtxt(rows, comments=None, ndmin=2)
+    except ValueError:
+        numbers = np.empty((0, 0))
+    if numbers.shape[1] == width:
+        places = numbers[:, :n_places]
+        whole = ((places >= 1) & (places <= n) & (places == np.floor(places))).all(axis=1)
+    else:
+        words = map(str.split, rows)
+        whole = np.array([len(each) == width and all(map(_NUMBER.fullmatch, each)) for each in words])
+    if not whole.all():
+        got, remedy = rows[int(np.argmin(whole))], "Export it again, as real numbers"
+        more = f", rows and columns from 1 to {n}" if n_places else ""
+        unsuitable(file, f"with the entry {got[:40]!r}", _MARKET.wanted, f"{remedy}{more}.")
+    return numbers
 
 
 # -- Matrices that Nastran's OUTPUT4 writes: text or binary, dense or sparse, of single or double precision

@@ -256,7 +256,7 @@ class _Bag:
         complex_ones = {name: values for name, values in numeric.items() if np.iscomplexobj(values)}
         among = complex_ones if self.given.responses is None and complex_ones else numeric
         channels, _ = self._responses(among, {*axes, *seen})
-        refuse_real(path, [c.values for c in channels])
+        refuse_real(path, [(c.name, c.values) for c in channels])
         if freq is None:
             lines = given_lines(path, self.given, channels[0].values.size)
         else:

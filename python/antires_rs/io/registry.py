@@ -221,11 +221,17 @@ def _check_axes(paths: list[Path], read: list[FrequencyResponse]) -> None:
         same = a.freq_hz.size == b.freq_hz.size
         return same and bool(np.abs(a.freq_hz - b.freq_hz).max() <= SAME_LINE * a.freq_hz[-1])
 
-    votes = [sum(alike(one, other) for other in read) for one in read]
-    most = votes.index(max(votes))
-    odd = next((i for i, one in enumerate(read) if not alike(read[most], one)), None)
-    if odd is not None:
-        wanted = f"{_axis(read[most])}, as {votes[most]} of {len(read)} files have ({paths[most].name})"
+    groups: list[list[int]] = []
+    for i, one in enumerate(read):
+        group = next((g for g in groups if alike(read[g[0]], one)), None)
+        if group is None:
+            groups.append([i])
+        else:
+            group.append(i)
+    most = max(groups, key=len)
+    if len(groups) > 1:
+        odd, usual = next(g[0] for g in groups if g is not most), most[0]
+        wanted = f"{_axis(read[usual])}, as {len(most)} of {len(read)} files have ({paths[usual].name})"
         remedy = "Export all files over the same frequencies, or leave that one out."
         unsuitable(paths[odd], f"with {_axis(read[odd])}", wanted, remedy)
 

@@ -501,7 +501,7 @@ def response_of(
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
             found = f"with other frequencies at {f.at} than at {wanted[0].at}"
             unsuitable(file, found, "one frequency axis for all", "Export all functions over the same lines.")
-    refuse_real(file, [f.values for f in wanted])
+    refuse_real(file, [(f"{f.what} of {f.at}", f.values) for f in wanted])
     if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
         kept_ones = [f for f in wanted if named(f.response)[0] is not None]
         kinds = [(f.at, (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
