@@ -122,17 +122,9 @@ def fits(
     """
     numbers = max(own.size for own in vectors) * (orders[-1] + 1)
     count = max(1, AT_A_TIME // numbers)
-    cuts = [slice(k, k + count) for k in range(0, len(over), count)]
-    return [one for some in cuts for one in _fits(over[some], freq_hz, vectors[some], weights, orders)]
-
-
-def _fits(
-    over: Sequence[Stretch],
-    freq_hz: FloatArray,
-    vectors: Sequence[ComplexArray],
-    weights: FloatArray,
-    orders: tuple[int, ...],
-) -> list[LocalFits]:
+    if len(over) > count:
+        cuts = [slice(k, k + count) for k in range(0, len(over), count)]
+        return [one for some in cuts for one in fits(over[some], freq_hz, vectors[some], weights, orders)]
     longest = max(one.lines.size for one in over)
     n_views, _, n_rows = vectors[0].shape
     v = np.zeros((len(over), n_views, longest, n_rows), dtype=np.complex128)
