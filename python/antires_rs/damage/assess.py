@@ -21,7 +21,7 @@ from ..optimize.island_ga import History, IslandGA, OptimizeResult, seed_of, thr
 from ..support.checks import FloatArray, integer, shape_of
 from ..support.messages import some
 from ..support.options import gathered
-from ..support.progress import patient, waiting
+from ..support.progress import one_blas_thread, patient, waiting
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.identifiability import smallest_visible
 from ..updating.model_check import Explained, explained
@@ -33,10 +33,11 @@ from ..updating.update import search as find
 from ..views import Viewed
 from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
-from .inference import common_loss, concluded, infer
+from .inference import Search, common_loss, concluded, confirmed, learned_from
 from .likelihood import Prepared, Question
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
+from .shape_search import found_shapes
 from .words import UNREDUCED, all_lost, headline, headline_of_one_state, largest_left, reservations
 
 if TYPE_CHECKING:
@@ -316,6 +317,22 @@ class DamageResult(Answered, UpdateResult):
 # -- The call
 
 
+@one_blas_thread
+def infer(
+    question: Question, rng: np.random.Generator, threads: int
+) -> tuple[Assessment, Prepared, ReductionReport | None]:
+    """Judge all hypotheses; what was made on the way, and how reduced models served."""
+    prepared = question.prepared(threads)
+    search = Search(prepared.likelihood, len(question.elements), question.prior)
+    search.run()
+    reduction = confirmed(search, prepared.likelihood)
+    if question.baseline and not question.reduced and not search.interrupted:
+        search.shaped = found_shapes(search, prepared, question)
+    learned = learned_from(prepared, question, rng)
+    found = concluded(search, question, learned, prepared.intact)
+    return found, prepared, reduction
+
+
 def assess_damage(
     model: StructuralModel,
     measured: Measured,
@@ -403,9 +420,9 @@ def _result(
     question: Question, found: Assessment, prepared: Prepared, reduction: ReductionReport | None, seed: int
 ) -> DamageResult:
     """The answer as a result: the model after the baseline, and the values as it would have them."""
-    nfev = prepared.likelihood.nfev
+    nfev, given = prepared.likelihood.nfev, prepared.n_given
     problem = UpdatingProblem(
-        question.model.with_parameters(prepared.factors, prepared.likelihood.factors),
+        question.model.with_parameters(prepared.factors[:given], prepared.likelihood.factors[:given]),
         stiffness_reduction(question.elements),
         prepared.corrected(found.severities),
         penalty=DamagePenalty(0.0, 0.0, 0.0),

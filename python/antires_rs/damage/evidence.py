@@ -151,7 +151,8 @@ BLIND = 1e-2
 
 @dataclass(frozen=True)
 class Fit:
-    """A set of damaged elements: log evidence, most probable severities, the Gaussian of u in bounds."""
+    """A set of damaged elements: log evidence, most probable severities, the Gaussian of u in bounds; its
+    covariance has what the model's own error makes of a loss."""
 
     elements: tuple[int, ...]
     log_evidence: float
@@ -225,9 +226,19 @@ def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR) -
     volume = 0.5 * (size * np.log(2.0 * np.pi) + spread) - size * np.log(HIGHEST)
     evidence = view.log_likelihood + 0.5 * np.sum(gain * step, axis=1)[near] + volume + inside
     return [
-        Fit(tuple(sets[nth]), log_evidence, -np.expm1(-best[nth]), mean[nth], covariance[nth], view)
-        for nth, log_evidence in zip(near.tolist(), evidence.tolist(), strict=True)
+        Fit(tuple(sets[nth]), log_evidence, -np.expm1(-best[nth]), mean[nth], wide, view)
+        for nth, log_evidence, wide in zip(
+            near.tolist(), evidence.tolist(), _widened(covariance[near], best[near], view), strict=True
+        )
     ]
+
+
+def _widened(covariance: FloatArray, u: FloatArray, view: View) -> FloatArray:
+    """Covariances (k, n, n) of u with the error that a wrong model makes of a loss."""
+    wide = covariance.copy()
+    at = np.arange(u.shape[1])
+    wide[:, at, at] += (view.gain_std * u) ** 2
+    return wide
 
 
 def refitted(view: View, elements: tuple[int, ...]) -> Fit:

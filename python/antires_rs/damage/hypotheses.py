@@ -64,7 +64,13 @@ class Hypothesis:
     low, high : tuple of float
         90 % intervals of these, given the hypothesis.
     candidate : bool
-        False for an element that was no candidate, and for the unknown change.
+        False for an element that was no candidate, and for what is in no element.
+    kind : str
+        ``'element'``: a loss of stiffness; ``'crack'``: a hinge in an element, whose severity is the loss of the
+        whole element that is as flexible; ``'joint'``, ``'support'``, ``'mass'``, ``'sensor'``: something else,
+        of which ``elements`` is ``(-1,)``; ``'unknown'``; ``''`` of no damage.
+    place : str
+        Where a crack or something else is, with the 90 % interval of a crack's place.
 
     Examples
     --------
@@ -80,6 +86,8 @@ class Hypothesis:
     low: tuple[float, ...]
     high: tuple[float, ...]
     candidate: bool
+    kind: str = "element"
+    place: str = ""
 
     @property
     def unknown(self) -> bool:
@@ -125,10 +133,11 @@ class Hypotheses(Viewed):
     def called(self, one: Hypothesis) -> str:
         """A hypothesis in words."""
         if one.unknown:
-            return "something else"
+            return one.place or "something else"
         if not one.elements:
             return "no damage"
-        return self.named(one.elements) + ("" if one.candidate else " (no candidate)")
+        crack = f": {one.place}" if one.place else ""
+        return self.named(one.elements) + crack + ("" if one.candidate else " (no candidate)")
 
     def named(self, elements: Sequence[int]) -> str:
         """Elements by name."""
@@ -258,7 +267,7 @@ class Assessment(Value, Taught):
 
         spare = max(self.n_matched - len(self.best.severities), 1)
         fits = float(chdtrc(spare, self.chi_square * spare)) > _HARDLY
-        return bool(fits and not self.best.unknown)
+        return bool(fits and (not self.best.unknown or self.best.place))
 
     @property
     def answer(self) -> Hypothesis | None:

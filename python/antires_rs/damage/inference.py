@@ -13,7 +13,7 @@ import numpy as np
 
 from ..exceptions import reject
 from ..support.checks import FloatArray
-from ..support.progress import one_blas_thread, step
+from ..support.progress import step
 from ..updating.model_check import Pairs, hint_between_states, roots_between
 from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
@@ -23,6 +23,7 @@ from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
+from .shapes import CRACKED, Found, Shaped
 
 # -- Which elements may be damaged: a beam search over sets of elements
 #
@@ -32,6 +33,12 @@ from .reduced_roots import TOLERANCE, ReducedRoots
 # there are many elements a scan looks at those that would explain most to first order.
 
 Elements = tuple[int, ...]
+
+
+def other_key(nth: int) -> Elements:
+    """In place of elements, for what is in none of them."""
+    return (-2 - nth,)
+
 
 #: More elements than these are not all scanned; of one damage, and of a further one, so many are.
 _MANY_ELEMENTS, _SCANNED_ELEMENTS = 60, (40, 16)
@@ -83,6 +90,7 @@ class Search:
     screened: tuple[int, int] | None = None  # scanned for a single damage, of how many, unless all were
     #: Sets that explain far less than others without coming to rest; elements that sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
+    shaped: Found = field(default_factory=Found)
 
     def run(self) -> None:
         """Judge sets of up to three elements; after Ctrl-C those judged so far stay."""
@@ -164,7 +172,7 @@ class Search:
             if fits := fitted(view, [elements]):
                 self.fits[elements] = fits[0]
                 return
-            (view,) = self.likelihood.views(_stepped(elements, view)[None])
+            (view,) = self.likelihood.views(stepped(elements, view)[None])
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -208,7 +216,7 @@ class Search:
         view, count = fit.view, fit.view.n_matched
         gains = view.gains
         gains[list(fit.elements)] = 0.0
-        fits = view.chi_square <= count + _TOO_MUCH * np.sqrt(2.0 * count)
+        fits = not too_much(view)
         all_there = view.partner.size - count <= max(1, _LOST * view.partner.size)
         # Errors as they are stated: larger ones would explain anything.
         stated = view.times <= (_WIDER if fit.elements else 1.0)
@@ -230,7 +238,32 @@ class Search:
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements, and of what is no damage of an element."""
         found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-        return found | {UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
+        for s, one in self.shaped.cracked.items():
+            whole = found.get(s, -np.inf) + np.log1p(-CRACKED)
+            found[s] = float(np.logaddexp(whole, one.log_evidence + np.log(CRACKED) + self.log_prior(s)))
+        unknown = self._log_priors[-1]
+        if self.shaped.others:  # what is elsewhere may be of a known kind
+            elsewhere = self.prior.log_elsewhere(1)
+            unknown = float(np.log(self.prior.unknown)) if self.prior.unknown else -np.inf
+            for nth, one in enumerate(self.shaped.others):
+                found[other_key(nth)] = one.log_evidence + elsewhere
+        return found | {UNKNOWN: self.likelihood.something_else + unknown}
+
+    def shaped_as(self, key: Elements) -> Shaped | None:
+        """What is more probable than the loss of these whole elements, or is in none of them."""
+        if key and key[0] < -1:
+            return self.shaped.others[-2 - key[0]]
+        one, whole = self.shaped.cracked.get(key), self.fits.get(key)
+        if one is None or whole is None:
+            return one
+        odds = one.log_evidence - whole.log_evidence
+        return one if odds > np.log1p(-CRACKED) - np.log(CRACKED) else None
+
+    def view_of(self, key: Elements) -> View:
+        """The values as the likeliest of a hypothesis sees them."""
+        one = self.shaped_as(key)
+        view: View = self.fits[() if key == UNKNOWN else key].view if one is None else one.view
+        return view
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""
@@ -284,7 +317,7 @@ class Search:
                 near = sorted(kept | {n for n, elements in enumerate(sets) if len(elements) == 1})
                 sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
             for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
-                betas[row] = _stepped(elements, view)
+                betas[row] = stepped(elements, view)
         views = self.likelihood.views(betas)
         for elements, view in zip(sets, views, strict=True):
             self._judge(elements, view)
@@ -305,13 +338,19 @@ class Search:
             ]
             if not moving:
                 break
-            betas = np.array([_stepped(sets[n], views[n]) for n in moving])
+            betas = np.array([stepped(sets[n], views[n]) for n in moving])
             for n, view in zip(moving, self.likelihood.views(betas), strict=True):
                 views[n] = view
                 self._judge(sets[n], view)
 
 
-def _stepped(elements: Elements, view: View) -> FloatArray:
+def too_much(view: View) -> bool:
+    """Whether chi-square is more than errors as they are make it."""
+    count = view.n_matched
+    return bool(view.chi_square > count + _TOO_MUCH * np.sqrt(2.0 * count))
+
+
+def stepped(elements: Elements, view: View) -> FloatArray:
     """Severities of all elements (n,) after a Newton step of a set from where it is seen."""
     beta, at = view.beta.copy(), np.array(elements)
     matrix = view.curvature[np.ix_(at, at)]
@@ -449,7 +488,7 @@ def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tup
 
 #: Probability of the intervals, and the shares between which they lie.
 LEVEL = 0.9
-_SHARES = (0.05, 0.95)
+SHARES = (0.05, 0.95)
 #: Hypotheses below this probability are dropped.
 _LEAST = 1e-9
 
@@ -505,8 +544,8 @@ def learned_from(
 
 def posterior(
     search: Search, weights: dict[Elements, float], numbers: Sequence[int], kept: Elements, least: float
-) -> list[Hypothesis]:
-    """Hypotheses with their probabilities, the most probable first; ``numbers`` are the elements' own.
+) -> list[tuple[Elements, Hypothesis]]:
+    """Hypotheses with their keys and their probabilities, the most probable first; ``numbers`` are the elements' own.
     Those of less than the ``least`` probability are dropped, but for no damage and ``kept``."""
     from scipy.special import logsumexp
 
@@ -520,15 +559,24 @@ def posterior(
         probability = min(float(np.exp(weight - total)), 1.0)
         if probability < least and elements and elements != kept:
             continue
-        if elements not in search.fits:
-            rows.append(Hypothesis(elements, probability, (), (), (), candidate=False))
-            continue
-        fit = search.fits[elements]
-        ends = [fit.interval(nth, _SHARES) for nth in range(len(elements))]
-        low, high = (tuple(end[side] for end in ends) for side in (0, 1))
-        own, candidate = tuple(numbers[e] for e in elements), not search.outside(elements)
-        rows.append(Hypothesis(own, probability, tuple(fit.beta.tolist()), low, high, candidate))
-    return sorted(rows, key=lambda one: (-one.probability, one.elements))
+        rows.append((elements, _hypothesis(search, elements, probability, numbers)))
+    return sorted(rows, key=lambda row: (-row[1].probability, row[0]))
+
+
+def _hypothesis(search: Search, key: Elements, probability: float, numbers: Sequence[int]) -> Hypothesis:
+    """One row of the table."""
+    if key == UNKNOWN:
+        return Hypothesis(UNKNOWN, probability, (), (), (), candidate=False, kind="unknown")
+    one = search.shaped_as(key)
+    if one is not None:
+        own = UNKNOWN if key[0] < 0 else tuple(numbers[e] for e in key)
+        words: Any = {"candidate": key[0] >= 0, "kind": one.kind, "place": one.place}
+        return Hypothesis(own, probability, one.severities, one.low, one.high, **words)
+    fit = search.fits[key]
+    ends = [fit.interval(nth, SHARES) for nth in range(len(key))]
+    low, high = (tuple(end[side] for end in ends) for side in (0, 1))
+    own, candidate = tuple(numbers[e] for e in key), not search.outside(key)
+    return Hypothesis(own, probability, tuple(fit.beta.tolist()), low, high, candidate)
 
 
 def concluded(
@@ -543,17 +591,18 @@ def concluded(
     """Hypotheses with their probabilities, and how well the best explains the values."""
     likelihood, now, numbers = search.likelihood, search.likelihood.now, question.numbers
     weights = search.log_weights()
-    damage = {s: w for s, w in weights.items() if s and s in search.fits and not search.outside(s)}
+    damage = {s: w for s, w in weights.items() if s and s[0] >= 0 and not search.outside(s)}
     likeliest = max(damage, key=lambda s: damage[s], default=())
-    rows = posterior(search, weights, numbers, likeliest, least)
-    best = rows[0]
+    judged = posterior(search, weights, numbers, likeliest, least)
+    rows = [one for _, one in judged]
+    key, best = judged[0]
     declared = best.elements if best.candidate else ()
     if best.candidate and learned.threshold is not None:
         odds = float(np.logaddexp.reduce([-np.inf, *damage.values()])) - weights[()]
         declared = tuple(numbers[e] for e in likeliest) if odds > learned.threshold else ()
-    own = () if best.unknown else tuple(numbers.index(e) for e in best.elements)
-    view, matched = search.fits[own].view, search.fits[own].view.n_matched
-    shift = likelihood.moved_alike if best.unknown else 0.0
+    view = search.view_of(key)
+    matched, n_free = view.n_matched, 1 if key[:1] < (-1,) else len(best.severities)
+    shift = likelihood.moved_alike if key == UNKNOWN else float(np.expm1(view.shift))
     taught = {each.name: getattr(learned, each.name) for each in fields(Taught)}
     taught["notes"] = (*learned.notes, *notes, *_notes(search, shift))
     found = Assessment(
@@ -561,7 +610,7 @@ def concluded(
         hypotheses=Hypotheses(rows, {e: question.model.element_label(e) for e in numbers}),
         group=tuple(together(rows)),
         declared=declared,
-        chi_square=view.chi_square / max(matched - len(own), 1) if matched else np.nan,
+        chi_square=view.chi_square / max(matched - n_free, 1) if matched else np.nan,
         n_values=now.size,
         n_matched=matched,
         kappa=view.kappa,
@@ -607,20 +656,6 @@ def _notes(search: Search, shift: float) -> list[str]:
             "to 97 % loss; the others were judged from the slopes of the undamaged model."
         )
     return notes
-
-
-@one_blas_thread
-def infer(
-    question: Question, rng: np.random.Generator, threads: int
-) -> tuple[Assessment, Prepared, ReductionReport | None]:
-    """Judge all hypotheses; what was made on the way, and how reduced models served."""
-    prepared = question.prepared(threads)
-    search = Search(prepared.likelihood, len(question.elements), question.prior)
-    search.run()
-    reduction = confirmed(search, prepared.likelihood)
-    learned = learned_from(prepared, question, rng)
-    found = concluded(search, question, learned, prepared.intact)
-    return found, prepared, reduction
 
 
 # -- Without a baseline: is one factor on all stiffnesses more probable than the losses of many elements?

@@ -40,6 +40,7 @@ from .measured_states import (
     Source,
     Values,
     contradiction,
+    follow,
     measured_states,
     price_alone,
     roots_at,
@@ -47,6 +48,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
+from .shapes import frame_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -81,21 +83,25 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
 
 # -- What the baseline tells of the errors
 
-#: Median and logarithmic standard deviation of the priors of s and tau, of frequencies and of shapes.
-S, TAU, TAU_SHAPE = (0.05, 1.5), (1e-3, 1.5), (5e-3, 1.5)
+#: Median and logarithmic standard deviation of the priors of s, of factors and of what joints and supports
+#: yield, and of tau, of frequencies and of shapes.
+S, S_JOINTS, TAU, TAU_SHAPE = (0.05, 1.5), (0.05, 1.5), (1e-3, 1.5), (5e-3, 1.5)
 _S_GRID = np.geomspace(5e-4, 0.6, 22)
 _TAU_GRID = np.geomspace(2e-6, 0.15, 18)
 #: Without a baseline the roots' own errors are this share of what is assumed of the factors.
 _TAU_SHARE = 0.2
 #: Errors with which values and roots are associated, step by step; later ones are multiples of tau.
-_FIRST = (0.1, 0.03, 0.01, 0.004)
+_FIRST = (0.1, 0.03, 0.02, 0.02)
 _MULTIPLE = 3.0
-#: The same for coordinates of shapes; and the least of them later on.
-_FIRST_SHAPE, _LEAST_SHAPE = (0.5, 0.3, 0.2, 0.1), 0.05
+#: The least of them: values that fall out of a narrow association make tau smaller, and more of them fall out.
+#: And the same of shapes.
+_LEAST, _FIRST_SHAPE, _LEAST_SHAPE = 0.02, (0.5, 0.3, 0.2, 0.1), 0.05
 #: Least and largest share of the model's error that no factor explains; and what it is where the baseline
 #: has no value to spare that would tell.
 _OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
+#: ln of what joints and supports may keep, to begin with where the model as given does not lead to the values.
+_YIELDING = (-0.3, -0.8)
 #: Share of values without a root that asks for another first association.
 _LOST = 0.05
 #: Largest step of ln factor in one iteration, and its bound.
@@ -107,7 +113,7 @@ class ModelError:
     """The model after the baseline: p factors, r roots, m values of the intact structure."""
 
     theta: FloatArray  # ln factors at which the model is evaluated, (p,)
-    s: float  # their scatter
+    s: float  # scatter of stiffness and mass factors
     taus: FloatArray  # scatter of the own errors of frequencies and of shapes
     intact: Roots  # the undamaged model's
     partner: NDArray[np.intp]  # root of each value, -1 without one
@@ -161,9 +167,16 @@ def rows_of(slopes: FloatArray, identity: NDArray[np.intp], intact: Roots) -> Fl
 
 
 def learned(
-    core: Core, n_elements: int, n_factors: int, values: Values, assumed: float | None, threads: int
+    core: Core,
+    n_elements: int,
+    group: NDArray[np.intp],
+    values: Values,
+    assumed: float | None,
+    threads: int,
 ) -> ModelError:
-    """Theta, s and taus from the baseline; ``assumed`` is s where it is not to be learned."""
+    """Theta, s and taus from the baseline; ``assumed`` is s where it is not to be learned. Factors of one
+    ``group`` (p,) have one scatter: 0 of stiffness and mass, 1 of joints and supports."""
+    n_factors = group.size
 
     def undamaged(theta: FloatArray) -> tuple[Roots, FloatArray]:
         """The roots, and their slopes by theta."""
@@ -171,25 +184,31 @@ def learned(
         found = roots_at(core, x[None], slopes=True, threads=threads)[0]
         return found, found.slopes[:, n_elements:] * np.exp(theta)
 
-    theta, s, taus = np.zeros(n_factors), S[0], np.array([TAU[0], TAU_SHAPE[0]])
+    theta, s = np.zeros(n_factors), np.array([S[0], S_JOINTS[0]])[: int(group.max(initial=0)) + 1]
+    taus = np.array([TAU[0], TAU_SHAPE[0]])
     if assumed is not None:
-        s, taus = assumed, np.full(2, _TAU_SHARE * assumed)
+        s, taus = np.full(s.size, assumed), np.full(2, _TAU_SHARE * assumed)
     if not values.size:
         intact, _ = undamaged(theta)
-        prior = np.concatenate([np.full(n_factors, s**2), taus[intact.kind] ** 2])
+        prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         none, partner = np.empty((0, prior.size)), np.empty(0, dtype=np.intp)
         mean = np.zeros(prior.size)
-        return ModelError(theta, s, taus, intact, partner, values.log_f, 0.0, mean, none, prior, None)
-    scales = None if assumed is None else (s, taus)
-    found, log_evidence, settled = _from(0, theta, scales, values, undamaged)
+        return ModelError(theta, s[0], taus, intact, partner, values.log_f, 0.0, mean, none, prior, None)
+    fixed = assumed is not None
+    rest = group, s, taus, fixed, values, undamaged
+    found, log_evidence, settled = _from(0, theta, *rest)
     lost = np.count_nonzero(found.partner < 0)
     if settled and lost <= max(1, _LOST * values.size):
         return found
     # Among many roots a wide first association may join a whole run of values to their neighbours, which
     # wild factors then explain: the others begin narrower, and what makes the values most probable counts.
-    for first in range(1, len(_FIRST) - 1):
+    # And where joints yield much, values are so far from the model's that they join others.
+    starts = [(first, theta) for first in range(1, len(_FIRST) - 1)]
+    if group.any():
+        starts += [(first, np.where(group == 1, yielding, 0.0)) for yielding in _YIELDING for first in (0, 1)]
+    for first, start in starts:
         step("learning the model's errors again")
-        other, its_evidence, _ = _from(first, theta, scales, values, undamaged)
+        other, its_evidence, _ = _from(first, start, *rest)
         if its_evidence > log_evidence:
             found, log_evidence = other, its_evidence
     return found
@@ -198,18 +217,20 @@ def learned(
 def _from(
     first: int,
     theta: FloatArray,
-    scales: tuple[float, FloatArray] | None,
+    group: NDArray[np.intp],
+    s: FloatArray,
+    taus: FloatArray,
+    fixed: bool,
     values: Values,
     undamaged: Callable[[FloatArray], tuple[Roots, FloatArray]],
 ) -> tuple[ModelError, float, bool]:
     """The errors learned from one width of the first association, the log evidence, whether it settled;
-    ``scales`` are s and taus where they are not to be learned."""
+    s and taus are ``fixed`` where they are not to be learned."""
     from scipy.linalg import cho_factor, cho_solve
 
     plain = values.plain.log_f
     low, high = plain.min(), plain.max()
     n, settled = theta.size, False
-    s, taus = scales or (S[0], np.array([TAU[0], TAU_SHAPE[0]]))
     for nth in range(first, _ITERATIONS + first + 1):
         intact, slopes = undamaged(theta)
         last = settled or nth == _ITERATIONS + first
@@ -217,7 +238,7 @@ def _from(
         if at < len(_FIRST):
             spread = np.array([_FIRST[at], _FIRST_SHAPE[at]])
         else:
-            spread = np.maximum(_MULTIPLE * taus, [0.0, _LEAST_SHAPE])
+            spread = np.maximum(_MULTIPLE * taus, [_LEAST, _LEAST_SHAPE])
         inside = (intact.kind == 0) & intact.between(low, high)
         missed = np.where(inside, -np.log(1.0 - FOUND_ONCE), 0.0)
         alone = price_alone(low, high)
@@ -227,9 +248,9 @@ def _from(
         root, std = partner[has], values.std[has]
         rows = rows_of(slopes[root], root, intact)
         y = place[has] - intact.log_f[root] + slopes[root] @ theta
-        if scales is None and not last:
-            s, taus = _scales(rows, y, std, n, intact.kind)
-        prior = np.concatenate([np.full(n, s**2), taus[intact.kind] ** 2])
+        if not fixed and not last:
+            s, taus = _scales(rows, y, std, group, intact.kind)
+        prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         factor = cho_factor((rows * prior) @ rows.T + np.diag(std**2), lower=True)
         mean = prior * (rows.T @ cho_solve(factor, y))
         if last:
@@ -240,29 +261,29 @@ def _from(
     log_evidence = -0.5 * float(y @ cho_solve(factor, y)) - float(np.log(np.diag(factor[0])).sum())
     log_evidence -= 0.5 * y.size * float(np.log(2.0 * np.pi)) + (values.size - y.size) * alone
     mean[:n] -= theta
-    by_factors = (rows[:, :n] * s) @ (rows[:, :n] * s).T
+    by_factors = (rows[:, :n] * s[group]) @ (rows[:, :n] * s[group]).T
     spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
-    found = ModelError(theta, s, taus, intact, partner, place, spare, mean, rows, prior, factor)
+    found = ModelError(theta, s[0], taus, intact, partner, place, spare, mean, rows, prior, factor)
     return found, log_evidence, settled
 
 
 def _scales(
-    rows: FloatArray, y: FloatArray, std: FloatArray, n: int, kind: NDArray[np.intp]
-) -> tuple[float, FloatArray]:
-    """s and the taus under which y is most probable, by turns on their grids."""
+    rows: FloatArray, y: FloatArray, std: FloatArray, group: NDArray[np.intp], kind: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """s of each group and the taus under which y is most probable, by turns on their grids."""
     from scipy.linalg import cho_factor, cho_solve
 
-    own = rows[:, n:]
-    parts = [rows[:, :n] @ rows[:, :n].T]
+    theta, own = rows[:, : group.size], rows[:, group.size :]
+    n_groups = int(group.max(initial=0)) + 1
+    parts = [theta[:, group == each] @ theta[:, group == each].T for each in range(n_groups)]
     parts += [own[:, kind == each] @ own[:, kind == each].T for each in np.unique(kind)]
-    priors, grids = [S, TAU, TAU_SHAPE][: len(parts)], [_S_GRID, _TAU_GRID, _TAU_GRID]
+    priors = [*(S, S_JOINTS)[:n_groups], *(TAU, TAU_SHAPE)[: len(parts) - n_groups]]
+    grids = [*([_S_GRID] * n_groups), *([_TAU_GRID] * (len(parts) - n_groups))]
     noise = np.diag(std**2)
 
     def log_evidence(scales: list[float]) -> float:
-        spread = scales[0] ** 2 * parts[0]
-        for scale, part in zip(scales[1:], parts[1:], strict=True):
-            spread = spread + scale**2 * part
-        factor = cho_factor(spread + noise, lower=True)
+        spread = noise + sum(scale**2 * part for scale, part in zip(scales, parts, strict=True))
+        factor = cho_factor(spread, lower=True)
         prior = sum((np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(scales, priors, strict=True))
         return float(-0.5 * (y @ cho_solve(factor, y) + prior) - np.sum(np.log(np.diag(factor[0]))))
 
@@ -273,7 +294,8 @@ def _scales(
             trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
             scales = max(trial, key=log_evidence)
         if scales == before:
-            return scales[0], np.array([*scales[1:], TAU_SHAPE[0]][:2])
+            taus = [*scales[n_groups:], TAU_SHAPE[0]][:2]
+            return np.array(scales[:n_groups]), np.array(taus)
 
 
 # -- The values of now, seen from one point of the severities: which root each belongs to, and what it says
@@ -297,6 +319,15 @@ ERRORS = (
     (1.6, 2.0, 0.05),
 )
 Errors = tuple[tuple[float, float, float], ...]
+#: The same with the standard deviation of a change of all values alike.
+AllErrors = tuple[tuple[float, float, float, float], ...]
+#: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation (ln f),
+#: its share of the probability, and the errors beside which it is looked at.
+_ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
+#: Error of a loss that the model's error makes, in u = -ln(1 - beta): so many times u and the scatter of the
+#: model's factors, since what a wrong model lacks is not seen in how it explains the baseline. Set on
+#: building, elastic beam and grillage of ``reference.outside_structures``.
+GAIN_ERROR = 0.7
 #: Share of the mean square of all changes that counts in the error of each one, however small its own.
 _COMMON = 0.5
 #: In the association, before anything is known of kappa; and by how much all errors are widened.
@@ -320,6 +351,8 @@ class View:
     residual: FloatArray  # of the values that have a root, ln f
     std: FloatArray
     chi_square: float
+    shift: float = 0.0  # of all values alike, ln f, where such a change is part of the most probable error
+    gain_std: float = 0.0  # relative error of a loss (u) by that of the model
 
     @property
     def gains(self) -> FloatArray:
@@ -356,9 +389,10 @@ class Foreseen(NamedTuple):
     spread: FloatArray  # covariance, (r, r)
     change: FloatArray  # from the intact state
     seen: NDArray[np.bool_]  # in the intact state
+    gain_std: float  # relative error of a loss (u)
 
 
-def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: Errors) -> View:
+def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: AllErrors) -> View:
     """The more probable of the two ways to associate values and roots."""
     variance = np.maximum(np.diag(roots.spread), 0.0) + (_FIRST_KAPPA * roots.change) ** 2
     found: list[View] = []
@@ -390,7 +424,7 @@ def _judged(
     roots: Foreseen,
     partner: NDArray[np.intp],
     price: float,
-    errors: Errors,
+    errors: AllErrors,
 ) -> View:
     """Likelihood and slopes, for one way to associate."""
     from scipy.linalg.lapack import dtrtrs
@@ -403,8 +437,10 @@ def _judged(
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    kappa, times, share = np.array(errors).T[..., None, None]
-    triangles = np.linalg.cholesky(model + times**2 * noise + kappa**2 * unmodelled)
+    kappa, times, share, alike = np.array(errors).T[..., None, None]
+    frequency = (roots.roots.kind[root] == 0).astype(np.float64)
+    spread = times**2 * noise + kappa**2 * unmodelled + alike**2 * np.outer(frequency, frequency)
+    triangles = np.linalg.cholesky(model + spread)
     # A row-major lower triangle is a column-major upper one.
     solved = [dtrtrs(each.T, residual, trans=1)[0] for each in triangles] if has.size else []
     white = np.reshape(solved, (len(errors), has.size))
@@ -415,6 +451,9 @@ def _judged(
     slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
+    shift = 0.0
+    if errors[best][3] and has.size:
+        shift = errors[best][3] ** 2 * float(dtrtrs(triangles[best].T, frequency, trans=1)[0] @ white[best])
     return View(
         beta=beta,
         log_likelihood=float(np.logaddexp.reduce(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
@@ -427,7 +466,17 @@ def _judged(
         residual=residual,
         std=np.linalg.norm(triangles[best], axis=1),
         chi_square=float(white[best] @ white[best]),
+        shift=shift,
+        gain_std=roots.gain_std,
     )
+
+
+def all_errors(outside: float) -> AllErrors:
+    """Errors without and with a change of all values alike; ``outside`` is :attr:`ModelError.outside`."""
+    alone = [(outside * k, times, p * (1.0 - _WITH_ALIKE), 0.0) for k, times, p in ERRORS]
+    beside = [each for each in ERRORS if each[:2] in _BESIDE_ALIKE]
+    share = _WITH_ALIKE / sum(p for *_, p in beside)
+    return (*alone, *((outside * k, times, p * share, _ALIKE_STD) for k, times, p in beside))
 
 
 def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
@@ -464,7 +513,7 @@ def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray)
 
     roots = Roots(both[order], places[order], joined(there.roots.slopes))
     beside, change, seen = map(joined, (there.beside, there.change, there.seen))
-    return Foreseen(roots, places[order], beside, spread[np.ix_(order, order)], change, seen)
+    return Foreseen(roots, places[order], beside, spread[np.ix_(order, order)], change, seen, there.gain_std)
 
 
 # -- The likelihood, wherever the roots come from, and how probable changes are that are no damage
@@ -480,6 +529,8 @@ _NOTHING = 40.0
 _NEW = 0.1
 #: Roots so far outside of what was measured (ln f) are not looked at.
 _MARGIN = 0.3
+#: Responses on one line, so far apart.
+_APART = 100.0
 
 
 class ValueLikelihood(ABC):
@@ -559,12 +610,15 @@ class Likelihood(ValueLikelihood):
         now: Values,
         common: float,
         threads: int,
+        ambient: FloatArray | None = None,
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev = common, 0
         self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
-        self._errors = tuple((error.outside * kappa, times, p) for kappa, times, p in ERRORS)
+        #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
+        self.ambient = np.zeros((self.factors.size, 0)) if ambient is None else ambient
+        self._errors = all_errors(error.outside)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
 
@@ -622,19 +676,25 @@ class Likelihood(ValueLikelihood):
         """See the base class."""
         return self._view(np.zeros(self.n), self._undamaged, extra, common)
 
-    def _view(self, beta: FloatArray, roots: Roots, extra: float, common: float = 0.0) -> View:
+    def _view(self, beta: FloatArray, roots: Roots, extra: float | FloatArray, common: float = 0.0) -> View:
+        """``extra`` is the error of every value, or of those of each response."""
         roots, identity, followed = self.near(roots)
         error, log_f, slopes = self.error, roots.log_f, roots.slopes
-        beside, spread = error.predicted(slopes[:, self.n :] * self.factors, identity, roots.kind)
-        old = identity >= 0
+        by_theta = slopes[:, self.n :] * self.factors
+        beside, spread = error.predicted(by_theta, identity, roots.kind)
+        old, moved = identity >= 0, by_theta @ self.ambient
         alike = np.hypot(self.common, common) * (roots.kind == 0)
+        own = (
+            np.broadcast_to(extra, log_f.shape) if np.ndim(extra) == 0 else np.asarray(extra)[roots.response]
+        )
         foreseen = Foreseen(
             roots,
             log_f + beside,
             beside,
-            spread + extra**2 * np.eye(log_f.size) + np.outer(alike, alike),
+            spread + np.diag(own**2) + np.outer(alike, alike) + moved @ moved.T,
             np.where(old, log_f - error.intact.log_f[identity], _NEW),
             old & error.seen[identity],
+            GAIN_ERROR * error.s,
         )
         if not isinstance(roots, ModeRoots):  # modes do not vanish
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
@@ -656,6 +716,21 @@ class Prepared(NamedTuple):
     intact: Values
     scatter: float
     odd: Contradiction
+    #: The model with what its joints and supports may yield, which ``factors`` are of too.
+    base: StructuralModel
+    plain: Core  # the roots of the model as it was given
+    n_given: int  # factors that are of this
+
+    @property
+    def reductions(self) -> tuple[Parameter, ...]:
+        """The losses of all elements."""
+        return tuple(stiffness_reduction(self.numbers))
+
+    @property
+    def stiffness_factors(self) -> dict[int, float]:
+        """Factor of each element's stiffness after the baseline."""
+        pairs = zip(self.factors, self.likelihood.factors.tolist(), strict=True)
+        return {p.terms[0]: value for p, value in pairs if p.quantity == "stiffness_factor"}
 
     def corrected(self, severities: dict[int, float]) -> list[Any]:
         """The sets of now as the model after the baseline would have them: what is wrong in both states
@@ -664,7 +739,19 @@ class Prepared(NamedTuple):
         betas = likelihood.rows([self.numbers.index(e) for e in severities], [list(severities.values())])
         view, roots = likelihood.views(betas)[0], likelihood.near(likelihood.roots(betas, slopes=False)[0])[0]
         responses: Any = self.responses
-        return list(responses.corrected(now, roots, view.partner, view.beside))
+        beside = view.beside
+        if self.plain is not likelihood.core:  # the tables are of the model as it was given
+            x = np.concatenate([betas[0], likelihood.factors[: self.n_given]])
+            given = roots_at(self.plain, x[None], slopes=False, threads=likelihood.threads)[0]
+            was, has = follow(given, roots), np.flatnonzero(view.partner >= 0)
+            shift = np.where(was >= 0, roots.log_f - given.log_f[was], 0.0)
+            place = _APART * roots.response + roots.log_f
+            order = np.argsort(place)
+            own = _APART * now.response[has] + now.log_f[has] - view.residual - view.beside[has]
+            at = order[np.clip(np.searchsorted(place[order], own - 1e-9), 0, place.size - 1)]
+            beside = beside.copy()
+            beside[has] += shift[at]
+        return list(responses.corrected(now, roots, view.partner, beside))
 
 
 @dataclass(frozen=True)
@@ -695,14 +782,23 @@ class Question:
         model, numbers, factors = self.model, self.numbers, factors_of(self.model)
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
+        how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
-        core: Any = responses.source(model, parts, **({"silent": True} if silent else {}))
+        core: Any = responses.source(model, parts, **how)
+        base, plain, n_given = model, core, len(factors)
+        yielding = None if self.reduced or self.model_error else frame_of(model)
+        if yielding is not None and isinstance(responses, Responses) and (joints := yielding.joints()):
+            base = joints.joined(model)
+            factors = (*factors, *joints.factors(model, BOUNDS))
+            parts = base.description.core_parameters((*stiffness_reduction(numbers), *factors))
+            core = responses.source(base, parts, **how)
+        group = np.repeat([0, 1], [n_given, len(factors) - n_given])
         if self.reduced and isinstance(responses, Responses):
             core = ReducedRoots(Terms(model, responses.parts, numbers, factors), core)
         if not self._taught:
 
             def taught(intact: Values) -> ModelError:
-                return learned(core, len(numbers), len(factors), intact, self.model_error, threads)
+                return learned(core, len(numbers), group, intact, self.model_error, threads)
 
             step("learning the model's errors")
             error = taught(intact)
@@ -722,7 +818,7 @@ class Question:
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
         likelihood = Likelihood(core, len(numbers), error, intact, now, self.options.std_common, threads)
-        return Prepared(likelihood, numbers, factors, responses, intact, scatter, odd)
+        return Prepared(likelihood, numbers, factors, responses, intact, scatter, odd, base, plain, n_given)
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -134,6 +134,11 @@ class Sampled:
         chosen = evenly_chosen(self.weight, count, rng)
         return np.asarray(self.beta[rng.permutation(chosen)])
 
+    def widened(self, gain_std: float, rng: np.random.Generator) -> Sampled:
+        """With the error that a wrong model makes of a loss, which the likelihood does not know."""
+        u = -np.log1p(-self.beta) * (1.0 + gain_std * rng.standard_normal(self.beta.shape))
+        return replace(self, beta=-np.expm1(-np.clip(u, 0.0, FURTHEST)))
+
     def quantiles(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
         """Quantiles of one severity."""
         order = np.argsort(self.beta[:, nth])
@@ -242,7 +247,10 @@ def severity_intervals(
         rng = np.random.default_rng([seed, nth])
         few = max(int(_WORTH * draws * (1.0 if one is declared else one.probability)), _LEAST)
         name, main = found.hypotheses.called(one), one is declared or one.probability >= _MAIN
-        part = sampled(prepared.likelihood, fit, few, rng, name, main) if sure else linear(fit, draws, rng)
+        part = linear(fit, draws, rng)
+        if sure:
+            drawn = sampled(prepared.likelihood, fit, few, rng, name, main)
+            part = drawn.widened(fit.view.gain_std, rng)
         if sure and part.effective < _FEW * few:
             notes.append(f"Draws of {name} are worth {part.effective:.0f} independent ones: take more.")
         parts.append((fit, part))

@@ -67,7 +67,7 @@ _BARELY = 2
 
 def _answer(found: Assessment) -> list[str]:
     """Sentences, the first the answer."""
-    if found.best.unknown and found.moved_alike:
+    if found.moved_alike and not found.best.severities:
         return _shifted(found)
     declared = found.answer
     if not found.best.candidate:
@@ -282,7 +282,7 @@ def _stopped(found: Assessment, many: int) -> list[str]:
 def _if_trusted(found: Assessment) -> str:
     """The answer in one sentence, where what it rests on is in doubt."""
     trusted = "baseline" if found.odd_baselines else "model"
-    if found.best.unknown and found.moved_alike:
+    if found.moved_alike and not found.best.severities:
         what = "all values have moved alike, which is temperature or clock rather than damage"
     elif not found.best.candidate:
         what = "something has changed that none of the candidates explains"

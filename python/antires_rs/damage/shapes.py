@@ -1,0 +1,276 @@
+"""Damage that is no loss of a whole element: cracks, loosened joints, added mass, a sensor that has moved.
+
+A hinge at the share x of a beam leaves, as rigid pieces, the displacement d of the second end when the first
+is held: a unit turn and what it carries along. With the beam's stiffness K, a rotational spring there turns
+
+.. math:: K \\;\\to\\; K - \\beta\\, \\frac{K d\\, d^T K}{d^T K d}, \\qquad
+   \\varphi = \\frac{\\beta}{1 - \\beta}\\, \\frac{1}{d^T K d},
+
+where beta = 0 is the sound beam, 1 a free hinge, and phi (rad / N m) the spring's flexibility; this holds for
+any beam theory. So a crack is a loss of stiffness of one more term, of rank one, and is judged as any other.
+Cracks as rotational springs: A. D. Dimarogonas, Eng. Fract. Mech. 55 (1996) 831-857.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from ..models.frame import FrameModel
+from ..models.matrix_model import MatrixModel
+from ..models.parameters import Parameter
+from ..models.structural_model import ModelDescription
+from ..support.checks import FloatArray
+from ..support.messages import unheard
+
+if TYPE_CHECKING:
+    from ..models.structural_model import StructuralModel
+
+Kind = Literal["crack", "joint", "support", "mass"]
+#: Share of the prior of an element's damage that is of cracks.
+CRACKED = 0.3
+
+#: Places of cracks along an element.
+PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)
+#: The largest mass that may be added, as a share of the structure's.
+_MOST_MASS = 0.2
+#: Directions in which a mass counts, and about which a beam bends.
+_TRANSLATIONS = ("u", "v", "w")
+#: Two elements are one straight beam up to this angle (rad).
+_STRAIGHT = 0.02
+
+
+class Shape(NamedTuple):
+    """A way to change the model, of one amount beta from 0 to 1."""
+
+    kind: Kind
+    element: int  # cracks and joints: of the model; else -1
+    share: float  # where along the element
+    node: int  # of a crack the first of its element
+    #: Of a hinge: what its flexibility is to that of the whole element, L / EI, at beta / (1 - beta) = 1; of a
+    #: mass: kg at beta = 1.
+    size: float
+    length_m: float = 0.0
+
+    def loss(self, beta: float) -> float:
+        """Loss of the whole element that makes it as flexible as a hinge."""
+        flexible = self.size * beta / (1.0 - beta)
+        return flexible / (1.0 + flexible)
+
+
+@dataclass(frozen=True)
+class Shaped:
+    """A hypothesis that is no loss of whole elements, in words and figures."""
+
+    kind: str
+    place: str
+    log_evidence: float  # over all places
+    view: Any
+    severities: tuple[float, ...] = ()  # of elements that are as flexible
+    low: tuple[float, ...] = ()
+    high: tuple[float, ...] = ()
+
+
+@dataclass
+class Found:
+    """Damage with cracks, by elements as the search has them; and what is in no element."""
+
+    cracked: dict[tuple[int, ...], Shaped] = field(default_factory=dict)
+    others: list[Shaped] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """All of a model, with their terms (n, n) of stiffness or mass by dof."""
+
+    shapes: tuple[Shape, ...]
+    terms: tuple[Any, ...]
+
+    def __len__(self) -> int:
+        return len(self.shapes)
+
+    def parameters(self, model: StructuralModel) -> tuple[Parameter, ...]:
+        """One each, as the model of :meth:`joined` has them; of a mass 1 + beta."""
+        stiffness, mass = model._core.n_stiffness_terms, model._core.n_mass_terms
+        found = []
+        for shape in self.shapes:
+            if shape.kind == "mass":
+                found.append(Parameter("mass_factor", (mass,), (1.0, 2.0)))
+                mass += 1
+            else:
+                found.append(Parameter("stiffness_reduction", (stiffness,), (0.0, 1.0)))
+                stiffness += 1
+        return tuple(found)
+
+    def factors(self, model: StructuralModel, bounds: tuple[float, float]) -> tuple[Parameter, ...]:
+        """Of hinges alone: a factor of what they may lose."""
+        first = model._core.n_stiffness_terms
+        return tuple(Parameter("stiffness_factor", (first + k,), bounds) for k in range(len(self)))
+
+    @property
+    def offset(self) -> FloatArray:
+        """What the core takes for no change, of each."""
+        return np.array([1.0 if shape.kind == "mass" else 0.0 for shape in self.shapes])
+
+    def joined(self, model: StructuralModel) -> MatrixModel:
+        """The model with these terms behind its own."""
+        n, core = model.n_dof, model._core
+        own = [[_of_core(term, n) for term in terms] for terms in (core.stiffness_terms(), core.mass_terms())]
+        for shape, term in zip(self.shapes, self.terms, strict=True):
+            own[shape.kind == "mass"].append(term)
+        with unheard():
+            return MatrixModel(model.stiffness(), model.mass(), stiffness_terms=own[0], mass_terms=own[1])
+
+
+def _of_core(term: Any, n: int) -> Any:
+    from scipy.sparse import coo_array
+
+    rows, columns, values = term
+    return coo_array((values, (rows, columns)), shape=(n, n)).tocsr()
+
+
+def frame_of(model: StructuralModel) -> Frame | None:
+    """The frame of a model that has one."""
+    return Frame(model) if isinstance(model, FrameModel) else None
+
+
+class Frame:
+    """The geometry of a frame, its matrices with every dof free, and the shapes that these give.
+
+    ``factor`` is that of each element's stiffness, after the baseline.
+    """
+
+    def __init__(self, model: FrameModel) -> None:
+        recipe = model._recipe
+        whole = ModelDescription(replace(recipe, fixed=()), model.description.applied).core()
+        frame = whole.frame()
+        assert frame is not None
+        self.model, self.ends, self.nodes = model, model.elements.tolist(), np.asarray(model.nodes_m)
+        self.n = whole.n_dof
+        self.stiffness = [_of_core(term, self.n) for term in whole.stiffness_terms()[: len(self.ends)]]
+        self.at = {tuple(name): dof for dof, name in enumerate(frame.dof_names())}
+        self.free = np.array([self.at[name] for name in map(tuple, model._frame.dof_names())])
+        self.mass = _of_core_columns(whole.mass())
+        self.in_space = self.nodes.shape[1] == 3
+        held = set(model.fixed)
+        self.meeting: dict[int, list[tuple[int, int]]] = {}
+        for element, pair in enumerate(self.ends):
+            for end, node in enumerate(pair):
+                self.meeting.setdefault(node, []).append((element, end))
+        self.moves = _TRANSLATIONS[: self.nodes.shape[1]]
+        self.turns = ("rx", "ry", "rz") if self.in_space else ("theta",)
+        #: Nodes at which an element's end may turn: supports that hold it, and corners.
+        self.turning: dict[int, Kind] = {}
+        for node, several in self.meeting.items():
+            if any((node, name) in held for name in self.turns) and len(several) == 1:
+                self.turning[node] = "support"
+            elif len(several) > 2 or (len(several) == 2 and not self._straight(several)):
+                self.turning[node] = "joint"
+
+    def shapes(self, factor: Mapping[int, float]) -> Shapes:
+        """Cracks, joints and masses."""
+        found: list[tuple[Shape, Any]] = []
+        for element in range(len(self.ends)):
+            for share in PLACES:
+                found += self._hinges(element, share, "crack", self.ends[element][0], factor)
+        return _listed([*found, *self._turning(factor), *self._masses()])
+
+    def joints(self) -> Shapes:
+        """Joints and supports of the sound frame."""
+        return _listed(self._turning({}))
+
+    def _turning(self, factor: Mapping[int, float]) -> list[tuple[Shape, Any]]:
+        found = []
+        for node, kind in self.turning.items():
+            for element, end in self.meeting[node]:
+                found += self._hinges(element, float(end), kind, node, factor)
+        return found
+
+    def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> Shapes:
+        """Of one element, at some places."""
+        return _listed(
+            [one for x in shares for one in self._hinges(element, x, "crack", self.ends[element][0], factor)]
+        )
+
+    def neighbours(self, element: int) -> list[int]:
+        """Elements with a node in common."""
+        return [other for node in self.ends[element] for other, _ in self.meeting[node] if other != element]
+
+    def _along(self, element: int) -> tuple[FloatArray, float]:
+        first, second = (self.nodes[node] for node in self.ends[element])
+        length = float(np.linalg.norm(second - first))
+        return (second - first) / length, length
+
+    def _straight(self, pair: list[tuple[int, int]]) -> bool:
+        one, other = (self._along(element)[0] * (1.0 if end else -1.0) for element, end in pair)
+        return bool(one @ other < -np.cos(_STRAIGHT))
+
+    def _hinges(
+        self, element: int, share: float, kind: Kind, node: int, factor: Mapping[int, float]
+    ) -> list[tuple[Shape, Any]]:
+        """A hinge about each axis about which the beam bends, where what is free of it moves."""
+        from scipy.sparse import csr_array
+
+        along, length = self._along(element)
+        second, found = self.ends[element][1], []
+        for turn in self._axes(along):
+            kink = np.zeros(self.n)
+            arm = (1.0 - share) * length * np.pad(along, (0, 3 - along.size))
+            kink[self._dofs(second)] = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
+            force = self.stiffness[element] @ kink
+            stiff = float(kink @ force)
+            own = (force / np.sqrt(stiff))[self.free]
+            if not stiff > 0.0 or not own.any():
+                continue
+            column = csr_array(own[:, None])
+            shape = Shape(kind, element, share, node, self._bending(element, turn) / stiff, length)
+            found.append((shape, factor.get(element, 1.0) * (column @ column.T)))
+        return found
+
+    def _axes(self, along: FloatArray) -> list[FloatArray]:
+        if not self.in_space:
+            return [np.array([0.0, 0.0, 1.0])]
+        _, _, axes = np.linalg.svd(along[None])
+        return [axes[1], axes[2]]
+
+    def _dofs(self, node: int) -> list[int]:
+        return [self.at[node, name] for name in (*self.moves, *self.turns)]
+
+    def _turns(self, turn: FloatArray) -> FloatArray:
+        return turn if self.in_space else turn[2:]
+
+    def _bending(self, element: int, turn: FloatArray) -> float:
+        """EI / L of an element about an axis: the moment over the angle between ends that turn alike."""
+        bent, still = np.zeros(self.n), np.zeros(self.nodes.shape[1])
+        for sign, node in zip((-0.5, 0.5), self.ends[element], strict=True):
+            bent[self._dofs(node)] = [*still, *(sign * self._turns(turn))]
+        return float(bent @ (self.stiffness[element] @ bent))
+
+    def _masses(self) -> list[tuple[Shape, Any]]:
+        """A mass at each node that can move."""
+        from scipy.sparse import csr_array
+
+        one, found = np.zeros(self.n), []
+        one[[self.at[node, self.moves[0]] for node in range(len(self.nodes))]] = 1.0
+        most = _MOST_MASS * float(one @ (self.mass @ one))
+        for node in range(len(self.nodes)):
+            row = np.flatnonzero(np.isin(self.free, [self.at[node, name] for name in self.moves]))
+            if row.size:
+                term = csr_array((np.full(row.size, most), (row, row)), shape=(self.free.size,) * 2)
+                found.append((Shape("mass", -1, 0.0, node, most), term))
+        return found
+
+
+def _listed(found: Sequence[tuple[Shape, Any]]) -> Shapes:
+    return Shapes(tuple(shape for shape, _ in found), tuple(term for _, term in found))
+
+
+def _of_core_columns(columns: Any) -> Any:
+    from scipy.sparse import csc_array
+
+    starts, rows, values = columns
+    n = len(starts) - 1
+    return csc_array((values, rows, starts), shape=(n, n))
