@@ -11,8 +11,8 @@ the model lacks
 - ``elastic_beam``: shear and mesh only, but its springs do not follow when the beam warms;
 - ``truss``: masses lumped at joints with their gussets, and a yielding roller.
 
-Limits in the package may be set on ``building``, ``grillage`` and ``elastic_beam``; ``portal``, ``cantilever``
-and ``truss`` judge, and nothing is tuned on them.
+Limits in the package may be set on ``building``, ``grillage`` and ``elastic_beam``; ``portal``,
+``cantilever`` and ``truss`` judge, and nothing is tuned on them.
 """
 
 from __future__ import annotations
@@ -166,7 +166,8 @@ class Building(Structure):
     n_elements, n_supports = floors, 2
     force, dofs, nodes = 6, tuple(range(floors)), (0, 1, 2, 3, 4, 5, 7, 8, 9)
     storeys_n_per_m = (1.6e8,) * 3 + (1.2e8,) * 3 + (0.8e8,) * 4
-    #: Bending stiffness of all columns as chords; base mass, half width, springs and dashpots; Rayleigh damping.
+    #: Bending stiffness of the columns as chords; mass, half width, springs and dashpots of the base; damping
+    #: in proportion to mass and stiffness.
     chord_ei, base_kg, half_m = 1.0e12, 6.0e4, 6.0
     base_n, base_c = (3.0e8, 1.5e11), (2.0e6, 6.0e8)
     of_mass, of_stiffness = 0.14, 3.5e-4
@@ -453,36 +454,36 @@ class ElasticBeam(Frame):
 
 
 class Grillage(Frame):
-    """Four beams each way, held at the corners; nodes are numbered along y, then x."""
+    """Four beams across three, held at the corners; nodes are numbered along y, then x."""
 
     name, sets_limits = "grillage", True
     band_hz = (3.0, 150.0)
     section = Bar(0.04, 0.012)
-    places = tuple((0.4 * i, 0.4 * j) for i in range(4) for j in range(4))
+    places = tuple((0.4 * i, 0.5 * j) for i in range(4) for j in range(3))
     lines = (
-        *((4 * i + j, 4 * i + j + 4) for i in range(3) for j in range(4)),
-        *((4 * i + j, 4 * i + j + 1) for i in range(4) for j in range(3)),
+        *((3 * i + j, 3 * i + j + 3) for i in range(3) for j in range(3)),
+        *((3 * i + j, 3 * i + j + 1) for i in range(4) for j in range(2)),
     )
     directions = ("w", "x", "y")
-    corners = (0, 3, 12, 15)
-    nodes = (1, 2, 4, 6, 7, 8, 9, 10, 11, 13, 14)
-    sensors = tuple((n, "w") for n in (1, 4, 5, 6, 8, 10, 11, 14))
+    corners = (0, 2, 9, 11)
+    nodes = (1, 3, 5, 6, 7, 8, 10)
+    sensors = tuple((n, "w") for n in (1, 3, 4, 5, 6, 7, 8))
     #: Springs of the truth at the corners, and the lump at every crossing.
     corner_n_per_m, crossing_kg = 2.0e6, 0.04
     n_supports = 4
 
     @cached_property
     def model(self):
-        fixed = [(n, (*("u", "v", "rz"), *(("w",) if n in self.corners else ()))) for n in range(16)]
+        fixed = [(n, (*("u", "v", "rz"), *(("w",) if n in self.corners else ()))) for n in range(12)]
         places = [(*place, 0.0) for place in self.places]
         return ar.FrameModel(places, self.lines, self.bar, fixed=fixed)
 
     @property
     def force(self):
-        return self.model.dof(5, "w")
+        return self.model.dof(4, "w")
 
     def _connect(self, one, own, state):
-        for node in range(16):
+        for node in range(12):
             self._lump(one, node, self.crossing_kg)
         found = self._supports_now(own, state, (self.corner_n_per_m,) * 4)
         for node, stiffness in zip(self.corners, found, strict=True):
@@ -493,7 +494,7 @@ class Grillage(Frame):
 
 
 class Truss(Structure):
-    """Eight bays of a metre, 29 bars, pinned at joint 0, on a roller at joint 8; joints 9 to 15 are on top."""
+    """Eight bays of a metre, 29 bars, pinned at joint 0, on a roller at joint 8; joints 9 to 15 on top."""
 
     name, sets_limits, beams = "truss", False, False
     band_hz = (5.0, 330.0)
