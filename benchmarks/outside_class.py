@@ -1,0 +1,258 @@
+"""Damage that is not an element, a model wrong in its joints, a structure that warms: answers by class.
+
+Six structures of reference/outside_structures.py, none of them from the package's models; exact values with
+1e-4 to 1e-3 of scatter, stated rightly. Each case is assessed against a baseline of one intact test, with the
+nominal model. Counted for every structure and kind are
+
+- alarms (damage declared where there is none) and "else": answers that something else has changed;
+- right answers, of all and of those whose losses are above a90: the sets of elements are equal, for a crack
+  its element or the neighbour on its side. Of a mass, a support, a joint, a moved sensor it is right that no
+  candidate explains them, at a joint also to name elements that meet there; where the values show next to
+  nothing, that nothing has changed; of a warmer structure that nothing has, or all values alike;
+- 90 % intervals of the losses of right answers, and the median error of their severities;
+- answers that name elements wrongly with more than 0.99 (of them: beside the place), and "nothing" above 0.9
+  where it is not right.
+
+Then the probability of the best hypothesis against how often it is right, overall and by class.
+
+    python -m benchmarks.outside_class                      # all, 25 intact, 25 single, 15 double, 10 others
+    python -m benchmarks.outside_class --structures portal --kinds single joint --single 10 --others 10
+    python -m benchmarks.outside_class --out after.json --against before.json   # case by case
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy: more threads make these small matrices slower
+
+import argparse
+import json
+import sys
+import time
+import warnings
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+import antires_rs as ar
+from benchmarks.study_tools import each, print_table
+from reference.outside_cases import KINDS, OUTSIDE, case, kinds_of
+from reference.outside_structures import STRUCTURES
+
+#: Ends of the classes of stated probability.
+STATED = (0.0, 0.5, 0.9, 0.99, 1.0 + 1e-9)
+#: Changes below it, in standard deviations of a difference, may be called nothing.
+UNSEEN = 1.0
+#: More hypotheses than these are not kept.
+KEPT = 5
+CLASSES = {
+    "intact": ("intact",),
+    "damage": ("single", "double"),
+    "cracks": ("crack",),
+    "outside": OUTSIDE,
+    "temperature": ("temperature",),
+}
+
+
+def one_case(task):
+    """Truth, answer and what is right about it."""
+    warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
+    name, kind, number, seed = task
+    one = case(name, kind, number, seed)
+    model, elements = one.structure.model, one.structure.elements
+    start = time.process_time()
+    result = ar.assess_damage(model, one.now, baseline=one.before, elements=elements, workers=1)
+    seconds = time.process_time() - start
+    best = result.hypotheses[0]
+    alike = bool(best.unknown and result.assessment.moved_alike)
+    named = set() if best.unknown else set(best.elements)
+    damaged = {e for group in one.allowed for e in group}
+    row = {
+        "structure": name,
+        "kind": kind,
+        "number": number,
+        "seed": seed,
+        "std": one.std,
+        "values": [sum(map(len, each.values())) for each in (one.before, one.now)],
+        "change_in_std": one.change_in_std,
+        "truth": {e: loss for e, loss in sorted(one.losses.items())},
+        "state": repr(one.state),
+        "damaged": result.damaged,
+        "best": sorted(named),
+        "best_probability": float(best.probability),
+        "candidate": best.candidate,
+        "unknown": best.unknown,
+        "alike": alike,
+        "nothing": result.assessment.probability_of_nothing,
+        "elsewhere": result.assessment.probability_elsewhere,
+        "hypotheses": [
+            {
+                "elements": list(h.elements),
+                "probability": float(h.probability),
+                "severities": list(h.severities),
+            }
+            for h in list(result.hypotheses)[:KEPT]
+        ],
+        "severity": {e: result.severity[e] for e in result.damaged},
+        "interval": {e: list(result.interval[e]) for e in result.damaged},
+        "a90": {e: min(result.detectable[e], 9.9) for e in one.losses},
+        "explained": result.assessment.explained,
+        "right": is_right(one, best, alike),
+        "touching": bool(named) and named <= (one.touching | damaged),
+        "seconds": seconds,
+    }
+    return json.loads(json.dumps(row))
+
+
+def is_right(one, best, alike):
+    """Whether the best hypothesis is what has happened."""
+    named = set() if best.unknown else set(best.elements)
+    if one.kind not in OUTSIDE:
+        if not one.allowed:
+            return not named and (not best.unknown or (alike and one.may_shift))
+        every = set().union(*one.allowed)
+        return bool(named) and named <= every and all(named & group for group in one.allowed)
+    if not named:
+        return best.unknown or one.change_in_std < UNSEEN
+    return named <= one.touching
+
+
+def above_a90(row):
+    """Whether nine of ten tests would show all of the losses."""
+    return all(loss >= row["a90"][e] for e, loss in row["truth"].items())
+
+
+def intervals(rows):
+    """(inside, error of severity) of the losses of right answers."""
+    found = []
+    for row in rows:
+        for e, loss in row["truth"].items() if row["right"] else ():
+            if e in row["interval"]:
+                low, high = row["interval"][e]
+                found.append((low <= loss <= high, abs(row["severity"][e] - loss)))
+    return found
+
+
+def named_wrong(row):
+    """Whether elements are named without reserve that have not been damaged."""
+    return bool(row["best"]) and row["candidate"] and not row["right"] and row["best_probability"] > 0.99
+
+
+def line(label, rows):
+    """One row of the table."""
+    damaged = [row for row in rows if row["truth"]]
+    seen, held = [row for row in damaged if above_a90(row)], intervals(rows)
+    sure = [row for row in rows if named_wrong(row)]
+    errors = f"{100 * np.median([error for _, error in held]):.1f}" if held else "-"
+    return [
+        label,
+        len(rows),
+        sum(bool(row["damaged"]) for row in rows if not row["truth"]),
+        sum(not row["candidate"] and not row["alike"] and not row["truth"] for row in rows)
+        + sum(row["unknown"] or not row["candidate"] for row in damaged),
+        sum(row["right"] for row in rows),
+        f"{sum(row['right'] for row in seen)}/{len(seen)}",
+        f"{sum(inside for inside, _ in held)}/{len(held)}",
+        errors,
+        f"{len(sure)} ({sum(row['touching'] for row in sure)})",
+        sum(row["nothing"] > 0.9 and not row["right"] for row in rows),
+        f"{np.mean([row['seconds'] for row in rows]):.2f}",
+    ]
+
+
+HEADER = ["", "n", "alarms", "else", "right", "above a90", "90 % hold", "error %"]
+HEADER += ["wrong > 0.99", "missed > 0.9", "CPU s"]
+
+
+def reliability(rows):
+    """Stated and observed probability of the best hypothesis, by class."""
+    groups = {"all": list(KINDS)} | CLASSES
+    judges = {name for name, one in STRUCTURES.items() if not one.sets_limits}
+    lines = []
+    for label, kinds in groups.items():
+        own = [row for row in rows if row["kind"] in kinds]
+        lines += [(label, own), (f"{label}, judging three", [r for r in own if r["structure"] in judges])]
+    for label, own in lines:
+        cells = []
+        for low, high in pairwise(STATED):
+            within = [row for row in own if low < row["best_probability"] <= high]
+            stated = np.mean([row["best_probability"] for row in within]) if within else 0.0
+            right = np.mean([row["right"] for row in within]) if within else 0.0
+            cells.append(f"{stated:.3f} -> {right:.2f} ({len(within)})" if within else "-")
+        if own:
+            yield [label, *cells, f"{sum(map(named_wrong, own))}/{len(own)}"]
+
+
+def told(rows):
+    """All tables."""
+    lines = []
+    for name in STRUCTURES:
+        own = [row for row in rows if row["structure"] == name]
+        for kind in KINDS:
+            of = [row for row in own if row["kind"] == kind]
+            parts = {kind: of}
+            if kind == "temperature":
+                parts = {f"{kind}, {w}": [r for r in of if bool(r["truth"]) == t]
+                         for w, t in (("intact", False), ("damaged", True))}  # fmt: skip
+            lines += [line(f"{name}, {label}", part) for label, part in parts.items() if part]
+    print_table(HEADER, lines, False)
+    print()
+    bins = ["0 to 0.5", "0.5 to 0.9", "0.9 to 0.99", "above 0.99"]
+    print_table(["stated -> observed", *bins, "elements wrong > 0.99"], list(reliability(rows)), False)
+
+
+def differences(rows, before):
+    """Cases whose answer is another one."""
+    known = {(r["structure"], r["kind"], r["number"], r["seed"]): r for r in before}
+    gained = lost = 0
+    for row in rows:
+        old = known.get((row["structure"], row["kind"], row["number"], row["seed"]))
+        if old is None or (old["best"], old["unknown"]) == (row["best"], row["unknown"]):
+            continue
+        gained, lost = gained + (row["right"] > old["right"]), lost + (row["right"] < old["right"])
+        answers = " -> ".join(
+            f"{r['best'] or ('else' if r['unknown'] else 'nothing')} {r['best_probability']:.3f}"
+            f"{'' if r['right'] else ' (wrong)'}"
+            for r in (old, row)
+        )
+        yield f"{row['structure']}, {row['kind']} {row['number']}: {answers}; truth {row['truth']}"
+    yield f"right that were not: {gained}; no longer right: {lost}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--structures", nargs="+", default=list(STRUCTURES), choices=list(STRUCTURES))
+    parser.add_argument("--kinds", nargs="+", default=list(KINDS), choices=list(KINDS))
+    parser.add_argument("--intact", type=int, default=25)
+    parser.add_argument("--single", type=int, default=25)
+    parser.add_argument("--double", type=int, default=15)
+    parser.add_argument("--others", type=int, default=10, help="cases of each other kind")
+    parser.add_argument("--seed0", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--out", type=Path, help="file for the rows, as JSON")
+    parser.add_argument("--against", type=Path, help="rows of another version, compared case by case")
+    given = parser.parse_args()
+    counts = {"intact": given.intact, "single": given.single, "double": given.double}
+    tasks = [
+        (name, kind, number, given.seed0)
+        for kind in given.kinds
+        for name in given.structures
+        if kind in kinds_of(STRUCTURES[name])
+        for number in range(counts.get(kind, given.others))
+    ]
+    rows = []
+    for row in each(one_case, tasks, given.workers):
+        rows.append(row)
+        if len(rows) % 25 == 0 or len(rows) == len(tasks):
+            print(f"{len(rows)} of {len(tasks)}", file=sys.stderr, flush=True)
+            if given.out:
+                given.out.write_text(json.dumps(rows))
+    told(rows)
+    if given.against:
+        print("\n" + "\n".join(differences(rows, json.loads(given.against.read_text()))))
+
+
+if __name__ == "__main__":
+    main()
