@@ -112,8 +112,8 @@ def test_a_hinge_is_as_flexible_as_the_loss_it_stands_for():
     assert cracked > 1.05 * turned(State())
 
 
-#: By name: what must be changed for the truth to be its model, and by how much the lowest four resonances differ
-#: at most then, and at least with what the model lacks.
+#: By name: what must be changed for the truth to be its model, and by how much the lowest four resonances
+#: differ at most then, and at least with what the model lacks.
 LACKING = {
     "building": (
         changed(
