@@ -244,12 +244,13 @@ def main():
     parser.add_argument("--against", type=Path, help="rows of another version, compared case by case")
     given = parser.parse_args()
     counts = {"intact": given.intact, "single": given.single, "double": given.double}
+    # By number, so that a part of a run holds some of everything.
     tasks = [
         (name, kind, number, given.seed0)
+        for number in range(max(*counts.values(), given.others))
         for kind in given.kinds
         for name in given.structures
-        if kind in kinds_of(STRUCTURES[name])
-        for number in range(counts.get(kind, given.others))
+        if kind in kinds_of(STRUCTURES[name]) and number < counts.get(kind, given.others)
     ]
     rows = [row for path in given.read or () for row in json.loads(path.read_text())]
     for row in each(one_case, [] if given.read else tasks, given.workers):
