@@ -57,17 +57,11 @@ CLASSES = {
 
 
 def one_case(task):
-    """Truth, answer and what is right about it."""
+    """Truth and answer."""
     warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
     name, kind, number, seed = task
     one = case(name, kind, number, seed)
     model, elements = one.structure.model, one.structure.elements
-    start = time.process_time()
-    result = ar.assess_damage(model, one.now, baseline=one.before, elements=elements, workers=1)
-    seconds = time.process_time() - start
-    best = result.hypotheses[0]
-    alike = bool(best.unknown and result.assessment.moved_alike)
-    named = set() if best.unknown else set(best.elements)
     row = {
         "structure": name,
         "kind": kind,
@@ -78,6 +72,35 @@ def one_case(task):
         "change_in_std": one.change_in_std,
         "truth": {e: loss for e, loss in sorted(one.losses.items())},
         "state": repr(one.state),
+    }
+    start = time.process_time()
+    try:
+        result = ar.assess_damage(model, one.now, baseline=one.before, elements=elements, workers=1)
+        row |= answered(one, result)
+    except ar.exceptions.InvalidInputError as exc:
+        row |= REFUSED | {"refused": str(exc)}
+    row["seconds"] = time.process_time() - start
+    return json.loads(json.dumps(row))
+
+
+#: An answer that the model is not that of the structure: never right.
+REFUSED = {
+    "damaged": [],
+    "best": [],
+    "best_probability": 0.0,
+    "candidate": False,
+    "unknown": True,
+    "alike": False,
+}
+REFUSED |= {"nothing": 0.0, "interval": {}, "a90": {}, "right": False, "touching": False}
+
+
+def answered(one, result):
+    """The answer and what is right about it."""
+    best = result.hypotheses[0]
+    alike = bool(best.unknown and result.assessment.moved_alike)
+    named = set() if best.unknown else set(best.elements)
+    return {
         "damaged": result.damaged,
         "best": sorted(named),
         "best_probability": float(best.probability),
@@ -102,9 +125,7 @@ def one_case(task):
         "explained": result.assessment.explained,
         "right": is_right(one, best, alike),
         "touching": bool(named) and named <= one.touching.union(*one.allowed),
-        "seconds": seconds,
     }
-    return json.loads(json.dumps(row))
 
 
 def kind_of(best):
@@ -128,7 +149,7 @@ def is_right(one, best, alike):
 
 def above_a90(row):
     """Whether nine of ten tests would show all of the losses."""
-    return all(loss >= row["a90"][e] for e, loss in row["truth"].items())
+    return all(loss >= row["a90"].get(e, 0.0) for e, loss in row["truth"].items())
 
 
 def intervals(rows):
