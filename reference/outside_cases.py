@@ -87,7 +87,7 @@ def _joint(structure, rng, number) -> State:
 
 
 def _sensor(structure, rng, number) -> State:
-    return State(moved=int(rng.integers(len(structure.dofs))))
+    return State(moved=int(rng.choice(structure.telling)))
 
 
 def _temperature(structure, rng, number) -> State:

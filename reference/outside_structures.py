@@ -136,6 +136,12 @@ class Structure:
         found = self.assembled(own, state).antiresonances(sensors, self.drive, self.band_hz)
         return dict(zip(self.dofs, found, strict=True))
 
+    @cached_property
+    def telling(self) -> list[int]:
+        """Positions of sensors that have two values or more: where one has none its place does not matter."""
+        nominal = Own(np.ones(self.n_elements), np.ones(self.n_elements), np.ones(12))
+        return [at for at, freq in enumerate(self.truth(nominal).values()) if freq.size > 1]
+
     def stiffness_now(self, own: Own, state: State) -> np.ndarray:
         """Factor of each element's stiffness, losses and temperature included."""
         losses = np.array([state.losses.get(e, 0.0) for e in range(self.n_elements)])
