@@ -57,18 +57,11 @@ CLASSES = {
 
 
 def one_case(task):
-    """Truth, answer and what is right about it."""
+    """Truth and answer."""
     warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
     name, kind, number, seed = task
     one = case(name, kind, number, seed)
     model, elements = one.structure.model, one.structure.elements
-    start = time.process_time()
-    result = ar.assess_damage(model, one.now, baseline=one.before, elements=elements, workers=1)
-    seconds = time.process_time() - start
-    best = result.hypotheses[0]
-    alike = bool(best.unknown and result.assessment.moved_alike)
-    named = set() if best.unknown else set(best.elements)
-    damaged = {e for group in one.allowed for e in group}
     row = {
         "structure": name,
         "kind": kind,
@@ -79,11 +72,42 @@ def one_case(task):
         "change_in_std": one.change_in_std,
         "truth": {e: loss for e, loss in sorted(one.losses.items())},
         "state": repr(one.state),
+    }
+    start = time.process_time()
+    try:
+        result = ar.assess_damage(model, one.now, baseline=one.before, elements=elements, workers=1)
+        row |= answered(one, result)
+    except ar.exceptions.InvalidInputError as exc:
+        row |= REFUSED | {"refused": str(exc)}
+    row["seconds"] = time.process_time() - start
+    return json.loads(json.dumps(row))
+
+
+#: An answer that the model is not that of the structure: never right.
+REFUSED = {
+    "damaged": [],
+    "best": [],
+    "best_probability": 0.0,
+    "candidate": False,
+    "unknown": True,
+    "alike": False,
+}
+REFUSED |= {"nothing": 0.0, "interval": {}, "a90": {}, "right": False, "touching": False}
+
+
+def answered(one, result):
+    """The answer and what is right about it."""
+    best = result.hypotheses[0]
+    alike = bool(best.unknown and result.assessment.moved_alike)
+    named = set() if best.unknown else set(best.elements)
+    return {
         "damaged": result.damaged,
         "best": sorted(named),
         "best_probability": float(best.probability),
         "candidate": best.candidate,
         "unknown": best.unknown,
+        "kind_told": kind_of(best),
+        "place_told": getattr(best, "place", ""),
         "alike": alike,
         "nothing": result.assessment.probability_of_nothing,
         "elsewhere": result.assessment.probability_elsewhere,
@@ -100,10 +124,13 @@ def one_case(task):
         "a90": {e: min(result.detectable[e], 9.9) for e in one.losses},
         "explained": result.assessment.explained,
         "right": is_right(one, best, alike),
-        "touching": bool(named) and named <= (one.touching | damaged),
-        "seconds": seconds,
+        "touching": bool(named) and named <= one.touching.union(*one.allowed),
     }
-    return json.loads(json.dumps(row))
+
+
+def kind_of(best):
+    """What a hypothesis says has changed; versions before 0.2 know elements and something else."""
+    return getattr(best, "kind", "unknown" if best.unknown else "element" if best.elements else "")
 
 
 def is_right(one, best, alike):
@@ -112,16 +139,17 @@ def is_right(one, best, alike):
     if one.kind not in OUTSIDE:
         if not one.allowed:
             return not named and (not best.unknown or (alike and one.may_shift))
-        every = set().union(*one.allowed)
-        return bool(named) and named <= every and all(named & group for group in one.allowed)
+        groups = one.allowed
+        return len(named) == len(groups) and named <= set().union(*groups) and all(named & g for g in groups)
     if not named:
-        return best.unknown or one.change_in_std < UNSEEN
+        told = kind_of(best) in ("unknown", one.kind)
+        return told if best.unknown else one.change_in_std < UNSEEN
     return named <= one.touching
 
 
 def above_a90(row):
     """Whether nine of ten tests would show all of the losses."""
-    return all(loss >= row["a90"][e] for e, loss in row["truth"].items())
+    return all(loss >= row["a90"].get(e, 0.0) for e, loss in row["truth"].items())
 
 
 def intervals(rows):
@@ -182,25 +210,26 @@ def reliability(rows):
             right = np.mean([row["right"] for row in within]) if within else 0.0
             cells.append(f"{stated:.3f} -> {right:.2f} ({len(within)})" if within else "-")
         if own:
-            yield [label, *cells, f"{sum(map(named_wrong, own))}/{len(own)}"]
+            wrong = sum(row["best_probability"] > 0.99 and not row["right"] for row in own)
+            yield [label, *cells, f"{wrong}/{len(own)}", sum(map(named_wrong, own))]
 
 
 def told(rows):
     """All tables."""
+    parts = {kind: [row for row in rows if row["kind"] == kind] for kind in KINDS}
+    warm = parts.pop("temperature")
+    parts["warmer, intact"] = [row for row in warm if not row["truth"]]
+    parts["warmer, damaged"] = [row for row in warm if row["truth"]]
+    parts["single and double"] = parts["single"] + parts["double"]
     lines = []
-    for name in STRUCTURES:
-        own = [row for row in rows if row["structure"] == name]
-        for kind in KINDS:
-            of = [row for row in own if row["kind"] == kind]
-            parts = {kind: of}
-            if kind == "temperature":
-                parts = {f"{kind}, {w}": [r for r in of if bool(r["truth"]) == t]
-                         for w, t in (("intact", False), ("damaged", True))}  # fmt: skip
-            lines += [line(f"{name}, {label}", part) for label, part in parts.items() if part]
+    for name in [*STRUCTURES, "all"]:
+        for label, part in parts.items():
+            of = [row for row in part if name in (row["structure"], "all")]
+            lines += [line(f"{name}, {label}", of)] if of else []
     print_table(HEADER, lines, False)
     print()
     bins = ["0 to 0.5", "0.5 to 0.9", "0.9 to 0.99", "above 0.99"]
-    print_table(["stated -> observed", *bins, "elements wrong > 0.99"], list(reliability(rows)), False)
+    print_table(["stated -> observed", *bins, "wrong > 0.99", "elements"], list(reliability(rows)), False)
 
 
 def differences(rows, before):
@@ -232,18 +261,20 @@ def main():
     parser.add_argument("--seed0", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, help="file for the rows, as JSON")
+    parser.add_argument("--read", type=Path, nargs="+", help="tables of such files, and no new cases")
     parser.add_argument("--against", type=Path, help="rows of another version, compared case by case")
     given = parser.parse_args()
     counts = {"intact": given.intact, "single": given.single, "double": given.double}
+    # By number, so that a part of a run holds some of everything.
     tasks = [
         (name, kind, number, given.seed0)
+        for number in range(max(*counts.values(), given.others))
         for kind in given.kinds
         for name in given.structures
-        if kind in kinds_of(STRUCTURES[name])
-        for number in range(counts.get(kind, given.others))
+        if kind in kinds_of(STRUCTURES[name]) and number < counts.get(kind, given.others)
     ]
-    rows = []
-    for row in each(one_case, tasks, given.workers):
+    rows = [row for path in given.read or () for row in json.loads(path.read_text())]
+    for row in each(one_case, [] if given.read else tasks, given.workers):
         rows.append(row)
         if len(rows) % 25 == 0 or len(rows) == len(tasks):
             print(f"{len(rows)} of {len(tasks)}", file=sys.stderr, flush=True)

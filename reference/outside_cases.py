@@ -17,6 +17,8 @@ STD = (1e-4, 1e-3)
 LOSS, CONNECTION, ADDED, WARMER, GRADIENT = (0.05, 0.60), (0.15, 0.60), (5e-3, 5e-2), 0.03, 1 / 3
 #: A hinge in a cantilever's damaged element is so far from its ends, and as far from its middle.
 _OFF_END, _OFF_MIDDLE = 0.1, 0.1
+#: Relative change beyond which a value is a new one.
+_NEW = 0.2
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Case:
     before: ar.AntiresonanceSet
     now: ar.AntiresonanceSet
     std: float
-    change_in_std: float  # of exact values to the nearest of their response: nine of ten change less
+    change_in_std: float  # rms of exact values to the nearest of their response
 
     @property
     def may_shift(self) -> bool:
@@ -85,7 +87,7 @@ def _joint(structure, rng, number) -> State:
 
 
 def _sensor(structure, rng, number) -> State:
-    return State(moved=int(rng.integers(len(structure.dofs))))
+    return State(moved=int(rng.choice(structure.telling)))
 
 
 def _temperature(structure, rng, number) -> State:
@@ -150,8 +152,6 @@ def _right(structure: Structure, state: State) -> tuple[tuple[frozenset[int], ..
 
 
 def _changed(intact, present, std) -> float:
-    """Against the scatter of a difference."""
-    found = [
-        np.abs(f / intact[dof] - 1.0).min() for dof, freq in present.items() if intact[dof].size for f in freq
-    ]
-    return float(np.quantile(found, 0.9) / (np.sqrt(2.0) * std))
+    """Against the scatter of a difference; a value that is new counts as much as one far off."""
+    found = [np.abs(f / intact[dof] - 1.0).min(initial=_NEW) for dof, freq in present.items() for f in freq]
+    return float(np.sqrt(np.mean(np.square(found)) / 2.0) / std)
