@@ -91,21 +91,26 @@ _TAU_GRID = np.geomspace(2e-6, 0.15, 18)
 #: Without a baseline the roots' own errors are this share of what is assumed of the factors.
 _TAU_SHARE = 0.2
 #: Errors with which values and roots are associated, step by step; later ones are multiples of tau.
-_FIRST = (0.1, 0.03, 0.02, 0.02)
+_FIRST = (0.1, 0.03, 0.01, 0.004)
 _MULTIPLE = 3.0
 #: The least of them: values that fall out of a narrow association make tau smaller, and more of them fall out.
 #: And the same of shapes.
-_LEAST, _FIRST_SHAPE, _LEAST_SHAPE = 0.02, (0.5, 0.3, 0.2, 0.1), 0.05
+_LEAST, _FIRST_SHAPE, _LEAST_SHAPE = 0.0, (0.5, 0.3, 0.2, 0.1), 0.05
 #: Least and largest share of the model's error that no factor explains; and what it is where the baseline
 #: has no value to spare that would tell.
 _OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
 #: ln of what joints and supports may keep, to begin with where the model as given does not lead to the values.
 _YIELDING = (-0.3, -0.8)
+#: A model with more scatter of its factors, or a larger error beside them, may lack something else; what its
+#: joints yield is believed where it makes the values so much more probable (ln).
+_DOUBTED_S, _DOUBTED_TAU, _CLEARLY = 0.06, 2e-3, 4.0
 #: Share of values without a root that asks for another first association.
 _LOST = 0.05
 #: Largest step of ln factor in one iteration, and its bound.
 _STEP, _REACH = 0.3, 1.6
+#: The bound of what joints and supports may yield: hinges at both ends of an element leave a stiffness.
+_YIELDS = 1.0
 
 
 @dataclass(frozen=True)
@@ -123,11 +128,18 @@ class ModelError:
     rows: FloatArray = field(repr=False)  # slopes of the values by both, (m, p + r)
     prior: FloatArray = field(repr=False)  # variances of both
     factor: Any = field(repr=False)  # Cholesky factor of the values' covariance
+    log_evidence: float = 0.0
+    lost: int = 0  # values without a root
 
     @property
     def tau(self) -> float:
         """Scatter of the frequencies' own errors."""
         return float(self.taus[0])
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the model may lack more than factors of its stiffnesses and masses."""
+        return self.s > _DOUBTED_S or self.tau > _DOUBTED_TAU or self.lost > 0
 
     @property
     def seen(self) -> NDArray[np.bool_]:
@@ -167,12 +179,7 @@ def rows_of(slopes: FloatArray, identity: NDArray[np.intp], intact: Roots) -> Fl
 
 
 def learned(
-    core: Core,
-    n_elements: int,
-    group: NDArray[np.intp],
-    values: Values,
-    assumed: float | None,
-    threads: int,
+    core: Core, n_elements: int, group: NDArray[np.intp], values: Values, assumed: float | None, threads: int
 ) -> ModelError:
     """Theta, s and taus from the baseline; ``assumed`` is s where it is not to be learned. Factors of one
     ``group`` (p,) have one scatter: 0 of stiffness and mass, 1 of joints and supports."""
@@ -231,6 +238,7 @@ def _from(
     plain = values.plain.log_f
     low, high = plain.min(), plain.max()
     n, settled = theta.size, False
+    reach = np.where(group == 1, _YIELDS, _REACH)
     for nth in range(first, _ITERATIONS + first + 1):
         intact, slopes = undamaged(theta)
         last = settled or nth == _ITERATIONS + first
@@ -256,14 +264,17 @@ def _from(
         if last:
             break
         step_by = mean[:n] - theta
-        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), -_REACH, _REACH)
+        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), -reach, _REACH)
         settled = nth >= len(_FIRST) and bool(np.abs(step_by).max(initial=0.0) < _SETTLED)
     log_evidence = -0.5 * float(y @ cho_solve(factor, y)) - float(np.log(np.diag(factor[0])).sum())
     log_evidence -= 0.5 * y.size * float(np.log(2.0 * np.pi)) + (values.size - y.size) * alone
     mean[:n] -= theta
     by_factors = (rows[:, :n] * s[group]) @ (rows[:, :n] * s[group]).T
     spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
-    found = ModelError(theta, s[0], taus, intact, partner, place, spare, mean, rows, prior, factor)
+    lost = values.size - y.size
+    log_evidence -= 0.5 * float(np.sum((np.log(s / np.array([S[0], S_JOINTS[0]])[: s.size]) / S[1]) ** 2))
+    rest = mean, rows, prior, factor, log_evidence, lost
+    found = ModelError(theta, s[0], taus, intact, partner, place, spare, *rest)
     return found, log_evidence, settled
 
 
@@ -319,11 +330,16 @@ ERRORS = (
     (1.6, 2.0, 0.05),
 )
 Errors = tuple[tuple[float, float, float], ...]
-#: The same with the standard deviation of a change of all values alike.
-AllErrors = tuple[tuple[float, float, float, float], ...]
+#: The same with the standard deviation of a change of all values alike, and the share of a change that is wrong
+#: as if other elements had a part in it.
+AllErrors = tuple[tuple[float, float, float, float, float], ...]
 #: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation (ln f),
 #: its share of the probability, and the errors beside which it is looked at.
 _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
+#: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change is
+#: wrong along the slopes of all elements. The size of that error over that of the change (root mean square), its
+#: share of the probability, and the errors beside which it is looked at.
+_MIXED, _WITH_MIXED, _BESIDE_MIXED = (0.1, 0.3), 0.3, ((0.5, 1.0), (1.0, 1.0), (1.6, 1.0))
 #: Error of a loss that the model's error makes, in u = -ln(1 - beta): so many times u and the scatter of the
 #: model's factors, since what a wrong model lacks is not seen in how it explains the baseline. Set on
 #: building, elastic beam and grillage of ``reference.outside_structures``.
@@ -390,6 +406,7 @@ class Foreseen(NamedTuple):
     change: FloatArray  # from the intact state
     seen: NDArray[np.bool_]  # in the intact state
     gain_std: float  # relative error of a loss (u)
+    n_elements: int  # first columns of the slopes
 
 
 def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: AllErrors) -> View:
@@ -437,9 +454,14 @@ def _judged(
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    kappa, times, share, alike = np.array(errors).T[..., None, None]
+    kappa, times, share, alike, mixed = np.array(errors).T[..., None, None]
     frequency = (roots.roots.kind[root] == 0).astype(np.float64)
     spread = times**2 * noise + kappa**2 * unmodelled + alike**2 * np.outer(frequency, frequency)
+    by_elements = roots.roots.slopes[root, : roots.n_elements] * (1.0 - beta[: roots.n_elements])
+    along = by_elements @ by_elements.T
+    spread = spread + mixed**2 * along * (
+        np.mean(change**2) / max(float(np.trace(along)) / max(root.size, 1), 1e-30) if root.size else 0.0
+    )
     triangles = np.linalg.cholesky(model + spread)
     # A row-major lower triangle is a column-major upper one.
     solved = [dtrtrs(each.T, residual, trans=1)[0] for each in triangles] if has.size else []
@@ -473,10 +495,15 @@ def _judged(
 
 def all_errors(outside: float) -> AllErrors:
     """Errors without and with a change of all values alike; ``outside`` is :attr:`ModelError.outside`."""
-    alone = [(outside * k, times, p * (1.0 - _WITH_ALIKE), 0.0) for k, times, p in ERRORS]
-    beside = [each for each in ERRORS if each[:2] in _BESIDE_ALIKE]
-    share = _WITH_ALIKE / sum(p for *_, p in beside)
-    return (*alone, *((outside * k, times, p * share, _ALIKE_STD) for k, times, p in beside))
+    usual = 1.0 - _WITH_ALIKE - _WITH_MIXED
+    found = [(outside * k, times, p * usual, 0.0, 0.0) for k, times, p in ERRORS]
+    ways: list[tuple[float, tuple[tuple[float, float], ...], float, float]] = [(_WITH_ALIKE, _BESIDE_ALIKE, _ALIKE_STD, 0.0)]
+    ways += [(_WITH_MIXED / len(_MIXED), _BESIDE_MIXED, 0.0, mixed) for mixed in _MIXED]
+    for share, beside, alike, mixed in ways:
+        own = [each for each in ERRORS if each[:2] in beside]
+        total = sum(p for *_, p in own)
+        found += [(outside * k, times, share * p / total, alike, mixed) for k, times, p in own]
+    return tuple(found)
 
 
 def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
@@ -513,7 +540,16 @@ def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray)
 
     roots = Roots(both[order], places[order], joined(there.roots.slopes))
     beside, change, seen = map(joined, (there.beside, there.change, there.seen))
-    return Foreseen(roots, places[order], beside, spread[np.ix_(order, order)], change, seen, there.gain_std)
+    return Foreseen(
+        roots,
+        places[order],
+        beside,
+        spread[np.ix_(order, order)],
+        change,
+        seen,
+        there.gain_std,
+        there.n_elements,
+    )
 
 
 # -- The likelihood, wherever the roots come from, and how probable changes are that are no damage
@@ -613,7 +649,7 @@ class Likelihood(ValueLikelihood):
         ambient: FloatArray | None = None,
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
-        self.common, self.nfev = common, 0
+        self.common, self.nfev, self.n_elements = common, 0, n_elements
         self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
@@ -695,6 +731,7 @@ class Likelihood(ValueLikelihood):
             np.where(old, log_f - error.intact.log_f[identity], _NEW),
             old & error.seen[identity],
             GAIN_ERROR * error.s,
+            self.n_elements,
         )
         if not isinstance(roots, ModeRoots):  # modes do not vanish
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
@@ -754,6 +791,15 @@ class Prepared(NamedTuple):
         return list(responses.corrected(now, roots, view.partner, beside))
 
 
+class _Family(NamedTuple):
+    """A model, the source of its roots, what may be wrong in it, and which of these have one scatter."""
+
+    base: StructuralModel
+    core: Any
+    factors: tuple[Parameter, ...]
+    group: NDArray[np.intp]
+
+
 @dataclass(frozen=True)
 class Question:
     """What was asked; ``elements`` are the candidates, zero-based."""
@@ -766,8 +812,8 @@ class Question:
     options: SearchOptions = field(default_factory=SearchOptions)
     model_error: float | None = None
     reduced: bool = False
-    #: What the baseline taught (error, scatter, contradiction) once it was asked: intervals ask again.
-    _taught: list[tuple[ModelError, float, Contradiction]] = field(
+    #: What the baseline taught (error, scatter, contradiction, whether joints yield) once it was asked: intervals ask again.
+    _taught: list[tuple[ModelError, float, Contradiction, bool]] = field(
         default_factory=list, init=False, repr=False, compare=False
     )
 
@@ -785,23 +831,26 @@ class Question:
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        base, plain, n_given = model, core, len(factors)
-        yielding = None if self.reduced or self.model_error else frame_of(model)
-        if yielding is not None and isinstance(responses, Responses) and (joints := yielding.joints()):
-            base = joints.joined(model)
-            factors = (*factors, *joints.factors(model, BOUNDS))
-            parts = base.description.core_parameters((*stiffness_reduction(numbers), *factors))
-            core = responses.source(base, parts, **how)
-        group = np.repeat([0, 1], [n_given, len(factors) - n_given])
+        given = _Family(model, core, factors, np.zeros(len(factors), dtype=np.intp))
         if self.reduced and isinstance(responses, Responses):
-            core = ReducedRoots(Terms(model, responses.parts, numbers, factors), core)
+            given = given._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
+
+        def yielding() -> _Family | None:
+            """The model with joints and supports that yield, each by a factor of its own."""
+            joints = frame.joints() if (frame := frame_of(model)) else ()
+            if not joints or not isinstance(responses, Responses):
+                return None
+            base, every = joints.joined(model), (*factors, *joints.factors(model, BOUNDS))
+            parts = base.description.core_parameters((*stiffness_reduction(numbers), *every))
+            group = np.repeat([0, 1], [len(factors), len(joints)])
+            return _Family(base, responses.source(base, parts, **how), every, group)
+
+        def taught(family: _Family, intact: Values) -> ModelError:
+            return learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
+
         if not self._taught:
-
-            def taught(intact: Values) -> ModelError:
-                return learned(core, len(numbers), group, intact, self.model_error, threads)
-
             step("learning the model's errors")
-            error = taught(intact)
+            error, family = taught(given, intact), given
             if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
                 reject(
                     "model",
@@ -810,15 +859,26 @@ class Question:
                     f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
                     "measurement.".lstrip(),
                 )
+            doubtful = self.model_error is None and not self.reduced and error.doubtful
+            if doubtful and (other := yielding()) is not None:
+                step("learning what joints yield")
+                its = taught(other, intact)
+                if its.log_evidence > error.log_evidence + _CLEARLY:
+                    error, family = its, other
             scatter = scatter_between(intact, error.place, error.partner)
             if scatter > 1.0:
-                error = taught(intact.noisier(scatter))
-            self._taught.append((error, scatter, contradiction(intact.plain, responses.tests)))
-        error, scatter, odd = self._taught[0]
+                error = taught(family, intact.noisier(scatter))
+            odd = contradiction(intact.plain, responses.tests)
+            self._taught.append((error, scatter, odd, family is not given))
+        error, scatter, odd, with_joints = self._taught[0]
+        family = (yielding() if with_joints else None) or given
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        likelihood = Likelihood(core, len(numbers), error, intact, now, self.options.std_common, threads)
-        return Prepared(likelihood, numbers, factors, responses, intact, scatter, odd, base, plain, n_given)
+        likelihood = Likelihood(
+            family.core, len(numbers), error, intact, now, self.options.std_common, threads
+        )
+        rest = responses, intact, scatter, odd, family.base, core, len(factors)
+        return Prepared(likelihood, numbers, family.factors, *rest)
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""

@@ -50,7 +50,7 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> Shape
     found = ShapedLikelihood(
         core, offset.size, error, prepared.intact, plain.now, plain.common, plain.threads, plain.ambient
     )
-    found.offset = offset
+    found.offset, found.n_elements = offset, len(own)
     return found
 
 

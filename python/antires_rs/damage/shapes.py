@@ -179,8 +179,12 @@ class Frame:
         return _listed([*found, *self._turning(factor), *self._masses()])
 
     def joints(self) -> Shapes:
-        """Joints and supports of the sound frame."""
-        return _listed(self._turning({}))
+        """Joints and supports of the sound frame, one a node: all ends there turn alike."""
+        found: dict[int, tuple[Shape, Any]] = {}
+        for shape, term in self._turning({}):
+            before = found.get(shape.node)
+            found[shape.node] = (shape, term if before is None else before[1] + term)
+        return _listed(list(found.values()))
 
     def _turning(self, factor: Mapping[int, float]) -> list[tuple[Shape, Any]]:
         found = []
