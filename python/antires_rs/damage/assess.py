@@ -341,6 +341,7 @@ def assess_damage(
     elements: Any = None,
     prior: DamagePrior | None = None,
     search: SearchOptions | None = None,
+    environment: Sequence[str] | None = None,
     optimizer: IslandGA | None = None,
     rng: int | np.random.Generator | None = None,
     workers: int | None = None,
@@ -371,6 +372,8 @@ def assess_damage(
         What is believed before the test; with a baseline.
     search : SearchOptions, optional
         What few calls change.
+    environment : sequence of {'temperature', 'supports', 'mass'}, optional
+        What else may differ between the two tests, as :class:`SearchOptions` has it; with a baseline.
     optimizer, callback, checkpoint, rng, workers, progress
         As in :func:`update`; the first three without a baseline only. With one ``rng`` serves a rate of false
         alarms.
@@ -398,6 +401,7 @@ def assess_damage(
     checked_model(model)
     chosen = elements_of(model, elements)
     options = gathered("assess_damage", "search", checked_search(search), older)
+    options = options.joined({"environment": environment})
     if baseline is None:
         _without({"prior": prior}, "together with a baseline")
         options = options.of(ONE_STATE)

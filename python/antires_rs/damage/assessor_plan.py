@@ -334,7 +334,7 @@ class TabulatedLikelihood(ValueLikelihood):
             plan.learned.outside,
         )
 
-    def without_damage(self, extra: float, common: float) -> View:
+    def without_damage(self, extra: Any, common: float) -> View:
         """See the base class."""
         return self._view(np.zeros(self.n), self._test(extra, common).look([], []))
 

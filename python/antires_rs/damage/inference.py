@@ -73,7 +73,7 @@ _SCANNED, _ALONE = 4000, 40
 #: Multiple of the stated errors up to which a damage explains the values.
 _WIDER = 2.0
 #: Share of values without a partner that is usual.
-_LOST = 0.05
+USUALLY_LOST = 0.05
 #: With fewer values to spare two damages are looked at, however well one explains the values.
 _MANY = 8
 
@@ -217,7 +217,7 @@ class Search:
         gains = view.gains
         gains[list(fit.elements)] = 0.0
         fits = not too_much(view)
-        all_there = view.partner.size - count <= max(1, _LOST * view.partner.size)
+        all_there = view.partner.size - count <= max(1, USUALLY_LOST * view.partner.size)
         # Errors as they are stated: larger ones would explain anything.
         stated = view.times <= (_WIDER if fit.elements else 1.0)
         # A few values are explained by much that is not so, and what is no damage may explain them better.
@@ -405,13 +405,15 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
         root = np.arange(error.intact.size)
     slopes = error.intact.slopes[root]
     kind = error.intact.kind[root]
-    _, spread = error.predicted(slopes[:, n:] * np.exp(error.theta), root, kind)
+    by_theta = slopes[:, n:] * np.exp(error.theta)
+    _, spread = error.predicted(by_theta, root, kind)
+    moved = by_theta @ likelihood.ambient
     usual = float(np.median(now.std))
     # Values of now have about the errors of those of the same response.
     own = [now.std[now.response == error.intact.response[r]] for r in root]
     std = np.array([float(np.median(each)) if each.size else usual for each in own])
     alike = likelihood.common * (kind == 0)
-    triangle = np.linalg.cholesky(spread + np.diag(std**2) + np.outer(alike, alike))
+    triangle = np.linalg.cholesky(spread + np.diag(std**2) + np.outer(alike, alike) + moved @ moved.T)
     return np.asarray(solve_triangular(triangle, slopes[:, :n_candidates], lower=True))
 
 

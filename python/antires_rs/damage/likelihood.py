@@ -12,7 +12,7 @@ Reference: C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -48,7 +48,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import frame_of
+from .shapes import structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -81,6 +81,33 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
         return _governing(model, factors[:half]) + _governing(model, factors[half:])
 
 
+#: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
+#: supports, masses.
+_WARMER, _ON_ONE_SIDE, _SUPPORTS, _LADEN = 0.02, 0.01, 0.1, 0.02
+
+
+def surroundings(
+    model: StructuralModel, factors: Sequence[Parameter], named: Sequence[str], along: FloatArray | None
+) -> FloatArray:
+    """Changes of ln factor (p, k) that go together, of standard deviation 1 each; ``along`` is the place of
+    each element between -1 and 1."""
+    elements = set(model.default_elements)
+    stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
+    warm = np.array([float(term in elements) for term in stiff])
+    held = np.array([float(term in model._springs and term not in elements) for term in stiff])
+    columns = []
+    if "temperature" in named:
+        columns.append(_WARMER * warm)
+        if along is not None:
+            places = [along[term] if term in elements else 0.0 for term in stiff]
+            columns.append(_ON_ONE_SIDE * np.array(places))
+    if "supports" in named:
+        columns.append(_SUPPORTS * held)
+    if "mass" in named:
+        columns.append(_LADEN * np.array([float(p.quantity == "mass_factor") for p in factors]))
+    return np.array(columns).reshape(-1, len(factors)).T
+
+
 # -- What the baseline tells of the errors
 
 #: Median and logarithmic standard deviation of the priors of s, of factors and of what joints and supports
@@ -100,6 +127,8 @@ _LEAST, _FIRST_SHAPE, _LEAST_SHAPE = 0.0, (0.5, 0.3, 0.2, 0.1), 0.05
 #: has no value to spare that would tell.
 _OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
+#: The least of that share where the model lacks what its joints yield: it lacks more than that.
+_LACKING = 0.05
 #: ln of what joints and supports may keep, to begin with where the model as given does not lead to the values.
 _YIELDING = (-0.3, -0.8)
 #: A model with more scatter of its factors, or a larger error beside them, may lack something else; what its
@@ -130,6 +159,7 @@ class ModelError:
     factor: Any = field(repr=False)  # Cholesky factor of the values' covariance
     log_evidence: float = 0.0
     lost: int = 0  # values without a root
+    lacking: bool = False  # whether the model lacks what its joints and supports yield
 
     @property
     def tau(self) -> float:
@@ -152,7 +182,7 @@ class ModelError:
     def outside(self) -> float:
         """Share of the model's error that no factor explains."""
         share = np.hypot(self.tau / self.s, _UNTOLD / (1.0 + self.spare))
-        return float(np.clip(share, *_OUTSIDE))
+        return float(np.clip(share, _LACKING if self.lacking else _OUTSIDE[0], _OUTSIDE[1]))
 
     def predicted(
         self, slopes: FloatArray, identity: NDArray[np.intp], kind: NDArray[np.intp] | None = None
@@ -273,7 +303,7 @@ def _from(
     spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
     lost = values.size - y.size
     log_evidence -= 0.5 * float(np.sum((np.log(s / np.array([S[0], S_JOINTS[0]])[: s.size]) / S[1]) ** 2))
-    rest = mean, rows, prior, factor, log_evidence, lost
+    rest = mean, rows, prior, factor, log_evidence, lost, bool(group.any())
     found = ModelError(theta, s[0], taus, intact, partner, place, spare, *rest)
     return found, log_evidence, settled
 
@@ -497,7 +527,9 @@ def all_errors(outside: float) -> AllErrors:
     """Errors without and with a change of all values alike; ``outside`` is :attr:`ModelError.outside`."""
     usual = 1.0 - _WITH_ALIKE - _WITH_MIXED
     found = [(outside * k, times, p * usual, 0.0, 0.0) for k, times, p in ERRORS]
-    ways: list[tuple[float, tuple[tuple[float, float], ...], float, float]] = [(_WITH_ALIKE, _BESIDE_ALIKE, _ALIKE_STD, 0.0)]
+    ways: list[tuple[float, tuple[tuple[float, float], ...], float, float]] = [
+        (_WITH_ALIKE, _BESIDE_ALIKE, _ALIKE_STD, 0.0)
+    ]
     ways += [(_WITH_MIXED / len(_MIXED), _BESIDE_MIXED, 0.0, mixed) for mixed in _MIXED]
     for share, beside, alike, mixed in ways:
         own = [each for each in ERRORS if each[:2] in beside]
@@ -591,7 +623,7 @@ class ValueLikelihood(ABC):
         """How far the values are from the nearest roots at each row of severities, (m,)."""
 
     @abstractmethod
-    def without_damage(self, extra: float, common: float) -> View:
+    def without_damage(self, extra: float | FloatArray, common: float) -> View:
         """The values as seen from no damage, with an extra error of each and one of all alike."""
 
     def log_without_damage(self, extra: float, common: float) -> float:
@@ -708,7 +740,7 @@ class Likelihood(ValueLikelihood):
         kept = roots.between(self.band.low - _MARGIN, self.band.high + _MARGIN)
         return roots.only(kept), followed[kept], followed
 
-    def without_damage(self, extra: float, common: float) -> View:
+    def without_damage(self, extra: float | FloatArray, common: float) -> View:
         """See the base class."""
         return self._view(np.zeros(self.n), self._undamaged, extra, common)
 
@@ -831,18 +863,23 @@ class Question:
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        given = _Family(model, core, factors, np.zeros(len(factors), dtype=np.intp))
+        plain = _Family(model, core, factors, np.zeros(len(factors), dtype=np.intp))
         if self.reduced and isinstance(responses, Responses):
-            given = given._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
+            plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
 
         def yielding() -> _Family | None:
             """The model with joints and supports that yield, each by a factor of its own."""
-            joints = frame.joints() if (frame := frame_of(model)) else ()
-            if not joints or not isinstance(responses, Responses):
+            if not isinstance(responses, Responses):
                 return None
-            base, every = joints.joined(model), (*factors, *joints.factors(model, BOUNDS))
+            frame = structure_of(model)
+            joints, given = frame.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
+            springs = [p for p in frame.springs if p.terms not in given]
+            more = (*springs, *joints.factors(model, BOUNDS))
+            if not more:
+                return None
+            base, every = joints.joined(model), (*factors, *more)
             parts = base.description.core_parameters((*stiffness_reduction(numbers), *every))
-            group = np.repeat([0, 1], [len(factors), len(joints)])
+            group = np.repeat([0, 1], [len(factors), len(more)])
             return _Family(base, responses.source(base, parts, **how), every, group)
 
         def taught(family: _Family, intact: Values) -> ModelError:
@@ -850,7 +887,7 @@ class Question:
 
         if not self._taught:
             step("learning the model's errors")
-            error, family = taught(given, intact), given
+            error, family = taught(plain, intact), plain
             if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
                 reject(
                     "model",
@@ -869,16 +906,17 @@ class Question:
             if scatter > 1.0:
                 error = taught(family, intact.noisier(scatter))
             odd = contradiction(intact.plain, responses.tests)
-            self._taught.append((error, scatter, odd, family is not given))
+            self._taught.append((error, scatter, odd, family is not plain))
         error, scatter, odd, with_joints = self._taught[0]
-        family = (yielding() if with_joints else None) or given
+        family = (yielding() if with_joints else None) or plain
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        likelihood = Likelihood(
-            family.core, len(numbers), error, intact, now, self.options.std_common, threads
-        )
-        rest = responses, intact, scatter, odd, family.base, core, len(factors)
-        return Prepared(likelihood, numbers, family.factors, *rest)
+        along = structure_of(model).along if self.options.environment else None
+        ambient = surroundings(model, family.factors, self.options.environment or (), along)
+        rest = self.options.std_common, threads, ambient
+        likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
+        made = responses, intact, scatter, odd, family.base, core, len(factors)
+        return Prepared(likelihood, numbers, family.factors, *made)
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""

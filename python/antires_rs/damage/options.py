@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import comb
 from typing import Any
 
@@ -16,6 +16,8 @@ from ..updating.reduced_model import LARGE
 
 #: Scopes of options: two states that are compared, or one state and the model.
 TWO_STATES, ONE_STATE = "with a baseline", "without a baseline"
+#: What may differ between two tests beside damage.
+SURROUNDINGS = ("temperature", "supports", "mass")
 _PRICE: dict[str, Any] = {"kind": "number", "low": 0.0, "scope": ONE_STATE}
 
 
@@ -64,6 +66,14 @@ class SearchOptions(Options):
         high=0.1,
         scope=TWO_STATES,
     )
+    environment: tuple[str, ...] | None = option(
+        None,
+        'What else may differ between the two tests: "temperature" (modulus of all elements, not of springs to '
+        'ground, by 2 %, and along the longer side by 1 %), "supports" (all springs to ground, by 10 %), "mass" '
+        "(all masses, by 2 %); standard deviations.",
+        kind="value",
+        scope=TWO_STATES,
+    )
     reduction: str | bool = option(
         "auto",
         "Whether antiresonances are sought on reduced models; by default for more than 2,000 dofs.",
@@ -101,6 +111,13 @@ class SearchOptions(Options):
             if said.scope != scope and not usual:
                 wanted = "together with a baseline" if said.scope == TWO_STATES else ONE_STATE
                 reject(name, value, f"None: it counts only {wanted}", f"Leave {name} out.")
+        if self.environment is not None:
+            known = ", ".join(map(repr, SURROUNDINGS))
+            given = (self.environment,) if isinstance(self.environment, str) else self.environment
+            if not isinstance(given, (tuple, list)) or any(each not in SURROUNDINGS for each in given):
+                remedy = "As in environment=('temperature',)."
+                reject("environment", self.environment, f"a tuple of some of {known}", remedy)
+            return replace(self, environment=tuple(given)).checked()
         return self.checked()
 
     def reduces(self, n_dof: int, modes: bool) -> bool:

@@ -7,17 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
 from .evidence import Fit, fitted
-from .inference import SHARES, Elements, Search, stepped, too_much
+from .inference import SHARES, USUALLY_LOST, Elements, Search, stepped, too_much
 from .likelihood import Likelihood, Prepared, Question, View
-from .measured_states import Responses, Roots, roots_at
-from .shapes import Found, Frame, Shape, Shaped, Shapes, frame_of
+from .measured_states import Responses, Roots, Values, roots_at
+from .shapes import Found, Shape, Shaped, Shapes, Structure, structure_of
 
 #: Shares of the prior of what is in no element, by kind.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
 SENSOR = 0.2
+#: With fewer sensors the values of one are not told from those of all.
+_LEAST_SENSORS = 3
 
 # -- The likelihood with shapes behind the elements
 
@@ -75,11 +78,16 @@ _OVER_PLACES = 1.0
 
 def found_shapes(search: Search, prepared: Prepared, question: Question) -> Found:
     """Judge the shapes of a frame beside the sets of elements that a search has found; nothing for others."""
-    found, frame = Found(), frame_of(question.model)
-    if frame is None or not isinstance(prepared.responses, Responses):
+    found, frame = Found(), structure_of(question.model)
+    if not isinstance(prepared.responses, Responses):
         return found
+    start = prepared.likelihood.start
+    if too_much(start) or start.partner.size - start.n_matched > max(1, USUALLY_LOST * start.partner.size):
+        found.others += _sensors(prepared, question.model)
     factor = prepared.stiffness_factors
     shapes = frame.shapes(factor)
+    if not len(shapes):
+        return found
     step("cracks, joints and masses")
     likelihood = with_shapes(prepared, question, shapes)
     if likelihood is None:
@@ -105,9 +113,37 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
                 found.others.append(_beside(shapes.shapes[k], fits[n + k,], prior))
     best = max([likeliest, *fits.values()], key=lambda fit: fit.log_evidence)
     unknown = search.likelihood.something_else
-    if too_much(best.view) or best.log_evidence < unknown:
+    cracks = any(shape.kind == "crack" for shape in shapes.shapes)
+    if cracks and (too_much(best.view) or best.log_evidence < unknown):
         pairs = _pairs(likelihood, shapes, prepared.numbers, fits)
         _join_pairs(shapes, prepared.numbers, pairs, found)
+    return found
+
+
+#: Changes (ln f) of the values of a sensor that has moved.
+_MOVED = (3e-3, 1e-2, 3e-2, 1e-1)
+
+
+def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:
+    """Each sensor by itself moved: its values changed by any amount, and no others."""
+    likelihood, responses = prepared.likelihood, prepared.responses
+    assert isinstance(responses, Responses)
+    now: Values = likelihood.now
+    found: list[Shaped] = []
+    numbers = np.unique(now.response)
+    if numbers.size < _LEAST_SENSORS:
+        return found
+    for number in numbers.tolist():
+        logs, views = [], []
+        for moved in _MOVED:
+            extra = np.zeros(len(responses.parts))
+            extra[number] = moved
+            views.append(likelihood.without_damage(extra, 0.0))
+            logs.append(views[-1].log_likelihood)
+        prior = np.log(SENSOR / numbers.size) - np.log(len(_MOVED))
+        place = f"sensor at {model.dof_label(responses.parts[number][0])} moved or changed"
+        view = views[int(np.argmax(logs))]
+        found.append(Shaped("sensor", place, float(np.logaddexp.reduce(logs) + prior), view))
     return found
 
 
@@ -153,7 +189,7 @@ def _keep(fits: dict[Elements, Fit], sets: Sequence[Elements], views: Sequence[V
 def _narrow(
     prepared: Prepared,
     question: Question,
-    frame: Frame,
+    frame: Structure,
     shapes: Shapes,
     n: int,
     fits: dict[Elements, Fit],
@@ -238,6 +274,9 @@ def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
     if shape.kind == "mass":
         kg = [shape.size * beta for beta in (float(fit.beta[0]), low, high)]
         place = f"{kg[0]:.3g} kg ({kg[1]:.3g} to {kg[2]:.3g}) added at node {shape.node}"
+    elif shape.name:
+        lost = [f"{100 * beta:.1f}" for beta in (float(fit.beta[0]), low, high)]
+        place = f"{shape.name} has lost {lost[0]} % ({lost[1]} to {lost[2]})"
     else:
         what = "support" if shape.kind == "support" else f"joint of element {shape.element}"
         place = f"{what} at node {shape.node} turns"
@@ -258,7 +297,8 @@ def _pairs(
     for (first,) in taken[:_PARENTS]:
         view = fits[first,].view
         gains = np.where((owner >= 0) & (owner != owner[first]), view.gains, -1.0)
-        for second in np.argsort(-gains, kind="stable")[:_JOINING].tolist():
+        joining = np.argsort(-gains, kind="stable")[: min(_JOINING, int((gains > 0.0).sum()))]
+        for second in joining.tolist():
             for amount in _SCAN:
                 row = view.beta.copy()
                 row[second] = amount

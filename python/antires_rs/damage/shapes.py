@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.matrix_model import MatrixModel
 from ..models.parameters import Parameter
@@ -54,6 +55,7 @@ class Shape(NamedTuple):
     #: mass: kg at beta = 1.
     size: float
     length_m: float = 0.0
+    name: str = ""  # of a spring
 
     def loss(self, beta: float) -> float:
         """Loss of the whole element that makes it as flexible as a hinge."""
@@ -106,9 +108,9 @@ class Shapes:
         return tuple(found)
 
     def factors(self, model: StructuralModel, bounds: tuple[float, float]) -> tuple[Parameter, ...]:
-        """Of hinges alone: a factor of what they may lose."""
-        first = model._core.n_stiffness_terms
-        return tuple(Parameter("stiffness_factor", (first + k,), bounds) for k in range(len(self)))
+        """A factor of each that is not to change between the tests."""
+        kinds: Any = {"stiffness_reduction": "stiffness_factor", "mass_factor": "mass_factor"}
+        return tuple(Parameter(kinds[p.quantity], p.terms, bounds) for p in self.parameters(model))
 
     @property
     def offset(self) -> FloatArray:
@@ -132,12 +134,105 @@ def _of_core(term: Any, n: int) -> Any:
     return coo_array((values, (rows, columns)), shape=(n, n)).tocsr()
 
 
-def frame_of(model: StructuralModel) -> Frame | None:
-    """The frame of a model that has one."""
-    return Frame(model) if isinstance(model, FrameModel) else None
+def structure_of(model: StructuralModel) -> Structure:
+    """What is known of a model beside its matrices."""
+    if isinstance(model, FrameModel):
+        return Frame(model)
+    return Chain(model) if isinstance(model, MassSpringChain) else Structure(model)
 
 
-class Frame:
+#: Dofs of a model of matrices up to which each may have another mass.
+_MOST_DOFS = 100
+
+
+class Structure:
+    """A model of matrices: its masses may be wrong, where it has no terms that say how."""
+
+    def __init__(self, model: StructuralModel) -> None:
+        self.model = model
+
+    @property
+    def along(self) -> FloatArray | None:
+        """Place of each element along the structure, from -1 to 1, where it is known."""
+        return None
+
+    @property
+    def springs(self) -> tuple[Parameter, ...]:
+        """A factor of each spring that is no element."""
+        return ()
+
+    def shapes(self, factor: Mapping[int, float]) -> Shapes:
+        """What may change beside the losses of elements."""
+        del factor
+        return Shapes((), ())
+
+    def joints(self) -> Shapes:
+        """What the model may lack: the mass at each dof."""
+        from scipy.sparse import csr_array
+
+        n = self.model.n_dof
+        if self.model._core.n_mass_terms or n > _MOST_DOFS or isinstance(self.model, MassSpringChain):
+            return Shapes((), ())
+        own = np.asarray(self.model.mass().diagonal())
+        found = []
+        for dof in np.flatnonzero(own > 0.0).tolist():
+            term = csr_array(([own[dof]], ([dof], [dof])), shape=(n, n))
+            found.append((Shape("mass", -1, 0.0, dof, float(own[dof])), term))
+        return _listed(found)
+
+    def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> Shapes:
+        """None."""
+        del element, shares, factor
+        return Shapes((), ())
+
+    def neighbours(self, element: int) -> list[int]:
+        """None are known."""
+        del element
+        return []
+
+
+#: Powers of the height with which a building tilts and bends as a whole.
+_TILTS = (1, 2, 3)
+
+
+class Chain(Structure):
+    """A chain; where it stands on the ground it may tilt there, and bend as a whole."""
+
+    @property
+    def along(self) -> FloatArray:
+        """From the first spring to the last, springs to ground behind them."""
+        between = np.linspace(-1.0, 1.0, max(self.model.n_dof - 1, 1))
+        return np.concatenate([between, [-1.0, 1.0]])
+
+    def shapes(self, factor: Mapping[int, float]) -> Shapes:
+        """A mass at each of the masses."""
+        from scipy.sparse import csr_array
+
+        n, mass = self.model.n_dof, np.diag(np.asarray(self.model.mass()))
+        most = _MOST_MASS * float(mass.sum())
+        terms = [csr_array(([most], ([node], [node])), shape=(n, n)) for node in range(n)]
+        return _listed([(Shape("mass", -1, 0.0, node, most), term) for node, term in enumerate(terms)])
+
+    def joints(self) -> Shapes:
+        """What tilting and bending leave of the stiffness, by the formula of a hinge."""
+        from scipy.sparse import csr_array
+
+        recipe = self.model._recipe
+        ends = recipe.ground_first_n_per_m, recipe.ground_last_n_per_m
+        if (ends[0] == 0.0) == (ends[1] == 0.0):
+            return Shapes((), ())
+        n, stiffness = self.model.n_dof, np.asarray(self.model.stiffness())
+        height = np.arange(1.0, n + 1.0) / n
+        found = []
+        for power in _TILTS:
+            way = (height if ends[0] else height[::-1]) ** power
+            force = stiffness @ way
+            column = csr_array((force / np.sqrt(way @ force))[:, None])
+            found.append((Shape("joint", -1, 0.0, -1, 1.0), column @ column.T))
+        return _listed(found)
+
+
+class Frame(Structure):
     """The geometry of a frame, its matrices with every dof free, and the shapes that these give.
 
     ``factor`` is that of each element's stiffness, after the baseline.
@@ -148,7 +243,8 @@ class Frame:
         whole = ModelDescription(replace(recipe, fixed=()), model.description.applied).core()
         frame = whole.frame()
         assert frame is not None
-        self.model, self.ends, self.nodes = model, model.elements.tolist(), np.asarray(model.nodes_m)
+        super().__init__(model)
+        self.ends, self.nodes = model.elements.tolist(), np.asarray(model.nodes_m)
         self.n = whole.n_dof
         self.stiffness = [_of_core(term, self.n) for term in whole.stiffness_terms()[: len(self.ends)]]
         self.at = {tuple(name): dof for dof, name in enumerate(frame.dof_names())}
@@ -176,7 +272,15 @@ class Frame:
         for element in range(len(self.ends)):
             for share in PLACES:
                 found += self._hinges(element, share, "crack", self.ends[element][0], factor)
-        return _listed([*found, *self._turning(factor), *self._masses()])
+        return _listed([*found, *self._turning(factor), *self._supports(), *self._masses()])
+
+    @property
+    def along(self) -> FloatArray:
+        """Place of each element along the longer side of the frame, from -1 to 1."""
+        middles = self.nodes[np.array(self.ends)].mean(axis=1)
+        own = middles[:, int(np.argmax(np.ptp(self.nodes, axis=0)))]
+        size = float(np.ptp(own))
+        return np.asarray(2.0 * (own - own.min()) / size - 1.0 if size else np.zeros(own.size))
 
     def joints(self) -> Shapes:
         """Joints and supports of the sound frame, one a node: all ends there turn alike."""
@@ -185,6 +289,23 @@ class Frame:
             before = found.get(shape.node)
             found[shape.node] = (shape, term if before is None else before[1] + term)
         return _listed(list(found.values()))
+
+    @property
+    def springs(self) -> tuple[Parameter, ...]:
+        """A factor of each spring, to ground or between nodes."""
+        first, last = len(self.ends), self.model._core.n_stiffness_terms
+        terms = [self.model._core.stiffness_terms()[k] for k in range(first, last)]
+        held = [first + k for k, term in enumerate(terms) if np.any(term[2])]
+        return tuple(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in held)
+
+    def _supports(self) -> list[tuple[Shape, Any]]:
+        """Springs that lose stiffness."""
+        terms, n = self.model._core.stiffness_terms(), self.model.n_dof
+        found = []
+        for (k,) in (p.terms for p in self.springs):
+            shape = Shape("support", -1, 0.0, -1, 1.0, name=self.model.element_label(k))
+            found.append((shape, _of_core(terms[k], n)))
+        return found
 
     def _turning(self, factor: Mapping[int, float]) -> list[tuple[Shape, Any]]:
         found = []
