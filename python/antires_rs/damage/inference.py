@@ -547,7 +547,7 @@ def learned_from(
 def posterior(
     search: Search, weights: dict[Elements, float], numbers: Sequence[int], kept: Elements, least: float
 ) -> list[tuple[Elements, Hypothesis]]:
-    """Hypotheses with their keys and their probabilities, the most probable first; ``numbers`` are the elements' own.
+    """Keys and hypotheses, the most probable first; ``numbers`` are the elements' own numbers.
     Those of less than the ``least`` probability are dropped, but for no damage and ``kept``."""
     from scipy.special import logsumexp
 

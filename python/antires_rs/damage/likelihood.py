@@ -120,16 +120,15 @@ _TAU_SHARE = 0.2
 #: Errors with which values and roots are associated, step by step; later ones are multiples of tau.
 _FIRST = (0.1, 0.03, 0.01, 0.004)
 _MULTIPLE = 3.0
-#: The least of them: values that fall out of a narrow association make tau smaller, and more of them fall out.
-#: And the same of shapes.
-_LEAST, _FIRST_SHAPE, _LEAST_SHAPE = 0.0, (0.5, 0.3, 0.2, 0.1), 0.05
+#: The same for coordinates of shapes; and the least of them later on.
+_FIRST_SHAPE, _LEAST_SHAPE = (0.5, 0.3, 0.2, 0.1), 0.05
 #: Least and largest share of the model's error that no factor explains; and what it is where the baseline
 #: has no value to spare that would tell.
 _OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
 #: The least of that share where the model lacks what its joints yield: it lacks more than that.
 _LACKING = 0.05
-#: ln of what joints and supports may keep, to begin with where the model as given does not lead to the values.
+#: ln of what joints and supports keep to begin with, where the model as given does not lead to the values.
 _YIELDING = (-0.3, -0.8)
 #: A model with more scatter of its factors, or a larger error beside them, may lack something else; what its
 #: joints yield is believed where it makes the values so much more probable (ln).
@@ -276,7 +275,7 @@ def _from(
         if at < len(_FIRST):
             spread = np.array([_FIRST[at], _FIRST_SHAPE[at]])
         else:
-            spread = np.maximum(_MULTIPLE * taus, [_LEAST, _LEAST_SHAPE])
+            spread = np.maximum(_MULTIPLE * taus, [0.0, _LEAST_SHAPE])
         inside = (intact.kind == 0) & intact.between(low, high)
         missed = np.where(inside, -np.log(1.0 - FOUND_ONCE), 0.0)
         alone = price_alone(low, high)
@@ -360,15 +359,15 @@ ERRORS = (
     (1.6, 2.0, 0.05),
 )
 Errors = tuple[tuple[float, float, float], ...]
-#: The same with the standard deviation of a change of all values alike, and the share of a change that is wrong
-#: as if other elements had a part in it.
+#: The same with the standard deviation of a change of all values alike, and the share of a change that is
+#: wrong as if other elements had a part in it.
 AllErrors = tuple[tuple[float, float, float, float, float], ...]
-#: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation (ln f),
-#: its share of the probability, and the errors beside which it is looked at.
+#: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation
+#: (ln f), its share of the probability, and the errors beside which it is looked at.
 _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
-#: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change is
-#: wrong along the slopes of all elements. The size of that error over that of the change (root mean square), its
-#: share of the probability, and the errors beside which it is looked at.
+#: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change
+#: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
+#: square), its share of the probability, and the errors beside which it is looked at. Set on building.
 _MIXED, _WITH_MIXED, _BESIDE_MIXED = (0.1, 0.3), 0.3, ((0.5, 1.0), (1.0, 1.0), (1.6, 1.0))
 #: Error of a loss that the model's error makes, in u = -ln(1 - beta): so many times u and the scatter of the
 #: model's factors, since what a wrong model lacks is not seen in how it explains the baseline. Set on
@@ -489,9 +488,8 @@ def _judged(
     spread = times**2 * noise + kappa**2 * unmodelled + alike**2 * np.outer(frequency, frequency)
     by_elements = roots.roots.slopes[root, : roots.n_elements] * (1.0 - beta[: roots.n_elements])
     along = by_elements @ by_elements.T
-    spread = spread + mixed**2 * along * (
-        np.mean(change**2) / max(float(np.trace(along)) / max(root.size, 1), 1e-30) if root.size else 0.0
-    )
+    if has.size and (total := float(np.trace(along))) > 0.0:
+        spread = spread + mixed**2 * along * (float(np.sum(change**2)) / total)
     triangles = np.linalg.cholesky(model + spread)
     # A row-major lower triangle is a column-major upper one.
     solved = [dtrtrs(each.T, residual, trans=1)[0] for each in triangles] if has.size else []
@@ -844,7 +842,8 @@ class Question:
     options: SearchOptions = field(default_factory=SearchOptions)
     model_error: float | None = None
     reduced: bool = False
-    #: What the baseline taught (error, scatter, contradiction, whether joints yield) once it was asked: intervals ask again.
+    #: What the baseline taught (error, scatter, contradiction, whether joints yield) once it was asked:
+    #: intervals ask again.
     _taught: list[tuple[ModelError, float, Contradiction, bool]] = field(
         default_factory=list, init=False, repr=False, compare=False
     )

@@ -68,9 +68,9 @@ class SearchOptions(Options):
     )
     environment: tuple[str, ...] | None = option(
         None,
-        'What else may differ between the two tests: "temperature" (modulus of all elements, not of springs to '
-        'ground, by 2 %, and along the longer side by 1 %), "supports" (all springs to ground, by 10 %), "mass" '
-        "(all masses, by 2 %); standard deviations.",
+        'What else may differ between the two tests, with standard deviations: "temperature" (modulus of '
+        'all elements, not of springs, 2 %, and along the longer side 1 %), "supports" (all springs, 10 %), '
+        '"mass" (all masses, 2 %).',
         kind="value",
         scope=TWO_STATES,
     )

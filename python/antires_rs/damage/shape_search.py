@@ -1,4 +1,4 @@
-"""The search for what is no loss of a whole element: each shape judged by the likelihood of the assessment."""
+"""The search for what is no loss of a whole element, each judged by the likelihood of the assessment."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> Shape
 
 # -- The search
 
-#: Columns that are looked at for their gain, to first order; and elements whose cracks are, for their evidence.
+#: Shapes that are looked at for their gain, to first order; elements whose cracks are, for their evidence.
 _BY_GAIN, _BY_EVIDENCE = 16, 3
 #: Gain of the log-likelihood, to first order, from which a shape may explain what no element does.
 _GAIN = 4.0

@@ -51,7 +51,7 @@ class Shape(NamedTuple):
     element: int  # cracks and joints: of the model; else -1
     share: float  # where along the element
     node: int  # of a crack the first of its element
-    #: Of a hinge: what its flexibility is to that of the whole element, L / EI, at beta / (1 - beta) = 1; of a
+    #: Of a hinge: its flexibility over that of the whole element, L / EI, where beta / (1 - beta) is 1; of a
     #: mass: kg at beta = 1.
     size: float
     length_m: float = 0.0
