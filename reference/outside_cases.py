@@ -152,6 +152,11 @@ def _right(structure: Structure, state: State) -> tuple[tuple[frozenset[int], ..
 
 
 def _changed(intact, present, std) -> float:
-    """Against the scatter of a difference; a value that is new counts as much as one far off."""
-    found = [np.abs(f / intact[dof] - 1.0).min(initial=_NEW) for dof, freq in present.items() for f in freq]
+    """Against the scatter of a difference; a value that is new or lost counts as much as one far off."""
+    found = [
+        np.abs(f / there[dof] - 1.0).min(initial=_NEW)
+        for here, there in ((present, intact), (intact, present))
+        for dof, freq in here.items()
+        for f in freq
+    ]
     return float(np.sqrt(np.mean(np.square(found)) / 2.0) / std)
