@@ -60,7 +60,7 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> Shape
 # -- The search
 
 #: Shapes that are looked at for their gain, to first order; elements whose cracks are, for their evidence.
-_BY_GAIN, _BY_EVIDENCE = 16, 3
+_BY_GAIN, _BY_EVIDENCE, _MOST_SCANNED = 16, 3, 40
 #: Gain of the log-likelihood, to first order, from which a shape may explain what no element does.
 _GAIN = 4.0
 #: Errors added on the way to the most probable amounts; sets given up when so far behind, but for so many.
@@ -81,8 +81,10 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
     found, frame = Found(), structure_of(question.model)
     if not isinstance(prepared.responses, Responses):
         return found
-    start = prepared.likelihood.start
-    if too_much(start) or start.partner.size - start.n_matched > max(1, USUALLY_LOST * start.partner.size):
+    plain = prepared.likelihood.start
+    lost = plain.partner.size - plain.n_matched
+    changed = too_much(plain) or lost > max(1, USUALLY_LOST * plain.partner.size)
+    if changed:
         found.others += _sensors(prepared, question.model)
     factor = prepared.stiffness_factors
     shapes = frame.shapes(factor)
@@ -95,13 +97,16 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
     n, numbers = search.likelihood.n, prepared.numbers
     start = likelihood.start
     likeliest = max(search.fits.values(), key=lambda fit: fit.log_evidence)
-    if not likeliest.elements and start.gains[n:].max(initial=0.0) < _GAIN:
+    if not (changed or likeliest.elements) and start.gains[n:].max(initial=0.0) < _GAIN:
         return found
     singles = sorted((s for s in search.fits if len(s) == 1), key=lambda s: -search.fits[s].log_evidence)
     near = {numbers[s[0]] for s in singles[:_BY_EVIDENCE]}
     near |= {other for e in near for other in frame.neighbours(e)}
+    # Large changes leave few values with a partner, and gains say little: what is in no element is scanned.
+    beside = [n + k for k, shape in enumerate(shapes.shapes) if shape.kind != "crack"]
+    scanned = beside if len(beside) <= _MOST_SCANNED else []
     by_gain = n + np.argsort(-start.gains[n:], kind="stable")[:_BY_GAIN]
-    chosen = {*by_gain.tolist(), *(n + k for k, s in enumerate(shapes.shapes) if s.element in near)}
+    chosen = {*by_gain.tolist(), *scanned, *(n + k for k, s in enumerate(shapes.shapes) if s.element in near)}
     chosen |= {s[0] for s in singles[:_PARENTS]}
     fits = _refined(likelihood, [(c,) for c in sorted(chosen)])
     _narrow(prepared, question, frame, shapes, n, fits, found)

@@ -32,7 +32,7 @@ def _explanation(found: Assessment, one: Hypothesis) -> str:
     if not one.elements:
         return "nothing"
     if one.unknown:
-        return "a change that no element explains"
+        return one.place or "a change that no element explains"
     if _unseen(one) or max(one.severities) < _NO_LOSS:
         return f"damage of {found.hypotheses.named(one.elements[:1])}, which these values do not show"
     return _loss_of(found, one)
@@ -48,6 +48,8 @@ def _loss_of(found: Assessment, one: Hypothesis) -> str:
     rows = zip(map(found.hypotheses.named, zip(one.elements, strict=True)), one.severities, strict=True)
     (name, loss), *others = ((name, f"{100 * severity:.1f} %") for name, severity in rows)
     more = [f"{name} {loss}" for name, loss in others]
+    if one.place:
+        return " and ".join([f"{one.place}, as flexible as {name} with {loss} less stiffness", *more])
     return " and ".join([f"{name} has lost {loss} of its stiffness", *more])
 
 
@@ -95,6 +97,9 @@ def _shifted(found: Assessment) -> list[str]:
 
 def _unexplained(found: Assessment) -> list[str]:
     best, share, changed = found.best, found.probability_elsewhere, 1.0 - found.probability_of_nothing
+    if best.place and best.probability >= _SURE:
+        sure = f"probability {percent(best.probability)}"
+        return [f"No damage of the candidates explains the values, but this does ({sure}): {best.place}."]
     if share >= _SURE:
         sure = f"probability {percent(share)}"
         lines = [f"Something has changed that none of the candidates explains ({sure})."]
@@ -103,7 +108,9 @@ def _unexplained(found: Assessment) -> list[str]:
         perhaps = f"perhaps what none of the candidates explains (probability {percent(share)})"
         first = f"{what} has changed (probability {percent(changed)}), {perhaps}."
         lines = [first, _else(found, found.hypotheses[1:])]
-    if not best.unknown:
+    if best.place:
+        lines.append(f"First of what would explain it: {best.place} ({percent(best.probability)}).")
+    elif not best.unknown:
         loss = f"{_loss_of(found, best)} ({_intervals(best)})"
         lines.append(f"What would explain it, and was no candidate: {loss}.")
     return lines
@@ -284,6 +291,8 @@ def _if_trusted(found: Assessment) -> str:
     trusted = "baseline" if found.odd_baselines else "model"
     if found.moved_alike and not found.best.severities:
         what = "all values have moved alike, which is temperature or clock rather than damage"
+    elif found.best.place and found.best.unknown:
+        what = f"the values point to this: {found.best.place}"
     elif not found.best.candidate:
         what = "something has changed that none of the candidates explains"
     elif not found.declared:

@@ -1,0 +1,132 @@
+"""What is no loss of a whole element: cracks, masses, supports, sensors, a structure that warms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import antires_rs as ar
+from antires_rs.damage.shapes import structure_of
+
+BAR = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
+PLACES = [(0.1 * i, 0.0) for i in range(11)]
+LINES = [(i, i + 1) for i in range(10)]
+STD = 3e-4
+
+
+def beam(**parts):
+    options = {"fixed": [0], "ground_springs": [(7, "v", 2e4)], **parts}
+    return ar.FrameModel(PLACES, LINES, BAR, **options)
+
+
+def off(model, rng):
+    """The same with every element's stiffness and mass a few per cent off."""
+    elements = range(10)
+    parameters = ar.stiffness_factor(elements, bounds=(0.5, 2.0)) + ar.mass_factor(elements, bounds=(0.5, 2.0))
+    return model.with_parameters(parameters, 1.0 + 0.02 * rng.standard_normal(20))
+
+
+def measured(model, rng, nodes=(2, 4, 5, 6, 8, 9, 10), last=10):
+    """Antiresonances with scatter as stated; the sensor of the last node may stand elsewhere."""
+    hammer, found = model.dof(10, "v"), {}
+    for node in nodes:
+        label = PLAIN.dof(node, "v")
+        roots = model.antiresonances(model.dof(last if node == 10 else node, "v"), hammer, f_max_hz=400.0)
+        found[label] = np.sort(roots * (1.0 + STD * rng.standard_normal(roots.size)))
+    std = {dof: STD * f for dof, f in found.items()}
+    return ar.AntiresonanceSet(PLAIN.dof(10, "v"), found, std_hz=std)
+
+
+PLAIN = beam()
+
+
+def assessed(now, before, rng, **options):
+    return ar.assess_damage(PLAIN, measured(now, rng), baseline=measured(before, rng), **options)
+
+
+def cracked(element, share, loss):
+    """A beam with a hinge between two nodes, as flexible as a loss of the whole element."""
+    stiffness = 7.0e10 * 0.04 * 0.008**3 / 12.0 / 0.1 * (1.0 - loss) / loss
+    at = (PLACES[element][0] + 0.1 * share, 0.0)
+    lines = [*LINES[:element], *LINES[element + 1 :], (element, 11), (12, element + 1)]
+    tied = [ar.NodeSpring(11, 12, 1e8, name) for name in ("u", "v")]
+    turning = ar.NodeSpring(11, 12, stiffness, "theta")
+    options = {"fixed": [0], "ground_springs": [(7, "v", 2e4)], "node_springs": [*tied, turning]}
+    return ar.FrameModel([*PLACES, at, at], lines, BAR, **options)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.85])
+def test_a_hinge_in_the_matrices_is_one_between_two_nodes(share):
+    """Against a beam that is cut in two and joined by a rotational spring."""
+    loss, element = 0.35, 4
+    shapes = structure_of(PLAIN).cracks(element, [share], {})
+    (shape,) = shapes.shapes
+    flexible = loss / (1.0 - loss) / shape.size
+    beta = flexible / (1.0 + flexible)
+    assert shape.loss(beta) == pytest.approx(loss)
+    (parameter,) = shapes.parameters(PLAIN)
+    by_term = shapes.joined(PLAIN).with_parameters(parameter, beta)
+    by_nodes = cracked(element, share, loss)
+    # The cut changes how the mass moves: the higher the mode, the more.
+    assert by_term.modes(3).freq_hz == pytest.approx(by_nodes.modes(3).freq_hz, rel=2e-3)
+    assert PLAIN.modes(3).freq_hz != pytest.approx(by_nodes.modes(3).freq_hz, rel=5e-3)
+
+
+@pytest.mark.parametrize(("seed", "element", "share", "loss"), [(0, 3, 0.2, 0.3), (1, 6, 0.8, 0.2)])
+def test_a_crack_is_found_in_its_element_with_its_place(seed, element, share, loss):
+    rng = np.random.default_rng(seed)
+    result = assessed(cracked(element, share, loss), PLAIN, rng)
+    best = result.hypotheses[0]
+    assert best.elements == (element,)
+    assert best.kind == "crack"
+    assert best.severities[0] == pytest.approx(loss, abs=0.03)
+    metres = float(best.place.split()[1])
+    assert metres == pytest.approx(0.1 * share, abs=0.015)
+    assert f"crack {metres:g} m" in result.headline
+
+
+def test_a_mass_a_support_and_a_moved_sensor_are_named():
+    rng = np.random.default_rng(5)
+    before = off(PLAIN, rng)
+    rng_of = np.random.default_rng
+    heavy = off(beam(point_masses=[(4, 0.03)]), rng_of(5))
+    best = assessed(heavy, before, rng).hypotheses[0]
+    assert (best.kind, best.elements) == ("mass", (-1,))
+    assert "added at node 4" in best.place
+    soft = off(beam(ground_springs=[(7, "v", 1.4e4)]), rng_of(5))
+    best = assessed(soft, before, rng).hypotheses[0]
+    assert best.kind == "support"
+    assert best.place.startswith("ground spring 0 (node 7 v) has lost")
+    moved = ar.assess_damage(PLAIN, measured(before, rng, last=9), baseline=measured(before, rng))
+    assert moved.hypotheses[0].kind == "sensor"
+    assert "node 10 v moved" in moved.headline
+    assert not moved.damaged
+
+
+def test_temperature_beside_damage():
+    rng = np.random.default_rng(7)
+    before = off(PLAIN, rng)
+    elements = list(range(10))
+    loss = np.where(np.arange(10) == 4, 0.2, 0.0)
+    after = 0.975 * (1.0 - loss)
+    warm = before.with_parameters(ar.stiffness_factor(elements, bounds=(0.1, 2.0)), after)
+    result = assessed(warm, before, rng, environment=("temperature",))
+    assert result.damaged == [4]
+    low, high = result.interval[4]
+    assert low < 0.2 < high
+    # No damage, and warmer.
+    warm = before.with_parameters(ar.stiffness_factor(elements, bounds=(0.1, 2.0)), np.full(10, 0.98))
+    assert not assessed(warm, before, rng, environment=("temperature",)).damaged
+    with pytest.raises(ar.InvalidInputError, match=r"environment: got .*wind.*wanted a tuple of some of"):
+        assessed(before, before, rng, environment=("wind",))
+
+
+def test_what_springs_yield_is_learned_from_the_baseline():
+    """A support of the model that is off by a third makes no element wrong."""
+    rng = np.random.default_rng(11)
+    truth = beam(ground_springs=[(7, "v", 1.3e4)])
+    damaged = truth.with_parameters(ar.stiffness_reduction(2), 0.25)
+    result = assessed(damaged, truth, rng)
+    assert result.damaged == [2]
+    assert result.assessment.factor_std < 0.02
+    assert result.severity[2] == pytest.approx(0.25, abs=0.02)
