@@ -241,12 +241,15 @@ class Search:
         for s, one in self.shaped.cracked.items():
             whole = found.get(s, -np.inf) + np.log1p(-CRACKED)
             found[s] = float(np.logaddexp(whole, one.log_evidence + np.log(CRACKED) + self.log_prior(s)))
+        # What is of a known kind takes half of what is elsewhere; of an unknown kind it is without elements.
         unknown = self._log_priors[-1]
-        if self.shaped.others:  # what is elsewhere may be of a known kind
-            elsewhere = self.prior.log_elsewhere(1)
-            unknown = float(np.log(self.prior.unknown)) if self.prior.unknown else -np.inf
-            for nth, one in enumerate(self.shaped.others):
-                found[other_key(nth)] = one.log_evidence + elsewhere
+        if self.shaped.others:
+            elsewhere = 0.5 * self.prior.elsewhere
+            with np.errstate(divide="ignore"):
+                if self.likelihood.n == self.n_candidates:
+                    unknown = float(np.log(self.prior.unknown + elsewhere))
+                for nth, one in enumerate(self.shaped.others):
+                    found[other_key(nth)] = one.log_evidence + float(np.log(elsewhere))
         return found | {UNKNOWN: self.likelihood.something_else + unknown}
 
     def shaped_as(self, key: Elements) -> Shaped | None:

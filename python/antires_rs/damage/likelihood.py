@@ -521,14 +521,16 @@ def _judged(
     )
 
 
-def all_errors(outside: float) -> AllErrors:
-    """Errors without and with a change of all values alike; ``outside`` is :attr:`ModelError.outside`."""
-    usual = 1.0 - _WITH_ALIKE - _WITH_MIXED
+def all_errors(outside: float, with_mixed: float) -> AllErrors:
+    """Errors without and with a change of all values alike, and with one along all elements by this share;
+    ``outside`` is :attr:`ModelError.outside`."""
+    usual = 1.0 - _WITH_ALIKE - with_mixed
     found = [(outside * k, times, p * usual, 0.0, 0.0) for k, times, p in ERRORS]
     ways: list[tuple[float, tuple[tuple[float, float], ...], float, float]] = [
         (_WITH_ALIKE, _BESIDE_ALIKE, _ALIKE_STD, 0.0)
     ]
-    ways += [(_WITH_MIXED / len(_MIXED), _BESIDE_MIXED, 0.0, mixed) for mixed in _MIXED]
+    if with_mixed:
+        ways += [(with_mixed / len(_MIXED), _BESIDE_MIXED, 0.0, mixed) for mixed in _MIXED]
     for share, beside, alike, mixed in ways:
         own = [each for each in ERRORS if each[:2] in beside]
         total = sum(p for *_, p in own)
@@ -684,7 +686,7 @@ class Likelihood(ValueLikelihood):
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
         self.ambient = np.zeros((self.factors.size, 0)) if ambient is None else ambient
-        self._errors = all_errors(error.outside)
+        self._errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
 
