@@ -206,8 +206,11 @@ class Fit:
         return low, high
 
 
-def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR) -> list[Fit]:
-    """Sets of one size as seen from one point; not those whose severities are too far from there, in u."""
+def fitted(
+    view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR, *, at_peak: bool = False
+) -> list[Fit]:
+    """Sets of one size as seen from one point; not those whose severities are too far from there, in u.
+    ``at_peak``: it is the most probable one, whatever slopes say."""
     at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
     size = at.shape[1]
     room = 1.0 - view.beta[at]
@@ -215,7 +218,7 @@ def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR) -
     matrix = view.curvature[at[:, :, None], at[:, None, :]] * room[:, :, None] * room[:, None, :]
     covariance: FloatArray = np.asarray(np.linalg.inv(matrix + BLIND * np.eye(size)), dtype=np.float64)
     # All severities are equally probable, so that large u are less.
-    gain = view.gain[at] * room - 1.0
+    gain = np.zeros(at.shape) if at_peak else view.gain[at] * room - 1.0
     step = (covariance @ gain[:, :, None])[:, :, 0]
     mean = start + step
     best = peak_in_box(mean, covariance)
@@ -228,6 +231,12 @@ def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR) -
         Fit(tuple(sets[nth]), log_evidence, -np.expm1(-best[nth]), mean[nth], covariance[nth], view)
         for nth, log_evidence in zip(near.tolist(), evidence.tolist(), strict=True)
     ]
+
+
+def fitted_at_peak(view: View, elements: tuple[int, ...]) -> Fit:
+    """One set, whose most probable severities are those that it is seen from."""
+    (fit,) = fitted(view, [elements], at_peak=True)
+    return fit
 
 
 def refitted(view: View, elements: tuple[int, ...]) -> Fit:

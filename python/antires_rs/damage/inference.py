@@ -17,7 +17,7 @@ from ..support.progress import one_blas_thread, step
 from ..updating.model_check import Pairs, hint_between_states, roots_between
 from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
-from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
+from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, fitted_at_peak, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
@@ -160,11 +160,13 @@ class Search:
 
     def _renewed(self, elements: Elements, view: View) -> None:
         """Judge a set from its own severities, or from where it comes to rest if that is not there."""
+        climb = Climb(elements)
         for _ in range(1 + _FURTHER):
-            if fits := fitted(view, [elements]):
+            climb.sees(view)
+            if fits := fitted(climb.view, [elements]):
                 self.fits[elements] = fits[0]
                 return
-            (view,) = self.likelihood.views(_stepped(elements, view)[None])
+            (view,) = self.likelihood.views(climb.ahead()[None])
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -273,53 +275,83 @@ class Search:
         """Newton steps of all sets together, then their evidence."""
         if not chosen:
             return
-        sets, betas = list(chosen), np.array(list(chosen.values()))
+        betas, climbs = np.array(list(chosen.values())), {elements: Climb(elements) for elements in chosen}
         for extra in _TEMPERED:
-            views = self.likelihood.views(betas, extra)
+            views = dict(zip(climbs, self.likelihood.views(betas, extra), strict=True))
             if not extra:  # those that may still win, and all single elements
-                logs = np.array([view.log_likelihood for view in views])
-                order = np.argsort(-logs, kind="stable")
-                least = logs[order[0]] - _HOPELESS
-                kept = {n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > least}
-                near = sorted(kept | {n for n, elements in enumerate(sets) if len(elements) == 1})
-                sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
-            for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
-                betas[row] = _stepped(elements, view)
-        views = self.likelihood.views(betas)
-        for elements, view in zip(sets, views, strict=True):
-            self._judge(elements, view)
-        self._rest(sets, views)
+                for elements, view in views.items():
+                    climbs[elements].sees(view)
+                likeliest = sorted(climbs, key=lambda s: -climbs[s].height)
+                least = climbs[likeliest[0]].height - _HOPELESS
+                given_up = {s for s in likeliest[_KEPT:] if len(s) > 1 and climbs[s].height <= least}
+                climbs = {elements: climb for elements, climb in climbs.items() if elements not in given_up}
+            betas = np.array([_stepped(elements, views[elements]) for elements in climbs])
+        self._see(list(climbs.values()), betas)
+        self._rest(climbs)
         top = max(fit.view.log_likelihood for fit in self.fits.values())
-        far = (s for s, view in zip(sets, views, strict=True) if view.log_likelihood < top - _HOPELESS)
+        far = (elements for elements, climb in climbs.items() if climb.height < top - _HOPELESS)
         self.hopeless.update(elements for elements in far if elements not in self.fits)
 
-    def _rest(self, sets: list[Elements], views: list[View]) -> None:
+    def _see(self, climbs: list[Climb], betas: FloatArray) -> None:
+        """Judge sets from these severities (k, n)."""
+        for climb, view in zip(climbs, self.likelihood.views(betas), strict=True):
+            climb.sees(view)
+            self._judge(climb.elements, view)
+
+    def _rest(self, climbs: dict[Elements, Climb]) -> None:
         """Further steps of sets that may still win and have not come to rest."""
         for _ in range(_FURTHER):
-            top = max(view.log_likelihood for view in views)
+            top = max(climb.height for climb in climbs.values())
             moving = [
-                n
-                for n, (elements, view) in enumerate(zip(sets, views, strict=True))
+                climb
+                for elements, climb in climbs.items()
                 if elements not in self.fits
-                and view.log_likelihood > top - (_HOPELESS if len(elements) == 1 else _NEAR)
+                and climb.height > top - (_HOPELESS if len(elements) == 1 else _NEAR)
             ]
             if not moving:
-                break
-            betas = np.array([_stepped(sets[n], views[n]) for n in moving])
-            for n, view in zip(moving, self.likelihood.views(betas), strict=True):
-                views[n] = view
-                self._judge(sets[n], view)
+                return
+            self._see(moving, np.array([climb.ahead() for climb in moving]))
+        for climb in moving:
+            if climb.share < 1.0 and climb.elements not in self.fits:
+                self.fits[climb.elements] = fitted_at_peak(climb.view, climb.elements)
 
 
-def _stepped(elements: Elements, view: View) -> FloatArray:
-    """Severities of all elements (n,) after a Newton step of a set from where it is seen."""
+@dataclass
+class Climb:
+    """Steps of one set to its most probable severities.
+
+    Slopes do not see how the errors of predictions and the partners of values change on the way: where modes
+    veer a whole step may lose, and lead from one side of the peak to the other for ever. Then half of it
+    is taken.
+    """
+
+    elements: Elements
+    share: float = 1.0
+    #: From the likeliest severities so far.
+    view: View = field(init=False)
+    height: float = -np.inf
+
+    def sees(self, view: View) -> None:
+        """Take a view if it is the likeliest so far; else the next step is shorter."""
+        if view.log_likelihood > self.height:
+            self.view, self.height, self.share = view, view.log_likelihood, 1.0
+        else:
+            self.share *= 0.5
+
+    def ahead(self) -> FloatArray:
+        """Severities of all elements (n,) a step ahead."""
+        return _stepped(self.elements, self.view, self.share)
+
+
+def _stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
+    """Severities of all elements (n,) after a share of a set's Newton step from where it is seen."""
     beta, at = view.beta.copy(), np.array(elements)
     matrix = view.curvature[np.ix_(at, at)]
     ridge = 1e-9 * np.trace(matrix) + 1e-6
     newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
     # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
     room = 1.0 - beta[at]
-    ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
+    ahead = share * np.clip(-newton / room, -_LONGEST, _LONGEST)
     beta[at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
     return beta
 
