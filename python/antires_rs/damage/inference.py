@@ -50,6 +50,8 @@ _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
 _FURTHER = 6
 #: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
 _HOPELESS, _KEPT = 30.0, 8
+#: A set is not at rest where the last step lost more of the log-likelihood.
+_LOST_ON_THE_WAY = 0.5
 #: Largest step of ln(1 - beta).
 _LONGEST = 0.7
 #: Gain of the log-likelihood, to second order, below which no further element can win against its prior; and
@@ -92,7 +94,8 @@ class Search:
                 step(f"sets of {size}")
                 # No single element may be missing from the answer because it was not looked at.
                 singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                if singles and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
+                fewer = len(self._likeliest.elements) < size  # else others of this size may be likelier
+                if singles and fewer and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -297,6 +300,8 @@ class Search:
         for climb, view in zip(climbs, self.likelihood.views(betas), strict=True):
             climb.sees(view)
             self._judge(climb.elements, view)
+            if climb.lost:
+                self._judge(climb.elements, climb.view)
 
     def _rest(self, climbs: dict[Elements, Climb]) -> None:
         """Further steps of sets that may still win and have not come to rest."""
@@ -305,7 +310,7 @@ class Search:
             moving = [
                 climb
                 for elements, climb in climbs.items()
-                if elements not in self.fits
+                if (elements not in self.fits or climb.lost)
                 and climb.height > top - (_HOPELESS if len(elements) == 1 else _NEAR)
             ]
             if not moving:
@@ -327,12 +332,14 @@ class Climb:
 
     elements: Elements
     share: float = 1.0
+    lost: bool = False  # much of the likelihood, in the last step
     #: From the likeliest severities so far.
     view: View = field(init=False)
     height: float = -np.inf
 
     def sees(self, view: View) -> None:
         """Take a view if it is the likeliest so far; else the next step is shorter."""
+        self.lost = view.log_likelihood < self.height - _LOST_ON_THE_WAY
         if view.log_likelihood > self.height:
             self.view, self.height, self.share = view, view.log_likelihood, 1.0
         else:
