@@ -58,8 +58,6 @@ class Tables:
     response: NDArray[np.intp]
     seen: NDArray[np.bool_]  # by the baseline, (r,)
     identity: NDArray[np.intp]  # number among all intact roots, -1 for one that only damage makes, (r,)
-    all_response: NDArray[np.intp]  # of all roots of the undamaged model
-    all_log_f: FloatArray
     intact: FloatArray  # ln f in the undamaged model, (r,)
     there: NDArray[np.bool_]  # whether the model has it, (n, l, r)
     place: FloatArray  # ln f expected in the measured structure, (n, l, r)
@@ -115,9 +113,8 @@ def tables_of(prepared: Prepared) -> Tables:
     errors = np.asarray(flat @ vectors[:, ~dropped], dtype=np.float32)
     was = identity_of >= 0
     return Tables(
-        response, was & error.seen[identity_of], identity_of, intact.response, intact.log_f,
-        np.where(was, intact.log_f[identity_of], 0.0), there, log_f + beside, beside,
-        by_own, slopes, errors.reshape(*shape, -1),
+        response, was & error.seen[identity_of], identity_of, np.where(was, intact.log_f[identity_of], 0.0),
+        there, log_f + beside, beside, by_own, slopes, errors.reshape(*shape, -1),
     )  # fmt: skip
 
 
