@@ -148,10 +148,11 @@ class Search:
                 self._judge(elements, view)
 
     def _near(self) -> list[Elements]:
-        """The likeliest sets, first the likeliest."""
-        top = self._likeliest.log_evidence
-        near = [s for s, fit in self.fits.items() if s and fit.log_evidence > top - _NEAR]
-        return sorted(near, key=lambda s: -self.fits[s].log_evidence)[:_RENEWED]
+        """The most probable sets, first the most probable: by evidence alone, sets with an element that has no
+        damage stand beside each one without it, and leave no room."""
+        weights = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items() if s}
+        least = max(weights.values(), default=0.0) - _NEAR
+        return sorted((s for s in weights if weights[s] > least), key=lambda s: -weights[s])[:_RENEWED]
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, each from its own severities."""
