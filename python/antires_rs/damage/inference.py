@@ -171,6 +171,8 @@ class Search:
                 self.fits[elements] = fits[0]
                 return
             (view,) = self.likelihood.views(climb.ahead()[None])
+        if climb.share < 1.0:
+            self.fits[elements] = fitted_at_peak(climb.view, elements)
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -199,9 +201,13 @@ class Search:
     def _keep_better(self, view: View, sets: Sequence[Elements]) -> None:
         """The evidence of sets of one size as seen from one point, where no other point showed more."""
         for fit in fitted(view, sets):
-            known = self.fits.get(fit.elements)
-            if known is None or fit.log_evidence > known.log_evidence:
-                self.fits[fit.elements] = fit
+            self._keep(fit)
+
+    def _keep(self, fit: Fit) -> None:
+        """A set as judged now, unless it was judged likelier before."""
+        known = self.fits.get(fit.elements)
+        if known is None or fit.log_evidence > known.log_evidence:
+            self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
@@ -303,6 +309,7 @@ class Search:
             self._judge(climb.elements, view)
             if climb.lost:
                 self._judge(climb.elements, climb.view)
+            climb.rests = not climb.lost and bool(fitted(view, [climb.elements]))
 
     def _rest(self, climbs: dict[Elements, Climb]) -> None:
         """Further steps of sets that may still win and have not come to rest."""
@@ -311,15 +318,14 @@ class Search:
             moving = [
                 climb
                 for elements, climb in climbs.items()
-                if (elements not in self.fits or climb.lost)
-                and climb.height > top - (_HOPELESS if len(elements) == 1 else _NEAR)
+                if not climb.rests and climb.height > top - (_HOPELESS if len(elements) == 1 else _NEAR)
             ]
             if not moving:
                 return
             self._see(moving, np.array([climb.ahead() for climb in moving]))
         for climb in moving:
-            if climb.share < 1.0 and climb.elements not in self.fits:
-                self.fits[climb.elements] = fitted_at_peak(climb.view, climb.elements)
+            if not climb.rests and climb.share < 1.0:
+                self._keep(fitted_at_peak(climb.view, climb.elements))
 
 
 @dataclass
@@ -334,6 +340,7 @@ class Climb:
     elements: Elements
     share: float = 1.0
     lost: bool = False  # much of the likelihood, in the last step
+    rests: bool = False
     #: From the likeliest severities so far.
     view: View = field(init=False)
     height: float = -np.inf
