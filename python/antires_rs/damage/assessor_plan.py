@@ -391,6 +391,8 @@ class QuickSearch(Search):
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     seen: set[Elements] = field(default_factory=set)
     judged: set[Elements] = field(default_factory=set)
+    #: How much more evidence computed antiresonances gave to judged pairs than the tables.
+    gained: dict[Elements, float] = field(default_factory=dict)
     #: The same of pairs in the linear model of a single element.
     grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     looks: int = 0  # at computed antiresonances
@@ -511,7 +513,9 @@ class QuickSearch(Search):
         likeliest first."""
         weights = self._weights()
         for s, (log_evidence, _) in self.rough.items():
-            weights[s] = log_evidence + self.log_prior(s)
+            # What the tables lack of one pair they lack of those that share an element with it.
+            alike = (gain for pair, gain in self.gained.items() if len(s) == 2 and not {*s}.isdisjoint(pair))
+            weights[s] = log_evidence + max(alike, default=0.0) + self.log_prior(s)
         least = max(w for s, w in weights.items() if len(s) <= size) - room
         if least == -np.inf:
             return []
@@ -520,9 +524,11 @@ class QuickSearch(Search):
 
     def _judge_from(self, view: View, elements: Elements) -> None:
         """Judge a set from its own severities."""
-        self.rough.pop(elements, None)
+        rough = self.rough.pop(elements, None)
         self.seen.add(elements)
-        self.fits[elements] = refitted(view, elements)
+        self.fits[elements] = fit = refitted(view, elements)
+        if rough and len(elements) == 2:
+            self.gained[elements] = fit.log_evidence - rough[0]
 
     def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
         """Judge a set from its own severities, as the full run does."""
