@@ -386,15 +386,16 @@ class QuickSearch(Search):
     """A search in tables; the few sets that may be the answer are judged as the full run judges them."""
 
     likelihood: TabulatedLikelihood
+    ends_by_slopes: bool = True
     #: Log evidence and severities (u) of sets as the tables have them; sets seen from their own severities,
     #: and those of them that were judged there by computed antiresonances and errors.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     seen: set[Elements] = field(default_factory=set)
     judged: set[Elements] = field(default_factory=set)
+    #: The same as in ``rough`` of pairs in the linear model of a single element.
+    grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     #: How much more evidence computed antiresonances gave to judged pairs than the tables.
     gained: dict[Elements, float] = field(default_factory=dict)
-    #: The same of pairs in the linear model of a single element.
-    grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 

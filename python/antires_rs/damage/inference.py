@@ -85,6 +85,7 @@ class Search:
     screened: tuple[int, int] | None = None  # scanned for a single damage, of how many, unless all were
     #: Sets that explain far less than others without coming to rest; elements that sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
+    ends_by_slopes: bool = False  # whether a pair that one element's slopes show may end it
 
     def run(self) -> None:
         """Judge sets of up to three elements; after Ctrl-C those judged so far stay."""
@@ -92,10 +93,7 @@ class Search:
         try:
             for size in range(1, min(LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                # No single element may be missing from the answer because it was not looked at.
-                singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                fewer = len(self._likeliest.elements) < size  # else others of this size may be likelier
-                if singles and fewer and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
+                if self._ends_before(size):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -104,6 +102,13 @@ class Search:
             self._renew()
         except KeyboardInterrupt:
             self.interrupted = True
+
+    def _ends_before(self, size: int) -> bool:
+        """Whether the likeliest set explains the values, and others of its size were looked at."""
+        # No single element may be missing from the answer because it was not looked at.
+        singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
+        seen = self.ends_by_slopes or len(self._likeliest.elements) < size
+        return singles and seen and self._explains(_PAIR_GAIN if size == 2 else _GAIN)
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
@@ -148,8 +153,8 @@ class Search:
                 self._judge(elements, view)
 
     def _near(self) -> list[Elements]:
-        """The most probable sets, first the most probable: by evidence alone, sets with an element that has no
-        damage stand beside each one without it, and leave no room."""
+        """The most probable sets, the first first."""
+        # By evidence alone each set has others beside it, with an undamaged element more: they fill the list.
         weights = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items() if s}
         least = max(weights.values(), default=0.0) - _NEAR
         return sorted((s for s in weights if weights[s] > least), key=lambda s: -weights[s])[:_RENEWED]
