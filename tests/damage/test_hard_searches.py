@@ -156,12 +156,12 @@ def test_among_hundreds_of_roots_a_wide_first_association_does_not_decide():
 # -- Likelihoods whose slopes point past the peak, as where modes veer: assessor's study, 7000-32 and 7000-79
 
 
-@pytest.mark.parametrize("start", [0.35, 0.6])
+@pytest.mark.parametrize("start", [0.4, 0.6])
 def test_steps_that_overshoot_come_to_rest_at_the_peak(start):
     def view(beta):
         u = -np.log1p(-beta[0])
-        slope = -40.0 * (u - 0.7)  # of a peak at 0.7, which slopes take for one four times as wide
-        curvature = np.array([[10.0]]) / (1.0 - beta[0]) ** 2
+        slope = -40.0 * (u - 0.7)  # of a peak at 0.7, which slopes take for one five times as flat
+        curvature = np.array([[8.0]]) / (1.0 - beta[0]) ** 2
         return SimpleNamespace(
             beta=beta,
             log_likelihood=-20.0 * (u - 0.7) ** 2,
@@ -169,10 +169,10 @@ def test_steps_that_overshoot_come_to_rest_at_the_peak(start):
             curvature=curvature,
         )
 
-    climb, lost = Climb((0,)), 0
+    climb = Climb((0,))
     climb.sees(view(np.array([start])))
+    climb.sees(view(climb.ahead()))
+    assert climb.lost and climb.share == 0.5
     for _ in range(12):
         climb.sees(view(climb.ahead()))
-        lost += climb.lost
-    assert lost  # a whole step loses much
     assert abs(-np.log1p(-climb.view.beta[0]) - 0.7) < 0.02
