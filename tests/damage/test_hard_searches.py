@@ -172,7 +172,8 @@ def test_steps_that_overshoot_come_to_rest_at_the_peak(start):
     climb = Climb((0,))
     climb.sees(view(np.array([start])))
     climb.sees(view(climb.ahead()))
-    assert climb.lost and climb.share == 0.5
+    assert climb.lost
+    assert climb.share == 0.5
     for _ in range(12):
         climb.sees(view(climb.ahead()))
     assert abs(-np.log1p(-climb.view.beta[0]) - 0.7) < 0.02

@@ -194,8 +194,7 @@ class Expected(NamedTuple):
 def read(
     sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
 ) -> tuple[Values, list[str], list[str], bool]:
-    """The values of a test, without a question to the model; notes on those that are left out, what the plan
-    does not hold, and whether some lack a standard deviation."""
+    """A test's values, notes on those left out, what the plan lacks, whether some lack standard deviations."""
     notes: list[str] = []
     strange: list[str] = []
     columns: list[dict[int, Column]] = []
@@ -305,8 +304,7 @@ def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
 
 
 class TabulatedLikelihood(ValueLikelihood):
-    """p(values of a test | severities), with antiresonances and errors of predictions from tables; views are
-    those of the full run."""
+    """p(values of a test | severities) from tables; views are those of the full run."""
 
     def __init__(self, plan: Plan, now: Values) -> None:
         self.plan, self.now, self.n = plan, now, len(plan.question.numbers)
@@ -506,12 +504,8 @@ class QuickSearch(Search):
             least = max(log_evidence for log_evidence, _ in found.values()) - _FAR
             asked = {s: u for s, (e, u) in found.items() if e > least and np.abs(u - asked[s]).max() > _RESTS}
 
-    def _weights(self) -> dict[Elements, float]:
-        return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-
     def _open(self, size: int, room: float, done: set[Elements]) -> list[Elements]:
-        """Sets of at most ``size`` elements that come within some room of the likeliest and are not done, the
-        likeliest first."""
+        """Sets of at most ``size`` elements near the likeliest that are not done, the likeliest first."""
         weights = self._weights()
         for s, (log_evidence, _) in self.rough.items():
             # What the tables lack of one pair they lack of those that share an element with it.

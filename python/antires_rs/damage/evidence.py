@@ -166,8 +166,7 @@ class Fit:
         return -float(np.expm1(-low)), -float(np.expm1(-high))
 
     def sides(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
-        """Shares with the most probable severity between their quantiles: those given, else as much of the
-        probability from the nearer bound on."""
+        """Shares between whose quantiles the likeliest severity is, else as much from the nearer bound on."""
         return self._between(nth, shares)[0]
 
     def _between(
@@ -209,8 +208,7 @@ class Fit:
 def fitted(
     view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR, *, at_peak: bool = False
 ) -> list[Fit]:
-    """Sets of one size as seen from one point; not those whose severities are too far from there, in u.
-    ``at_peak``: it is the most probable one, whatever slopes say."""
+    """Sets of one size as seen from one point; not those whose severities are too far from there, in u."""
     at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
     size = at.shape[1]
     room = 1.0 - view.beta[at]
@@ -233,13 +231,7 @@ def fitted(
     ]
 
 
-def fitted_at_peak(view: View, elements: tuple[int, ...]) -> Fit:
-    """One set, whose most probable severities are those that it is seen from."""
-    (fit,) = fitted(view, [elements], at_peak=True)
-    return fit
-
-
-def refitted(view: View, elements: tuple[int, ...]) -> Fit:
-    """One set, however far its severities are."""
-    (fit,) = fitted(view, [elements], np.inf)
+def refitted(view: View, elements: tuple[int, ...], *, at_peak: bool = False) -> Fit:
+    """One set, however far its severities are; ``at_peak``: where it is seen from, whatever slopes say."""
+    (fit,) = fitted(view, [elements], np.inf, at_peak=at_peak)
     return fit

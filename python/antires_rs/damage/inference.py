@@ -17,7 +17,7 @@ from ..support.progress import one_blas_thread, step
 from ..updating.model_check import Pairs, hint_between_states, roots_between
 from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
-from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, fitted_at_peak, refitted
+from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
@@ -155,9 +155,10 @@ class Search:
     def _near(self) -> list[Elements]:
         """The most probable sets, the first first."""
         # By evidence alone each set has others beside it, with an undamaged element more: they fill the list.
-        weights = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items() if s}
-        least = max(weights.values(), default=0.0) - _NEAR
-        return sorted((s for s in weights if weights[s] > least), key=lambda s: -weights[s])[:_RENEWED]
+        weights = self._weights()
+        least = max((weight for s, weight in weights.items() if s), default=0.0) - _NEAR
+        near = (s for s, weight in weights.items() if s and weight > least)
+        return sorted(near, key=lambda s: -weights[s])[:_RENEWED]
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, each from its own severities."""
@@ -177,7 +178,7 @@ class Search:
                 return
             (view,) = self.likelihood.views(climb.ahead()[None])
         if climb.share < 1.0:
-            self.fits[elements] = fitted_at_peak(climb.view, elements)
+            self.fits[elements] = refitted(climb.view, elements, at_peak=True)
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -246,8 +247,10 @@ class Search:
 
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements, and of what is no damage of an element."""
-        found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-        return found | {UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
+        return self._weights() | {UNKNOWN: self.likelihood.something_else + self._log_priors[-1]}
+
+    def _weights(self) -> dict[Elements, float]:
+        return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""
@@ -330,7 +333,7 @@ class Search:
             self._see(moving, np.array([climb.ahead() for climb in moving]))
         for climb in moving:
             if not climb.rests and climb.share < 1.0:
-                self._keep(fitted_at_peak(climb.view, climb.elements))
+                self._keep(refitted(climb.view, climb.elements, at_peak=True))
 
 
 @dataclass
@@ -484,8 +487,7 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
 
 
 def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tuple[Fit, float]:
-    """A set as seen from its own most probable severities, begun at ``beta``; how far a reduced model, made
-    anew there, is from the full one."""
+    """A set from its own severities, begun at ``beta``; how far a reduced model, made anew there, is off."""
     for _ in range(_STEPS):
         betas = likelihood.rows(elements, np.minimum(beta, HIGHEST)[None])
         apart = likelihood.settle(betas[0])
@@ -688,8 +690,7 @@ _RARER = 6.0
 
 
 def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
-    """The loss of all stiffnesses that is more probable than these losses of single ones and than none; 0 if
-    there is no such, or few losses are none of a common factor."""
+    """The loss of all stiffnesses that is more probable than these of single ones and than none, else 0."""
     prior, numbers, k, n = question.prior, question.numbers, len(losses), len(question.elements)
     if k < max(2.0, n / 3.0):
         return 0.0
@@ -712,8 +713,7 @@ def common_loss(question: Question, losses: dict[int, float], threads: int) -> f
 
 
 def _along(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
-    """Most probable severities (u) along some ways (k, n) through those of all elements, and the log
-    evidence; bounds are not considered, so that it is at least so much."""
+    """Most probable severities (u) along some ways (k, n), and the log evidence, at least, without bounds."""
     u, size = start, float(np.log(HIGHEST))
     best, most = start, -np.inf
     for _ in range(_MOST_STEPS):
