@@ -270,10 +270,15 @@ def catalogue() -> dict[str, type[Exception]]:
     return {cls.__name__: cls for cls in sorted(family, key=lambda cls: cls.__name__)}
 
 
-def reject(name: str, got: object, wanted: str, remedy: str) -> NoReturn:
+#: What a check calls the value it is given: an argument, or an argument and the key of one of its items. Only
+#: an error spells such a pair out.
+Name = str | tuple[str, Any]
+
+
+def reject(name: Name, got: object, wanted: str, remedy: str) -> NoReturn:
     """Raise the package's input error; ``name`` may be an :class:`~antires_rs.exceptions.Argument`."""
     text = got if isinstance(got, str) and got else repr(got)
-    raise InvalidInputError(name, text, wanted, remedy)
+    raise InvalidInputError(part(*name) if isinstance(name, tuple) else name, text, wanted, remedy)
 
 
 def part(name: str, key: Any) -> Argument:

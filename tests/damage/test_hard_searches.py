@@ -1,11 +1,13 @@
 """Where a search may go astray: few values, large damages at once, many elements, many close roots."""
 
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage.inference import Climb
 from antires_rs.damage.likelihood import Question
 from reference.grouped_meshes import grouped, measured, of_groups, with_groups
 from reference.meshes import MESHES, frame
@@ -149,3 +151,29 @@ def test_among_hundreds_of_roots_a_wide_first_association_does_not_decide():
     error = question.prepared(1).likelihood.error
     assert np.count_nonzero(error.partner < 0) <= 0.02 * error.partner.size
     assert 0.5 * off_stiffness < error.s < 2.0 * off_stiffness
+
+
+# -- Likelihoods whose slopes point past the peak, as where modes veer: assessor's study, 7000-32 and 7000-79
+
+
+@pytest.mark.parametrize("start", [0.4, 0.6])
+def test_steps_that_overshoot_come_to_rest_at_the_peak(start):
+    def view(beta):
+        u = -np.log1p(-beta[0])
+        slope = -40.0 * (u - 0.7)  # of a peak at 0.7, which slopes take for one five times as flat
+        curvature = np.array([[8.0]]) / (1.0 - beta[0]) ** 2
+        return SimpleNamespace(
+            beta=beta,
+            log_likelihood=-20.0 * (u - 0.7) ** 2,
+            gain=np.array([slope]) / (1.0 - beta[0]),
+            curvature=curvature,
+        )
+
+    climb = Climb((0,))
+    climb.sees(view(np.array([start])))
+    climb.sees(view(climb.ahead()))
+    assert climb.lost
+    assert climb.share == 0.5
+    for _ in range(12):
+        climb.sees(view(climb.ahead()))
+    assert abs(-np.log1p(-climb.view.beta[0]) - 0.7) < 0.02

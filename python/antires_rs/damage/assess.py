@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core import __version__
-from ..exceptions import part, reject
+from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.parameters import stiffness_reduction
@@ -66,7 +66,7 @@ def elements_of(model: StructuralModel, elements: Any) -> list[int]:
     if not chosen:
         remedy = f"Name some of 0 to {terms - 1}." if terms else "Give the MatrixModel its stiffness_terms."
         reject("elements", "no candidate", "at least one stiffness term", remedy)
-    numbers = [integer(part("elements", i), e, low=0, high=terms - 1) for i, e in enumerate(chosen)]
+    numbers = [integer(("elements", i), e, low=0, high=terms - 1) for i, e in enumerate(chosen)]
     if len({*numbers}) < len(numbers):
         reject("elements", f"{numbers}, one of them twice", "each element once", "Drop the second one.")
     return numbers

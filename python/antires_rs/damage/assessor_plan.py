@@ -58,8 +58,6 @@ class Tables:
     response: NDArray[np.intp]
     seen: NDArray[np.bool_]  # by the baseline, (r,)
     identity: NDArray[np.intp]  # number among all intact roots, -1 for one that only damage makes, (r,)
-    all_response: NDArray[np.intp]  # of all roots of the undamaged model
-    all_log_f: FloatArray
     intact: FloatArray  # ln f in the undamaged model, (r,)
     there: NDArray[np.bool_]  # whether the model has it, (n, l, r)
     place: FloatArray  # ln f expected in the measured structure, (n, l, r)
@@ -115,9 +113,8 @@ def tables_of(prepared: Prepared) -> Tables:
     errors = np.asarray(flat @ vectors[:, ~dropped], dtype=np.float32)
     was = identity_of >= 0
     return Tables(
-        response, was & error.seen[identity_of], identity_of, intact.response, intact.log_f,
-        np.where(was, intact.log_f[identity_of], 0.0), there, log_f + beside, beside,
-        by_own, slopes, errors.reshape(*shape, -1),
+        response, was & error.seen[identity_of], identity_of, np.where(was, intact.log_f[identity_of], 0.0),
+        there, log_f + beside, beside, by_own, slopes, errors.reshape(*shape, -1),
     )  # fmt: skip
 
 
@@ -197,8 +194,7 @@ class Expected(NamedTuple):
 def read(
     sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
 ) -> tuple[Values, list[str], list[str], bool]:
-    """The values of a test, without a question to the model; notes on those that are left out, what the plan
-    does not hold, and whether some lack a standard deviation."""
+    """A test's values, notes on those left out, what the plan lacks, whether some have no error."""
     notes: list[str] = []
     strange: list[str] = []
     columns: list[dict[int, Column]] = []
@@ -308,8 +304,7 @@ def plan_of(question: Question, rng: np.random.Generator, threads: int) -> Plan:
 
 
 class TabulatedLikelihood(ValueLikelihood):
-    """p(values of a test | severities), with antiresonances and errors of predictions from tables; views are
-    those of the full run."""
+    """p(values of a test | severities) from tables; views are those of the full run."""
 
     def __init__(self, plan: Plan, now: Values) -> None:
         self.plan, self.now, self.n = plan, now, len(plan.question.numbers)
@@ -389,13 +384,16 @@ class QuickSearch(Search):
     """A search in tables; the few sets that may be the answer are judged as the full run judges them."""
 
     likelihood: TabulatedLikelihood
+    ends_by_slopes: bool = True
     #: Log evidence and severities (u) of sets as the tables have them; sets seen from their own severities,
     #: and those of them that were judged there by computed antiresonances and errors.
     rough: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
     seen: set[Elements] = field(default_factory=set)
     judged: set[Elements] = field(default_factory=set)
-    #: The same of pairs in the linear model of a single element.
+    #: The same as in ``rough`` of pairs in the linear model of a single element.
     grown: dict[Elements, tuple[float, FloatArray]] = field(default_factory=dict)
+    #: How much more evidence computed antiresonances gave to judged pairs than the tables.
+    gained: dict[Elements, float] = field(default_factory=dict)
     looks: int = 0  # at computed antiresonances
     cut: bool = False  # whether sets that may be the most probable ones were not judged
 
@@ -506,15 +504,13 @@ class QuickSearch(Search):
             least = max(log_evidence for log_evidence, _ in found.values()) - _FAR
             asked = {s: u for s, (e, u) in found.items() if e > least and np.abs(u - asked[s]).max() > _RESTS}
 
-    def _weights(self) -> dict[Elements, float]:
-        return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
-
     def _open(self, size: int, room: float, done: set[Elements]) -> list[Elements]:
-        """Sets of at most ``size`` elements that come within some room of the likeliest and are not done, the
-        likeliest first."""
+        """Sets of at most ``size`` elements near the likeliest that are not done, the likeliest first."""
         weights = self._weights()
         for s, (log_evidence, _) in self.rough.items():
-            weights[s] = log_evidence + self.log_prior(s)
+            # What the tables lack of one pair they lack of those that share an element with it.
+            alike = (gain for pair, gain in self.gained.items() if len(s) == 2 and not {*s}.isdisjoint(pair))
+            weights[s] = log_evidence + max(alike, default=0.0) + self.log_prior(s)
         least = max(w for s, w in weights.items() if len(s) <= size) - room
         if least == -np.inf:
             return []
@@ -523,9 +519,11 @@ class QuickSearch(Search):
 
     def _judge_from(self, view: View, elements: Elements) -> None:
         """Judge a set from its own severities."""
-        self.rough.pop(elements, None)
+        rough = self.rough.pop(elements, None)
         self.seen.add(elements)
-        self.fits[elements] = refitted(view, elements)
+        self.fits[elements] = fit = refitted(view, elements)
+        if rough and len(elements) == 2:
+            self.gained[elements] = fit.log_evidence - rough[0]
 
     def _settle(self, elements: Elements, rests: float = _RESTS) -> None:
         """Judge a set from its own severities, as the full run does."""

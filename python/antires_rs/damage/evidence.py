@@ -167,8 +167,7 @@ class Fit:
         return -float(np.expm1(-low)), -float(np.expm1(-high))
 
     def sides(self, nth: int, shares: tuple[float, float]) -> tuple[float, float]:
-        """Shares with the most probable severity between their quantiles: those given, else as much of the
-        probability from the nearer bound on."""
+        """Shares between whose quantiles the likeliest severity is, else as much from the nearer bound on."""
         return self._between(nth, shares)[0]
 
     def _between(
@@ -207,7 +206,9 @@ class Fit:
         return low, high
 
 
-def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR) -> list[Fit]:
+def fitted(
+    view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR, *, at_peak: bool = False
+) -> list[Fit]:
     """Sets of one size as seen from one point; not those whose severities are too far from there, in u."""
     at = np.array(sets, dtype=np.intp).reshape(len(sets), -1)
     size = at.shape[1]
@@ -216,7 +217,7 @@ def fitted(view: View, sets: Sequence[tuple[int, ...]], reach: float = LINEAR) -
     matrix = view.curvature[at[:, :, None], at[:, None, :]] * room[:, :, None] * room[:, None, :]
     covariance: FloatArray = np.asarray(np.linalg.inv(matrix + BLIND * np.eye(size)), dtype=np.float64)
     # All severities are equally probable, so that large u are less.
-    gain = view.gain[at] * room - 1.0
+    gain = np.zeros(at.shape) if at_peak else view.gain[at] * room - 1.0
     step = (covariance @ gain[:, :, None])[:, :, 0]
     mean = start + step
     best = peak_in_box(mean, covariance)
@@ -241,7 +242,7 @@ def _widened(covariance: FloatArray, u: FloatArray, view: View) -> FloatArray:
     return wide
 
 
-def refitted(view: View, elements: tuple[int, ...]) -> Fit:
-    """One set, however far its severities are."""
-    (fit,) = fitted(view, [elements], np.inf)
+def refitted(view: View, elements: tuple[int, ...], *, at_peak: bool = False) -> Fit:
+    """One set, however far its severities are; ``at_peak``: where it is seen from, whatever slopes say."""
+    (fit,) = fitted(view, [elements], np.inf, at_peak=at_peak)
     return fit

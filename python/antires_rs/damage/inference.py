@@ -57,6 +57,8 @@ _TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
 _FURTHER = 6
 #: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
 _HOPELESS, _KEPT = 30.0, 8
+#: A set is not at rest where the last step lost more of the log-likelihood.
+_LOST_ON_THE_WAY = 0.5
 #: Largest step of ln(1 - beta).
 _LONGEST = 0.7
 #: Gain of the log-likelihood, to second order, below which no further element can win against its prior; and
@@ -91,6 +93,7 @@ class Search:
     #: Sets that explain far less than others without coming to rest; elements that sensitivities rule out.
     hopeless: set[Elements] = field(default_factory=set)
     shaped: Found = field(default_factory=Found)
+    ends_by_slopes: bool = False  # whether a pair that one element's slopes show may end it
 
     def run(self) -> None:
         """Judge sets of up to three elements; after Ctrl-C those judged so far stay."""
@@ -98,9 +101,7 @@ class Search:
         try:
             for size in range(1, min(LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                # No single element may be missing from the answer because it was not looked at.
-                singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-                if singles and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
+                if self._ends_before(size):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -109,6 +110,13 @@ class Search:
             self._renew()
         except KeyboardInterrupt:
             self.interrupted = True
+
+    def _ends_before(self, size: int) -> bool:
+        """Whether the likeliest set explains the values, and others of its size were looked at."""
+        # No single element may be missing from the answer because it was not looked at.
+        singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
+        seen = self.ends_by_slopes or len(self._likeliest.elements) < size
+        return singles and seen and self._explains(_PAIR_GAIN if size == 2 else _GAIN)
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
@@ -153,10 +161,12 @@ class Search:
                 self._judge(elements, view)
 
     def _near(self) -> list[Elements]:
-        """The likeliest sets, first the likeliest."""
-        top = self._likeliest.log_evidence
-        near = [s for s, fit in self.fits.items() if s and fit.log_evidence > top - _NEAR]
-        return sorted(near, key=lambda s: -self.fits[s].log_evidence)[:_RENEWED]
+        """The most probable sets, the first first."""
+        # By evidence alone each set has others beside it, with an undamaged element more: they fill the list.
+        weights = self._weights()
+        least = max((weight for s, weight in weights.items() if s), default=0.0) - _NEAR
+        near = (s for s, weight in weights.items() if s and weight > least)
+        return sorted(near, key=lambda s: -weights[s])[:_RENEWED]
 
     def _renew(self) -> None:
         """Judge the likeliest sets anew, each from its own severities."""
@@ -168,11 +178,15 @@ class Search:
 
     def _renewed(self, elements: Elements, view: View) -> None:
         """Judge a set from its own severities, or from where it comes to rest if that is not there."""
+        climb = Climb(elements)
         for _ in range(1 + _FURTHER):
-            if fits := fitted(view, [elements]):
+            climb.sees(view)
+            if fits := fitted(climb.view, [elements]):
                 self.fits[elements] = fits[0]
                 return
-            (view,) = self.likelihood.views(stepped(elements, view)[None])
+            (view,) = self.likelihood.views(climb.ahead()[None])
+        if climb.share < 1.0:
+            self.fits[elements] = refitted(climb.view, elements, at_peak=True)
 
     def _most_parents(self, size: int) -> int:
         """How many sets of a size get another element."""
@@ -201,9 +215,13 @@ class Search:
     def _keep_better(self, view: View, sets: Sequence[Elements]) -> None:
         """The evidence of sets of one size as seen from one point, where no other point showed more."""
         for fit in fitted(view, sets):
-            known = self.fits.get(fit.elements)
-            if known is None or fit.log_evidence > known.log_evidence:
-                self.fits[fit.elements] = fit
+            self._keep(fit)
+
+    def _keep(self, fit: Fit) -> None:
+        """A set as judged now, unless it was judged likelier before."""
+        known = self.fits.get(fit.elements)
+        if known is None or fit.log_evidence > known.log_evidence:
+            self.fits[fit.elements] = fit
 
     @property
     def finished(self) -> bool:
@@ -237,7 +255,7 @@ class Search:
 
     def log_weights(self) -> dict[Elements, float]:
         """Log of prior times evidence by elements, and of what is no damage of an element."""
-        found = {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
+        found = self._weights()
         for s, one in self.shaped.cracked.items():
             whole = found.get(s, -np.inf) + np.log1p(-CRACKED)
             found[s] = float(np.logaddexp(whole, one.log_evidence + np.log(CRACKED) + self.log_prior(s)))
@@ -267,6 +285,9 @@ class Search:
         one = self.shaped_as(key)
         view: View = self.fits[() if key == UNKNOWN else key].view if one is None else one.view
         return view
+
+    def _weights(self) -> dict[Elements, float]:
+        return {s: fit.log_evidence + self.log_prior(s) for s, fit in self.fits.items()}
 
     def log_prior(self, elements: Elements) -> float:
         """Log probability of a set before the test."""
@@ -309,42 +330,47 @@ class Search:
         """Newton steps of all sets together, then their evidence."""
         if not chosen:
             return
-        sets, betas = list(chosen), np.array(list(chosen.values()))
+        betas, climbs = np.array(list(chosen.values())), {elements: Climb(elements) for elements in chosen}
         for extra in _TEMPERED:
-            views = self.likelihood.views(betas, extra)
+            views = dict(zip(climbs, self.likelihood.views(betas, extra), strict=True))
             if not extra:  # those that may still win, and all single elements
-                logs = np.array([view.log_likelihood for view in views])
-                order = np.argsort(-logs, kind="stable")
-                least = logs[order[0]] - _HOPELESS
-                kept = {n for rank, n in enumerate(order) if rank < _KEPT or logs[n] > least}
-                near = sorted(kept | {n for n, elements in enumerate(sets) if len(elements) == 1})
-                sets, views, betas = [sets[n] for n in near], [views[n] for n in near], betas[near]
-            for row, (elements, view) in enumerate(zip(sets, views, strict=True)):
-                betas[row] = stepped(elements, view)
-        views = self.likelihood.views(betas)
-        for elements, view in zip(sets, views, strict=True):
-            self._judge(elements, view)
-        self._rest(sets, views)
+                for elements, view in views.items():
+                    climbs[elements].sees(view)
+                likeliest = sorted(climbs, key=lambda s: -climbs[s].height)
+                least = climbs[likeliest[0]].height - _HOPELESS
+                given_up = {s for s in likeliest[_KEPT:] if len(s) > 1 and climbs[s].height <= least}
+                climbs = {elements: climb for elements, climb in climbs.items() if elements not in given_up}
+            betas = np.array([stepped(elements, views[elements]) for elements in climbs])
+        self._see(list(climbs.values()), betas)
+        self._rest(climbs)
         top = max(fit.view.log_likelihood for fit in self.fits.values())
-        far = (s for s, view in zip(sets, views, strict=True) if view.log_likelihood < top - _HOPELESS)
+        far = (elements for elements, climb in climbs.items() if climb.height < top - _HOPELESS)
         self.hopeless.update(elements for elements in far if elements not in self.fits)
 
-    def _rest(self, sets: list[Elements], views: list[View]) -> None:
+    def _see(self, climbs: list[Climb], betas: FloatArray) -> None:
+        """Judge sets from these severities (k, n)."""
+        for climb, view in zip(climbs, self.likelihood.views(betas), strict=True):
+            climb.sees(view)
+            self._judge(climb.elements, view)
+            if climb.lost:
+                self._judge(climb.elements, climb.view)
+            climb.rests = not climb.lost and bool(fitted(view, [climb.elements]))
+
+    def _rest(self, climbs: dict[Elements, Climb]) -> None:
         """Further steps of sets that may still win and have not come to rest."""
         for _ in range(_FURTHER):
-            top = max(view.log_likelihood for view in views)
+            top = max(climb.height for climb in climbs.values())
             moving = [
-                n
-                for n, (elements, view) in enumerate(zip(sets, views, strict=True))
-                if elements not in self.fits
-                and view.log_likelihood > top - (_HOPELESS if len(elements) == 1 else _NEAR)
+                climb
+                for elements, climb in climbs.items()
+                if not climb.rests and climb.height > top - (_HOPELESS if len(elements) == 1 else _NEAR)
             ]
             if not moving:
-                break
-            betas = np.array([stepped(sets[n], views[n]) for n in moving])
-            for n, view in zip(moving, self.likelihood.views(betas), strict=True):
-                views[n] = view
-                self._judge(sets[n], view)
+                return
+            self._see(moving, np.array([climb.ahead() for climb in moving]))
+        for climb in moving:
+            if not climb.rests and climb.share < 1.0:
+                self._keep(refitted(climb.view, climb.elements, at_peak=True))
 
 
 def too_much(view: View) -> bool:
@@ -353,15 +379,45 @@ def too_much(view: View) -> bool:
     return bool(view.chi_square > count + _TOO_MUCH * np.sqrt(2.0 * count))
 
 
-def stepped(elements: Elements, view: View) -> FloatArray:
-    """Severities of all elements (n,) after a Newton step of a set from where it is seen."""
+@dataclass
+class Climb:
+    """Steps of one set to its most probable severities.
+
+    Slopes do not see how the errors of predictions and the partners of values change on the way: where modes
+    veer a whole step may lose, and lead from one side of the peak to the other for ever. Then half of it
+    is taken.
+    """
+
+    elements: Elements
+    share: float = 1.0
+    lost: bool = False  # much of the likelihood, in the last step
+    rests: bool = False
+    #: From the likeliest severities so far.
+    view: View = field(init=False)
+    height: float = -np.inf
+
+    def sees(self, view: View) -> None:
+        """Take a view if it is the likeliest so far; else the next step is shorter."""
+        self.lost = view.log_likelihood < self.height - _LOST_ON_THE_WAY
+        if view.log_likelihood > self.height:
+            self.view, self.height, self.share = view, view.log_likelihood, 1.0
+        else:
+            self.share *= 0.5
+
+    def ahead(self) -> FloatArray:
+        """Severities of all elements (n,) a step ahead."""
+        return stepped(self.elements, self.view, self.share)
+
+
+def stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
+    """Severities of all elements (n,) after a share of a set's Newton step from where it is seen."""
     beta, at = view.beta.copy(), np.array(elements)
     matrix = view.curvature[np.ix_(at, at)]
     ridge = 1e-9 * np.trace(matrix) + 1e-6
     newton = np.linalg.solve(matrix + ridge * np.eye(at.size), view.gain[at])
     # The nearer to 1, the faster the model changes: steps in ln(1 - beta) do not overshoot.
     room = 1.0 - beta[at]
-    ahead = np.clip(-newton / room, -_LONGEST, _LONGEST)
+    ahead = share * np.clip(-newton / room, -_LONGEST, _LONGEST)
     beta[at] = np.clip(1.0 - room * np.exp(ahead), 0.0, HIGHEST)
     return beta
 
@@ -476,8 +532,7 @@ def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
 
 
 def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tuple[Fit, float]:
-    """A set as seen from its own most probable severities, begun at ``beta``; how far a reduced model, made
-    anew there, is from the full one."""
+    """A set from its own severities, begun at ``beta``; how far a reduced model, made anew there, is off."""
     for _ in range(_STEPS):
         betas = likelihood.rows(elements, np.minimum(beta, HIGHEST)[None])
         apart = likelihood.settle(betas[0])
@@ -676,8 +731,7 @@ _RARER = 6.0
 
 
 def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:
-    """The loss of all stiffnesses that is more probable than these losses of single ones and than none; 0 if
-    there is no such, or few losses are none of a common factor."""
+    """The loss of all stiffnesses that is more probable than these of single ones and than none, else 0."""
     prior, numbers, k, n = question.prior, question.numbers, len(losses), len(question.elements)
     if k < max(2.0, n / 3.0):
         return 0.0
@@ -700,8 +754,7 @@ def common_loss(question: Question, losses: dict[int, float], threads: int) -> f
 
 
 def _along(likelihood: Likelihood, ways: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
-    """Most probable severities (u) along some ways (k, n) through those of all elements, and the log
-    evidence; bounds are not considered, so that it is at least so much."""
+    """Most probable severities (u) along some ways (k, n), and the log evidence, at least, without bounds."""
     u, size = start, float(np.log(HIGHEST))
     best, most = start, -np.inf
     for _ in range(_MOST_STEPS):

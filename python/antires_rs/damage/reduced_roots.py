@@ -194,8 +194,7 @@ class ReducedRoots:
         return [found[nth] for nth in range(len(candidates))]
 
     def settle(self, x: FloatArray) -> float:
-        """Give a point a basis of its own, deep enough that its roots are the full model's to ``TOLERANCE``;
-        the largest relative difference that is left."""
+        """Give a point a basis with the full model's roots to ``TOLERANCE``; the largest difference left."""
         self.full_evaluations += 1
         exact = shown_roots(*self._full.states(x[None].copy(), False, 1)[0][:3])
         while True:

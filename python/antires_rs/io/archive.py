@@ -229,7 +229,8 @@ def load_assessor(path: PathLike) -> Assessor:
         if data["version"] == 1:
             learned = Learned(**{key: _plain_3(value) for key, value in data["learned"].items()})
             asked = _question_3(data["question"], str(file), reduced=data["reduced"])
-            plan = Plan(asked, Tables(**data["tables"]), learned)
+            tables = {each.name: data["tables"][each.name] for each in fields(Tables)}
+            plan = Plan(asked, Tables(**tables), learned)
         else:
             plan = Plan(*(decoded(data[name], str(file)) for name in ("question", "tables", "learned")))
     return Assessor._of(plan)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..exceptions import part, reject
+from ..exceptions import Name, part, reject
 from ..support.checks import FloatArray, real_array
 from ..support.values import FrozenDict, ReadOnly, frozen
 
@@ -179,13 +179,13 @@ def tables_of(
         dof = label("freq_hz", key)
         if dof in frequencies:
             reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
-        frequencies[dof] = frequencies_hz(part("freq_hz", dof), value)
+        frequencies[dof] = frequencies_hz(("freq_hz", dof), value)
     damping, std = (
-        {dof: _companion(part(name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
+        {dof: _companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
         for name, given in (("damping_ratio", damping_ratio), ("std_hz", std_hz))
     )
     for dof, column in std.items():
-        check_std(part("std_hz", dof), column)
+        check_std(("std_hz", dof), column)
     known: dict[Any, dict[str, NDArray[Any]]] = {}
     for dof, own, n in _by_dof("scores", scores, frequencies):
         known[dof] = {name: np.asarray(given) for name, given in own.items()}
@@ -198,7 +198,7 @@ def tables_of(
     return {d: ResponseTable(own, damping.get(d), std.get(d), known.get(d)) for d, own in each}
 
 
-def frequencies_hz(name: str, value: Any, *, empty: bool = True) -> FloatArray:
+def frequencies_hz(name: Name, value: Any, *, empty: bool = True) -> FloatArray:
     """A 1-D array, which may be ``empty``, in the order given; a number is a list of one."""
     if empty and np.size(value) == 0:
         return np.empty(0)
@@ -209,7 +209,7 @@ def frequencies_hz(name: str, value: Any, *, empty: bool = True) -> FloatArray:
     return values
 
 
-def check_std(name: str, array: FloatArray) -> None:
+def check_std(name: Name, array: FloatArray) -> None:
     """Refuse standard deviations below zero."""
     if (array < 0.0).any():
         wanted = "standard deviations of at least 0 Hz"
@@ -229,7 +229,7 @@ def _by_dof(name: str, given: Any, frequencies: Mapping[Any, FloatArray]) -> Ite
         yield dof, value, frequencies[dof].size
 
 
-def _companion(name: str, value: Any, count: int) -> FloatArray:
+def _companion(name: Name, value: Any, count: int) -> FloatArray:
     """One number for each frequency, NaN where not known."""
     wanted = "one value for each frequency, finite or NaN for not known"
     try:

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..exceptions import part, reject
+from ..exceptions import Name, reject
 from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.messages import warn
 
@@ -108,7 +108,7 @@ class Parameter:
         if not isinstance(self.terms, tuple) or not self.terms:
             reject("terms", self.terms, "a tuple of at least one zero-based term", _MAKERS)
         for i, term in enumerate(self.terms):
-            _term(self.quantity, part("terms", i), term)
+            _term(self.quantity, ("terms", i), term)
         if (self.pivot is None) == (self.quantity in _ABOUT_A_NODE):
             got, wanted = self.pivot, "a node for an angle or a length, and None for anything else"
             reject("pivot", got, wanted, "Make such parameters by antires_rs.angle and antires_rs.length.")
@@ -146,7 +146,7 @@ def parameter_tuple(parameters: Any) -> tuple[Parameter, ...]:
         reject("parameters", parameters, wanted, _MAKERS)
     for i, parameter in enumerate(chosen):
         if not isinstance(parameter, Parameter):
-            reject(part("parameters", i), parameter, wanted, "Join lists with +, without nesting them.")
+            reject(("parameters", i), parameter, wanted, "Join lists with +, without nesting them.")
     return chosen
 
 
@@ -169,7 +169,7 @@ def core_parameters(
     return parts
 
 
-def _term(quantity: Quantity, name: str, term: Any) -> int | str:
+def _term(quantity: Quantity, name: Name, term: Any) -> int | str:
     if isinstance(term, str) and quantity in OF_SECTIONS:
         return term
     return integer(name, term, low=0)
@@ -188,7 +188,7 @@ def _made(
     limits, name = _bounds(bounds, quantity, relative), KINDS[quantity].terms
     if shape_of(terms) == ():
         return Parameter(quantity, (_term(quantity, name, terms),), limits, relative, pivot, axis)
-    indices = [_term(quantity, part(name, i), term) for i, term in enumerate(terms)]
+    indices = [_term(quantity, (name, i), term) for i, term in enumerate(terms)]
     one = name.rstrip("s")
     if not indices:
         reject(name, "an empty sequence", f"at least one {one}", f"Name the {name} it acts on.")
@@ -209,7 +209,7 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
     if shape_of(bounds) != (2,):
         reject("bounds", bounds, wanted, "Write them as in (0.9, 1.1).")
     limits: Any = {"low": kind.least, "high": most, "low_open": kind.excluded}
-    lower, upper = (finite_scalar(part("bounds", i), b, **limits) for i, b in enumerate(bounds))
+    lower, upper = (finite_scalar(("bounds", i), b, **limits) for i, b in enumerate(bounds))
     if lower > upper:
         reject("bounds", (lower, upper), wanted, "Swap them.")
     return lower, upper

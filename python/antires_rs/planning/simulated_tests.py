@@ -136,7 +136,7 @@ class Judge:
     def __post_init__(self) -> None:
         core, n_factors = self.test.core
         n = len(self.test.numbers)
-        error = learned(core, n, n_factors, self.baseline, None, self.threads)
+        error = learned(core, n, np.zeros(n_factors, dtype=np.intp), self.baseline, None, self.threads)
         self.n = n
         rows = np.zeros((1 + n * GRID.size, n + n_factors))
         rows[:, n:] = np.exp(error.theta)

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import InvalidInputError, reject
+from ..exceptions import InvalidInputError, Name, reject
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -22,7 +22,7 @@ _LABELS = "List a label for each channel, or leave them out to number the channe
 _SMALLEST, _LARGEST = 1e-100, 1e100
 
 
-def _array(name: str, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
+def _array(name: Name, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         got = f"a masked array with {int(np.count_nonzero(np.ma.getmaskarray(value)))} values masked"
         remedy = "Cut what is masked, or fill it in: numpy would take the values below the mask."
@@ -61,7 +61,7 @@ def in_range(name: str, array: NDArray[Any]) -> None:
         reject(name, f"values up to {largest:.3g}", wanted, remedy)
 
 
-def real_array(name: str, value: Any, *, ndim: int | None, wanted: str) -> FloatArray:
+def real_array(name: Name, value: Any, *, ndim: int | None, wanted: str) -> FloatArray:
     """Finite, non-empty float64 array of the wanted number of dimensions."""
     return _array(name, value, np.float64, ndim, wanted)
 
@@ -94,7 +94,7 @@ def random_generator(rng: Any) -> np.random.Generator:
 
 
 def finite_scalar(
-    name: str,
+    name: Name,
     value: Any,
     *,
     low: float = -np.inf,
@@ -121,7 +121,7 @@ def finite_scalar(
     return number
 
 
-def integer(name: str, value: Any, *, low: int | None = None, high: int | None = None) -> int:
+def integer(name: Name, value: Any, *, low: int | None = None, high: int | None = None) -> int:
     """One integer inside a closed interval; booleans and floats are refused."""
     wanted = "an integer"
     if low is not None and high is not None:
