@@ -1,10 +1,6 @@
 """MAT, HDF5 and npz of other programs: which array is what; the child process that reads them."""
 
 import contextlib
-import os
-import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -185,16 +181,6 @@ def test_damaged_matlab_files_do_not_end_the_process(tmp_path, own_process):
             ar.read_mat(path)
 
 
-def test_nothing_optional_is_imported_in_the_parent(tmp_path):
-    path = mat(tmp_path / "a.mat", time=TIME, acc=A)
-    code = (
-        f"import sys, antires_rs as ar; ar.read_mat({str(path)!r}); "
-        "print([m for m in ('scipy.io', 'h5py', 'pyuff', 'pandas', 'xarray') if m in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
 ROWS = np.random.default_rng(1).standard_normal((3, 500))
 
 
@@ -225,15 +211,3 @@ def test_limits_are_kept(tmp_path, own_process):
         ar.read_hdf5(path, time_limit_s=0.01)
     with pytest.raises(InvalidInputError, match="time_limit_s"):
         ar.read_hdf5(path, time_limit_s=0.0)
-
-
-@pytest.mark.skipif(os.name != "posix", reason="needs a signal")
-def test_a_reader_that_dies_is_an_error(tmp_path, monkeypatch, own_process):
-    from antires_rs.io import child_process as child
-
-    path = ar.write_hdf5(tmp_path / "a.h5", ar.Recording(ROWS, 256.0))
-    dying = tmp_path / "dies.py"
-    dying.write_text("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)\n")
-    monkeypatch.setattr(child, "READER", dying)
-    with pytest.raises(UnsuitableDataError, match=re.escape("ended with code -11")):
-        ar.read_hdf5(path)

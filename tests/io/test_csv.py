@@ -117,18 +117,6 @@ def test_rows_that_end_with_a_delimiter(tmp_path):
             ar.read_csv(saved(tmp_path / "b.csv", content))
 
 
-def test_dofs_and_roles_by_name(tmp_path):
-    path = saved(tmp_path / "a.csv", text(TIME, TIP, ROOT, PUSH, head="time,tip,root,push\n"))
-    assert ar.read_csv(path).dofs == ("tip", "root", "push")
-    rec = ar.read_csv(path, force="push", dofs={"tip": 7, "root": None})
-    assert rec.dofs == (7,)
-    np.testing.assert_array_equal(rec.force, PUSH)
-    assert ar.read_csv(path, force="push", dofs=str.upper).dofs == ("TIP", "ROOT")
-    assert ar.read_csv(path, force="push", dofs=[3, 4], unit="mm/s2").responses[0, 0] == 1e-3 * TIP[0]
-    with pytest.raises(ar.InvalidInputError, match="^force: got 'hammer'; wanted 'auto', None or a channel"):
-        ar.read_csv(path, force="hammer")
-
-
 def test_without_names(tmp_path):
     path = saved(tmp_path / "a.csv", text(TIME, TIP, ROOT))
     assert ar.read_csv(path, first="time").dofs == (0, 1)

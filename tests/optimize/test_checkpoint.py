@@ -109,6 +109,18 @@ def test_another_search_is_refused_and_the_file_left_alone(tmp_path):
     assert path.read_bytes() == before
 
 
+def test_a_search_of_another_layout_is_refused_by_name(tmp_path):
+    path = tmp_path / NAME
+    part(path, 5)
+    whole = path.read_bytes()
+    for layout, maker in ((b"1", "an older"), (b"9", "a newer")):
+        path.write_bytes(whole.replace(b"search 2", b"search " + layout, 1))
+        with pytest.raises(ar.UnsuitableDataError, match=rf"the search of {maker} .*layout") as told:
+            searched(path)
+        assert (told.value.argument, path.exists()) == ("checkpoint", True)
+        assert told.value.remedy
+
+
 def test_a_disk_that_fails_is_warned_of_and_the_search_goes_on(tmp_path, monkeypatch, whole):
     def full(*_):
         raise OSError(28, "No space left on device")
