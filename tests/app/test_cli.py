@@ -73,17 +73,6 @@ def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tm
     assert os.listdir(tmp_path) == ["summary.json"]
 
 
-def test_the_pipeline_never_asks_for_the_truth(monkeypatch):
-    def forbidden(self, level=0):
-        raise AssertionError("the truth was used")
-
-    monkeypatch.setattr(ar.cases.Chain8, "truth", forbidden)
-    monkeypatch.setattr(ar.cases.Chain8, "exact", forbidden)
-    monkeypatch.setattr(demo, "MAX_EVALUATIONS", 2000)
-    told = demo.tell(noise=0.0, workers=1)
-    assert told.damage.damaged[0] == 4
-
-
 def test_help_lists_every_command_and_is_quick(capsys):
     def said(*call):
         with pytest.raises(SystemExit) as caught:

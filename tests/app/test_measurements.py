@@ -146,30 +146,6 @@ def test_values_are_dropped_and_added_with_their_reasons(tmp_path, saved):
     assert found.original() == saved == edited(tmp_path, "")
 
 
-@pytest.mark.parametrize(
-    ("data", "said"),
-    [
-        ('repeats = ["hit_9.npz"]', r"job.toml, line 3, .data. repeats\[0\]: got 'hit_9.npz'"),
-        ('repeats = ["miss_*.npz"]', r"repeats\[0\]: got \"miss_\*.npz\""),
-        ('repeats = ["hit.npz", "other.npz"]', r"repeats\[1\]: got a sampling rate of 100 Hz"),
-        ('drop = ["0=55"]', r"line 3, .data. drop\[0\]"),
-        ('drop = ["0 55"]', "line 3.*DOF=HZ"),
-        ('add = ["0=x"]', "line 3.*DOF=HZ"),
-        ("add = [3.2]", "line 3, .data. add"),
-        ('drop = ["9=3.2"]', "line 3.*one of"),
-    ],
-)
-def test_what_cannot_be_read_or_edited_names_its_line(tmp_path, saved, data, said):
-    noise = np.random.default_rng(0).standard_normal((4, 999))
-    for name, fs_hz in (("hit", 512.0), ("other", 100.0)):
-        ar.write_npz(tmp_path / f"{name}.npz", ar.Recording(noise, fs_hz))
-    data = f'file = "{"hit.npz" if "repeats" in data else "measured.json"}"\n{data}\n'
-    if "repeats" in data:
-        data += "excitation = 0\nband_hz = [3.0, 130.0]\n"
-    with pytest.raises(ar.InvalidInputError, match=said):
-        measured(tmp_path, data)
-
-
 SENSORS, HITS, ROVED = ("3+Y", "5+Y"), ("1+Y", "2+Y", "3+Y", "4+Y", "5+Y"), ("2", "390")
 FREQ = np.arange(1.0, 400.0, 0.5)
 

@@ -136,19 +136,6 @@ def test_a_file_that_grows_is_left_alone(tmp_path):
     assert not arrivals.growing
 
 
-def test_a_folder_or_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
-    (tmp_path / "other.npz").write_bytes(b"no assessor")
-    for folder, assessor, code, said in (
-        ("none", "other.npz", 2, "FOLDER: got"),
-        (".", "none.npz", 2, "--assessor: got"),
-        (".", "other.npz", 1, "--assessor: got"),
-    ):
-        call = ["watch", str(tmp_path / folder), *GIVEN, "--once", "--out", str(tmp_path / "out")]
-        assert main([*call, "--assessor", str(tmp_path / assessor)]) == code
-        assert said in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
 def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, capsys):
     """Of four tables without a time column and of one that is none."""
     folder = tmp_path / "records"

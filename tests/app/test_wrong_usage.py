@@ -4,6 +4,7 @@ import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import antires_rs as ar
@@ -116,6 +117,8 @@ def test_wrong_jobs(tmp_path):
     write_measured(tmp_path)
     ar.AntiresonanceSet(1, {0: [10.0]}).save(tmp_path / "other_force_measured.json")
     write_record(tmp_path)
+    slow = ar.Recording(np.zeros((3, 64)), 100.0, dofs=["tip", "mid", "root"])
+    ar.write_npz(tmp_path / "slow.npz", slow)
     job = tmp_path / "job.toml"
     messages, file = {}, Path(__file__).with_name("wrong_jobs.txt")
     for name, text in jobs(file.read_text(encoding="utf-8").splitlines()):
@@ -125,7 +128,7 @@ def test_wrong_jobs(tmp_path):
         messages[name] = f"exit {code}  {message.replace(str(tmp_path), 'FOLDER')}"
         assert messages[name].startswith("exit 2  antires: error: job.toml")
     compare(file, messages)
-    files = {"job.toml", "measured.json", "other_force_measured.json", "record.npz"}
+    files = {"job.toml", "measured.json", "other_force_measured.json", "record.npz", "slow.npz"}
     assert {path.name for path in tmp_path.iterdir()} == files
 
 

@@ -38,21 +38,6 @@ def test_undo_and_redo_go_through_all_that_was_done(session, identified):
     assert not session.future
 
 
-def test_no_edit_is_lost_by_a_change_of_band(session, identified):
-    low, high = float(identified[0][0]), float(identified[0][-1])
-    session.drop(0, low, "hum")
-    session.add(0, 3.21, "phase")
-    assert low < 2.5 < high
-    session.identify((2.5, 9.0))  # the dropped value is below it now
-    assert session.now.waits == ("no value there now", None)
-    assert [edit.action for edit in session.zeros.edits] == ["add"]
-    session.identify(BAND)
-    assert session.now.waits == (None, None)
-    assert [(edit.action, edit.reason) for edit in session.zeros.edits] == [("drop", "hum"), ("add", "phase")]
-    assert session.zeros[0][session.zeros.tables[0].by_hand].tolist() == [3.21]
-    assert np.abs(session.zeros[0] - low).min() > 0.01 * low
-
-
 def test_what_is_identified_later_is_not_added_twice(identified):
     value = float(identified[1][0])
     edited = identified.drop(1, value, reason="a").add(1, value + 0.001, std_hz=0.1, reason="b")
@@ -158,20 +143,6 @@ def test_what_fits_saw_and_did_not_accept_can_be_added(record):
         zeros, dof, clicked("stabilization", table.freq_hz[0], float(diagram.orders[-1]) + 0.2, 1e-6)
     )
     assert (pick.action, pick.freq_hz, pick.std_hz) == ("add", table.freq_hz[0], table.std_hz[0])
-
-
-def test_of_two_values_close_together_the_one_that_was_meant_is_found():
-    session = Session(ar.AntiresonanceSet(0, {0: [50.0, 100.0, 100.5]}))
-    session.drop(0, 100.0)
-    session.drop(0, 100.5)
-    assert "100.50" in session.restore(0, 100.5)
-    assert session.zeros[0].tolist() == [50.0, 100.5]
-    both = ar.AntiresonanceSet(0, {0: [100.0, 100.5]})
-    alone = ar.AntiresonanceSet(0, {0: [100.5]})
-    made, waits = replayed(alone, asked_of(both.drop(0, 100.0)))
-    assert (made[0].tolist(), waits) == ([100.5], ["no value there now"])
-    made, waits = replayed(alone, asked_of(both.drop(0, 100.0).drop(0, 100.5)))
-    assert (made[0].tolist(), waits) == ([], ["no value there now", None])
 
 
 def test_edits_that_wait_are_in_the_file(session, identified, tmp_path):
