@@ -17,7 +17,6 @@ from tests.support.job_files import DAMAGE
 
 
 def measured(folder, data):
-    """What a job with this [data] measured, not at dofs of its model."""
     path = folder / "job.toml"
     path.write_text(DAMAGE.replace('file = "measured.json"\n', data), encoding="utf-8")
     return measured_of(read_job(path), None)
@@ -95,7 +94,6 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     assert data["excitation"] == "?"
     assert cli.main(["damage", str(job)]) == 2
     assert "got '?', where the dof is not given yet" in capsys.readouterr().err
-    # Dofs that are numbers need no table.
     numbered = ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 32.0))
     assert cli.main(["init", str(job), "--data", str(numbered), "--overwrite"]) == 0
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
@@ -160,7 +158,6 @@ def at(point):
 
 
 def hit(place, seed):
-    """FRFs of the sensors to a force at that place, with a little noise."""
     values = frame().frf([at(s) for s in SENSORS], at(place), FREQ, damping_ratio=0.01)
     rng = np.random.default_rng(seed)
     noise = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)

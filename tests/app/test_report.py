@@ -29,7 +29,6 @@ dofs = [0, 4]""",
 
 
 def section(html, heading):
-    """Text of one section, without the date."""
     part = re.search(rf"<h2>{heading}.*?</section>", html, re.S)[0]
     return re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", "", part)
 

@@ -18,7 +18,6 @@ from tests.support.mutations import any_bytes, mutated
 
 
 def places(value, path=()):
-    """Every key and item of parsed TOML."""
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for name, item in items:
         yield (*path, name)
@@ -121,7 +120,6 @@ GOOD = {"damage": DAMAGE, "update": UPDATE} | TEMPLATES
 
 
 def taken(path, content):
-    """The job in the file, with its model and parameters made; None where it is refused."""
     path.write_bytes(content)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -22,7 +22,6 @@ MASSES, SPRINGS = [1.0, 1.1, 0.9, 1.0], [5e4, 5.5e4, 4.5e4]
 
 
 def written(folder, number, loss=0.0):
-    """The file of one test, as old as a complete one."""
     chain = ar.MassSpringChain(MASSES, [SPRINGS[0], SPRINGS[1] * (1 - loss), SPRINGS[2]])
     record = chain.simulate(
         excitation=0, fs_hz=256.0, duration_s=16.0, damping_ratio=0.01, noise=0.01, rng=number
@@ -137,7 +136,6 @@ def test_a_file_that_grows_is_left_alone(tmp_path):
 
 
 def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, capsys):
-    """Of four tables without a time column and of one that is none."""
     folder = tmp_path / "records"
     folder.mkdir()
     for number in range(2):
@@ -222,7 +220,6 @@ def test_it_writes_series_summary_and_tracks(folder, capsys, monkeypatch):
     assert series[1] == alone[0]
     assert series.conditions["temperature_c"].tolist() == [20.0, 21.0, 22.0, 23.0]
     assert json.loads((results / "summary.json").read_text())["failed"] == {"test_3.npz": series.failed[3]}
-    # Again, with a file that has come since.
     seen = []
     real = one_test.identify_antiresonances
     monkeypatch.setattr(one_test, "identify_antiresonances", lambda *a, **k: seen.append(a) or real(*a, **k))

@@ -13,7 +13,6 @@ STD_HZ, STD_SHAPES = 3e-4, 3e-3
 
 
 def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=True):
-    """Modes with Gaussian errors; shapes with any sign and size."""
     dofs = list(range(model.n_dof) if dofs is None else dofs)
     modes = model.modes()
     flexible = np.flatnonzero(modes.freq_hz > 1e-3 * modes.freq_hz.max())[:n_modes]
@@ -35,7 +34,6 @@ def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_n
     told = ar.assess_damage(model, measured(damaged, rng), baseline=measured(intact, rng))
     assert told.damaged == [0]
     assert told.probability[0] > 0.99
-    # One sensor has no shape: one number of unit length.
     rng = np.random.default_rng(1)
     now, before = (measured(each, rng, dofs=[0]) for each in (damaged, intact))
     blind = ar.assess_damage(model, now, baseline=before)
@@ -46,7 +44,6 @@ def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_n
 
 
 def portal():
-    """A portal frame of nine beams, fixed at both feet: its own mirror image."""
     nodes = [(0.0, 0.0), (0.0, 0.2), (0.0, 0.4), (0.0, 0.6), (0.2, 0.6)]
     nodes += [(0.4, 0.6), (0.6, 0.6), (0.6, 0.4), (0.6, 0.2), (0.6, 0.0)]
     beams = [(i, i + 1) for i in range(9)]
@@ -73,7 +70,6 @@ def test_a_portal_frame_whose_every_stiffness_and_mass_is_off(element, loss):
 
 
 def test_modes_that_pass_each_other_are_followed():
-    """Two oscillators, hardly coupled: softening one takes its mode below that of the other."""
     model = ar.MassSpringChain([1.0, 50.0, 1.0], [1.10e4, 1.0e4])
     hurt, rng = model.with_parameters(ar.stiffness_reduction([0]), [0.2]), np.random.default_rng(0)
     result = ar.assess_damage(model, measured(hurt, rng), baseline=measured(model, rng))
@@ -90,7 +86,6 @@ def test_lost_modes_no_stated_errors_several_setups_and_no_baseline():
     assert abs(result.severity[3] - 0.35) < 0.04
     assert any("shape's length" in note for note in result.notes)
     assert result.assessment.n_baselines == 2
-    # Several setups of sensors, each with its own shapes.
     rng, factors = truth(50)
     setups = [0, 1, 2, 3], [5, 4, 3]
     now = [measured(chain(factors, [0, 0.3, 0, 0, 0]), rng, dofs) for dofs in setups]
@@ -98,7 +93,6 @@ def test_lost_modes_no_stated_errors_several_setups_and_no_baseline():
     result = ar.assess_damage(NOMINAL, now, baseline=before)
     assert result.damaged == [1]
     assert abs(result.severity[1] - 0.3) < 0.03
-    # Without a baseline modes have probabilities too.
     rng = np.random.default_rng(62)
     result = ar.assess_damage(NOMINAL, measured(chain(np.ones(2 * N), [0, 0.4, 0, 0, 0]), rng), rng=0)
     assert result.probability[1] > 0.9

@@ -28,7 +28,6 @@ def two():
 
 
 def logs_of(result, rows):
-    """Log-likelihood of an assessment at rows of severities by element."""
     likelihood = result._question.prepared(1).likelihood
     betas = np.zeros((len(rows), likelihood.n))
     for beta, row in zip(betas, rows, strict=True):
@@ -42,7 +41,6 @@ def test_quick_intervals_are_those_of_the_assessment(one):
     assert quick.words == ("not damaged", "two-sided", *3 * ("not damaged",))
     assert quick.draws.shape == quick.mixture.shape == (1000, N - 1)
     assert not quick.draws[:, [0, 2, 3, 4]].any()
-    # Wider at a higher level, and at that of the assessment but for the last digits the same.
     for level, wanted in ((0.9001, 1.0), (0.99, 2.5758 / 1.6449)):
         low, high = one.intervals(level=level)[1]
         assert np.isclose((high - low) / (one.interval[1][1] - one.interval[1][0]), wanted, rtol=0.03)
@@ -51,7 +49,6 @@ def test_quick_intervals_are_those_of_the_assessment(one):
 
 
 def test_the_sampler_is_exact_against_quadrature(one):
-    """Evidence and distribution of one severity, from the likelihood on a fine grid."""
     likelihood = one._question.prepared(1).likelihood
     beta = np.zeros((1, likelihood.n))
     beta[0, 1] = one.severity[1]
@@ -92,7 +89,6 @@ def test_same_bits_for_any_number_of_workers_and_others_for_another_seed(one):
 
 
 def test_the_mixture_holds_every_near_set_and_nothing_where_nothing_is_declared():
-    """Two springs, one with so little damage that it may be none."""
     sure = assessed(44, [0, 0.3, 0, 0.002, 0]).intervals("ensemble", draws=400)
     assert len(sure.sets) > 1
     drawn = {tuple(np.flatnonzero(row).tolist()) for row in sure.mixture}
@@ -146,7 +142,6 @@ def test_wrong_arguments_are_refused(one, wrong, asked):
 
 # ---- Gaussians within a box, their draws, the sampler and the threshold, against integrals that are known
 def correlated(rng, n):
-    """Means and covariances as severities have them: some near a bound, some strongly correlated."""
     rows = rng.standard_normal((n, n + 1))
     spread = rows @ rows.T
     sd = 10.0 ** rng.uniform(-2.5, 0.0, n)
@@ -181,13 +176,11 @@ def test_weighted_draws_are_those_of_rejection():
     chosen = rng.choice(len(u), 2000, p=weight / weight.sum())
     for nth in range(3):
         assert kstest(u[chosen, nth], wanted[:, nth]).pvalue > 0.01
-    # Where the draws come from, times their weight, is the Gaussian itself.
     whole = multivariate_normal(mean, spread).logpdf(u)
     assert np.allclose(gaussian.log_density(u) + log_weight, whole, atol=1e-8)
 
 
 def test_particles_find_both_peaks_and_their_integral():
-    """Two narrow peaks, one with three times the weight; the start covers both with little of it."""
     peaks = ((1.0, 0.01, 3.0), (1.4, 0.02, 1.0))
 
     def log_density(u):

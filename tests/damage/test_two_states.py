@@ -56,7 +56,6 @@ def test_of_two_that_disagree_none_is_named_alone_and_no_damage_is_confident():
     result = assess(measured(chain(factors, (0, 0, 0.3, 0, 0)), rng)[:1], before)
     assert result.assessment.odd_baselines == (0, 1)
     assert "which of them is wrong cannot be told" in result.headline
-    # Baselines that are scaled give no confident damage.
     before, now = states(91, (0, 0, 0, 0, 0.3))
     headline = assess(now, [*before, *changed(before, 1.03)]).headline
     assert headline.startswith("The baseline contradicts itself")
@@ -68,7 +67,6 @@ def test_of_two_that_disagree_none_is_named_alone_and_no_damage_is_confident():
 @pytest.mark.parametrize("seed", some_of(range(66, 76), 3))
 def test_ordinary_scatter_between_tests_is_no_contradiction(seed):
     rng, factors = truth(seed)
-    # The third is three times as noisy.
     before = [each for std in (3e-4, 3e-4, 1e-3) for each in measured(chain(factors), rng, std=std)]
     now = measured(chain(factors, (0, 0, 0.3, 0, 0)), rng)
     assert assess(now, before).assessment.odd_baselines == ()
@@ -90,7 +88,6 @@ def of_zeros(model, rng):
 
 @pytest.fixture(scope="module", params=[of_zeros, of_modes])
 def tests(request):
-    """An intact test, one of a small damage, and another one of the same damage."""
     rng, factors = truth(611)
     return [request.param(chain(factors, losses), rng) for losses in (None, SMALL, SMALL)]
 
@@ -120,7 +117,6 @@ def test_one_record_given_twice_counts_once_and_two_tests_twice(tests):
 
 
 def test_one_record_cut_into_overlapping_sets():
-    """The response that both have is of one record; the others count."""
     before, now = states(611, SMALL)
     parts = [*changed(now[:1], dofs=(0, 1, 2)), *changed(now[:1], dofs=(2, 3, 4, 5))]
     cut, whole = assess(parts, before), assess(now[0], before)
@@ -222,7 +218,6 @@ def test_what_explains_but_was_no_candidate_is_in_the_table_and_nothing_is_left_
 
 
 def test_what_cannot_be_told_apart_stands_side_by_side_in_the_tables():
-    """Two equal springs in parallel: none of them is printed as the answer with the other at 0."""
     intact, hurt = (ar.MassSpringChain(np.ones(4), [500.0, k, 500.0]) for k in (500.0, 400.0))
     halves = []
     for n in np.repeat(range(3), 2):
@@ -315,7 +310,6 @@ def test_probabilities_add_up_and_severities_are_those_of_the_first_hypothesis()
     found = dict(zip(best.elements, best.severities, strict=True))
     assert result.severity == {e: found.get(e, 0.0) for e in range(5)}
     assert result.chi_square < 3.0
-    # Intact tests that scatter more than they say widen everything.
     rng, factors = truth(40)
     now, *before = (changed(measured(chain(factors), rng), std=0.2) for _ in range(4))
     result = ar.assess_damage(NOMINAL, now, baseline=[each for test in before for each in test])

@@ -16,7 +16,6 @@ from antires_rs.figures.page import Page, ResultView
 from antires_rs.figures.page_session import Session, SetView
 from antires_rs.figures.report_parts import Table
 
-#: How much of a box has to be scrolled to sideways.
 INNER = "(s => s.scrollWidth - s.clientWidth)"
 
 
@@ -48,7 +47,6 @@ def said(page, text):
 
 
 def values(page):
-    """The table of the page: dof, and frequency as written."""
     return page.evaluate(
         "[...document.querySelectorAll('#values tbody tr[data-dof]')]"
         ".map(row => [row.dataset.dof, row.querySelector('.hz').textContent])"
@@ -56,7 +54,6 @@ def values(page):
 
 
 def same(page, zeros):
-    """Whether the page shows the values of a set."""
     written = values(page)
     expected = [(str(dof), freq) for dof in zeros for freq in zeros[dof]]
     assert [name for name, _ in written] == [name for name, _ in expected]
@@ -134,7 +131,6 @@ def test_pick_drop_undo_band_save_and_reload(shown, session, identified, tmp_pat
 
 
 def lone_pole(diagram, taken):
-    """Order and frequency of a pole far from all values and other poles."""
     order, freq, _, _ = pole_table(diagram)
     for at in np.argsort(order):
         near = np.abs(freq - freq[at]) < 0.12

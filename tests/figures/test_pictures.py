@@ -118,12 +118,10 @@ def test_a_legend_never_outgrows_its_picture(ax, letters):
 
 @pytest.fixture(scope="module")
 def unsteady():
-    """A record with a value that does not stand still."""
     return four_masses.identified(13)
 
 
 def verticals(ax, kind):
-    """Frequencies of the lines that look as ``kind`` should."""
     colour, dash = LOOKS[kind]
     sample = ax.axvline(0.0, ls=dash_of(dash), lw=1.1, color=colour)
     sample.remove()
@@ -151,7 +149,6 @@ def test_values_that_do_not_stand_still_have_a_dash_of_their_own(unsteady, ax, k
     assert verticals(ax, resting) == [diagram.identified[0], diagram.identified[2]]
     assert verticals(ax, moving) == [diagram.identified[1]]
     assert {resting, moving} <= set(labels(ax))
-    # Marks differ without colour: stable and not by their shape, the kinds of values by their dashes.
     markers = {line.get_label(): line.get_marker() for line in ax.lines if line.get_marker() != "None"}
     assert len(set(markers.values())) == len(markers)
     assert len({str(dash) for _, dash in LOOKS.values()}) == len(LOOKS)
@@ -296,7 +293,6 @@ def test_convergence_of_any_search_down_to_zero(ax):
 
 @pytest.fixture(scope="module")
 def halves():
-    """Every spring is two in parallel, which nothing can tell apart."""
     whole = chain(np.full(3, 500.0))
     terms = []
     for n in range(3):
@@ -399,7 +395,6 @@ def test_a_chain_shows_the_springs_it_has(ax, ground):
     assert np.isfinite(springs["value"]).tolist() == [False, True, False, False][: len(springs["value"])]
     assert set(labels(ax)) == {"without a value", "accelerometer", "force"}
     assert texts(ax).count("ground") == len(ground)
-    # No loss at all has no scale that pretends to be one.
     alone = Figure().subplots()
     figures.plot_chain(model, dict.fromkeys(range(2), 0.0), ax=alone, label="Stiffness loss (%)")
     assert alone.get_title() == "Stiffness loss (%): 0 in every element"

@@ -98,7 +98,6 @@ def diagram(lines, noise, order):
 
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory, intact):
-    """A damage with everything that a report can hold, an updating with units, and one of modes."""
     folder = tmp_path_factory.mktemp("reports")
     damaged = chain([500.0, 300.0, 500.0])
     test = {"excitation": 0, "fs_hz": 25.0, "duration_s": 400.0, "damping_ratio": 0.01}
@@ -307,7 +306,6 @@ def test_every_figure_has_its_numbers_in_the_page_and_asks_for_nothing(judged, r
     assert "Bokeh" in unpacked(drawer)
     assert NASTY not in page.html
     assert NASTY in page.text
-    # Printed, a picture stands in place of each.
     assert re.search(r"@media print \{.*\.shown \.live \{ display: none; \}", page.html, re.DOTALL)
     assert re.search(r"@media print \{.*\.shown img \{ display: block; \}", page.html, re.DOTALL)
 
@@ -332,7 +330,6 @@ def test_the_watch_is_explored_too(tmp_path, explored):
 
 
 def test_dollars_in_names_are_no_formulas(tmp_path):
-    """What is a formula to the library of the pictures is a name here, whole or not."""
     names = ["$$x^2$$", "from $5 to $6", "$\\frac{1}$"]
     sections = dict.fromkeys(names, ar.Tube(0.02, 0.004, 2.1e11, 7850.0))
     elements = [(i, i + 1, name) for i, name in enumerate(names)]

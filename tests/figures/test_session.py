@@ -48,7 +48,6 @@ def test_what_is_identified_later_is_not_added_twice(identified):
     wide, waits = replayed(ar.AntiresonanceSet(0, {0: [8.7, 23.91]}), asked)
     assert wide[0].tolist() == [8.7, 23.91]
     assert waits == ["identified there now"]
-    # A value beside another one is no such case.
     asked = asked_of(wide.add(0, 23.85))
     again, waits = replayed(ar.AntiresonanceSet(0, {0: [8.7, 23.91]}), asked)
     assert again[0].tolist() == [8.7, 23.85, 23.91]

@@ -31,7 +31,6 @@ def exact(damping=0.01, df=1 / 8):
 
 
 def assert_all(found, rel):
-    """28 of 28, none more, each within ``rel``."""
     assert [found[dof].size for dof in found] == [7, 6, 5, 4, 3, 2, 1, 0]
     for dof in found:
         assert np.allclose(found[dof], TRUTH[dof], rtol=rel, atol=0)
@@ -46,7 +45,6 @@ def test_chain8_clean_by_both_routes(seed):
 
 @pytest.mark.parametrize("seed", some_of([3, 4]))
 def test_chain8_with_one_percent_noise(seed):
-    # Measured over 10 seeds: largest error 5e-4.
     assert_all(zeros_of(record(0.01, seed)), 2e-3)
 
 

@@ -26,7 +26,6 @@ def test_poles_are_found_and_no_other(noise, tol):
     assert np.abs(found.identified / POLES - 1.0).max() < tol
     assert np.abs(found.identified_damping - DAMPING).max() < 20 * tol * 0.03
     assert np.all(found.accepted.rows > 10)
-    # The scores say how well: true poles rule the curve at their frequency.
     assert found.accepted.dominance.min() > 0.3
 
 
@@ -60,7 +59,6 @@ def test_noise_few_orders_and_cancelled_poles_give_nothing():
 
 
 def test_windows_of_other_orders_make_one_diagram():
-    """One mode below the cut, three above it."""
     freq = np.linspace(2.0, 42.0, 1600)
     modes = [(8.0, 1.0), (26.0, 0.5), (30.0, -0.7), (36.0, 0.4)]
     curve = np.abs(sum(a * f0**2 / (f0**2 - freq**2 + 0.02j * f0 * freq) for f0, a in modes))

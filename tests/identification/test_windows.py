@@ -29,7 +29,6 @@ def free_chain(n=7, k_over_m=5e4, damping=0.01, sensors=range(7), force=0, noise
 
 @cache
 def rough():
-    """Of three sensors with a hundredth of noise."""
     return free_chain(noise=0.01, seed=1, sensors=(0, 3, 6))
 
 
@@ -43,7 +42,6 @@ def test_peaks_without_an_antiresonance_are_named():
     snr = np.full(freq.size, 100.0)
     assert unexplained(freq, curve, np.array([15.0]), snr) == pytest.approx([25.0], abs=0.1)
     assert unexplained(freq, curve, np.array([15.0, 25.1]), snr).size == 0
-    # In the noise a peak is nothing that asks for an explanation.
     assert unexplained(freq, curve, np.array([15.0]), np.where(freq > 20.0, 0.1, 100.0)).size == 0
 
 
@@ -192,7 +190,6 @@ def test_few_lines_are_told():
     frfs = free_chain(noise=0.003, seed=2, sensors=(0, 3, 6))
     with pytest.warns(ar.AntiresWarning, match=r"holds 40 lines.*carry 8 orders.*want 48.*0\.041 Hz apart"):
         few = zeros_of(frfs, (24.01, 26.01))
-    # Of one mode and fine lines they are enough all the same.
     assert few[0] == pytest.approx([damped_zeros()[1]], rel=2e-3)
     coarse = ar.FrequencyResponse(frfs.freq_hz[::30], frfs.values[:, ::30], dofs=frfs.dofs)
     with pytest.warns(ar.AntiresWarning, match="want 48 lines"):
@@ -201,7 +198,6 @@ def test_few_lines_are_told():
 
 @pytest.mark.parametrize("seeds", some_of([(80, 81), range(80, 84)]))
 def test_known_noise_says_the_same_on_both_routes(seeds):
-    # With the force as a row, deviations were 2.2 to 2.5 times those without. Judged on seeds 80 to 83.
     clean = free_chain(sensors=(0, 2, 5))
     std = 0.01 * np.sqrt(np.mean(np.abs(clean.values) ** 2, axis=1, keepdims=True) / 2)
     ratios = []

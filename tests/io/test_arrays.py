@@ -159,7 +159,6 @@ def test_cells_and_struct_arrays_of_version_73(tmp_path):
     assert set(arrays) == set(expected)
     for name, values in expected.items():
         np.testing.assert_array_equal(arrays[name], [values])
-    # The same names as of the same variables in version 5.
     cell = {"x": A, "deep": np.array([B, None], dtype=object)[:1]}
     channels = np.array([A, B, cell, np.array([A, "h"], dtype=object)], dtype=object)
     runs = np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")])

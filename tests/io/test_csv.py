@@ -57,7 +57,6 @@ def test_names_in_a_comment(tmp_path):
 
 
 def clock(n, step, head="time,tip", form="g", start=0.0):
-    """Rows at even instants."""
     return head + "\n" + "".join(f"{start + i * step:{form}},{1.5 + i % 3}\n" for i in range(n))
 
 
@@ -199,7 +198,6 @@ def test_channels_that_are_left_out_need_not_fit_the_rest(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert ar.read_csv(file, dofs={"tip": 4, "laser": None}).dofs == (4,)
-        # As a job and the command line say it.
         assert read_signal(file, "csv", {"dofs": {"tip": 4, "laser": False}}).dofs == (4,)
 
 

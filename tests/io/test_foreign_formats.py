@@ -72,7 +72,6 @@ def test_an_axis_that_does_not_fit_is_named(tmp_path, options, said):
 
 
 def columns(header, parts, path, *, delimiter=",", decimal="."):
-    """A file as the csv module writes it."""
     with path.open("w", newline="", encoding="utf-8") as opened:
         out = csv.writer(opened, delimiter=delimiter)
         if header:

@@ -137,7 +137,6 @@ M = np.diag([1.0, 2.0, 3.0, 4.0, 5.0])
 
 
 def entries(matrix):
-    """Those of the lower triangle, column by column."""
     return [(i, j, matrix[i, j]) for j in range(5) for i in range(j, 5) if matrix[i, j]]
 
 

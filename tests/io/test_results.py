@@ -65,13 +65,11 @@ def test_results_come_back(tmp_path, name, copied):
     assert back.summary() == made.summary()
     np.testing.assert_array_equal(dense(made.model.stiffness()), dense(back.model.stiffness()))
     np.testing.assert_array_equal(dense(made.model.mass()), dense(back.model.mass()))
-    # The same problem: the search repeats to the bit.
     again = ar.update(back.problem, rng=back.seed, optimizer=QUICK)
     np.testing.assert_array_equal(again.x, made.x)
 
 
 def test_damage_of_an_updated_model(tmp_path):
-    """The reference model is itself a result; both problems are in the file."""
     reference = ar.update(PROBLEMS["chain"], rng=0, optimizer=QUICK).model
     hurt = ar.UpdatingProblem(reference, ar.stiffness_reduction(1), zeros(reference, [0], 0)).model_at([0.4])
     measured = zeros(hurt, [0, 1], 0, scale=1.0)
@@ -93,7 +91,6 @@ def saved(tmp_path):
 
 
 def rewritten(path, change):
-    """The archive with its JSON text changed, checksum of the text included."""
     import hashlib
 
     arrays = dict(np.load(path))
@@ -142,7 +139,6 @@ def test_other_and_edited_files_are_noticed(saved, tmp_path):
 
 @pytest.fixture(scope="module")
 def assessed():
-    """Springs off the model by a few per cent, the second softened; the third is no candidate."""
     intact, damaged = chain([510.0, 441.0, 525.0]), chain([510.0, 331.0, 525.0])
     given = {"elements": [0, 1], "search": ar.SearchOptions(false_alarm_rate=0.05), "rng": 0}
     return ar.assess_damage(chain(), exact(damaged), baseline=exact(intact), **given)
@@ -166,7 +162,6 @@ def test_every_field_comes_back(tmp_path, assessed):
 
 
 def test_what_a_field_may_be(tmp_path, assessed):
-    """Infinity, no threshold, no group, notes, something else."""
     rows = [*assessed.hypotheses, Hypothesis(UNKNOWN, 1e-8, (), (), (), candidate=False)]
     odd = {"detectable": (float("inf"), 0.1), "threshold": None, "group": (), "notes": ("left out",)}
     rare = replace(assessed.assessment, hypotheses=Hypotheses(rows, assessed.hypotheses.names), **odd)

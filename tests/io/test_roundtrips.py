@@ -12,7 +12,6 @@ from reference.io_signals import KINDS, differences, recording, response
 
 pytest.importorskip("h5py")
 
-#: Writer and reader of the formats that keep every bit of everything.
 EXACT = {
     "npz": (ar.write_npz, ar.read_npz, ".npz"),
     "HDF5": (ar.write_hdf5, ar.read_hdf5, ".h5"),

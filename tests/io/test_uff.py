@@ -38,7 +38,6 @@ def test_a_record_of_another_program(tmp_path, binary):
 
 @pytest.mark.parametrize("rate", [1 / 3, 48.0, 100.0, 700.0, 1024.0, 12800.0, 25600.0, 44100.0, 65536.0])
 def test_the_rate_behind_six_digits(tmp_path, rate):
-    """Beside functions and datasets of another kind, in the unit of the label."""
     path = written(tmp_path / "a.uff", dataset(NOISE[0], step=1 / rate), frf())
     path.write_bytes(b"    -1\n   151\na header\n    -1\n" + path.read_bytes())
     assert ar.read_uff(path, kind="time").fs_hz == rate

@@ -51,7 +51,6 @@ def rows(head, *columns, **options):
 
 @call
 def hdf5(folder, rates, **options):
-    """Arrays by name, the rate of each in an attribute."""
     import h5py
 
     with h5py.File(folder / "a.h5", "w") as file:
@@ -75,7 +74,6 @@ def uff(folder, signal, change=bytes, write=None, **options):
 
 @call
 def other(folder, *sets, **options):
-    """A universal file of another program."""
     return ar.read_uff(written(folder / "a.uff", *sets), **options)
 
 
@@ -88,7 +86,6 @@ def measured(**more):
 
 
 def matrices(name, content, *more):
-    """A file of matrices, and what is given with it."""
     return raw(name, content.encode(), lambda path: ar.read_matrices(path, *more))
 
 
@@ -127,7 +124,6 @@ def parquet(folder, held, **options):
 
 @call
 def foreign(folder, name):
-    """A file of a format that is not read, on the command line."""
     (folder / name).write_bytes(b"something")
     with pytest.MonkeyPatch.context() as patch:
         said = []

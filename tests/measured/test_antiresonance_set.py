@@ -32,7 +32,6 @@ def test_it_is_a_mapping_in_ascending_order():
     assert (len(made), 0 in made, 1 in made) == (3, True, False)
     with pytest.raises(KeyError):
         made[1]
-    # Companions follow their frequency.
     assert made.damping_ratio[0].tolist() == [0.01, 0.02]
     assert made.std_hz[0].tolist() == [0.1, 0.2]
     assert made.columns(0)["std_hz"] is made.tables[0].std_hz
@@ -94,7 +93,6 @@ def test_equality():
     assert example() != AntiresonanceSet("hammer", values)
     assert example() != AntiresonanceSet(1, values, {0: [0.02, 0.01]}, {0: [0.2, 0.1], 2: []})
     assert example() != "a string"
-    # Companions that are not known are NaN or absent.
     made = AntiresonanceSet(0, {0: [1.0, 2.0], 1: [3.0]}, {0: [np.nan, 0.1], 1: [np.nan]})
     assert np.isnan(made.damping_ratio[0][0])
     assert 1 not in made.damping_ratio
@@ -103,7 +101,6 @@ def test_equality():
 
 def test_table_and_repr():
     assert repr(example()) == "AntiresonanceSet(excitation='hammer', values by dof {0: 2, 'tip': 1, 2: 0})"
-    # A line each, the dof once; example() states a deviation for some.
     assert str(example()).splitlines() == [
         "antiresonances, force at hammer",
         "dof  freq_hz  std_hz",
@@ -211,7 +208,6 @@ def some(**options):
 
 @pytest.fixture
 def rich():
-    """With values that were left out, and a peak that nothing explains, to the last bit."""
     return ar.AntiresonanceSet.from_tables(
         0,
         some().tables,
@@ -224,7 +220,6 @@ def rich():
 
 
 def test_edits_and_files_keep_it(rich, tmp_path):
-    # By default nothing is known, and the dofs are the channels.
     assert (some().sees, some().channels) == (None, (0, 1))
     assert not any(name in some().to_json() for name in ("left_out", "unexplained"))
     edited = rich.drop(0, 8.7, reason="to see").add(1, 20.0)

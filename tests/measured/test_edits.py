@@ -34,7 +34,6 @@ def test_dropping_leaves_the_set_as_it_was_and_keeps_a_record():
     assert after.std_hz[0].tolist() == [0.3, 0.2]
     assert after.scores[0]["rows"].tolist() == [25, 30]
     assert after.diagrams == before.diagrams
-    # What is not known of the value (its residual) is not in the record.
     edit = Edit("drop", 0, 12.2, "mains hum", 0.01, 0.1, {"rows": 11, "how": "persistent"})
     assert after.edits == (edit,)
     assert after.original() is before.original() is before
@@ -112,7 +111,6 @@ def test_what_cannot_be_edited_is_told(call, said):
 
 
 def test_rows_of_the_data_frame():
-    """The part of to_dataframe that needs no pandas."""
     names, rows = rows_of(scored().drop(0, 20.0).add(0, 15.0, damping_ratio=0.05))
     assert names == ["dof", "freq_hz", "damping_ratio", "std_hz", "source", "rows", "how", "residual"]
     assert [(r["freq_hz"], r["source"], r["how"]) for r in rows[:3]] == [

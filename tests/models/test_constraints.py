@@ -15,7 +15,6 @@ K, M, _ = random_structure(1, 6)
 
 
 def constrained(seed=2, n=12):
-    """A structure and three equations of three dofs each."""
     k, m, rng = random_structure(seed, n)
     c = np.zeros((3, n))
     for row in c:
@@ -28,7 +27,6 @@ def model_of(made, **options):
 
 
 def assert_zeros(k, m, c, ends, zeros):
-    """The response of the bordered system changes its sign at each."""
     assert zeros.size
     for hz in zeros:
         below, above = (bordered_receptance(k, m, c, *ends, hz * (1.0 + step)) for step in (-1e-6, 1e-6))
@@ -66,7 +64,6 @@ def test_sparse_rows_dicts_and_arrays_say_the_same():
 
 
 def test_a_rigid_slab_leaves_its_master():
-    """Forty columns' heads follow three dofs of the slab; each is taken out, the master stays."""
     rng = np.random.default_rng(0)
     xy = rng.uniform(-5.0, 5.0, (40, 2))
     equations = []

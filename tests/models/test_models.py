@@ -21,7 +21,6 @@ def test_chain_matrices_are_those_of_the_textbook():
     np.testing.assert_array_equal(model.mass(), np.diag([1.0, 2.0, 3.0]))
     assert model.n_dof == 3
     assert repr(model) == "MassSpringChain(3 masses)"
-    # A single mass is a chain.
     free, held = ar.MassSpringChain([2.0], []), ar.MassSpringChain([2.0], [], ground_first_n_per_m=800.0)
     assert free.modes().freq_hz.tolist() == [0.0]
     np.testing.assert_allclose(held.modes().freq_hz, [20 / (2 * np.pi)], rtol=ROUNDING)
@@ -126,7 +125,6 @@ def test_a_name_is_as_good_as_a_number():
 
 
 def sets(model, truth):
-    """Of a force at 7:X: by numbers, and by names."""
     dofs, names = [0, 2, 4, 5], ["1204+Z", "1205 UZ", "7:X", "hub"]
     values = truth.antiresonances(dofs, 4)
     return (
@@ -169,7 +167,6 @@ def test_damage_and_plans_take_names():
         for each, force in (([0, 2, 5], 4), (["1204:Z", "1205:Z", "hub"], "7:X"))
     ]
     assert plans[0].sensors == plans[1].sensors
-    # Without candidates accelerometers are not put on rotations.
     assert {1, 3}.isdisjoint(model._sensor_dofs)
 
 

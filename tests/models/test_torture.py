@@ -39,7 +39,6 @@ def test_each_root_is_within_its_bound(kind, seeds):
 
 
 def both_hz(case):
-    """Roots by the plain call, and the exact ones."""
     ends = case.response, case.excitation
     model = quietly(ar.MatrixModel, case.stiffness, case.mass)
     exact = ExactRoots(case.stiffness, case.mass, *ends)
@@ -64,7 +63,6 @@ def test_a_graded_structure_keeps_its_root():
 
 
 def line(n):
-    """Stiffness of masses in a row between two walls, with springs of 1 N/m."""
     return 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
 
 

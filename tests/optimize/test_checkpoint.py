@@ -33,7 +33,6 @@ def searched(path=None, **options):
 
 
 def part(path, generations):
-    """A search stopped after some generations."""
     return searched(path, callback=lambda state: state["nit"] >= generations)
 
 
@@ -47,7 +46,6 @@ def test_a_stopped_search_goes_on_to_the_same_bytes(tmp_path, whole):
     for generations in (7, 40, 41):
         assert part(path, generations).status == "callback"
     assert bytes_of(searched(path, workers=2)) == whole
-    # A finished search says again what it found, and needs no seed.
     again = searched(path, rng=None)
     assert bytes_of(again) == whole
     assert again.seed == 3
@@ -142,7 +140,6 @@ ONE_FILE = settings(
 
 
 def search(path, **options):
-    """Two springs of three masses."""
     true = ar.MassSpringChain([1.0, 1.0, 2.0], [430.0, 420.0])
     zeros = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1], 0))))
     nominal = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 400.0])
@@ -152,7 +149,6 @@ def search(path, **options):
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
-    """A file of a search that was stopped, what it holds, and the end of that search."""
     path = tmp_path_factory.mktemp("good") / NAME
     search(path, callback=lambda state: state["nit"] >= 5)
     return path.read_bytes(), Checkpoint(path), search(None)

@@ -125,7 +125,6 @@ def test_guesses_equal_bounds_and_costs_that_are_not_finite():
 
 
 def searched(native, **options):
-    """A search of the core's own objective or of one in Python."""
     if native:
         return ar.update(ar.cases.chain8().damage_problem(), rng=0, **options).search
     return ar.IslandGA().minimize(sphere, BOX, rng=0, **options)
@@ -201,8 +200,6 @@ def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
 
 
 def test_a_polished_function_has_exact_zeros():
-    """One damage of seven, each further one to be paid for."""
-
     def penalised(x):
         misfit = np.abs(x - np.array([0, 0, 0.55, 0, 0, 0, 0])).sum()
         return float(misfit + 0.1 * x.sum() + 0.1 * np.count_nonzero(x))

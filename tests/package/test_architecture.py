@@ -34,7 +34,6 @@ def first_line(path):
 
 
 def files(root, ending):
-    """Files of a folder of rooms, room by room; the root's own first."""
     own = sorted(root.glob(f"*.{ending}"))
     yield from ((root.name, path) for path in own)
     for room in folders(root):

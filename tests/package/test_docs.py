@@ -87,7 +87,6 @@ def test_the_steps_on_the_command_line_run(tmp_path, monkeypatch, capsys):
 
 
 def names_of(listing):
-    """What the autosummary tables of a page list."""
     tables = re.findall(r"\.\. autosummary::\n(?:   :.*\n)*\n((?:   [\w.]+\n)+)", listing)
     return [name.strip() for table in tables for name in table.splitlines()]
 

@@ -21,8 +21,6 @@ SQUARES = [n * n for n in range(60)]
 
 
 class SubmitOnly:
-    """An executor of another make, which knows ``submit`` only."""
-
     def __init__(self, executor):
         self.executor = executor
 

@@ -36,7 +36,6 @@ def refused(call):
 
 
 def later(function, **usual):
-    """Calls of a function, made when a test asks for them."""
     return lambda *args, **options: lambda: function(*args, **(usual | options))
 
 
@@ -60,12 +59,10 @@ identify = later(ar.identify_antiresonances, excitation=0, band_hz=(1.0, 40.0))
 
 
 def all_of(argument, call, *cases):
-    """Rows of one argument: the call with each case."""
     return [(argument, call(*case)) for case in cases]
 
 
 def options(call, **named):
-    """Rows of arguments by name, the call with each of their values."""
     return [(name, call(**{name: value})) for name, values in named.items() for value in values]
 
 

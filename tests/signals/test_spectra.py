@@ -36,7 +36,6 @@ def test_spectra_are_those_of_scipy(nperseg, window, noverlap):
 
 
 def noisy_pair(noise_in, noise_out):
-    """A gain of 3 with white noise on either side, and the estimates of it."""
     rng = np.random.default_rng(5)
     x = rng.standard_normal(200_000)
     measured = x + noise_in * rng.standard_normal(x.size)
@@ -48,7 +47,6 @@ def noisy_pair(noise_in, noise_out):
 
 def test_estimators_have_their_textbook_bias():
     # H1 is divided by 1 + noise-to-signal power of the input, H2 multiplied by that of the output.
-    # 1,500 averages over 120 lines: the mean of a gain is good to about 3e-3.
     clean = noisy_pair(0.0, 0.5)
     assert clean["h1"] == pytest.approx(3.0, rel=5e-3)
     assert clean["h2"] == pytest.approx(3.0 * 1.25, rel=5e-3)
@@ -280,7 +278,6 @@ def test_the_choice_follows_the_damping():
 
 
 def test_averages_and_their_check_need_less_than_the_record_beside_it():
-    """The fit's own memory depends on its lines and orders, not on the length of the record."""
     masses = 1.0 + 0.1 * np.cos(np.arange(12.0))
     chain = ar.MassSpringChain(masses, np.full(11, 3e4), ground_first_n_per_m=4e4)
     short, long = (

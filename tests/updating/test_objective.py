@@ -50,7 +50,6 @@ def cost_of_zeros(masses, springs, measured):
 
 
 def mac(phi, psi):
-    """Modal assurance criterion of two vectors."""
     return abs(np.vdot(phi, psi)) ** 2 / (np.vdot(phi, phi) * np.vdot(psi, psi)).real
 
 
@@ -106,7 +105,6 @@ def test_the_objective_of_modes_is_the_independent_one(dofs):
 
 
 def test_a_frame_by_the_band_route_is_the_independent_one():
-    """A fixed mast with a boom, 23 beams in the plane, 69 dofs."""
     nodes = [(0.0, 0.1 * i) for i in range(16)] + [(0.1 * i, 1.5) for i in range(1, 9)]
     beams = [(i, i + 1) for i in range(23)]
     model = ar.FrameModel(nodes, beams, ar.Tube(0.03, 0.002, 2.1e11, 7850.0), fixed=[0])
@@ -124,7 +122,6 @@ def test_a_frame_by_the_band_route_is_the_independent_one():
 @pytest.mark.parametrize("misfit", NORMS)
 @pytest.mark.parametrize("kind", ["zeros", "modes"])
 def test_the_cost_is_the_norm_of_the_weighted_residuals(kind, misfit):
-    """Signed, of the frequencies; shapes always count by the sum of squares of 1 - MAC."""
     if kind == "zeros":
         measured = zeros({0: [12.0, 37.0], 3: [21.0], 6: [57.0]})
     else:
@@ -206,13 +203,11 @@ def test_zeros_are_paired_with_the_nearest_in_hz_and_ties_with_the_lower():
 
 
 def gone_hz(factor):
-    """The antiresonance of mass 0: mass 1 on both its springs."""
     return np.sqrt(400.0 * (1.0 + factor)) / (2 * np.pi)
 
 
 @pytest.mark.parametrize("others", [[], [1.0]])
 def test_nothing_jumps_where_an_antiresonance_leaves_the_band(others):
-    """A spring grows, which takes the one antiresonance of mass 0 away."""
     chain = ar.MassSpringChain([1.0, 1.0], [400.0], ground_last_n_per_m=400.0)
     measured, factors = [*others, gone_hz(1.0)], np.linspace(1.0, 4.0, 6001)
     spring = ar.stiffness_factor([0], bounds=(0.5, 10.0))
@@ -234,7 +229,6 @@ def test_nothing_jumps_where_an_antiresonance_leaves_the_band(others):
 
 
 def test_modes_that_have_changed_places_keep_their_shapes():
-    """Two oscillators hardly joined; in the model the other one is the softer."""
     build = [
         ar.MassSpringChain([1.0, 1.0], [1.0], ground_first_n_per_m=a, ground_last_n_per_m=b)
         for a, b in ((900.0, 1000.0), (1000.0, 900.0))
@@ -247,7 +241,6 @@ def test_modes_that_have_changed_places_keep_their_shapes():
 
 
 def test_a_repeated_mode_is_compared_by_its_space():
-    """Two equal oscillators: any combination of their motions is a mode."""
     term = np.diag([1.0, 1.0, 0.0])
     model = ar.MatrixModel(np.diag([400.0, 400.0, 900.0]), np.eye(3), stiffness_terms=[term])
     measured = ar.ModalSet([20.0 / (2 * np.pi)], [[0.8, -0.6j, 0.0]])
@@ -311,7 +304,6 @@ def off(rng, size, percent=3.0):
 
 
 def disturbed_chain(seed, damaged, loss):
-    """The chain with every mass and spring off by up to 3 %, and one spring damaged."""
     rng = np.random.default_rng(seed)
     masses, springs = MASSES_KG * off(rng, 8), SPRINGS_N_PER_M * off(rng, 7)
     springs[damaged] *= 1.0 - loss
@@ -329,7 +321,6 @@ def chain_modes(seed):
 
 
 def frame(seed):
-    """A plane frame of pipes, clamped at one end, force across its middle; stiffnesses off by up to 2 %."""
     nodes = [(0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (1.1, 0.3), (1.1, 0.7), (0.6, 0.9)]
     pipe = ar.Tube(0.04, 2e-3, 210e9, 7850.0)
     model = ar.FrameModel(nodes, [(i, i + 1) for i in range(5)], pipe, fixed=[0])

@@ -58,7 +58,6 @@ def test_the_table_says_what_was_measured_before_and_after(updated, modal_damage
 
 
 def test_what_antiresonances_cannot_tell_is_said(updated):
-    """Mass 0 moves no antiresonance of a force at mass 0; K and M may be scaled together."""
     case, result = updated
     found = result.identifiability
     assert found.rank == 13
@@ -76,7 +75,6 @@ def test_what_antiresonances_cannot_tell_is_said(updated):
 
 
 def test_what_modes_cannot_tell_is_said():
-    """Resonances see all masses and springs but their common scale."""
     case = ar.cases.chain8(perturbation=0.05, rng=3)
     problem = case.updating_problem(case.exact_modes(0))
     result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=20_000))
@@ -90,7 +88,6 @@ def test_what_modes_cannot_tell_is_said():
 
 
 def test_of_two_unknown_combinations_the_scale_is_one():
-    """A chain on the ground, force at its end, whose mass is no parameter."""
     chain = ar.MassSpringChain([1.0] * 4, [500.0] * 3, ground_first_n_per_m=500.0)
     measured = ar.AntiresonanceSet(3, dict(enumerate(chain.antiresonances(range(4), 3))))
     every = ar.stiffness_factor(range(4), bounds=(0.9, 1.1)) + ar.mass_factor(range(3), bounds=(0.9, 1.1))
@@ -106,7 +103,6 @@ def test_of_two_unknown_combinations_the_scale_is_one():
 
 
 def test_standard_deviations_are_those_of_repeated_measurements():
-    """Five springs of a chain held at one end, zeros with 0.3 % of noise: 24 updates scatter as foretold."""
     masses, springs, truth = np.ones(6), np.full(5, 500.0), np.array([1.05, 0.97, 1.02, 0.94, 1.01])
     model = ar.MassSpringChain(masses, springs, ground_first_n_per_m=300.0)
     parameters = ar.stiffness_factor(range(5), bounds=(0.8, 1.2))
@@ -124,7 +120,6 @@ def test_standard_deviations_are_those_of_repeated_measurements():
 
 
 def ended_at(result, x):
-    """The same result, had the search ended elsewhere."""
     search = dataclasses.replace(result.search, x=np.array(x))
     return ar.UpdateResult(result.problem, search, result.seed)
 
@@ -247,7 +242,6 @@ def test_every_spring_of_a_free_chain_is_seen_alike_by_modes(modal_damage):
 
 # ---- the search --------------------------------------------------------------------------------------
 def springs_off():
-    """Two springs that are not what the model has."""
     case = ar.cases.chain8(perturbation=0.08, rng=2)
     springs = ar.stiffness_factor([0, 1], bounds=(0.9, 1.1))
     return ar.UpdatingProblem(case.model, springs, case.exact(), weights=np.linspace(0.5, 1.0, 28))
@@ -337,7 +331,6 @@ SHORT = ar.IslandGA(max_evaluations=400)
 
 
 def problem(stiffness=550.0, measured=None):
-    """A chain on the ground with one storey that is unknown; ``measured`` in place of its own values."""
     true = ar.MassSpringChain([2.0, 1.0, 1.5], [stiffness, 480.0], ground_first_n_per_m=300.0)
     nominal = ar.MassSpringChain([2.0, 1.0, 1.5], [500.0, 500.0], ground_first_n_per_m=300.0)
     values = dict(enumerate(true.antiresonances([0, 1, 2], 0))) if measured is None else measured

@@ -11,7 +11,6 @@ TEMPERATURES = [20.0, NAN, 24.5]
 
 
 def read(given, tmp_path=None):
-    """The table of a value, or of the text or bytes of a file."""
     if tmp_path is not None:
         file = tmp_path / "weather.csv"
         file.write_bytes(given if isinstance(given, bytes) else given.encode())

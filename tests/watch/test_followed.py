@@ -100,7 +100,6 @@ def test_what_no_test_can_follow_is_refused_once(tests, near, words):
 
 
 def many(count, rng, rates):
-    """Sets of one response that have each value with its rate."""
     places = 10.0 * np.arange(1, len(rates) + 1)
     return [
         ar.AntiresonanceSet(

@@ -18,8 +18,6 @@ from tests.support.same_sets import assert_same_set
 
 @pytest.fixture
 def quick(monkeypatch):
-    """Each test has one antiresonance, by its record."""
-
     def identify(source, **_):
         first = source[0] if isinstance(source, list) else source
         return ar.AntiresonanceSet(0, {0: [2.0 + abs(first.responses[0, 0])], 1: []})
@@ -208,7 +206,6 @@ class Own:
     ("reader", "text"), [(functools.partial(own, unit="g"), "own.*unit='g'"), (Own(), "Own"), (own, "own")]
 )
 def test_a_function_is_recorded_by_its_name(tmp_path, quick, reader, text):
-    """Not by an address, which is another one in the process that goes on."""
     store = tmp_path / "a.sqlite"
     ar.identify_series([given(0)], **OPTIONS, store=store, reading=reader)
     with pytest.raises(ar.InvalidInputError, match="made with reading = ") as error:

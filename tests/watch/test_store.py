@@ -38,14 +38,12 @@ def identified(store=None, sources=SOURCES, **more):
 
 
 def ended(sources, by, then=lambda: None):
-    """Sources that end with an error."""
     yield from sources
     then()
     raise by
 
 
 def stopped(store, then=lambda: None):
-    """A run that an error ends after four tests."""
     with pytest.raises(RuntimeError):
         ar.identify_series(ended(SOURCES[:4], RuntimeError, then), **OPTIONS, store=store)
 
@@ -90,7 +88,6 @@ def store(tmp_path):
 
 @pytest.fixture
 def calls(monkeypatch):
-    """What is identified."""
     real, made = one_test.identify_antiresonances, []
 
     def identify(signal, **options):
@@ -187,7 +184,6 @@ def test_torn_anywhere_it_goes_on_to_the_same_file(store, whole, tmp_path):
 
 
 def test_tables_have_the_same_bytes_in_whatever_order_tests_were_made(tmp_path):
-    """One store by two workers, one in two parts and with a source that came late to its place."""
     ar.identify_series([one for one in SOURCES if one[0] != "b"], **OPTIONS, store=tmp_path / "parts.sqlite")
     for how, workers in (("whole", "threads"), ("parts", None)):
         series = identified(tmp_path / f"{how}.sqlite", workers=workers)
