@@ -160,8 +160,6 @@ from antires_rs.app.main import main""",
 
 
 # -- A kill at any point in the life of a run; benchmarks/kill_study.py kills at random times
-
-
 @pytest.mark.parametrize(
     ("scenario", "writing"),
     some_of([("again", "half"), ("new", "half"), ("again", "whole"), ("fresh", "whole"), ("script", "half")]),

@@ -23,8 +23,6 @@ def measured(folder, data):
 
 
 # -- Impacts in a file each
-
-
 @pytest.fixture
 def impacts(tmp_path):
     matrices = chain8_matrices()
@@ -80,8 +78,6 @@ def test_a_folder_of_frfs_is_identified_on_the_command_line_and_in_a_job(tmp_pat
 
 
 # -- Files that name channels, and state the force
-
-
 def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     noise = np.random.default_rng(0).standard_normal((2, 64))
     (tmp_path / "data").mkdir()
@@ -119,8 +115,6 @@ def test_the_force_that_a_file_states(tmp_path, capsys):
 
 
 # -- Values that a job drops and adds
-
-
 @pytest.fixture
 def saved(tmp_path):
     zeros = exact(chain())

@@ -114,8 +114,6 @@ def test_a_legend_never_outgrows_its_picture(ax, letters):
 
 
 # -- Identification: poles, values, what a person changed, and what stands behind them
-
-
 @pytest.fixture(scope="module")
 def unsteady():
     return four_masses.identified(13)
@@ -212,8 +210,6 @@ def test_what_cannot_be_drawn_is_refused(record, judged):
 
 
 # -- Measured curves beside those of the model
-
-
 def test_transmissibility_of_the_very_model_lies_on_the_measurement(ax):
     freq = np.linspace(0.5, 9.0, 300)
     h = chain().frf(DOFS, 0, freq, damping_ratio=0.01)
@@ -237,8 +233,6 @@ def test_transmissibility_sum_peaks_at_the_antiresonances_and_leaves_out_0_hz(ax
 
 
 # -- Updating: differences and the search
-
-
 def test_differences_are_the_tables_and_grouped_by_response(updated, ax):
     table = updated.table
     figures.plot_differences(table, ax=ax)
@@ -289,8 +283,6 @@ def test_convergence_of_any_search_down_to_zero(ax):
 
 
 # -- Damage: losses, with and without a baseline, and hypotheses
-
-
 @pytest.fixture(scope="module")
 def halves():
     whole = chain(np.full(3, 500.0))
@@ -383,8 +375,6 @@ def test_hypotheses_are_bars_of_their_probability(halves, ax):
 
 
 # -- Structures
-
-
 @pytest.mark.parametrize("ground", [{}, {"ground_first_n_per_m": 80.0, "ground_last_n_per_m": 90.0}])
 def test_a_chain_shows_the_springs_it_has(ax, ground):
     model = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 400.0], **ground)
@@ -410,8 +400,6 @@ def test_sections_are_told_apart_without_colour(ax):
 
 
 # -- Comparisons and tracks
-
-
 def sets_of(*tests):
     return [ar.AntiresonanceSet(0, {0: values}) for values in tests]
 

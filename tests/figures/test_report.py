@@ -126,8 +126,6 @@ def page(request, reports):
 
 
 # -- What it says
-
-
 def test_updating_report_is_one_complete_file(updated, tmp_path):
     updated.report(tmp_path / "run.html")
     assert os.listdir(tmp_path) == ["run.html"]
@@ -238,8 +236,6 @@ def test_a_parameter_with_a_unit_and_on_its_bound_is_told_as_such(reports):
 
 
 # -- How it is written
-
-
 def test_what_cannot_be_written_or_does_not_fit_the_result_is_refused(nothing, tmp_path):
     for result, place, options, said in (
         (nothing, "missing/run.html", {}, "path: got"),
@@ -270,8 +266,6 @@ def test_diagrams_beyond_the_size_are_left_out_and_counted(nothing, tmp_path, mo
 
 
 # -- What it would load, and who can read it
-
-
 def test_nothing_leaves_the_file(page):
     assert len(page.asked()) >= 3
     for value in page.asked():

@@ -32,13 +32,6 @@ def lines_of(x):
     return Lines(FREQ, vector[:, :, -1].T, values[:, -1], segments=Segments.of(x))
 
 
-@pytest.mark.parametrize("level", [0.01, 0.1])
-def test_the_order_is_that_of_the_structure(level):
-    covariances = [lines_of(draw(np.random.default_rng(seed), level)).covariance for seed in range(3)]
-    orders = [likeliest(FREQ, covariance, 1e4, 1.0, 30).order for covariance in covariances]
-    assert orders == [6] * 3
-
-
 def test_predicted_scatter_is_the_observed_one():
     """Forty experiments: errors over their own standard deviations have unit variance and no bias."""
     zeros = [structure(STIFFNESS, MASS).damped_zeros(row) for row in range(3)]

@@ -55,16 +55,6 @@ def test_a_dashpot_moves_zeros_by_more_than_their_error_but_they_are_those_of_th
     assert max(off_undamped) > 1e-3
 
 
-# ---- the structures themselves ---------------------------------------------------------------------
-def test_a_true_value_is_hit_once():
-    matched = match([10.02, 10.05, 19.0, 30.1], [10.0, 20.0, 30.0])
-    assert matched.pairs == ((10.02, 10.0), (30.1, 30.0))
-    assert (matched.missed, matched.false) == ((20.0,), (10.05, 19.0))
-    assert match([10.0, 10.06], [10.01, 10.05]).missed == ()
-    assert match([], [5.0]).missed == (5.0,)
-    assert match([5.0], []).false == (5.0,)
-
-
 # ---- More modes in the band than the first look at the orders holds
 SENSORS, BAND = [0, 3, 8, 13, 17, 22, 26, 31, 35, 39], (1.0, 100.0)
 

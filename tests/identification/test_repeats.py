@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.signals.repeats import averaged
 from reference.matching import match
 from reference.measured import as_transmissibilities
 from reference.virtual_records import hit_record, random_record, true_antiresonances
@@ -124,28 +123,6 @@ def test_records_that_do_not_belong_together_are_named():
     other = ar.FrequencyResponse(ratios.freq_hz + 0.01, ratios.values, ratios.dofs, ratios.kind, 2)
     with pytest.raises(ar.InvalidInputError, match=r"^source\[1\].*lines of the first"):
         identified([ratios, other])
-
-
-def curves(seed, kind):
-    responses, force = random_record(STIFFNESS, MASS, seed=seed, duration_s=64.0, noise=0.01)
-    rec = ar.Recording(responses, FS, force=force)
-    if kind == "frf":
-        return ar.frf(rec, nperseg=4096)
-    return ar.transmissibility(rec, 2, nperseg=4096, estimator="rank1")
-
-
-@pytest.mark.parametrize("kind", some_of(["frf", "transmissibility"]))
-def test_curves_of_one_test_are_averaged_with_their_scatter(kind):
-    runs = [curves(seed, kind) for seed in range(6)]
-    mean = averaged(runs)
-    inside = (mean.freq_hz > 5) & (mean.freq_hz < 120)
-    other = averaged([curves(seed, kind) for seed in range(6, 12)])
-    rows = [dof for dof in range(8) if kind == "frf" or dof != 2]
-    off = np.abs(mean.values - other.values) / np.sqrt(2 * (mean.std**2 + other.std**2) + 1e-300)
-    off = off[rows][:, inside]
-    assert 0.5 < np.median(off) < 1.2  # 0.83 for the modulus of a complex Gaussian
-    found = identified(runs)
-    assert sum(found[dof].size for dof in found) >= 26
 
 
 # ---- Curves of several tests: what moves a whole curve from test to test is in the errors

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.identification.scores import unexplained
 from reference.measured import DATA, REFERENCE, STATES, as_transmissibilities, counted, plate, structures
 from tests.support.campaign import some_of
 
@@ -34,15 +33,6 @@ def rough():
 
 def zeros_of(source, band_hz=BAND, excitation=0, **options):
     return ar.identify_antiresonances(source, excitation=excitation, band_hz=band_hz, check="off", **options)
-
-
-def test_peaks_without_an_antiresonance_are_named():
-    freq = np.arange(10.0, 40.0, 0.05)
-    curve = sum(1.0 / np.abs(f**2 - freq**2 + 0.02j * f * freq) for f in (15.0, 25.0))
-    snr = np.full(freq.size, 100.0)
-    assert unexplained(freq, curve, np.array([15.0]), snr) == pytest.approx([25.0], abs=0.1)
-    assert unexplained(freq, curve, np.array([15.0, 25.1]), snr).size == 0
-    assert unexplained(freq, curve, np.array([15.0]), np.where(freq > 20.0, 0.1, 100.0)).size == 0
 
 
 @pytest.mark.parametrize("noise", some_of([0.01, 1e-4]))

@@ -113,8 +113,6 @@ def test_mutants(tmp_path, kind):
 
 
 # -- Cuts: row 3 of the files' bar on a few of each format; benchmarks/truncated_files.py takes 300
-
-
 @pytest.mark.parametrize("name", FORMATS)
 def test_no_cut_goes_unnoticed(tmp_path, name, own_process):
     counts, bad = truncation.judged(name, tmp_path, 5 if name.startswith(("MAT", "HDF5")) else 40)

@@ -55,8 +55,6 @@ def test_the_version_is_the_packages():
 
 
 # -- ``import antires_rs`` waits for nothing, and still shows everything to users, editors and type checkers
-
-
 HERE = Path(ar.__file__).parent
 MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"})
 #: What no import of ours may cost.

@@ -90,8 +90,6 @@ def test_the_index_is_made_of_the_first_lines():
 
 
 # -- Rules of the house that code can check: arrows between packages, cycles, sizes of rooms
-
-
 PACKAGE = ROOT / "python/antires_rs"
 #: Modules of a room, at most.
 MOST_MODULES = 30

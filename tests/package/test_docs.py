@@ -127,8 +127,6 @@ def test_the_pages_are_read_without_a_warning(tmp_path):
 
 
 # -- README
-
-
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 
@@ -156,8 +154,6 @@ def test_it_stays_short_and_what_it_and_the_page_of_figures_name_is_there():
 
 
 # -- The tutorial on a measured frame prints what it says it prints
-
-
 #: Of a printed figure; the last digit shown is nearer than that.
 AS_PRINTED = 5e-3
 NUMBER = re.compile(r"-?\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?")

@@ -236,8 +236,6 @@ def test_a_text_that_names_arguments_is_spelt_for_each_caller():
 
 
 # -- Every class of the catalogue
-
-
 BUILTINS = dict.fromkeys(("InvalidInputError", "UnsuitableDataError", "ObjectiveError"), ValueError)
 BUILTINS |= dict.fromkeys(("InternalError", "LostWorkerError"), RuntimeError)
 BUILTINS |= {"NumericalError": ArithmeticError, "OutOfMemoryError": MemoryError}
@@ -253,8 +251,6 @@ def test_every_class_is_public_and_also_the_fitting_builtin():
 
 
 # -- Nothing reads a message
-
-
 def test_nothing_in_the_package_reads_a_message():
     """Errors have fields; what TOML and the executors say of their own stands in their texts alone."""
     text = r"(str\((exc|error|message)\)|(exc|error)\.args\[0\])"
@@ -269,8 +265,6 @@ def test_nothing_in_the_package_reads_a_message():
 
 
 # -- Input that is far off: each is an error of ours, at once
-
-
 RNG = np.random.default_rng(0)
 NOISE = RNG.standard_normal((3, 64))
 

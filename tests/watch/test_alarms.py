@@ -124,8 +124,6 @@ def test_nothing_near_its_place_is_an_alarm(sets, factor):
 
 
 # -- Sensors that fail are told from damage
-
-
 def checked(one, name, dof):
     finding = ar.Finding(name, "warning", (dof,), 1.0, 0.0, "Seen.", "Look.")
     check = ar.DataCheck((finding,), {}, tuple(one), 0, (1.0, 100.0))
