@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.io.data_frames import rows_of
 from antires_rs.measured.edits import Edit
 
 HOW = ["chain", "persistent", "chain"]
@@ -108,18 +107,6 @@ REFUSED += [(lambda s: s.relabelled(0, {0: 3, 1: 3}), "^dofs: got 3 for two of")
 def test_what_cannot_be_edited_is_told(call, said):
     with pytest.raises(ar.InvalidInputError, match=said):
         call(scored())
-
-
-def test_rows_of_the_data_frame():
-    names, rows = rows_of(scored().drop(0, 20.0).add(0, 15.0, damping_ratio=0.05))
-    assert names == ["dof", "freq_hz", "damping_ratio", "std_hz", "source", "rows", "how", "residual"]
-    assert [(r["freq_hz"], r["source"], r["how"]) for r in rows[:3]] == [
-        (12.2, "identified", "persistent"),
-        (15.0, "by hand", "by hand"),
-        (36.2, "identified", "chain"),
-    ]
-    assert rows[1]["damping_ratio"] == 0.05
-    np.testing.assert_equal(list(rows[3].values()), [1, 8.0, np.nan, np.nan, "identified", None, None, None])
 
 
 def set_first(mapping):

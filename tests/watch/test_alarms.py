@@ -35,13 +35,6 @@ def test_the_rate_follows_the_argument():
     assert 0.05 < high.mean() < 0.2
 
 
-def test_the_mean_keeps_its_share_where_values_are_missing():
-    """A fifth of 1 %; with 30 % of the values missing it was 4 %."""
-    watched = ar.monitor(many(INTACT, 450, np.random.default_rng(23), missed=0.3), baseline=150)
-    assert np.mean(watched.charts["EWMA"].ratio[150:] > 1.0) < 0.01
-    assert watched.alarm[150:].mean() < 0.02
-
-
 def test_each_test_by_itself_and_not_latched():
     rng = np.random.default_rng(13)
     damaged = np.zeros(120, dtype=bool)
