@@ -11,7 +11,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.app.main import main
-from antires_rs.app.watch import Arrivals, Told
+from antires_rs.app.watch import Arrivals
 from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, record
 
@@ -110,15 +110,6 @@ def test_a_table_that_is_being_written_is_read_again(tmp_path, capsys, monkeypat
     assert "2 of 50 baseline tests" in looks[2]
     table.write_text("name,t\n")
     assert main([*command, "--conditions", str(table), "--once"]) == 2
-
-
-def test_a_line_that_was_cut_short_is_told_again(tmp_path):
-    (tmp_path / "told").write_text("a\nb")
-    told = Told(tmp_path / "told")
-    assert "a" in told
-    assert "b" not in told
-    told.add("b")
-    assert "b" in Told(tmp_path / "told")
 
 
 def test_a_file_that_grows_is_left_alone(tmp_path):

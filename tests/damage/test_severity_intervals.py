@@ -6,13 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.stats import kstest, multivariate_normal, norm
+from scipy.stats import kstest, multivariate_normal
 
 import antires_rs as ar
-from antires_rs.damage.evidence import FURTHEST, HIGHEST, log_inside, refitted, truncated
+from antires_rs.damage.evidence import FURTHEST, HIGHEST, log_inside, refitted
 from antires_rs.damage.inference import log_odds_threshold
 from antires_rs.damage.severity_intervals import sampled
-from antires_rs.updating.posterior import stepwise
 from tests.support.campaign import some_of
 from tests.support.wrong_chains import N, assessed
 
@@ -162,37 +161,6 @@ def test_the_probability_of_a_box(n):
             compared += 1
             assert abs(log_inside(mean[None], spread[None])[0] - np.log(exact)) < 0.02
     assert compared > 15
-
-
-def test_weighted_draws_are_those_of_rejection():
-    mean = np.array([0.05, 0.1, 0.3])
-    spread = np.array([[0.04, -0.035, 0.0], [-0.035, 0.04, 0.01], [0.0, 0.01, 0.02]])
-    rng = np.random.default_rng(3)
-    free = rng.multivariate_normal(mean, spread, 80_000)
-    wanted = free[np.all(free > 0.0, axis=1)]
-    gaussian = truncated(mean, spread)
-    u, log_weight = gaussian.draws(rng.random((20_000, 3)))
-    weight = np.exp(log_weight)
-    chosen = rng.choice(len(u), 2000, p=weight / weight.sum())
-    for nth in range(3):
-        assert kstest(u[chosen, nth], wanted[:, nth]).pvalue > 0.01
-    whole = multivariate_normal(mean, spread).logpdf(u)
-    assert np.allclose(gaussian.log_density(u) + log_weight, whole, atol=1e-8)
-
-
-def test_particles_find_both_peaks_and_their_integral():
-    peaks = ((1.0, 0.01, 3.0), (1.4, 0.02, 1.0))
-
-    def log_density(u):
-        return np.log(sum(w * norm.pdf(u[:, 0], m, s) for m, s, w in peaks) + 1e-300)
-
-    start = truncated(np.array([1.2]), np.array([[0.3**2]]))
-    rng = np.random.default_rng(0)
-    u = start.draws(rng.random((2000, 1)))[0]
-    u, log_integral, _ = stepwise(u, start.log_density, log_density, FURTHEST, rng)
-    assert abs(log_integral - np.log(4.0)) < 0.15
-    assert abs(np.mean(u < 1.2) - 0.75) < 0.06
-    assert abs(np.std(u[u < 1.2]) - 0.01) < 0.002
 
 
 def test_the_threshold_is_the_quantile_of_integrated_evidence():

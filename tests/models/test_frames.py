@@ -146,21 +146,6 @@ def test_the_picture_has_springs_between_nodes_and_tells_kinds_of_support_apart(
     assert coils == [[list(NODES[a]), list(NODES[b])] for a, b, _ in springs]
 
 
-@pytest.mark.parametrize(
-    ("values", "limits"),
-    [
-        ({2: 0.5, 1: 0.1}, (0.0, 0.5)),
-        ([2.0, 2.5, 2.2, 2.2], (0.0, 2.5)),
-        ([0.0, 0.0, 0.0, 0.0], (0.0, 1.0)),
-        ([-1.0, 0.0, 0.0, 0.0], (-1.0, 0.0)),
-    ],
-)
-def test_the_scale_of_values_starts_at_nothing(values, limits):
-    ax = frame().plot(values, ax=picture(), label="Stiffness loss")
-    assert next(c for c in ax.collections if c.get_array() is not None).get_clim() == limits
-    assert {scale.get_ylabel() for scale in ax.figure.axes[1:]} <= {"Stiffness loss"}
-
-
 def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():
     model = frame(ground_springs=HANGERS)
     force = model.dof(1, "v")

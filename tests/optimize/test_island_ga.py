@@ -1,6 +1,5 @@
 """The island search on Python objectives: contract, not performance."""
 
-import time
 from functools import partial
 
 import numpy as np
@@ -181,22 +180,6 @@ def test_options_in_force_are_shown_and_the_algorithm_as_printed_is_one_call():
     assert ga.minimize(sphere, BOX, rng=0).status in ("agreed", "budget")
     assert ar.IslandGA.paper(patience=7, polish=None).options["polish"] is None
     assert ar.IslandGA(polish=False).options["agreement"] == "genes-or-cost"
-
-
-def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
-    from antires_rs.support import progress as _progress
-
-    monkeypatch.setattr(_progress, "FIRST_S", 0.0)
-    monkeypatch.setattr(_progress, "EVERY_S", 0.001)
-    small = ar.IslandGA(islands=1, population=10, max_generations=3)
-    small.minimize(lambda x: time.sleep(1e-3) or sphere(x), BOX, rng=0, progress=True)
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert "evaluations" in shown.err
-    assert shown.err.endswith("\n")
-    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=False)
-    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0)
-    assert capsys.readouterr().err == ""
 
 
 def test_a_polished_function_has_exact_zeros():

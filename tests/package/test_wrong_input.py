@@ -320,23 +320,6 @@ def test_a_callback_may_return_any_truth_value(said, stops):
         search.minimize(lambda x: float(x @ x), box, rng=0, callback=lambda state: np.zeros(3))
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        (b"(4, 1000)", b"(4, 1000 "),
-        (b"{'descr", b"{{{{{{{"),
-        (b"'<f8'", b"('a',"),
-        (b"(4, 1000), ", b"(9999999999,)"),
-    ],
-)
-def test_a_damaged_head_of_an_array(tmp_path, old, new):
-    file = tmp_path / "a.npy"
-    np.save(file, np.zeros((4, 1000)))
-    file.write_bytes(file.read_bytes().replace(old, new))
-    with pytest.raises(ar.UnsuitableDataError, match=r"a\.npy"):
-        ar.read_npz(file, fs_hz=100.0)
-
-
 def test_a_device_is_not_replaced_by_a_file(tmp_path):
     pipe = tmp_path / "pipe.npz"
     os.mkfifo(pipe)
