@@ -264,10 +264,3 @@ def test_a_new_run_replaces_the_pictures_of_the_one_before_and_nothing_else(tmp_
     (results / "notes.txt").write_text("mine")
     run(tmp_path, DAMAGE)
     assert {path.name for path in results.rglob("*")} == FILES | {"notes.txt", "photo.png", "pictures"}
-
-
-def test_a_terminal_sees_each_stage(tmp_path, monkeypatch, capsys):
-    write_measured(tmp_path)
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    run(tmp_path, DAMAGE)
-    assert capsys.readouterr().err.splitlines()[:2] == ["reading measured.json", "searching"]

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 import antires_rs as ar
 from antires_rs import figures
-from antires_rs.figures.canvas import below, dash_of, picture
+from antires_rs.figures.canvas import dash_of, picture
 from antires_rs.figures.identification import LOOKS
 from antires_rs.figures.marks import COLOURS
 from antires_rs.signals.data_check import check_data
@@ -100,17 +100,6 @@ def test_the_numbers_are_copies_and_axes_of_others_have_none(ax):
     figures.plot_chain(ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0]), values, ax=ax)
     values[:] = 0.0
     assert figures.data_of(ax)["springs"]["value"].tolist() == [1.0, 2.0]
-
-
-@pytest.mark.parametrize("letters", [4, 60])
-def test_a_legend_never_outgrows_its_picture(ax, letters):
-    for i in range(6):
-        ax.plot([0, 1], [0, i], label=f"{i}" * letters)
-    below(ax)
-    ax.figure.draw_without_rendering()
-    box = ax.get_legend().get_window_extent()
-    assert box.x0 >= 0.0
-    assert box.x1 <= ax.figure.bbox.width
 
 
 # -- Identification: poles, values, what a person changed, and what stands behind them
@@ -414,13 +403,6 @@ def test_tracks(ax, kind, conditions):
     assert {"10.00 Hz", "20.00 Hz", "30.00 Hz", "new", "lost"} <= set(labels(ax))
     with pytest.raises(ar.InvalidInputError, match="^dof: got 7"):
         followed.plot(7)
-
-
-@pytest.mark.parametrize(("kind", "level"), [("frequency", 20.2), ("change", 1.0)])
-def test_a_loss_is_marked_at_the_first_test_that_lacks_the_value(ax, kind, level):
-    followed = ar.track(sets_of([10.0, 20.0], [10.1, 20.2], [10.2], [10.3]), [0.0, 5.0, 20.0, 30.0])
-    mark = line_of(followed.plot(0, kind=kind, ax=ax), "lost")
-    assert (np.ravel(mark.get_xdata())[0], np.ravel(mark.get_ydata())[0]) == (20.0, pytest.approx(level))
 
 
 def test_a_comparison(ax):

@@ -147,16 +147,6 @@ def test_updating_report_is_one_complete_file(updated, tmp_path):
     assert page.html.count('<td class="name"></td>') == table.dof.size - 3
 
 
-def test_damage_report_leads_with_the_element_and_its_loss(damage, nothing, tmp_path):
-    page = read(write_report(damage, tmp_path / "damage.html", truth={0: 0.0, 1: 0.4, 2: 0.0}))
-    answer = f"Spring 1 has lost {100 * damage.severity[1]:.1f} % of its stiffness, if the model is exact."
-    assert page.text.index(answer) < page.text.index("spring 0")
-    assert page.html.count('class="hit"') == 1
-    assert "truth (%)" in page.text
-    assert len(page.pictures) == 4
-    assert "No damage found." in " ".join(parts.answer_of(nothing))
-
-
 def test_several_positions_of_the_force(intact, tmp_path, explored):
     sets = [ar.AntiresonanceSet(k, {1: chain().antiresonances(1, k)}) for k in (0, 3)]
     problem = ar.UpdatingProblem(intact, ar.stiffness_factor(range(3), bounds=(0.8, 1.2)), sets)
