@@ -98,19 +98,6 @@ def test_lost_modes_no_stated_errors_several_setups_and_no_baseline():
     assert result.probability[1] > 0.9
 
 
-def test_files_of_modes(tmp_path):
-    stream, factors = truth(60)
-    now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), stream), measured(chain(factors), stream)
-    rate = ar.SearchOptions(false_alarm_rate=0.05)
-    result = ar.assess_damage(NOMINAL, now, baseline=before, search=rate, rng=0)
-    result.save(tmp_path / "damage.npz")
-    again = ar.DamageResult.load(tmp_path / "damage.npz")
-    assert again.assessment == result.assessment
-    assert again.problem.measured[0].std_shapes.tolist() == result.problem.measured[0].std_shapes.tolist()
-    assert str(again.headline) == result.headline
-    assert "spring 1" in result.summary().lower()
-
-
 def test_kinds_and_sensors_that_do_not_fit_are_refused():
     rng, factors = truth(70)
     modes = measured(chain(factors), rng)

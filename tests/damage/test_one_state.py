@@ -140,19 +140,6 @@ def test_a_right_model_keeps_its_headline(structure, seed, loss):
         assert UNLIKE not in headline(structure.build(), now, **options)
 
 
-def test_a_fifth_of_the_values_not_identified_and_a_tenth_false():
-    def spoiled(each, dof):
-        found = [f for i, f in enumerate(each[dof]) if (i + dof) % 5]
-        return sorted(found + [61.0] * (dof in (2, 7)))
-
-    before, now = (
-        [ar.AntiresonanceSet(each.excitation, {dof: spoiled(each, dof) for dof in each}) for each in sets]
-        for sets in CHAIN.states(5, 0.05)
-    )
-    for options in ({"baseline": before}, {"rng": 0}):
-        assert UNLIKE not in headline(CHAIN.build(), now, **options)
-
-
 def test_tables_show_a_dash_and_not_nan():
     model, _, now = given(CHAIN, "masses in tonnes")
     result = ar.assess_damage(model, now, rng=0, workers=1)

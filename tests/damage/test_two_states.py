@@ -10,7 +10,6 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage.inference import Search
-from antires_rs.figures.report_parts import damage_rows, hypothesis_rows
 from tests.damage.test_modes import measured as modes
 from tests.support.campaign import some_of
 from tests.support.refusals import each_of
@@ -195,47 +194,6 @@ def test_the_likelihood_has_no_cliff_where_two_roots_of_the_model_meet(level):
     found = np.array([view.log_likelihood for view in likelihood.views(betas)])
     assert np.abs(np.diff(found)).max() < 3.5  # 13 and more where values of lost roots were false ones
     assert found.max() - np.interp(EQUIVALENT[level], grid, found) < 5.5
-
-
-# -- What tables and reports say
-def test_what_explains_but_was_no_candidate_is_in_the_table_and_nothing_is_left_unexplained():
-    before, now = states(30)
-    result = assess(now, before, elements=[0, 1, 3, 4])
-    assert (result.damaged, result.assessment.explained) == ([], True)
-    assert max(result.probability.values()) < 0.1
-    assert result.probability_elsewhere > 0.9
-    assert "none of the candidates explains" in result.headline
-    assert "spring 2" in result.headline.lower()
-    last = damage_rows(result, {2: 0.3})[-1]
-    assert last["name"] == "spring 2, no candidate"
-    assert abs(float(last["value"]) - 30.0) < 3.0
-    assert (last["truth"], last["damaged"]) == ("30.0", True)
-    told = " ".join(result.notes)
-    assert "Left unexplained" not in told
-    assert "Largest changes against the intact structure, which no candidate explains" in told
-    names = [row["name"] for row in damage_rows(assess(now, before), None)]
-    assert names == [f"spring {n}" for n in range(5)]
-
-
-def test_what_cannot_be_told_apart_stands_side_by_side_in_the_tables():
-    intact, hurt = (ar.MassSpringChain(np.ones(4), [500.0, k, 500.0]) for k in (500.0, 400.0))
-    halves = []
-    for n in np.repeat(range(3), 2):
-        half = np.zeros((4, 4))
-        half[n : n + 2, n : n + 2] = 250.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        halves.append(half)
-    model = ar.MatrixModel(intact.stiffness(), intact.mass(), stiffness_terms=halves)
-    zeros = (m.antiresonances(range(4), 0) for m in (intact, hurt))
-    before, now = (ar.AntiresonanceSet(0, dict(enumerate(each))) for each in zeros)
-    result = ar.assess_damage(model, now, baseline=before)
-    assert sorted(one.elements for one in result.assessment.group) == [(2,), (3,)]
-    rows = {row["name"]: row for row in damage_rows(result, None)}
-    first, other = rows["element 2"], rows["element 3"]
-    assert [first["damaged"], other["damaged"]] == [True, True]
-    assert sorted(row["value"].startswith("or ") for row in (first, other)) == [False, True]
-    assert first["interval"] == other["interval"] != ""
-    hits = [row["name"] for row in hypothesis_rows(result.assessment)[0] if row["hit"]]
-    assert sorted(hits) == ["element 2", "element 3"]
 
 
 def test_a_search_that_ctrl_c_stops_says_so_first(monkeypatch, tmp_path):

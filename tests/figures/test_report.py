@@ -226,11 +226,13 @@ def test_a_parameter_with_a_unit_and_on_its_bound_is_told_as_such(reports):
 
 
 # -- How it is written
-def test_what_cannot_be_written_or_does_not_fit_the_result_is_refused(nothing, tmp_path):
+def test_what_cannot_be_written_or_does_not_fit_the_result_is_refused(intact, nothing, tmp_path):
+    modal = ar.assess_damage(intact, intact.modes(), rng=0, workers=1)
     for result, place, options, said in (
         (nothing, "missing/run.html", {}, "path: got"),
         (nothing, "", {}, "path: got"),
         ({"x": 1}, "r.html", {}, "UpdateResult"),
+        (modal, "r.html", {"response": "curves"}, "response: got transmissibilities with measured modes"),
         (nothing, "r.html", {"measurement": ["record"]}, "measurement"),
         (nothing, "r.html", {"measurement": [{}, {}]}, "measurement"),
     ):

@@ -16,7 +16,6 @@ MEASURED = {
     "plot_brake_reuss_beam": "brake_reuss_beam",
     "plot_shaker_table": "shake_table",
 }
-LONGEST = 60
 #: These take longest, or repeat an example below or the page that starts; `make docs` runs every one.
 LONG = {"chain8_update", "exhaust_damage", "exhaust_update", "two_objectives", "uncertainty"}
 LONG |= {"southampton_frame", "brake_reuss_beam", "chain8_damage"}
@@ -32,14 +31,6 @@ def pyplot():
     pyplot.close("all")
     yield pyplot
     pyplot.close("all")
-
-
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_it_is_short_and_opens_with_a_title(path):
-    lines = path.read_text(encoding="utf-8").splitlines()
-    assert len(lines) < LONGEST
-    assert lines[0] == '"""'
-    assert lines[2] == "=" * len(lines[1])
 
 
 @pytest.mark.parametrize("path", some_of(SCRIPTS, QUICK), ids=lambda path: path.stem)

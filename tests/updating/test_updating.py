@@ -137,30 +137,6 @@ def test_a_parameter_on_its_bound_is_named():
     assert ended_at(ar.update(reduction, rng=0, optimizer=short), [1e-9]).at_bound == []
 
 
-@pytest.mark.usefixtures("quick_pictures")
-def test_pictures_and_report_of_modes(modal_damage, tmp_path):
-    figure = pytest.importorskip("matplotlib.figure")
-    pytest.importorskip("jinja2")
-    from antires_rs.figures.damage import plot_damages
-
-    beside = ar.assess_damage(CASE.model, CASE.exact(1), rng=0)
-    ax = plot_damages({"zeros": beside, "modes": modal_damage}, ax=figure.Figure().subplots())
-    heights = [bar.get_height() for bars in ax.containers for bar in bars]
-    np.testing.assert_allclose(heights, 100 * np.concatenate([beside.x, modal_damage.x]))
-    record = CASE.experiment(level=1, noise=0.01, rng=6, duration_s=64.0)
-    identified = ar.identify_modes(record, band_hz=CASE.band_hz, route="responses")
-    result = ar.update(CASE.damage_problem(identified), rng=0)
-    result.report(tmp_path / "modes.html", truth={DAMAGED: SEVERITY})
-    html = (tmp_path / "modes.html").read_text()
-    assert "7 measured resonances with shapes at 8 dofs" in html
-    assert html.count('<th scope="col">MAC</th>') == 2
-    assert f"<td>{result.table.after_mac[0]:.3f}</td>" in html
-    assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")
-    assert "Stabilization diagram of all responses" in html
-    with pytest.raises(ar.InvalidInputError, match="response: got transmissibilities"):
-        result.report(tmp_path / "x.html", response=ar.transmissibility(record, 0, nperseg=4096))
-
-
 # ---- damage ------------------------------------------------------------------------------------------
 def test_damage_is_found_where_it_is_and_nowhere_else(damage):
     assert damage.damaged == [DAMAGED]
