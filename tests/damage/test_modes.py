@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.support.campaign import some_of
 from tests.support.wrong_chains import NOMINAL, N, chain, truth
 
 STD_HZ, STD_SHAPES = 3e-4, 3e-3
@@ -41,32 +40,6 @@ def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_n
     assert both[(0,)] > 0.02
     assert both[(3,)] > 0.02
     assert "cannot tell" in blind.headline or "may be" in blind.headline
-
-
-def portal():
-    nodes = [(0.0, 0.0), (0.0, 0.2), (0.0, 0.4), (0.0, 0.6), (0.2, 0.6)]
-    nodes += [(0.4, 0.6), (0.6, 0.6), (0.6, 0.4), (0.6, 0.2), (0.6, 0.0)]
-    beams = [(i, i + 1) for i in range(9)]
-    return ar.FrameModel(nodes, beams, ar.Tube(0.03, 0.002, 2.1e11, 7850.0), fixed=[0, 9])
-
-
-@pytest.mark.parametrize(("element", "loss"), some_of([(1, 0.25), (None, 0.0), (7, 0.4)], 2))
-def test_a_portal_frame_whose_every_stiffness_and_mass_is_off(element, loss):
-    model = portal()
-    rng = np.random.default_rng(80 + (element or 0))
-    off = [1.0 + 0.05 * rng.uniform(-1.0, 1.0, 9) for _ in range(2)]
-    factors = [ar.stiffness_factor([e], bounds=(0.5, 2.0))[0] for e in range(9)]
-    factors += [ar.mass_factor([e], bounds=(0.5, 2.0))[0] for e in range(9)]
-    intact = model.with_parameters(factors, np.concatenate(off))
-    damaged = intact if element is None else intact.with_parameters(ar.stiffness_reduction([element]), [loss])
-    dofs = [model.dof(node, "u") for node in (1, 2, 3, 6, 7, 8)] + [model.dof(node, "v") for node in (4, 5)]
-    now, before = (measured(each, rng, dofs, 8) for each in (damaged, intact))
-    result = ar.assess_damage(model, now, baseline=before)
-    assert result.damaged == ([] if element is None else [element])
-    if element is not None:
-        assert result.probability[element] > 0.9  # the mirrored one would have as much from frequencies
-        low, high = result.interval[element]
-        assert abs(result.severity[element] - loss) < high - low < 0.15
 
 
 def test_modes_that_pass_each_other_are_followed():

@@ -73,18 +73,6 @@ def test_what_differs_from_record_to_record_is_in_the_errors(make):
         assert np.all(steady.std_hz[dof] / steady[dof] < 0.3 * expected)
 
 
-def test_runs_of_a_shaker_are_averaged_together():
-    found = identified([shaken(seed) for seed in range(4)])
-    alone = identified(shaken(0))
-    scores, false = deviations(found)
-    assert (scores.size, false) == (28, 0)
-    common = [dof for dof in range(7) if alone[dof].size == found[dof].size]
-    gain = [np.median(found.std_hz[dof] / alone.std_hz[dof]) for dof in common]
-    assert len(gain) >= 5
-    assert 0.2 < np.median(gain) < 0.8  # 0.5 for four times the data, and longer segments fit
-    assert identified([shaken(0)]) == alone
-
-
 def test_channels_may_stand_in_another_order():
     one, two = shaken(1), shaken(2)
     turned = ar.Recording(two.responses[::-1], FS, dofs=range(7, -1, -1))

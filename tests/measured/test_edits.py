@@ -39,18 +39,6 @@ def test_dropping_leaves_the_set_as_it_was_and_keeps_a_record():
     assert scored().drop(0, 14.0, tol_hz=3.0)[0].tolist() == [20.0, 36.2]
 
 
-def test_several_at_once_and_in_order():
-    fewer = scored().drop(0, [36.2, 12.2], reason="a")
-    after = fewer.add(1, [30.0, 5.0], damping_ratio=[0.02, 0.01], std_hz=0.5)
-    assert after[0].tolist() == [20.0]
-    assert after[1].tolist() == [5.0, 8.0, 30.0]
-    np.testing.assert_array_equal(after.damping_ratio[1], [0.01, np.nan, 0.02])
-    np.testing.assert_array_equal(after.std_hz[1], [0.5, np.nan, 0.5])
-    edits = [("drop", 36.2), ("drop", 12.2), ("add", 30.0), ("add", 5.0)]
-    assert [(e.action, e.freq_hz) for e in after.edits] == edits
-    assert after.original() == scored()
-
-
 def test_adding_without_companions_makes_none_up():
     after = scored().add(1, 30.0).add(2, 4.0)
     assert 1 not in after.damping_ratio

@@ -90,20 +90,6 @@ def test_bad_arguments_of_merge_are_named(sets, options, said):
     refused(said, ar.merge_setups, sets, **options)
 
 
-def test_identified_setups_keep_their_scores():
-    rec = MODEL.simulate(excitation=0, fs_hz=512.0, duration_s=64.0, damping_ratio=0.01, noise=0.01, rng=0)
-    sets = [
-        ar.identify_antiresonances(
-            ar.Recording(rec.responses[list(rows)], 512.0, dofs=rows), excitation=0, band_hz=(3, 130)
-        )
-        for rows in ((0, 1, 2, 3), (0, 4, 5, 6))
-    ]
-    merged = ar.merge_setups(sets, check="off")
-    assert list(merged) == [0, 1, 2, 3, 4, 5, 6]
-    assert set(merged.scores[0]) == set(sets[0].scores[0])
-    assert (merged.sees, merged.channels) == ("transmissibility", (0, 1, 2, 3, 4, 5, 6))
-
-
 def test_the_same_set_twice_counts_once():
     rng = np.random.default_rng(5)
     one, other = setup(0, (0, 1, 2), rng), setup(0, (0, 3), rng)

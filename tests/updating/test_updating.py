@@ -243,21 +243,6 @@ def test_linearizations_exchanges_and_a_search_cut_short_are_told():
         assert "budget" in repr(result)
 
 
-def test_islands_that_agree_before_an_exchange_came_from_their_own_starts():
-    parameters = ar.stiffness_reduction(range(7))
-    tested = CASE.model.with_parameters(parameters, [0.0, 0.4, 0.0, 0.0, 0.0, 0.6, 0.0])
-    zeros = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances(range(8), 0))))
-    problem = ar.UpdatingProblem(CASE.model, parameters, zeros, penalty="scaled")
-    result = ar.update(problem, rng=3, workers=1)
-    assert np.flatnonzero(result.x).tolist() == [1, 5]
-    assert (result.status, result.migrations) == ("agreed", 0)
-    assert "from a random start of its own" in result.message
-    # An agreement after an exchange is called so.
-    result = ar.update(problem, rng=0, optimizer=ar.IslandGA(polish=False, max_evaluations=60_000))
-    assert result.migrations > 0
-    assert ("exchanged their bests" in result.message) == (result.status == "agreed")
-
-
 def test_three_damages_are_found_that_moves_from_the_intact_state_miss():
     """Pursuit from the intact exhaust ends at two elements and J = 0.885, the truth has 0.857."""
     case = ar.cases.exhaust()
