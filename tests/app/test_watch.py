@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import shutil
 import time
 
@@ -14,6 +13,7 @@ from antires_rs.app.main import main
 from antires_rs.app.watch import Arrivals
 from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, record
+from tests.support.job_files import SERIES
 
 pytest.importorskip("pyarrow")
 
@@ -162,31 +162,18 @@ def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, 
 
 pytest.importorskip("matplotlib")
 
-JOB = """\
-[data]
-file = "records"
-excitation = "tip"
-band_hz = [0.8, 8.0]
-dofs = { "tip" = 0, "middle" = 1, "root" = 2 }
-[series]
-conditions = "weather.csv"
-over = "temperature_c"
-[identification]
-max_order = 16
-"""
-
 
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "records").mkdir()
     for i in range(3):
         made = record(i)
-        named = ar.Recording(made.responses, made.fs_hz, ["tip", "middle", "root"])
+        named = ar.Recording(made.responses, made.fs_hz, ["tip", "mid", "root"])
         ar.write_npz(tmp_path / "records" / f"test_{i}.npz", named)
     (tmp_path / "records" / "test_3.npz").write_bytes(b"torn")
     rows = "\n".join(f"test_{i},{20 + i}" for i in range(5))
     (tmp_path / "weather.csv").write_text(f"name,temperature_c\n{rows}\n")
-    (tmp_path / "job.toml").write_text(JOB)
+    (tmp_path / "job.toml").write_text(SERIES)
     return tmp_path
 
 
@@ -218,23 +205,3 @@ def test_it_writes_series_summary_and_tracks(folder, capsys, monkeypatch):
     assert main(["resume", str(folder / "job.toml"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["tests"] == 5
     assert len(seen) == 1
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (('"records"', '"nowhere"'), "line 2.*'nowhere'.*does not exist"),
-        (('"weather.csv"', '"rain.csv"'), r"line 7.*'rain.csv'"),
-        (('over = "temperature_c"', 'over = "wind"'), "line 8.*'temperature_c'"),
-        (("[0.8, 8.0]", "[8.0, 0.8]"), "line 4"),
-        (("max_order = 16", 'estimator = "h3"'), "line 10"),
-        (("[series]", "[damage]"), r"\[damage\]"),
-        (('excitation = "tip"\n', ""), "excitation"),
-        (("[identification]", "[search]\nseed = 1\n[identification]"), r"\[search\] beside \[series\]"),
-    ],
-)
-def test_wrong_jobs(folder, capsys, change, said):
-    job = folder / "job.toml"
-    job.write_text(JOB.replace(*change))
-    assert main(["series", str(job)]) == 2
-    assert re.search(said, " ".join(capsys.readouterr().err.split()))

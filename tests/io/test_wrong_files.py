@@ -283,7 +283,6 @@ MISTAKES = {
     "excel: no sheet of that name": sheet(["time", "a"], [0.0, 1.0], sheet="run 2"),
     "parquet: texts": parquet({"time": T, "a": ["x"] * 64}),
     "parquet: empty cells": parquet({"time": T, "a": [None, *A[1:]]}),
-    "parquet: NaN": parquet({"time": T, "a": np.where(T > 0.2, np.nan, A)}),
     "parquet: one row": parquet({"time": T[:1], "a": A[:1]}),
     "file: a folder in place of a file": lambda folder: ar.read_npz(folder),
     "file: empty": raw("a.npz", b"", ar.read_npz),
