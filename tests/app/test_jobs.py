@@ -262,5 +262,6 @@ def test_a_new_run_replaces_the_pictures_of_the_one_before_and_nothing_else(tmp_
     results = tmp_path / "job_results"
     (results / "pictures" / "photo.png").write_bytes(b"of the test")
     (results / "notes.txt").write_text("mine")
+    (results / ".result.npz.4711.tmp").write_bytes(b"half of a killed run")
     run(tmp_path, DAMAGE)
     assert {path.name for path in results.rglob("*")} == FILES | {"notes.txt", "photo.png", "pictures"}

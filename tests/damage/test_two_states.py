@@ -317,7 +317,7 @@ WRONG |= {"optimizer": [{"optimizer": ar.IslandGA()}]}
 WRONG |= {"baseline": [{"baseline": BEFORE[:1]}, {"baseline": "intact"}]}
 WRONG |= {"baseline: got no antiresonance": [{"baseline": ar.AntiresonanceSet(0, {1: []})}]}
 WRONG |= {"baseline: got a ModalSet": [{"baseline": ar.ModalSet([1.0], [[1.0, 2.0]])}]}
-WRONG |= {"elements": [{"elements": "all"}]}
+WRONG |= {"elements": [{"elements": "all"}, {"elements": [1, 1]}]}
 
 
 @pytest.mark.parametrize(("wrong", "given"), each_of(WRONG))

@@ -24,6 +24,7 @@ def test_undo_and_redo_go_through_all_that_was_done(session, identified):
     session.add(0, 3.21)
     seen.append(session.zeros)
     session.reword(0, "mains hum")
+    assert session.reword(0, "mains hum") == ""  # which is no step
     seen.append(session.zeros)
     for zeros in seen[-2::-1]:
         session.undo()
@@ -117,6 +118,10 @@ def test_a_click_means_what_is_nearest(identified, record, session):
     empty = clicked("stabilization", freq[at], order[at], 1e-9, 1e-9)
     assert picked(identified, 0, empty) is not None
     assert picked(identified, 0, clicked("stabilization", freq[at] + 1e-3, order[at], 1e-9, 1e-9)) is None
+    assert session.click(0, clicked("coherence", 0.5 * (value + identified[0][0]))) is None
+    for verb in ("dropped", "brought back"):
+        assert session.click(0, clicked("curve", value)).startswith(verb)
+    assert session.click(0, clicked("stabilization", freq[at], order[at])).startswith("added")
 
 
 def test_a_click_on_a_curve_means_its_dip(identified, session):

@@ -124,7 +124,7 @@ def picture():
 
 
 def test_the_picture_has_every_element_numbered_and_what_it_carries():
-    springs = {"ground_springs": [(0, "v", 1e3)], "node_springs": [(0, 3, 1e4)]}
+    springs = {"ground_springs": [(0, "v", 1e3), (1, "theta", 9.0)], "node_springs": [(0, 3, 1e4)]}
     model = frame(point_masses=[(2, 1.0)], fixed=[(3, "u")], **springs)
     options = {"sensors": [model.dof(1, "v"), model.dof(4, "u")], "excitation": model.dof(2, "theta")}
     ax = model.plot(ax=picture(), **options)
