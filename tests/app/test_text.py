@@ -18,6 +18,7 @@ from tests.support.mutations import any_bytes, mutated
 
 
 def places(value, path=()):
+    """Every key and item of parsed TOML."""
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for name, item in items:
         yield (*path, name)

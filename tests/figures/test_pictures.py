@@ -191,8 +191,6 @@ def test_what_cannot_be_drawn_is_refused(record, judged):
         ("convergence", [judged], {}, "without a search; wanted the result of a search. See result.hy"),
         ("hypotheses", [judged.hypotheses], {"most": 0}, "^most: got 0"),
         ("chain", [chain(), [1.0, 2.0]], {}, r"an array \(3,\)"),
-        ("damages", [{"one": judged}], {}, "results: got 1 results; wanted two to"),
-        ("responses", [h, chain()], {"dofs": [9], **force}, r"dofs: got \[9\]"),
         ("chain", [chain()], {"excitation": 9}, "excitation"),
         ("damage", [judged], {"truth": [0.0, 0.4, 0.0]}, "truth"),
     ):

@@ -12,6 +12,7 @@ BAND = (0.5, 9.0)
 
 
 def rational(rng, freq, n_poles, n_outputs):
+    """Curves with common poles, 1 % damped, spread over the band; and the poles."""
     at = np.linspace(freq[0], freq[-1], n_poles + 2)[1:-1]
     s = 2 * np.pi * at * (-0.01 + 1j * np.sqrt(1 - 1e-4))
     line = 2j * np.pi * freq

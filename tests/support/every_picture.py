@@ -47,7 +47,7 @@ def given():
         "responses": (h, chain(), {"excitation": 0}),
         "differences": (updated().table, {}),
         **dict.fromkeys(("damage", "convergence"), (found, {})),
-        "damages": ({"one": found, "other": found}, {"truth": {1: 0.4}}),
+        "damages": ({"one": found, "other": found}, {}),
         "hypotheses": (found.hypotheses, {}),
         "frame": (frame, {1: 0.4}, {}),
         "chain": (chain(), found.severity, {}),
