@@ -73,17 +73,6 @@ def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tm
     assert os.listdir(tmp_path) == ["summary.json"]
 
 
-def test_the_pipeline_never_asks_for_the_truth(monkeypatch):
-    def forbidden(self, level=0):
-        raise AssertionError("the truth was used")
-
-    monkeypatch.setattr(ar.cases.Chain8, "truth", forbidden)
-    monkeypatch.setattr(ar.cases.Chain8, "exact", forbidden)
-    monkeypatch.setattr(demo, "MAX_EVALUATIONS", 2000)
-    told = demo.tell(noise=0.0, workers=1)
-    assert told.damage.damaged[0] == 4
-
-
 def test_help_lists_every_command_and_is_quick(capsys):
     def said(*call):
         with pytest.raises(SystemExit) as caught:
@@ -117,7 +106,6 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
     assert numbers["excitation"] == "a0"
     assert [row["dof"] for row in numbers["antiresonances"]] == [f"a{dof}" for dof in range(4)]
     assert numbers["antiresonances"][0]["freq_hz"] == found[0].tolist()
-    # The channel at the force may be left out; its place has a name still.
     assert cli.main([*call, "--excitation", "a0", "--dof", "a0=", *names[1:], "--json"]) == 0
     numbers = json.loads(capsys.readouterr().out)
     assert numbers["excitation"] == "a0"
@@ -127,7 +115,6 @@ def test_identify_prints_saves_and_draws(tmp_path, monkeypatch, capsys):
 
 
 def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
-    """A slip of the pen changes no antiresonance, but the place of the force is tested no more."""
     monkeypatch.chdir(tmp_path)
     record = ar.cases.chain8().experiment(noise=0.01, duration_s=60.0, rng=1)
     ar.write_csv(
@@ -186,7 +173,6 @@ def test_report_of_a_result_and_of_its_folder(tmp_path, capsys):
 
 
 def test_a_remedy_is_spelled_as_its_reader_would_write_it(tmp_path, capsys):
-    """In Python, on the command line and in a job."""
     table = tmp_path / "unnamed.csv"
     table.write_text("".join(f"{0.01 * i:.2f},{i % 7},{i % 5}\n" for i in range(200)), encoding="utf-8")
     with pytest.raises(ar.InvalidInputError, match="Pass first='time', first='freq' or, with fs_hz=, "):

@@ -66,11 +66,9 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
     best = ar.UpdateResult.load(results / "result.npz")
     assert summary["status"] == best.status == "interrupted"
     assert summary["J"] == best.fun == best.problem.cost(best.x)
-    # A new run would throw the search away: it has to be asked for.
     capsys.readouterr()
     assert cli.main(["update", str(tmp_path / "job.toml")]) == 2
     assert "antires resume job.toml" in capsys.readouterr().err
-    # Interrupted again, it has gone on.
     code, _, _, took = stopped(tmp_path, signal.SIGINT, "resume", "job_results")
     assert code == 130
     assert took < INTERRUPT_S
@@ -97,7 +95,6 @@ def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, cap
     captured = capsys.readouterr()
     out = captured.out
     assert "without a checkpoint" in captured.err
-    # Nothing says that it has finished.
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
     assert "was interrupted and kept no checkpoint" in capsys.readouterr().err
     assert "spring 4   55.00 %" in out
@@ -113,7 +110,6 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
     assert cli.main(["resume", str(results / "search.ckpt"), "--workers", "2"]) == 0
     assert bytes_of(results / "result.npz") == whole
     assert names_in(results) == FILES
-    # Nothing is left to do, and it says so.
     capsys.readouterr()
     assert cli.main(["resume", str(tmp_path / "job.toml"), "--json"]) == 0
     out, err = capsys.readouterr()
@@ -164,8 +160,6 @@ from antires_rs.app.main import main""",
 
 
 # -- A kill at any point in the life of a run; benchmarks/kill_study.py kills at random times
-
-
 @pytest.mark.parametrize(
     ("scenario", "writing"),
     some_of([("again", "half"), ("new", "half"), ("again", "whole"), ("fresh", "whole"), ("script", "half")]),

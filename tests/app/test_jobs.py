@@ -28,7 +28,6 @@ def test_damage_from_antiresonances(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out) == summary == run(tmp_path, DAMAGE) | {"seconds": ANY}
     assert losses(summary) == FOUND
     assert summary["damaged"] == [4]
-    # Without a baseline there are no probabilities.
     assert summary["headline"] is summary["hypotheses"] is summary["chi_square"] is None
     assert {row["probability"] for row in summary["elements"]} == {None}
     assert set(summary["inputs"]) == {"job.toml", "measured.json"}
@@ -38,7 +37,6 @@ def test_damage_from_antiresonances(tmp_path, capsys):
     assert err == ""  # no terminal, no progress
     results = tmp_path / "job_results"
     assert {path.name for path in results.iterdir()} == FILES
-    # The same as a call, bit for bit.
     case = ar.cases.chain8()
     same = ar.assess_damage(case.model, case.exact(1), rng=1)
     loaded = ar.DamageResult.load(results / "result.npz")
@@ -58,7 +56,6 @@ def test_an_update_and_then_damage_with_its_result(tmp_path):
     found = run(tmp_path, DAMAGE.replace(chain, 'kind = "result"\nfile = "update_results/result.npz"\n\n'))
     assert found["damaged"] == [4]
     assert set(found["inputs"]) == {"job.toml", "measured.json", "update_results/result.npz"}
-    # The results of one job are not overwritten by another.
     other = DAMAGE.replace("[output]", '[output]\nfolder = "update_results"')
     (tmp_path / "other.toml").write_text(other)
     assert cli.main(["damage", str(tmp_path / "other.toml")]) == 2
@@ -66,7 +63,6 @@ def test_an_update_and_then_damage_with_its_result(tmp_path):
 
 NAMED = "dofs = { " + ", ".join(f"a{i} = {i}" for i in range(8)) + " }"
 POINTS = "dofs = { " + ", ".join(f'"{i + 1}+Z" = {i}' for i in range(8)) + " }"
-#: Files, and the dofs that the job names.
 SIGNALS = {
     "names in the job": ("named.npz", NAMED),
     "one left out": ("named.npz", "dofs = [0, 1, 2, 3, 4, 5, 6, false]"),
@@ -224,7 +220,6 @@ def test_matrices_of_other_programs(tmp_path):
     files = 'stiffness = "K.mtx"\nmass = "M.mtx"\nstiffness_terms = "K_*.mtx"\ndof_map = "K.mapping"\n'
     summary = run(tmp_path, with_model(DAMAGE, f'[model]\nkind = "matrices"\n{files}'))
     assert summary["damaged"] == [4]
-    # A file of write_matrices holds all of it.
     terms = [tmp_path / f"K_{i + 5}.mtx" for i in range(7)]
     model = ar.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx", stiffness_terms=terms)
     ar.write_matrices(tmp_path / "model.npz", model)
@@ -254,7 +249,6 @@ def test_without_matplotlib_the_numbers_are_there_and_it_says_what_is_missing(tm
     assert summary["damaged"] == [4]
     assert 'pip install "antires-rs[report]"' in capsys.readouterr().err
     assert not (tmp_path / "job_results" / "report.html").exists()
-    # With it, the report of a search that has finished is written from its result.
     monkeypatch.undo()
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
     assert "antires report" in capsys.readouterr().err
@@ -268,12 +262,6 @@ def test_a_new_run_replaces_the_pictures_of_the_one_before_and_nothing_else(tmp_
     results = tmp_path / "job_results"
     (results / "pictures" / "photo.png").write_bytes(b"of the test")
     (results / "notes.txt").write_text("mine")
+    (results / ".result.npz.4711.tmp").write_bytes(b"half of a killed run")
     run(tmp_path, DAMAGE)
     assert {path.name for path in results.rglob("*")} == FILES | {"notes.txt", "photo.png", "pictures"}
-
-
-def test_a_terminal_sees_each_stage(tmp_path, monkeypatch, capsys):
-    write_measured(tmp_path)
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    run(tmp_path, DAMAGE)
-    assert capsys.readouterr().err.splitlines()[:2] == ["reading measured.json", "searching"]

@@ -21,13 +21,11 @@ BAND_GIVEN = ["--band", *map(str, BAND)]
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
-    """A record in a file of its own folder."""
     return ar.write_csv(tmp_path_factory.mktemp("look") / "test.csv", record())
 
 
 @pytest.fixture
 def started(tmp_path):
-    """Starts ``antires look``, which ends with the test; process and address."""
     pytest.importorskip("bokeh", reason="the page needs bokeh")
     running = []
 
@@ -55,7 +53,6 @@ def asked(url, path, body=None):
 
 
 def ended(process):
-    """Exit code and output after Ctrl-C, and how long it took."""
     start = time.monotonic()
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30)
@@ -63,7 +60,6 @@ def ended(process):
 
 
 def viewed(*given):
-    """What the page would show, without a server."""
     pytest.importorskip("bokeh", reason="the page needs bokeh")
     from antires_rs.app.look_view import view_of
     from antires_rs.app.parser import parser
@@ -95,7 +91,6 @@ def test_a_measurement_is_looked_at_edited_and_saved(started, measured, tmp_path
     view.do("identify", {})
     view.do("save", {})
     assert ar.AntiresonanceSet.load(tmp_path / "again.json") == kept
-    # A set is saved in its own file.
     view = viewed(edits)
     view.do("drop", {"dof": 0, "freq_hz": float(kept[0][0])})
     view.do("save", {})

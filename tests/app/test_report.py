@@ -11,7 +11,7 @@ import antires_rs as ar
 from antires_rs.app import main as cli
 from antires_rs.app.run import FORMAT, VERSION, Evidence
 from antires_rs.io.archive import Store, read_store, write_store
-from tests.support.job_files import DAMAGE, write_measured
+from tests.support.job_files import DAMAGE
 from tests.support.pictures import drawn_quickly
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
@@ -29,7 +29,6 @@ dofs = [0, 4]""",
 
 
 def section(html, heading):
-    """Text of one section, without the date."""
     part = re.search(rf"<h2>{heading}.*?</section>", html, re.S)[0]
     return re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", "", part)
 
@@ -110,19 +109,6 @@ def test_damaged_evidence_costs_the_diagrams_and_not_the_report(ran, tmp_path, c
     assert cli.main(["report", str(results)]) == 0
     assert "antires: warning: the report has no diagrams: " in capsys.readouterr().err
     assert "No stabilization diagram can be shown" in (results / "report.html").read_text()
-
-
-def test_without_a_signal_there_is_no_evidence_and_that_of_another_run_goes(tmp_path, capsys):
-    write_measured(tmp_path)
-    (tmp_path / "job_results").mkdir()
-    (tmp_path / "job_results" / "evidence.npz").write_bytes(b"of another run")
-    (tmp_path / "job.toml").write_text(DAMAGE, encoding="utf-8")
-    assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
-    assert not (tmp_path / "job_results" / "evidence.npz").exists()
-    assert cli.main(["report", str(tmp_path / "job_results")]) == 0
-    html = (tmp_path / "job_results" / "report.html").read_text()
-    assert "measured.json" in html
-    assert "No stabilization diagram can be shown" in html
 
 
 def test_every_warning_of_a_run_is_in_its_report_and_summary(tmp_path, capsys):

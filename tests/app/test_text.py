@@ -121,7 +121,6 @@ GOOD = {"damage": DAMAGE, "update": UPDATE} | TEMPLATES
 
 
 def taken(path, content):
-    """The job in the file, with its model and parameters made; None where it is refused."""
     path.write_bytes(content)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -2,14 +2,16 @@
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import antires_rs as ar
 from antires_rs.app import main as cli
 from antires_rs.app.job import read_job
-from tests.support.job_files import DAMAGE, UPDATE, write_measured, write_record
+from tests.support.job_files import DAMAGE, SERIES, UPDATE, write_measured, write_record
 from tests.support.snapshots import compare, complaints
 
 FRAME = DAMAGE.replace(
@@ -39,7 +41,7 @@ OTHER_FORCE = RECORD.replace("excitation = 0", 'excitation = "tip"')
 
 #: Jobs that are changed; the lines of wrong_jobs.txt say how, ``job | old | new``, and what is said then.
 GOOD = {"damage": DAMAGE, "update": UPDATE, "frame": FRAME, "baseline": BASELINE}
-GOOD |= {"record": RECORD, "three": THREE, "tip": OTHER_FORCE}
+GOOD |= {"record": RECORD, "three": THREE, "tip": OTHER_FORCE, "series": SERIES}
 #: What is wrong, and the job, where more is changed.
 JOBS = {
     "a key outside its section": "seed = 3\n" + DAMAGE,
@@ -116,17 +118,24 @@ def test_wrong_jobs(tmp_path):
     write_measured(tmp_path)
     ar.AntiresonanceSet(1, {0: [10.0]}).save(tmp_path / "other_force_measured.json")
     write_record(tmp_path)
-    job = tmp_path / "job.toml"
+    slow = ar.Recording(np.zeros((3, 64)), 100.0, dofs=["tip", "mid", "root"])
+    ar.write_npz(tmp_path / "slow.npz", slow)
+    (tmp_path / "records").mkdir()
+    write_record(tmp_path / "records")
+    (tmp_path / "weather.csv").write_text("name,temperature_c\nrecord,20\n")
+    job, before = tmp_path / "job.toml", {*tmp_path.iterdir()}
     messages, file = {}, Path(__file__).with_name("wrong_jobs.txt")
     for name, text in jobs(file.read_text(encoding="utf-8").splitlines()):
         assert text not in (DAMAGE, UPDATE, FRAME, RECORD) or name == "channels that are no dofs", name
         job.write_text(text, encoding="utf-8")
-        code, message = said("update" if "[parameters]" in text else "damage", str(job))
+        task = "update" if "[parameters]" in text else "series" if "[series]" in text else "damage"
+        code, message = said(task, str(job))
         messages[name] = f"exit {code}  {message.replace(str(tmp_path), 'FOLDER')}"
         assert messages[name].startswith("exit 2  antires: error: job.toml")
+        if task == "series":
+            shutil.rmtree(tmp_path / "job_results", ignore_errors=True)
     compare(file, messages)
-    files = {"job.toml", "measured.json", "other_force_measured.json", "record.npz"}
-    assert {path.name for path in tmp_path.iterdir()} == files
+    assert {*tmp_path.iterdir()} == before | {job}
 
 
 @pytest.mark.parametrize(

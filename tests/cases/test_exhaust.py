@@ -37,7 +37,6 @@ def test_the_frame_has_the_size_of_the_papers(case, tested):
     assert len(case.held_out) == 4
     assert len(case.updating_parameters()) == 21
     assert (case.candidates[0], case.candidates[-1]) == (17, 46)
-    # Rigid bodies move below 5 Hz, all else above the edge of the band.
     for freq in (case.model.modes().freq_hz, tested.freq_hz):
         assert np.count_nonzero(freq < 5.0) == 3
         assert freq[3] > case.damage_band_hz[0]
@@ -110,7 +109,6 @@ def test_no_set_of_updating_parameters_is_the_truth(case):
     problem = case.updating_problem()
     low, high = problem.bounds.T
     assert np.all((low < true) & (true < high))
-    # Inertias, cords and the scatter of the walls are left over.
     assert 0.05 < problem.cost(true) < 0.2 * problem.cost(problem.nominal)
 
 

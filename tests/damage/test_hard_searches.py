@@ -57,7 +57,6 @@ def test_two_damages_are_found_from_five_values(seed):
 def test_one_damage_is_found_and_an_intact_structure_is_not_accused(count, seed):
     assert few_values(seed, {}, count).damaged == []
     assert few_values(seed, {seed % 6: 0.3}, count).damaged == [seed % 6]
-    # One value says where nothing.
     single = few_values(320, {2: 0.3}, 1)
     assert max(single.probability.values()) < 0.9
     assert any(note.startswith("Only ") for note in single.notes)
@@ -111,7 +110,6 @@ def test_large_damages_at_once_none_of_which_explains_anything_alone(seed):
 
 
 def test_one_damage_among_many_elements_is_found():
-    # The structure is off the model by 1 % in each spring, and both states have noise.
     rng = np.random.default_rng(31)
     n, hit, sensors = 81, 52, [22, 60, 80]
     model = ar.MassSpringChain(np.ones(n), np.full(n - 1, 1e6), ground_first_n_per_m=1e6)

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from tests.support.campaign import some_of
 from tests.support.wrong_chains import NOMINAL, N, chain, truth
 
 STD_HZ, STD_SHAPES = 3e-4, 3e-3
 
 
 def measured(model, rng, dofs=None, n_modes=6, std=(STD_HZ, STD_SHAPES), stated=True):
-    """Modes with Gaussian errors; shapes with any sign and size."""
     dofs = list(range(model.n_dof) if dofs is None else dofs)
     modes = model.modes()
     flexible = np.flatnonzero(modes.freq_hz > 1e-3 * modes.freq_hz.max())[:n_modes]
@@ -35,7 +33,6 @@ def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_n
     told = ar.assess_damage(model, measured(damaged, rng), baseline=measured(intact, rng))
     assert told.damaged == [0]
     assert told.probability[0] > 0.99
-    # One sensor has no shape: one number of unit length.
     rng = np.random.default_rng(1)
     now, before = (measured(each, rng, dofs=[0]) for each in (damaged, intact))
     blind = ar.assess_damage(model, now, baseline=before)
@@ -45,35 +42,7 @@ def test_frequencies_alone_take_mirrored_springs_for_one_another_and_shapes_do_n
     assert "cannot tell" in blind.headline or "may be" in blind.headline
 
 
-def portal():
-    """A portal frame of nine beams, fixed at both feet: its own mirror image."""
-    nodes = [(0.0, 0.0), (0.0, 0.2), (0.0, 0.4), (0.0, 0.6), (0.2, 0.6)]
-    nodes += [(0.4, 0.6), (0.6, 0.6), (0.6, 0.4), (0.6, 0.2), (0.6, 0.0)]
-    beams = [(i, i + 1) for i in range(9)]
-    return ar.FrameModel(nodes, beams, ar.Tube(0.03, 0.002, 2.1e11, 7850.0), fixed=[0, 9])
-
-
-@pytest.mark.parametrize(("element", "loss"), some_of([(1, 0.25), (None, 0.0), (7, 0.4)], 2))
-def test_a_portal_frame_whose_every_stiffness_and_mass_is_off(element, loss):
-    model = portal()
-    rng = np.random.default_rng(80 + (element or 0))
-    off = [1.0 + 0.05 * rng.uniform(-1.0, 1.0, 9) for _ in range(2)]
-    factors = [ar.stiffness_factor([e], bounds=(0.5, 2.0))[0] for e in range(9)]
-    factors += [ar.mass_factor([e], bounds=(0.5, 2.0))[0] for e in range(9)]
-    intact = model.with_parameters(factors, np.concatenate(off))
-    damaged = intact if element is None else intact.with_parameters(ar.stiffness_reduction([element]), [loss])
-    dofs = [model.dof(node, "u") for node in (1, 2, 3, 6, 7, 8)] + [model.dof(node, "v") for node in (4, 5)]
-    now, before = (measured(each, rng, dofs, 8) for each in (damaged, intact))
-    result = ar.assess_damage(model, now, baseline=before)
-    assert result.damaged == ([] if element is None else [element])
-    if element is not None:
-        assert result.probability[element] > 0.9  # the mirrored one would have as much from frequencies
-        low, high = result.interval[element]
-        assert abs(result.severity[element] - loss) < high - low < 0.15
-
-
 def test_modes_that_pass_each_other_are_followed():
-    """Two oscillators, hardly coupled: softening one takes its mode below that of the other."""
     model = ar.MassSpringChain([1.0, 50.0, 1.0], [1.10e4, 1.0e4])
     hurt, rng = model.with_parameters(ar.stiffness_reduction([0]), [0.2]), np.random.default_rng(0)
     result = ar.assess_damage(model, measured(hurt, rng), baseline=measured(model, rng))
@@ -90,7 +59,6 @@ def test_lost_modes_no_stated_errors_several_setups_and_no_baseline():
     assert abs(result.severity[3] - 0.35) < 0.04
     assert any("shape's length" in note for note in result.notes)
     assert result.assessment.n_baselines == 2
-    # Several setups of sensors, each with its own shapes.
     rng, factors = truth(50)
     setups = [0, 1, 2, 3], [5, 4, 3]
     now = [measured(chain(factors, [0, 0.3, 0, 0, 0]), rng, dofs) for dofs in setups]
@@ -98,23 +66,9 @@ def test_lost_modes_no_stated_errors_several_setups_and_no_baseline():
     result = ar.assess_damage(NOMINAL, now, baseline=before)
     assert result.damaged == [1]
     assert abs(result.severity[1] - 0.3) < 0.03
-    # Without a baseline modes have probabilities too.
     rng = np.random.default_rng(62)
     result = ar.assess_damage(NOMINAL, measured(chain(np.ones(2 * N), [0, 0.4, 0, 0, 0]), rng), rng=0)
     assert result.probability[1] > 0.9
-
-
-def test_files_of_modes(tmp_path):
-    stream, factors = truth(60)
-    now, before = measured(chain(factors, [0, 0.3, 0, 0, 0]), stream), measured(chain(factors), stream)
-    rate = ar.SearchOptions(false_alarm_rate=0.05)
-    result = ar.assess_damage(NOMINAL, now, baseline=before, search=rate, rng=0)
-    result.save(tmp_path / "damage.npz")
-    again = ar.DamageResult.load(tmp_path / "damage.npz")
-    assert again.assessment == result.assessment
-    assert again.problem.measured[0].std_shapes.tolist() == result.problem.measured[0].std_shapes.tolist()
-    assert str(again.headline) == result.headline
-    assert "spring 1" in result.summary().lower()
 
 
 def test_kinds_and_sensors_that_do_not_fit_are_refused():

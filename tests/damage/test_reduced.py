@@ -12,7 +12,6 @@ LIMIT_HZ = 9.0
 
 
 def of_springs(springs, masses):
-    """A chain held at its first mass, its springs in groups of neighbours, as matrices and terms."""
     terms = []
     for group in np.array_split(np.arange(springs.size), GROUPS):
         term = np.zeros((masses.size, masses.size))
@@ -25,7 +24,6 @@ def of_springs(springs, masses):
 
 
 def structure(seed=None, *, damaged=None):
-    """The model, or one with all springs and masses off by some percent."""
     off_springs, off_masses = np.zeros(N), np.zeros(N)
     if seed is not None:
         rng = np.random.default_rng(seed)

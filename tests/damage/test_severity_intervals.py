@@ -6,13 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.stats import kstest, multivariate_normal, norm
+from scipy.stats import kstest
 
 import antires_rs as ar
-from antires_rs.damage.evidence import FURTHEST, HIGHEST, log_inside, refitted, truncated
+from antires_rs.damage.evidence import HIGHEST, refitted
 from antires_rs.damage.inference import log_odds_threshold
 from antires_rs.damage.severity_intervals import sampled
-from antires_rs.updating.posterior import stepwise
 from tests.support.campaign import some_of
 from tests.support.wrong_chains import N, assessed
 
@@ -28,7 +27,6 @@ def two():
 
 
 def logs_of(result, rows):
-    """Log-likelihood of an assessment at rows of severities by element."""
     likelihood = result._question.prepared(1).likelihood
     betas = np.zeros((len(rows), likelihood.n))
     for beta, row in zip(betas, rows, strict=True):
@@ -42,7 +40,6 @@ def test_quick_intervals_are_those_of_the_assessment(one):
     assert quick.words == ("not damaged", "two-sided", *3 * ("not damaged",))
     assert quick.draws.shape == quick.mixture.shape == (1000, N - 1)
     assert not quick.draws[:, [0, 2, 3, 4]].any()
-    # Wider at a higher level, and at that of the assessment but for the last digits the same.
     for level, wanted in ((0.9001, 1.0), (0.99, 2.5758 / 1.6449)):
         low, high = one.intervals(level=level)[1]
         assert np.isclose((high - low) / (one.interval[1][1] - one.interval[1][0]), wanted, rtol=0.03)
@@ -51,7 +48,6 @@ def test_quick_intervals_are_those_of_the_assessment(one):
 
 
 def test_the_sampler_is_exact_against_quadrature(one):
-    """Evidence and distribution of one severity, from the likelihood on a fine grid."""
     likelihood = one._question.prepared(1).likelihood
     beta = np.zeros((1, likelihood.n))
     beta[0, 1] = one.severity[1]
@@ -92,7 +88,6 @@ def test_same_bits_for_any_number_of_workers_and_others_for_another_seed(one):
 
 
 def test_the_mixture_holds_every_near_set_and_nothing_where_nothing_is_declared():
-    """Two springs, one with so little damage that it may be none."""
     sure = assessed(44, [0, 0.3, 0, 0.002, 0]).intervals("ensemble", draws=400)
     assert len(sure.sets) > 1
     drawn = {tuple(np.flatnonzero(row).tolist()) for row in sure.mixture}
@@ -145,61 +140,6 @@ def test_wrong_arguments_are_refused(one, wrong, asked):
 
 
 # ---- Gaussians within a box, their draws, the sampler and the threshold, against integrals that are known
-def correlated(rng, n):
-    """Means and covariances as severities have them: some near a bound, some strongly correlated."""
-    rows = rng.standard_normal((n, n + 1))
-    spread = rows @ rows.T
-    sd = 10.0 ** rng.uniform(-2.5, 0.0, n)
-    spread *= np.outer(sd, sd) / np.sqrt(np.outer(np.diag(spread), np.diag(spread)))
-    return rng.uniform(-2.0, 3.0, n) * sd, spread
-
-
-@pytest.mark.parametrize("n", [1, 2, 3])
-def test_the_probability_of_a_box(n):
-    rng = np.random.default_rng(n)
-    compared = 0
-    for _ in range(30):
-        mean, spread = correlated(rng, n)
-        exact = multivariate_normal(
-            mean, spread, allow_singular=True, maxpts=200_000, abseps=1e-9, releps=1e-5, seed=1
-        ).cdf(np.full(n, FURTHEST), lower_limit=np.zeros(n))
-        if exact > 1e-4:  # the other method is exact to about 1e-9
-            compared += 1
-            assert abs(log_inside(mean[None], spread[None])[0] - np.log(exact)) < 0.02
-    assert compared > 15
-
-
-def test_weighted_draws_are_those_of_rejection():
-    mean = np.array([0.05, 0.1, 0.3])
-    spread = np.array([[0.04, -0.035, 0.0], [-0.035, 0.04, 0.01], [0.0, 0.01, 0.02]])
-    rng = np.random.default_rng(3)
-    free = rng.multivariate_normal(mean, spread, 80_000)
-    wanted = free[np.all(free > 0.0, axis=1)]
-    gaussian = truncated(mean, spread)
-    u, log_weight = gaussian.draws(rng.random((20_000, 3)))
-    weight = np.exp(log_weight)
-    chosen = rng.choice(len(u), 2000, p=weight / weight.sum())
-    for nth in range(3):
-        assert kstest(u[chosen, nth], wanted[:, nth]).pvalue > 0.01
-    # Where the draws come from, times their weight, is the Gaussian itself.
-    whole = multivariate_normal(mean, spread).logpdf(u)
-    assert np.allclose(gaussian.log_density(u) + log_weight, whole, atol=1e-8)
-
-
-def test_particles_find_both_peaks_and_their_integral():
-    """Two narrow peaks, one with three times the weight; the start covers both with little of it."""
-    peaks = ((1.0, 0.01, 3.0), (1.4, 0.02, 1.0))
-
-    def log_density(u):
-        return np.log(sum(w * norm.pdf(u[:, 0], m, s) for m, s, w in peaks) + 1e-300)
-
-    start = truncated(np.array([1.2]), np.array([[0.3**2]]))
-    rng = np.random.default_rng(0)
-    u = start.draws(rng.random((2000, 1)))[0]
-    u, log_integral, _ = stepwise(u, start.log_density, log_density, FURTHEST, rng)
-    assert abs(log_integral - np.log(4.0)) < 0.15
-    assert abs(np.mean(u < 1.2) - 0.75) < 0.06
-    assert abs(np.std(u[u < 1.2]) - 0.01) < 0.002
 
 
 def test_the_threshold_is_the_quantile_of_integrated_evidence():

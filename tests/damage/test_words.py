@@ -177,7 +177,6 @@ def test_supersets_whose_further_elements_lose_nothing_are_the_smaller_set():
     table, others = hypothesis_rows(without_idle(assessed(IDLE, (4,), IDLE[:3])))
     assert {row["name"]: row["probability"] for row in table} == {"spring 4": "97.0", "no damage": "3.0"}
     assert others == ""
-    # The answer itself may be such a set, and the smaller one may not have been judged.
     merged = without_idle(assessed(IDLE_ANSWER, (1, 4), IDLE_ANSWER[:2]))
     assert (merged.declared, merged.probability_of_nothing) == ((1,), 0.05)
     assert "spring 4" not in " ".join(headline(merged))

@@ -11,29 +11,9 @@ def ax():
     return figure.Figure(figsize=(9.0, 4.5), layout="constrained").subplots()
 
 
-@pytest.fixture(scope="session")
-def record():
-    return four_masses.record()
-
-
-@pytest.fixture(scope="session")
-def identified():
-    return four_masses.identified()
-
-
-@pytest.fixture(scope="session")
-def updated():
-    return every_picture.updated()
-
-
-@pytest.fixture(scope="session")
-def damage():
-    return every_picture.damage()
-
-
-@pytest.fixture(scope="session")
-def judged():
-    return every_picture.judged()
+_once = pytest.fixture(scope="session")
+record, identified = _once(four_masses.record), _once(four_masses.identified)
+updated, damage, judged = map(_once, (every_picture.updated, every_picture.damage, every_picture.judged))
 
 
 @pytest.fixture

@@ -21,7 +21,6 @@ page = identified().look(record(), max_order=30)
 
 @pytest.fixture(scope="module")
 def notebook():
-    """A kernel with a page: what the cell shows, and a function that runs another cell."""
     client = pytest.importorskip("nbclient", reason="notebooks are run by nbclient")
     pytest.importorskip("ipykernel", reason="notebooks are run by ipykernel")
     from nbformat.v4 import new_code_cell, new_notebook
@@ -44,7 +43,6 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 
 @pytest.fixture(scope="module")
 def framed(notebook):
-    """What the notebook shows, on a page of another port as notebooks are; its address."""
     cell, _ = notebook
     html = next(one.data["text/html"] for one in cell.outputs if one.output_type == "display_data")
 

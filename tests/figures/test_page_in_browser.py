@@ -1,23 +1,16 @@
 """The page as a person uses it: real clicks in a real browser, and what the set is after each."""
 
-from contextlib import contextmanager
-
 import numpy as np
 import pytest
 
 import antires_rs as ar
 from tests.support.browser import Watched, browser
-from tests.support.four_masses import BAND
 
 pytest.importorskip("bokeh", reason="the page needs bokeh")
 
 from antires_rs.figures.identification import pole_table
-from antires_rs.figures.page import Page, ResultView
-from antires_rs.figures.page_session import Session, SetView
-from antires_rs.figures.report_parts import Table
-
-#: How much of a box has to be scrolled to sideways.
-INNER = "(s => s.scrollWidth - s.clientWidth)"
+from antires_rs.figures.page import Page
+from antires_rs.figures.page_session import SetView
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +41,6 @@ def said(page, text):
 
 
 def values(page):
-    """The table of the page: dof, and frequency as written."""
     return page.evaluate(
         "[...document.querySelectorAll('#values tbody tr[data-dof]')]"
         ".map(row => [row.dataset.dof, row.querySelector('.hz').textContent])"
@@ -56,7 +48,6 @@ def values(page):
 
 
 def same(page, zeros):
-    """Whether the page shows the values of a set."""
     written = values(page)
     expected = [(str(dof), freq) for dof in zeros for freq in zeros[dof]]
     assert [name for name, _ in written] == [name for name, _ in expected]
@@ -134,7 +125,6 @@ def test_pick_drop_undo_band_save_and_reload(shown, session, identified, tmp_pat
 
 
 def lone_pole(diagram, taken):
-    """Order and frequency of a pole far from all values and other poles."""
     order, freq, _, _ = pole_table(diagram)
     for at in np.argsort(order):
         near = np.abs(freq - freq[at]) < 0.12
@@ -168,39 +158,6 @@ def test_by_keyboard_and_by_the_table(shown, session, identified):
     page.fill("#value", "nonsense")
     page.press("#value", "Enter")
     said(page, "A frequency in Hz")
-
-
-@contextmanager
-def page_of(chromium, view, width=1400):
-    served = Page(view, ends_with_page=False)
-    served.start()
-    page = chromium.new_page(viewport={"width": width, "height": 900})
-    page.goto(served.url)
-    yield page
-    page.close()
-    served.stop()
-
-
-@pytest.mark.parametrize("width", [1400, 500])
-def test_with_long_names_nothing_is_wider_than_the_window(chromium, record, width):
-    names = [f"Fahrzeug vorne links Querlenker Achse {i:02d} Beschleunigung +Z [m/s^2]" for i in range(4)]
-    named = ar.Recording(record.responses, record.fs_hz, dofs=names)
-    zeros = ar.identify_antiresonances(named, excitation=names[0], band_hz=BAND, max_order=30)
-    with page_of(chromium, SetView(Session(zeros, named), "long"), width) as page:
-        drawn(page)
-        page.wait_for_timeout(500)  # for the figures to take their place
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        assert page.evaluate(f"{INNER}(document.querySelector('#values').parentElement)") == 0
-
-
-def test_tables_of_a_result_with_long_names_fit(chromium):
-    name = "Fahrzeug vorne links Querlenker Achse 7 Beschleunigung +Z [m/s^2]"
-    heads = ("response", "force", "measured (Hz)", "before (Hz)", "difference (%)", "after (Hz)")
-    row = dict(zip(heads, (name, name, "1354.211", "1495.920", "+10.46", "1354.213"), strict=True))
-    table = Table("Antiresonances", dict(zip(heads, heads, strict=True)), [row] * 3, "group")
-    with page_of(chromium, ResultView("long", ["Found."], [], [table])) as page:
-        page.wait_for_selector("#tables td")
-        assert page.evaluate(f"{INNER}(document.querySelector('#tables .scroll'))") == 0
 
 
 def test_a_reason_is_that_of_one_edit_and_what_is_being_typed_stays(shown, session):

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 import antires_rs as ar
 from antires_rs import figures
-from antires_rs.figures.canvas import below, dash_of, picture
-from antires_rs.figures.identification import LEAST_PERCENT, LOOKS
+from antires_rs.figures.canvas import dash_of, picture
+from antires_rs.figures.identification import LOOKS
 from antires_rs.figures.marks import COLOURS
 from antires_rs.signals.data_check import check_data
 from tests.support import every_picture, four_masses
@@ -102,28 +102,13 @@ def test_the_numbers_are_copies_and_axes_of_others_have_none(ax):
     assert figures.data_of(ax)["springs"]["value"].tolist() == [1.0, 2.0]
 
 
-@pytest.mark.parametrize("letters", [4, 60])
-def test_a_legend_never_outgrows_its_picture(ax, letters):
-    for i in range(6):
-        ax.plot([0, 1], [0, i], label=f"{i}" * letters)
-    below(ax)
-    ax.figure.draw_without_rendering()
-    box = ax.get_legend().get_window_extent()
-    assert box.x0 >= 0.0
-    assert box.x1 <= ax.figure.bbox.width
-
-
 # -- Identification: poles, values, what a person changed, and what stands behind them
-
-
 @pytest.fixture(scope="module")
 def unsteady():
-    """A record with a value that does not stand still."""
     return four_masses.identified(13)
 
 
 def verticals(ax, kind):
-    """Frequencies of the lines that look as ``kind`` should."""
     colour, dash = LOOKS[kind]
     sample = ax.axvline(0.0, ls=dash_of(dash), lw=1.1, color=colour)
     sample.remove()
@@ -133,40 +118,6 @@ def verticals(ax, kind):
 
     lines = [line for line in ax.lines if len(line.get_xdata()) == 2]
     return [line.get_xdata()[0] for line in lines if look(line) == look(sample)]
-
-
-def test_poles_are_counted_and_the_accepted_named(identified, ax):
-    diagram = identified.diagrams[0]
-    figures.plot_stabilization(diagram, ax=ax)
-    unstable, stable = ax.lines[:2]
-    assert len(stable.get_xdata()) == sum(int(s.sum()) for s in diagram.stable)
-    assert len(unstable.get_xdata()) + len(stable.get_xdata()) == sum(map(len, diagram.freq_hz))
-    assert figures.data_of(ax)["poles"]["stable"].sum() == len(stable.get_xdata())
-    assert texts(ax) == [f"{f:.2f} Hz" for f in diagram.identified]
-    assert len(diagram.identified) == 3
-    assert ax.get_xlim() == diagram.band_hz
-
-
-def test_clusters_show_every_pole_once_and_square_the_damping_of_values(unsteady, ax):
-    diagram = unsteady.diagrams[0]
-    figures.plot_damping_clusters(diagram, ax=ax)
-    shown = {line.get_label(): line for line in ax.lines}
-    damping, stable = 100 * np.concatenate(diagram.damping_ratio), np.concatenate(diagram.stable)
-    high = damping >= LEAST_PERCENT
-    np.testing.assert_allclose(shown["stable pole"].get_ydata(), damping[stable & high])
-    np.testing.assert_allclose(shown["pole, not stable"].get_ydata(), damping[~stable & high])
-    foot = shown.get(f"pole with less than {LEAST_PERCENT:g} %, or none")
-    assert (0 if foot is None else len(foot.get_xdata())) == int((~high).sum())
-    assert ax.get_ylim()[0] == LEAST_PERCENT
-    assert ax.get_ylim()[1] > damping.max()
-    negative = replace(diagram, damping_ratio=tuple(-np.abs(d) for d in diagram.damping_ratio))
-    figures.plot_damping_clusters(negative, ax=(without := Figure().subplots()))
-    foot = line_of(without, f"pole with less than {LEAST_PERCENT:g} %, or none")
-    assert set(foot.get_ydata()) == {LEAST_PERCENT}
-    squares = shown["damping of the value"]
-    np.testing.assert_allclose(squares.get_xdata(), diagram.identified)
-    np.testing.assert_allclose(squares.get_ydata(), 100 * diagram.identified_damping)
-    assert texts(ax) == [f"{f:.2f} Hz" for f in diagram.identified]
 
 
 @pytest.mark.parametrize("kind", DIAGRAMS)
@@ -185,7 +136,6 @@ def test_values_that_do_not_stand_still_have_a_dash_of_their_own(unsteady, ax, k
     assert verticals(ax, resting) == [diagram.identified[0], diagram.identified[2]]
     assert verticals(ax, moving) == [diagram.identified[1]]
     assert {resting, moving} <= set(labels(ax))
-    # Marks differ without colour: stable and not by their shape, the kinds of values by their dashes.
     markers = {line.get_label(): line.get_marker() for line in ax.lines if line.get_marker() != "None"}
     assert len(set(markers.values())) == len(markers)
     assert len({str(dash) for _, dash in LOOKS.values()}) == len(LOOKS)
@@ -201,20 +151,6 @@ def test_a_set_draws_what_was_edited_by_hand(unsteady, ax, kind):
     assert verticals(ax, "added by hand") == [3.3]
     assert verticals(ax, "accepted") == [first, third]
     assert texts(ax) == [f"{first:.2f} Hz", "3.30 Hz", f"({second:.2f} Hz)", f"{third:.2f} Hz"]
-
-
-def test_few_coherences_are_drawn_one_by_one_and_told_apart_without_colour(record, ax):
-    resp = ar.transmissibility(record, 2, nperseg=512)
-    figures.plot_coherence(resp, ax=ax, band_hz=BAND)
-    assert labels(ax)[:3] == ["dof 0", "dof 1", "dof 3"]  # the reference with itself is one everywhere
-    np.testing.assert_array_equal(ax.lines[1].get_ydata(), resp.coherence[1])
-    assert len({line.get_linestyle() for line in ax.lines[:3]}) == 3
-    assert ax.get_ylabel() == "Coherence with dof 2 (-)"
-    assert ax.get_xlim() == BAND
-    # Where noise alone would lie.
-    assert ax.lines[-1].get_ydata()[0] == pytest.approx(1.0 / resp.n_averages)
-    shown = (resp.freq_hz >= BAND[0]) & (resp.freq_hz <= BAND[1])
-    np.testing.assert_array_equal(figures.data_of(ax)["coherence"]["3"], resp.coherence[3, shown])
 
 
 def test_many_coherences_are_summed_up(ax):
@@ -263,8 +199,6 @@ def test_what_cannot_be_drawn_is_refused(record, judged):
 
 
 # -- Measured curves beside those of the model
-
-
 def test_transmissibility_of_the_very_model_lies_on_the_measurement(ax):
     freq = np.linspace(0.5, 9.0, 300)
     h = chain().frf(DOFS, 0, freq, damping_ratio=0.01)
@@ -288,8 +222,6 @@ def test_transmissibility_sum_peaks_at_the_antiresonances_and_leaves_out_0_hz(ax
 
 
 # -- Updating: differences and the search
-
-
 def test_differences_are_the_tables_and_grouped_by_response(updated, ax):
     table = updated.table
     figures.plot_differences(table, ax=ax)
@@ -314,17 +246,6 @@ def test_differences_mark_what_has_no_partner_and_name_several_forces(ax):
     assert "response and force dof" in ax.get_xlabel()
 
 
-def test_one_value_far_off_does_not_flatten_the_others(ax):
-    measured = np.full(12, 10.0)
-    before = measured * np.linspace(1.02, 1.1, 12)
-    before[3] = 61.7
-    table = ar.FrequencyTable(np.arange(12), np.zeros(12, int), measured, before, measured * 1.01)
-    figures.plot_differences(table, ax=ax)
-    assert 10.0 < ax.get_ylim()[1] < 20.0
-    assert "+517 %" in texts(ax)
-    assert figures.data_of(ax)["bars"]["before_percent"][3] == pytest.approx(517.0)
-
-
 def test_many_differences_keep_room_between_the_names_of_responses(ax):
     model = ar.MassSpringChain(np.ones(31), np.full(30, 500.0))
     nominal = ar.MassSpringChain(np.ones(31), np.full(30, 520.0))
@@ -341,18 +262,6 @@ def test_many_differences_keep_room_between_the_names_of_responses(ax):
     assert abs(np.dot(before[:3], [0.3, 0.6, 0.1]) - np.dot(after[:3], [0.3, 0.6, 0.1])) > 0.3  # in grey too
 
 
-def test_convergence_shows_each_island_and_the_migrations(damage, ax):
-    found = ar.update(damage.problem, optimizer=ar.IslandGA(polish=False, patience=5), rng=0, workers=1)
-    figures.plot_convergence(found, ax=ax)
-    history = found.history
-    assert len(history.migrations) > 0
-    assert sum(name.startswith("island") for name in labels(ax)) == history.cost.shape[1]
-    assert f"migration ({len(history.migrations)} in all)" in labels(ax)
-    np.testing.assert_array_equal(ax.lines[0].get_ydata(), history.cost[:, 0])
-    assert found.message in ax.get_title()
-    assert ax.get_xlim()[1] > history.nfev[-1]  # the last step is inside
-
-
 def test_convergence_of_any_search_down_to_zero(ax):
     ga = ar.IslandGA(islands=9, max_evaluations=3000)
     found = ga.minimize(lambda x: float(np.abs(x).sum()), [(0, 1)] * 2, rng=0)
@@ -363,11 +272,8 @@ def test_convergence_of_any_search_down_to_zero(ax):
 
 
 # -- Damage: losses, with and without a baseline, and hypotheses
-
-
 @pytest.fixture(scope="module")
 def halves():
-    """Every spring is two in parallel, which nothing can tell apart."""
     whole = chain(np.full(3, 500.0))
     terms = []
     for n in range(3):
@@ -423,20 +329,6 @@ def test_what_is_seen_only_above_the_axis_is_named_at_its_edge(damage, ax, monke
     assert "seen only from this loss on, in %" in labels(ax)
 
 
-@pytest.mark.parametrize(("names", "upright"), [(7, False), (30, True)])
-def test_names_stand_upright_where_they_would_run_into_each_other(names, upright):
-    model = ar.MassSpringChain(np.ones(names + 1), np.full(names, 500.0))
-    search = ar.IslandGA(max_evaluations=500)
-    result = ar.assess_damage(model, exact(model, [0, 1]), rng=0, workers=1, optimizer=search)
-    ax = Figure(figsize=(8.0, 4.0)).subplots()
-    result.plot(ax=ax)
-    ax.figure.draw_without_rendering()
-    ticks = ax.get_xticklabels()
-    assert len(ticks) == names
-    assert {tick.get_rotation() for tick in ticks} == {90.0 if upright else 0.0}
-    assert distinct([tick.get_window_extent() for tick in ticks])
-
-
 def test_bars_have_their_intervals_and_probabilities(judged, ax):
     judged.plot(ax=ax)
     bars = figures.data_of(ax)["bars"]
@@ -472,8 +364,6 @@ def test_hypotheses_are_bars_of_their_probability(halves, ax):
 
 
 # -- Structures
-
-
 @pytest.mark.parametrize("ground", [{}, {"ground_first_n_per_m": 80.0, "ground_last_n_per_m": 90.0}])
 def test_a_chain_shows_the_springs_it_has(ax, ground):
     model = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 400.0], **ground)
@@ -484,7 +374,6 @@ def test_a_chain_shows_the_springs_it_has(ax, ground):
     assert np.isfinite(springs["value"]).tolist() == [False, True, False, False][: len(springs["value"])]
     assert set(labels(ax)) == {"without a value", "accelerometer", "force"}
     assert texts(ax).count("ground") == len(ground)
-    # No loss at all has no scale that pretends to be one.
     alone = Figure().subplots()
     figures.plot_chain(model, dict.fromkeys(range(2), 0.0), ax=alone, label="Stiffness loss (%)")
     assert alone.get_title() == "Stiffness loss (%): 0 in every element"
@@ -500,8 +389,6 @@ def test_sections_are_told_apart_without_colour(ax):
 
 
 # -- Comparisons and tracks
-
-
 def sets_of(*tests):
     return [ar.AntiresonanceSet(0, {0: values}) for values in tests]
 
@@ -516,13 +403,6 @@ def test_tracks(ax, kind, conditions):
     assert {"10.00 Hz", "20.00 Hz", "30.00 Hz", "new", "lost"} <= set(labels(ax))
     with pytest.raises(ar.InvalidInputError, match="^dof: got 7"):
         followed.plot(7)
-
-
-@pytest.mark.parametrize(("kind", "level"), [("frequency", 20.2), ("change", 1.0)])
-def test_a_loss_is_marked_at_the_first_test_that_lacks_the_value(ax, kind, level):
-    followed = ar.track(sets_of([10.0, 20.0], [10.1, 20.2], [10.2], [10.3]), [0.0, 5.0, 20.0, 30.0])
-    mark = line_of(followed.plot(0, kind=kind, ax=ax), "lost")
-    assert (np.ravel(mark.get_xdata())[0], np.ravel(mark.get_ydata())[0]) == (20.0, pytest.approx(level))
 
 
 def test_a_comparison(ax):

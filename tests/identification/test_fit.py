@@ -28,14 +28,12 @@ def test_zeros_are_those_of_each_output(constraint):
     assert np.allclose(fit.evaluate(freq), values, rtol=0, atol=1e-8 * np.abs(values).max())
     assert np.allclose(fit.poles.freq_hz, [8.0, 19.0], rtol=1e-9)
     assert np.allclose(fit.zeros[1].freq_hz, [4.0, 25.0], rtol=1e-9)
-    # A zero in the right half plane has negative damping.
     assert np.allclose(fit.zeros[1].damping_ratio, [0.03, -0.01], atol=1e-9)
     near = fit.zeros[0].freq_hz[np.argmin(np.abs(fit.zeros[0].freq_hz - 12.0))]
     assert near == pytest.approx(12.0, rel=1e-9)
 
 
 def test_improper_quotients_and_reweighting_that_need_not_converge():
-    # T_pj with p nearer the force has more zeros than poles.
     freq = np.linspace(1.0, 30.0, 600)
     s = 1j * freq
     values = (s**2 + 0.1 * s + 36.0) * (s**2 + 0.2 * s + 400.0) / (s**2 + 0.3 * s + 144.0)
@@ -102,6 +100,5 @@ def test_noise_costs_accuracy_in_proportion():
     assert errors[0] < 1e-10
     assert errors[1] / errors[0] == pytest.approx(100.0, rel=0.05)
     assert errors[2] < 1e-5
-    # An order above the true one does not lose the poles.
     found = ar.fit_rational(freq, values, 26).poles.s
     assert np.max(np.abs(found - poles[:, None]).min(axis=1) / np.abs(poles)) < 1e-10

@@ -92,7 +92,6 @@ def test_files_and_series_keep_it():
             np.testing.assert_array_equal(again.followed[dof], zeros.followed[dof])
             np.testing.assert_array_equal(again.not_seen[dof], zeros.not_seen[dof])
     assert zeros.not_seen[0].tolist() == [30.0]
-    # A value that is added by hand is of no value that was followed.
     more = zeros.add(0, 70.0)
     assert more.followed[0].tolist() == [*zeros.followed[0], -1]
     frame = more.to_dataframe().set_index("freq_hz")

@@ -16,7 +16,6 @@ from tests.support.checked_records import BAND, MASS, STIFFNESS, TRUTH
 
 @pytest.fixture(scope="module")
 def lines():
-    """Exact responses, with the signal-to-noise ratio of a good test."""
     freq = np.arange(3.0, 130.0, 1 / 16)
     x = accelerance(STIFFNESS, MASS, 0, freq, 0.01)
     size = np.linalg.norm(x, axis=0)
@@ -41,7 +40,6 @@ def test_exact_responses_give_all_antiresonances(lines, row):
     assert found.identified.size == TRUTH[row].size
     # abs(s) of the damped zero differs from the undamped root by less than this.
     assert np.abs(found.identified / TRUTH[row] - 1.0).max() < 1e-3
-    # Modal damping of 1 % makes antiresonances of 0.5 to 1.07 %.
     assert np.all((found.identified_damping > 0.004) & (found.identified_damping < 0.012))
 
 
@@ -61,7 +59,6 @@ def test_the_papers_curve_has_its_peaks_at_the_antiresonances(lines):
 
 
 def identified(structure, record, **options):
-    """Found and false values under preset="paper"."""
     found = ar.identify_antiresonances(
         record, excitation=0, band_hz=structure.band_hz, preset="paper", check="off", **options
     )  # says nothing: warnings are errors here

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.identification.local_fits import fits, stretches
-from antires_rs.identification.stability import false_values
 from antires_rs.signals.averaging import Averaging, holds_hits
 from tests.support.campaign import some_of
 from tests.support.measured_data import DATA, needs_hits, needs_shake_table
@@ -23,22 +21,6 @@ def chain():
 def record(model, noise, seed):
     made = {"excitation": 0, "fs_hz": 400.0, "duration_s": 200.0, "damping_ratio": 0.01}
     return model.simulate(**made, noise=noise, rng=seed)
-
-
-def test_zeros_of_exact_directions():
-    freq = np.linspace(8.0, 12.0, 60)
-    numerators = np.stack(
-        [(freq - 9.3 - 0.05j) * (freq - 14.0), (freq - 10.7 - 0.02j) * (freq - 5.0), 1.0 + 0.2j * freq],
-        axis=1,
-    )
-    phases = np.exp(1j * np.random.default_rng(0).uniform(0.0, 6.0, 60))
-    vectors = numerators / np.linalg.norm(numerators, axis=1, keepdims=True) * phases[:, None]
-    (stretch, *_) = stretches(freq, 1.5, 48)
-    (local,) = fits([stretch], freq, [vectors[None, stretch.lines]], np.ones(60), (2, 3))
-    for order in (2, 3):
-        zeros = local.zeros(order, [0, 1])[0]
-        assert np.abs(zeros[0] - (9.3 + 0.05j)).min() < 1e-9
-        assert np.abs(zeros[1] - (10.7 + 0.02j)).min() < 1e-9
 
 
 @pytest.mark.parametrize(("noise", "least"), some_of([(0.05, 23), (0.01, 25)]))
@@ -128,8 +110,3 @@ def test_one_hit_in_noise(seconds):
         assert np.abs(zeros["floor 2"] / value - 1.0).min() < 0.02
     # Its dip near 10 Hz is filled with noise, which may show one more value there.
     assert sum(map(len, zeros.values())) <= 3
-
-
-def test_the_bound_on_false_values_is_that_of_meinshausen_and_buehlmann():
-    bound = false_values(np.array([0.5, 0.75, 1.0]), 5.0, 100.0)
-    assert bound == pytest.approx([5.0 / 0.5, 25.0 / 100.0 / 0.5, 25.0 / 100.0])

@@ -32,7 +32,6 @@ def assert_modes(found, freq_rel, damping_rel, mac=0.99, damping=0.01):
 
 @pytest.mark.parametrize("power", [0, 1, 2])
 def test_exact_frfs_of_any_quantity(power):
-    """Receptance, mobility and accelerance have the same resonances and shapes."""
     values = accelerance(STIFFNESS, MASS, 0, FREQ, 0.01) * (2j * np.pi * FREQ) ** (power - 2)
     found = ar.identify_modes(ar.FrequencyResponse(FREQ, values), band_hz=BAND)
     assert_modes(found, 1e-6, 1e-4, mac=1 - 1e-6)
@@ -43,7 +42,6 @@ def test_exact_frfs_of_any_quantity(power):
 
 
 def test_a_record_at_one_percent_noise_with_force_and_without():
-    # Measured: 6e-6 and 0.006. The bar is 0.1 %, 5 %, 0.99.
     assert_modes(ar.identify_modes(record(), band_hz=BAND), 1e-4, 0.02, mac=0.9999)
     # Scatter about twice that which no method beats; four standard deviations of it.
     found = ar.identify_modes(record(seed=13, duration_s=400.0), band_hz=BAND, route="responses")
@@ -81,7 +79,6 @@ def test_a_selection_of_channels_and_their_labels():
 
 
 def test_modes_just_outside_the_band_do_not_spoil_the_shapes():
-    """Of the exhaust: rigid-body modes up to 2.6 Hz below a band from 8 Hz, a mode at 269.7 Hz above it."""
     case, tested = exhaust(), TestedStructure(0)
     rec = case.experiment(0, duration_s=120.0, rng=0)
     inside = (tested.freq_hz > 8.0) & (tested.freq_hz < 260.0)
@@ -89,7 +86,6 @@ def test_modes_just_outside_the_band_do_not_spoil_the_shapes():
     for route in ("frf", "responses"):
         found = ar.identify_modes(rec, band_hz=(8.0, 260.0), route=route)
         assert np.allclose(found.freq_hz, true.freq_hz, rtol=2e-3, atol=0)
-        # Measured 0.9998 and 0.9999; without what lies around the band 0.40 and 0.37.
         assert np.diag(found.mac(true)).min() > 0.998
     # FRFs that end with the band leave nothing around it to fit.
     freq = np.arange(8.0, 260.1, 0.125)

@@ -27,7 +27,6 @@ REASONS |= {"sine": ("signal_to_noise", r"at \d.* % of the lines of the band, at
 
 
 def identified(source):
-    """The set, and all warnings as one text with their names."""
     with warnings.catch_warnings(record=True, action="always") as seen:
         found = ar.identify_antiresonances(source, excitation=0, band_hz=BAND)
     return found, "\n".join(str(one.message) for one in seen), {n for one in seen for n in one.message.about}
@@ -58,7 +57,6 @@ def test_it_says_so_and_why(case, seed):
 
 
 def test_an_ambient_record_is_not_of_one_force():
-    """Forces at all masses, each of its own."""
     chains = (structures.random_chain(1, k) for k in range(8))
     x = sum(one.record(noise=0.01, seed=10 + k, duration_s=60.0).responses for k, one in enumerate(chains))
     found, _, about = identified(ar.Recording(x, structures.FS_HZ))
@@ -69,7 +67,6 @@ def test_an_ambient_record_is_not_of_one_force():
 
 @pytest.mark.parametrize("kind", ["hit", "random"])
 def test_a_channel_in_noise_has_no_values(kind):
-    """Its values were "sure" once; those of the others stay."""
     one = structures.random_chain(1)
     shaken = kind == "random"
     x = one.record(noise=0.01, seed=1, duration_s=60.0).responses if shaken else nothing_to_find.hit(one, 1)
@@ -93,7 +90,6 @@ def test_a_channel_of_few_steps_is_told():
 
 
 def test_what_all_responses_share_is_left_out_with_its_reason():
-    """As a harmonic of a strong mode, at which every channel has a pole and a zero together."""
     f = np.linspace(1.0, 20.0, 400)
     noise = 1e-3 * np.random.default_rng(1).standard_normal(400)
     poles = ((5.0,), (5.0, 12.0), (5.0,))

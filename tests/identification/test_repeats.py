@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.signals.repeats import averaged
 from reference.matching import match
 from reference.measured import as_transmissibilities
 from reference.virtual_records import hit_record, random_record, true_antiresonances
@@ -44,7 +43,6 @@ def test_impacts_in_files_of_their_own(first):
     records = [impact(seed) for seed in range(first, first + 10)]
     scores, false = deviations(identified(records))
     assert (scores.size, false) == (28, 0)
-    # Over seeds 1000 to 1009 and 2000 to 2009 the scatter of the scores is 0.9 to 1.2.
     assert 0.6 < np.sqrt(np.mean(scores**2)) < 1.6
 
 
@@ -64,7 +62,6 @@ def test_impacts_in_one_file_are_those_in_several():
 def test_what_differs_from_record_to_record_is_in_the_errors(make):
     rng = np.random.default_rng(3)
     steady = identified([make(seed) for seed in range(6)])
-    # All frequencies 0.3 % up or down, from record to record: far above the noise of each.
     shifts = 3e-3 * rng.standard_normal(6)
     # The check takes it for a second force, and says that it may be this.
     moving = identified([make(seed, shift) for seed, shift in enumerate(shifts)], check="off")
@@ -74,18 +71,6 @@ def test_what_differs_from_record_to_record_is_in_the_errors(make):
         # Five degrees of freedom, and weights that are not those of a plain mean.
         assert np.all((told > 0.4 * expected) & (told < 2.0 * expected))
         assert np.all(steady.std_hz[dof] / steady[dof] < 0.3 * expected)
-
-
-def test_runs_of_a_shaker_are_averaged_together():
-    found = identified([shaken(seed) for seed in range(4)])
-    alone = identified(shaken(0))
-    scores, false = deviations(found)
-    assert (scores.size, false) == (28, 0)
-    common = [dof for dof in range(7) if alone[dof].size == found[dof].size]
-    gain = [np.median(found.std_hz[dof] / alone.std_hz[dof]) for dof in common]
-    assert len(gain) >= 5
-    assert 0.2 < np.median(gain) < 0.8  # 0.5 for four times the data, and longer segments fit
-    assert identified([shaken(0)]) == alone
 
 
 def test_channels_may_stand_in_another_order():
@@ -128,29 +113,6 @@ def test_records_that_do_not_belong_together_are_named():
         identified([ratios, other])
 
 
-def curves(seed, kind):
-    responses, force = random_record(STIFFNESS, MASS, seed=seed, duration_s=64.0, noise=0.01)
-    rec = ar.Recording(responses, FS, force=force)
-    if kind == "frf":
-        return ar.frf(rec, nperseg=4096)
-    return ar.transmissibility(rec, 2, nperseg=4096, estimator="rank1")
-
-
-@pytest.mark.parametrize("kind", some_of(["frf", "transmissibility"]))
-def test_curves_of_one_test_are_averaged_with_their_scatter(kind):
-    runs = [curves(seed, kind) for seed in range(6)]
-    mean = averaged(runs)
-    inside = (mean.freq_hz > 5) & (mean.freq_hz < 120)
-    # The mean over another six tests, as far off as the scatter says.
-    other = averaged([curves(seed, kind) for seed in range(6, 12)])
-    rows = [dof for dof in range(8) if kind == "frf" or dof != 2]
-    off = np.abs(mean.values - other.values) / np.sqrt(2 * (mean.std**2 + other.std**2) + 1e-300)
-    off = off[rows][:, inside]
-    assert 0.5 < np.median(off) < 1.2  # 0.83 for the modulus of a complex Gaussian
-    found = identified(runs)
-    assert sum(found[dof].size for dof in found) >= 26
-
-
 # ---- Curves of several tests: what moves a whole curve from test to test is in the errors
 SPRINGS = 5e4 * np.array([1.0, 0.8, 1.3, 0.9, 1.2, 0.7])
 SENSORS, ETA, WIDE, TESTS = (0, 1, 3, 5), 0.02, (8.0, 60.0), 6
@@ -166,7 +128,6 @@ def free_chain(springs):
 
 
 def of_one_test(shift, rng, *, noise=0.005, each=0.0):
-    """FRFs of one test, line by line."""
     springs = varied(shift, each, rng)
     freq = np.arange(5.0, 75.0, 0.1)
     dynamic = free_chain(springs) * (1.0 + 1j * ETA) - ((2 * np.pi * freq) ** 2)[:, None, None] * np.eye(7)
@@ -194,15 +155,12 @@ def test_what_moves_a_whole_curve_is_in_the_errors():
         compared += told.size
         assert np.all(moving.scores[dof]["averages"] == TESTS - 1 + 8)
     assert compared >= 9
-    # Without shifts what is left is how far the fits disagree.
     alone = np.concatenate([steady.std_hz[dof] / steady[dof] for dof in SENSORS])
     assert np.median(alone) < 0.3 * expected
-    # The average of the tests is where the average structure is.
     assert np.abs(moving[0] / truth(0) - 1.0 - shifts.mean()).max() < 1e-3
 
 
 def truth(dof, springs=SPRINGS):
-    """Damped zeros in the band."""
     zeros = true_antiresonances(free_chain(springs), np.eye(7), dof, 0) * np.sqrt(abs(1.0 + 1j * ETA))
     return zeros[(zeros > WIDE[0]) & (zeros < WIDE[1])]
 
@@ -240,5 +198,4 @@ def test_intervals_cover_what_other_tests_would_give(kind, first):
     assert len(scores) >= 36
     # 90 % of values on 5 + 8 degrees of freedom; all values of a list share its shifts, so that lists differ.
     assert np.mean(np.abs(scores) < 1.77) >= 0.8
-    # And are no excuse: with the noise they are little more than the scatter that there is.
     assert 0.7 < np.median(stated) < 1.7

@@ -122,7 +122,6 @@ def test_attributes_of_hdf5_tell_rate_and_unit(tmp_path, place):
 
 
 def test_jitter_is_no_drift(tmp_path):
-    """Drift is in wrong_files.txt."""
     jitter = np.arange(4001) / FS + RNG.uniform(-0.04, 0.04, 4001) / FS
     np.savez(tmp_path / "b.npz", time=jitter, a=RNG.standard_normal(4001))
     assert abs(ar.read_npz(tmp_path / "b.npz").fs_hz / FS - 1.0) < 1e-4

@@ -32,7 +32,6 @@ DOFS = st.one_of(
 
 
 def read(form, path, content, **options):
-    """What the reader makes of the content: None where it refuses it in its own words."""
     path.write_bytes(content)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -45,7 +44,6 @@ def read(form, path, content, **options):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """Bytes of a good file, by format."""
     folder, made = tmp_path_factory.mktemp("whole"), {}
 
     def make(name):
@@ -88,7 +86,6 @@ def recordings(draw):
 @settings(ONE_FILE, max_examples=examples(30))
 @given(record=recordings())
 def test_what_was_written_is_read(tmp_path, kind, record):
-    """Every bit of the values; names that a format cannot hold are refused when they are written."""
     path = tmp_path / f"any.{kind}"
     refused = None
     try:
@@ -116,8 +113,6 @@ def test_mutants(tmp_path, kind):
 
 
 # -- Cuts: row 3 of the files' bar on a few of each format; benchmarks/truncated_files.py takes 300
-
-
 @pytest.mark.parametrize("name", FORMATS)
 def test_no_cut_goes_unnoticed(tmp_path, name, own_process):
     counts, bad = truncation.judged(name, tmp_path, 5 if name.startswith(("MAT", "HDF5")) else 40)

@@ -10,6 +10,7 @@ from scipy.io import hb_write, mmwrite
 
 import antires_rs as ar
 from tests.support.paths import DOCS
+from tests.support.refusals import refused, unsuitable
 
 CHAIN = ar.MassSpringChain([1.0, 2.0, 1.5], [500.0, 400.0], ground_first_n_per_m=100.0)
 STIFFNESS, MASSES = CHAIN.stiffness(), CHAIN.mass()
@@ -50,8 +51,7 @@ def test_sparse_archives(tmp_path):
     masses, terms = scipy.sparse.csr_array(MASSES), [tmp_path / "S.npz"]
     same_chain(ar.read_matrices(tmp_path / "K.npz", masses, stiffness_terms=terms))
     np.savez(tmp_path / "other.npz", a=STIFFNESS)
-    with pytest.raises(ar.UnsuitableDataError, match="wanted a file of scipy.sparse.save_npz"):
-        ar.read_matrices(tmp_path / "other.npz", MASSES)
+    unsuitable("wanted a file of scipy.sparse.save_npz", ar.read_matrices, tmp_path / "other.npz", MASSES)
 
 
 def test_one_file_for_a_model(tmp_path):
@@ -100,35 +100,6 @@ def test_the_recipe_for_scikit_fem():
     np.testing.assert_allclose(found, exact, rtol=1e-4)
 
 
-SQUARE = "array real symmetric\n40 40\n" + "0\n" * 177 + "{}\n" + "0\n" * 642
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        # Found at random: SciPy wrote beyond its memory, or ended the process.
-        *(
-            f"array real {kind}\n{sizes}\n1.0\n1.0\n1.0\n"
-            for sizes in ("2 3", "3 2", "2 2_0", "-2 -2", "0 0")
-            for kind in ("symmetric", "skew-symmetric", "general")
-        ),
-        *(SQUARE.format(entry) for entry in ("0\0", "0x", "1 2", "", "nan-", "1e", "--1")),
-        "array real symmetric\n2 2\n1\0\n1\n1\n",
-        "coordinate real\0 general\n2 2 1\n1 1 1\n",
-        "coordinate real general\0\n2 2 1\n1 1 1\n",
-        *(f"coordinate real general\n2 2 1\n{entry}\n" for entry in ("3 1 1", "0 1 1", "1.5 1 1")),
-        "coordinate real general\n" + 2 * "99999999999999999999 " + "1\n1 1 1\n",
-        "array pattern general\n2 2\n1\n1\n1\n1\n",
-        "coordinate quaternion general\n2 2 1\n1 1 1\n",
-    ],
-)
-def test_what_is_damaged_is_refused(tmp_path, text):
-    file = tmp_path / "k.mtx"
-    file.write_bytes(b"%%MatrixMarket matrix " + text.encode())
-    with pytest.raises(ar.UnsuitableDataError):
-        ar.read_matrices(file, np.eye(2))
-
-
 POINTS = [(1, 1), (1, 2), (2, 1), (2, 2), (7, 3)]
 K = np.diag([5.0, 4.0, 3.0, 2.0, 1.5e6])
 for _i, _j, _value in ((0, 1, -1.0), (1, 2, -0.25), (2, 4, -1e-3)):
@@ -137,7 +108,6 @@ M = np.diag([1.0, 2.0, 3.0, 4.0, 5.0])
 
 
 def entries(matrix):
-    """Those of the lower triangle, column by column."""
     return [(i, j, matrix[i, j]) for j in range(5) for i in range(j, 5) if matrix[i, j]]
 
 
@@ -214,8 +184,7 @@ def test_op4_text(tmp_path, layout):
     file.write_text(op4_text(K, "KAA", layout) + op4_text(M, "MAA", layout))
     same(ar.read_matrices(file))
     file.write_text(file.read_text()[:-60])
-    with pytest.raises(ar.UnsuitableDataError, match="whole file of OUTPUT4"):
-        ar.read_matrices(file)
+    unsuitable("whole file of OUTPUT4", ar.read_matrices, file)
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
@@ -229,18 +198,15 @@ def test_op4_binary(tmp_path, layout, order, kind):
     same(ar.read_matrices(*files), rtol=1e-6 if kind == "f" else 1e-12)
     for cut in (5, 30, 61, len(files[0].read_bytes()) - 3):
         (tmp_path / "cut.op4").write_bytes(files[0].read_bytes()[:cut])
-        with pytest.raises(ar.UnsuitableDataError, match="cut.op4"):
-            ar.read_matrices(tmp_path / "cut.op4", M)
+        unsuitable("cut.op4", ar.read_matrices, tmp_path / "cut.op4", M)
 
 
 def test_complex_and_missing_matrices_are_told(tmp_path):
     file = tmp_path / "model.op4"
     file.write_text(op4_text(K, "KAA", "dense").replace("       2KAA", "       4KAA"))
-    with pytest.raises(ar.UnsuitableDataError, match="type 4; 1 and 2 are real"):
-        ar.read_matrices(file, M)
+    unsuitable("type 4; 1 and 2 are real", ar.read_matrices, file, M)
     file.write_text(op4_text(K, "KAA", "dense") + op4_text(K, "KGG", "dense"))
-    with pytest.raises(ar.InvalidInputError, match="the matrices KAA, KGG"):
-        ar.read_matrices(file)
+    refused("the matrices KAA, KGG", ar.read_matrices, file)
 
 
 @pytest.mark.parametrize("wide", [True, False])
@@ -274,8 +240,7 @@ def test_mass_without_all_rows_goes_to_those_of_the_stiffness(tmp_path):
     np.testing.assert_allclose(np.diag(mass), [M[i, i] if i in translations else 0.0 for i in range(5)])
     other = [line.replace("*                      2", "*                      9") for line in lines]
     (tmp_path / "m.pch").write_text("\n".join(other) + "\n")
-    with pytest.raises(ar.InvalidInputError, match=r"mass: got entries at node"):
-        ar.read_matrices(tmp_path / "k.pch", tmp_path / "m.pch")
+    refused(r"mass: got entries at node", ar.read_matrices, tmp_path / "k.pch", tmp_path / "m.pch")
 
 
 def test_abaqus(tmp_path):
@@ -307,8 +272,7 @@ def test_harwell_boeing(tmp_path):
     (tmp_path / "k.rsa").write_text("\n".join([*head, *places, *rows, ""]))
     same(ar.read_matrices(tmp_path / "k.rsa", M))
     (tmp_path / "k.rsa").write_text((tmp_path / "k.rsa").read_text()[:-25])
-    with pytest.raises(ar.UnsuitableDataError, match="7 of 8 numbers"):
-        ar.read_matrices(tmp_path / "k.rsa", M)
+    unsuitable("7 of 8 numbers", ar.read_matrices, tmp_path / "k.rsa", M)
 
 
 def test_files_of_ansys_name_the_package_they_need(tmp_path, monkeypatch):
@@ -349,7 +313,6 @@ def test_the_compiled_reader_of_ansys_runs_in_a_child(tmp_path, monkeypatch, own
     np.testing.assert_array_equal(model.stiffness().toarray(), [[2.0, -1.0], [-1.0, 1.0]])
     np.testing.assert_array_equal(model.mass().toarray(), np.diag([3.0, 4.0]))
     (tmp_path / "file.full").write_bytes(b"damaged")
-    with pytest.raises(ar.UnsuitableDataError, match="the reader ended with code 139"):
-        ar.read_matrices(tmp_path / "file.full")
+    unsuitable("the reader ended with code 139", ar.read_matrices, tmp_path / "file.full")
     for name in [each for each in sys.modules if each.split(".")[0] == "ansys"]:
         del sys.modules[name]

@@ -5,6 +5,7 @@ import pytest
 
 import antires_rs as ar
 from reference.io_signals import recording, response
+from tests.support.refusals import refused
 
 DATA = np.random.default_rng(0).standard_normal(100)
 
@@ -32,12 +33,9 @@ def test_what_is_written_keeps_to_the_proposal():
         assert isinstance(one["data"], np.ndarray)
         assert isinstance(one["name"], str)
         assert not {"unit", "timestamp", "signal", "sample_frequency", "Fs"} & set(one)
-    with pytest.raises(ar.InvalidInputError, match="^rec: got dofs .*; wanted dofs that differ as text"):
-        ar.to_sep005(recording(dofs=(1, "1")))
-    with pytest.raises(ar.InvalidInputError, match="^rec: got dofs"):
-        ar.to_sep005(recording(dofs=("force",)))
-    with pytest.raises(ar.InvalidInputError, match="^unit: got 'g'"):
-        ar.to_sep005(recording(), unit="g")
+    refused("^rec: got dofs .*; wanted dofs that differ as text", ar.to_sep005, recording(dofs=(1, "1")))
+    refused("^rec: got dofs", ar.to_sep005, recording(dofs=("force",)))
+    refused("^unit: got 'g'", ar.to_sep005, recording(), unit="g")
 
 
 def test_units_roles_and_time():
@@ -80,8 +78,7 @@ def test_units_roles_and_time():
     ],
 )
 def test_what_the_proposal_forbids_is_refused(channels, message):
-    with pytest.raises(ar.InvalidInputError, match=message):
-        ar.from_sep005(channels)
+    refused(message, ar.from_sep005, channels)
 
 
 ZEROS = ar.AntiresonanceSet(0, {0: [8.0, 3.0], "tip": [5.0], 2: []}, std_hz={0: [0.2, 0.1]})

@@ -51,7 +51,6 @@ def rows(head, *columns, **options):
 
 @call
 def hdf5(folder, rates, **options):
-    """Arrays by name, the rate of each in an attribute."""
     import h5py
 
     with h5py.File(folder / "a.h5", "w") as file:
@@ -75,7 +74,6 @@ def uff(folder, signal, change=bytes, write=None, **options):
 
 @call
 def other(folder, *sets, **options):
-    """A universal file of another program."""
     return ar.read_uff(written(folder / "a.uff", *sets), **options)
 
 
@@ -87,8 +85,17 @@ def measured(**more):
     return dataset(A, binary=0, **more)
 
 
+def spectrum(power):
+    return function(power + 0j, kind=2, node=5, reference=(5, 3), data_type=0)
+
+
+def response(step):
+    """As Siemens Testlab exports one."""
+    x = {"start_value": 0.0, "increment": step, "number_of_values": 32.0, "quantity": {"label": "Hz"}}
+    return {"x_values": x, "y_values": {"values": H.T, "quantity": {"label": "g/N"}}}
+
+
 def matrices(name, content, *more):
-    """A file of matrices, and what is given with it."""
     return raw(name, content.encode(), lambda path: ar.read_matrices(path, *more))
 
 
@@ -127,7 +134,6 @@ def parquet(folder, held, **options):
 
 @call
 def foreign(folder, name):
-    """A file of a format that is not read, on the command line."""
     (folder / name).write_bytes(b"something")
     with pytest.MonkeyPatch.context() as patch:
         said = []
@@ -207,6 +213,9 @@ MISTAKES = {
     "csv: a rate beside another time": rows("time,a", T, A, fs_hz=100.0),
     "csv: two forces": rows("time,a [N],b [N],c [g]", T, A, B, A),
     "csv: a force alone": rows("time,a [N]", T, A),
+    "csv: responses over time": rows("time,a [g/N]", T, A),
+    "csv: a time alone": text("time", "0", "1", "2", first="time"),
+    "csv: a step beside a time": rows("a,b", A, B, df_hz=1.0, first="time"),
     "csv: a NUL byte": raw("a.csv", b"time,a\n0,1\n\x00,2\n", ar.read_csv),
     "hdf5: rates that disagree": hdf5({"a": ("fs", 128.0), "b": ("fs", 64.0)}),
     "hdf5: a rate that no name tells": hdf5({"a": ("abtastung", 9.0)}),
@@ -217,7 +226,9 @@ MISTAKES = {
     "mat: an increment of zero": mat({"S": {"x_values": {"increment": 0.0}, "y_values": {"values": A}}}),
     "mat: cut in its head": raw("a.mat", b"MATLAB 7.3 MAT-file", ar.read_mat),
     "mat: a real response of ones": mat({"freq": F, "H1": np.ones(32)}),
+    "mat: two axes": mat({"S": response(0.5), "R": response(0.25)}),
     "uff: no dataset": raw("a.uff", b"nothing here\n", ar.read_uff),
+    "uff: a header alone": raw("a.uff", b"    -1\n   151\na header\n    -1\n", ar.read_uff),
     "uff: a cut set": uff(RECORD, lambda data: data[:-200]),
     "uff: FRFs without reference to choose": uff(FRFS, reference="7+Z"),
     "uff: a sensor that did not stay": uff(FRFS, write={"excitation": "1+X"}, roving="9+Z"),
@@ -240,13 +251,19 @@ MISTAKES = {
     "uff: a step of zero": other(measured(step=0.0)),
     "uff: an unknown unit": other(measured(unit="V")),
     "uff: several runs": other(*[measured()] * 3),
+    "uff: records of two rates": other(measured(), measured(node=2, step=0.1)),
+    "uff: a complex record": other(dataset(H[0], binary=0)),
+    "uff: a spectrum that is not positive": other(spectrum(A), function(kind=3, reference=(5, 3))),
+    "uff: spectra of other lines": other(spectrum(np.ones(9)), function(kind=3, reference=(5, 3))),
     "uff: two dofs at one point": uff(RECORD, write={"dofs": {"1+X": (1, 0), "2+X": (1, 0)}}),
     "uff: a force that is no point": other(measured(), force="77Q"),
     "uff: a time with a gap": other(measured(even=0, x=np.where(T < 0.2, T, T + 0.05))),
     "uff: written in g": uff(RECORD, write={"unit": "g"}),
     "uff: a dof without point": uff(RECORD, write={"dofs": {"1+X": (1, 0)}}),
+    "uff: points that are none": uff(RECORD, write={"dofs": 7}),
     "uff: a label that is too long": uff(ar.Recording([A], 128.0, dofs=["x" * 100])),
     "sep005: written in g": lambda folder: ar.to_sep005(RECORD, unit="g"),
+    "sep005: responses": lambda folder: ar.to_sep005(FRFS),
     "tdms: two rates": tdms([SET, {**SET, "wf_increment": 0.1}], A, B[:9]),
     "tdms: no rate": tdms([{"unit_string": "g"}], A),
     "tdms: no unit": tdms([{"wf_increment": 0.1}], A),
@@ -266,6 +283,7 @@ MISTAKES = {
     "excel: no sheet of that name": sheet(["time", "a"], [0.0, 1.0], sheet="run 2"),
     "parquet: texts": parquet({"time": T, "a": ["x"] * 64}),
     "parquet: empty cells": parquet({"time": T, "a": [None, *A[1:]]}),
+    "parquet: one row": parquet({"time": T[:1], "a": A[:1]}),
     "file: a folder in place of a file": lambda folder: ar.read_npz(folder),
     "file: empty": raw("a.npz", b"", ar.read_npz),
     "file: a number in place of a name": lambda folder: ar.read_csv(7),

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.io.data_frames import rows_of
 from antires_rs.measured.edits import Edit
 
 HOW = ["chain", "persistent", "chain"]
@@ -34,23 +33,10 @@ def test_dropping_leaves_the_set_as_it_was_and_keeps_a_record():
     assert after.std_hz[0].tolist() == [0.3, 0.2]
     assert after.scores[0]["rows"].tolist() == [25, 30]
     assert after.diagrams == before.diagrams
-    # What is not known of the value (its residual) is not in the record.
     edit = Edit("drop", 0, 12.2, "mains hum", 0.01, 0.1, {"rows": 11, "how": "persistent"})
     assert after.edits == (edit,)
     assert after.original() is before.original() is before
     assert scored().drop(0, 14.0, tol_hz=3.0)[0].tolist() == [20.0, 36.2]
-
-
-def test_several_at_once_and_in_order():
-    fewer = scored().drop(0, [36.2, 12.2], reason="a")
-    after = fewer.add(1, [30.0, 5.0], damping_ratio=[0.02, 0.01], std_hz=0.5)
-    assert after[0].tolist() == [20.0]
-    assert after[1].tolist() == [5.0, 8.0, 30.0]
-    np.testing.assert_array_equal(after.damping_ratio[1], [0.01, np.nan, 0.02])
-    np.testing.assert_array_equal(after.std_hz[1], [0.5, np.nan, 0.5])
-    edits = [("drop", 36.2), ("drop", 12.2), ("add", 30.0), ("add", 5.0)]
-    assert [(e.action, e.freq_hz) for e in after.edits] == edits
-    assert after.original() == scored()
 
 
 def test_adding_without_companions_makes_none_up():
@@ -109,19 +95,6 @@ REFUSED += [(lambda s: s.relabelled(0, {0: 3, 1: 3}), "^dofs: got 3 for two of")
 def test_what_cannot_be_edited_is_told(call, said):
     with pytest.raises(ar.InvalidInputError, match=said):
         call(scored())
-
-
-def test_rows_of_the_data_frame():
-    """The part of to_dataframe that needs no pandas."""
-    names, rows = rows_of(scored().drop(0, 20.0).add(0, 15.0, damping_ratio=0.05))
-    assert names == ["dof", "freq_hz", "damping_ratio", "std_hz", "source", "rows", "how", "residual"]
-    assert [(r["freq_hz"], r["source"], r["how"]) for r in rows[:3]] == [
-        (12.2, "identified", "persistent"),
-        (15.0, "by hand", "by hand"),
-        (36.2, "identified", "chain"),
-    ]
-    assert rows[1]["damping_ratio"] == 0.05
-    np.testing.assert_equal(list(rows[3].values()), [1, 8.0, np.nan, np.nan, "identified", None, None, None])
 
 
 def set_first(mapping):

@@ -10,12 +10,12 @@ import scipy.sparse
 
 import antires_rs as ar
 from tests.models.shared import bordered_receptance, random_structure, same_matrices
+from tests.support.refusals import refused
 
 K, M, _ = random_structure(1, 6)
 
 
 def constrained(seed=2, n=12):
-    """A structure and three equations of three dofs each."""
     k, m, rng = random_structure(seed, n)
     c = np.zeros((3, n))
     for row in c:
@@ -28,7 +28,6 @@ def model_of(made, **options):
 
 
 def assert_zeros(k, m, c, ends, zeros):
-    """The response of the bordered system changes its sign at each."""
     assert zeros.size
     for hz in zeros:
         below, above = (bordered_receptance(k, m, c, *ends, hz * (1.0 + step)) for step in (-1e-6, 1e-6))
@@ -66,7 +65,6 @@ def test_sparse_rows_dicts_and_arrays_say_the_same():
 
 
 def test_a_rigid_slab_leaves_its_master():
-    """Forty columns' heads follow three dofs of the slab; each is taken out, the master stays."""
     rng = np.random.default_rng(0)
     xy = rng.uniform(-5.0, 5.0, (40, 2))
     equations = []
@@ -132,19 +130,16 @@ WRONG_EQUATIONS += [(scipy.sparse.csr_array(np.full((1, 6), 1j)), "constraints: 
 def test_wrong_equations_and_dofs_to_keep_are_refused(given, words):
     given = {"constraints": []} | given
     for call in (ar.eliminate_constraints, ar.MatrixModel):
-        with pytest.raises(ar.InvalidInputError, match=words):
-            call(K, M, **given)
+        refused(words, call, K, M, **given)
     for named in ({"constraints": [{"1:Z": 1.0}]}, {"keep": ["1:Z"]}):
-        with pytest.raises(ar.InvalidInputError, match="no names.*dofs="):
-            ar.MatrixModel(K, M, **named)
+        refused("no names.*dofs=", ar.MatrixModel, K, M, **named)
 
 
 @pytest.mark.parametrize("wrong", [3, "a", None, np.ones((2, 6)), np.ones(6), np.eye(3)])
 def test_matrices_that_are_none(wrong):
     for call in (ar.lagrange_rows, lambda k, m: ar.eliminate_constraints(k, m, [{1: 1.0}])):
         for given in ((wrong, M), (K, wrong)):
-            with pytest.raises(ar.InvalidInputError, match="(stiffness|mass): got"):
-                call(*given)
+            refused("(stiffness|mass): got", call, *given)
 
 
 # -- Inside a model: numbers and names stay, roots are those of the whole system
@@ -191,8 +186,7 @@ def test_lagrange_rows_of_an_export_are_taken_out_and_no_sensors():
     direct = ar.MatrixModel(k, m, constraints=c)
     np.testing.assert_allclose(model.modes().freq_hz, direct.modes().freq_hz, rtol=1e-9)
     np.testing.assert_allclose(model.antiresonances("3:Z", "5:Z"), direct.antiresonances(3, 5), rtol=1e-9)
-    with pytest.raises(ar.InvalidInputError, match="response: got multiplier 2, a Lagrange multiplier"):
-        model.antiresonances(13, 0)
+    refused("response: got multiplier 2, a Lagrange multiplier", model.antiresonances, 13, 0)
     with pytest.raises(ar.InvalidInputError, match=r"stiffness_terms\[0\]: got an entry in row 12, which is"):
         ar.MatrixModel(bordered, mass, stiffness_terms=[bordered])
 
@@ -237,10 +231,8 @@ def test_equations_that_repeat_others_but_for_the_last_digits_are_told():
     k, m, _ = random_structure(3, 8)
     row = {2: 1.0, 4: -0.5, 6: 0.25}
     almost = {dof: value * (1.0 + 1e-7 * dof) for dof, value in row.items()}
-    with pytest.raises(ar.InvalidInputError, match=r"constraints\[1\].* at .*4, 6"):
-        ar.MatrixModel(k, m, constraints=[row, almost])
-    with pytest.raises(ar.InvalidInputError, match=r"constraints\[2\]"):
-        ar.eliminate_constraints(k, m, [row, {1: 1.0, 3: -1.0}, almost])
+    refused(r"constraints\[1\].* at .*4, 6", ar.MatrixModel, k, m, constraints=[row, almost])
+    refused(r"constraints\[2\]", ar.eliminate_constraints, k, m, [row, {1: 1.0, 3: -1.0}, almost])
     exact = ar.MatrixModel(k, m, constraints=[row, {dof: 3.0 * value for dof, value in row.items()}])
     assert exact.modes().freq_hz.size == 7
 
@@ -251,8 +243,7 @@ def test_dofs_that_an_equation_holds_or_joins(what):
     model = ar.MatrixModel(k, m, constraints=[{3: 1.0, 5: 1.0}, {3: 1.0, 5: -1.0}, {6: 2.0}])
     for dof in (3, 5, 6):
         ends = {"response": 0, "excitation": 1, what: dof}
-        with pytest.raises(ar.InvalidInputError, match=rf"{what}: got dof {dof}, which .* hold at zero"):
-            model.antiresonances(**ends)
+        refused(rf"{what}: got dof {dof}, which .* hold at zero", model.antiresonances, **ends)
     joined = ar.MatrixModel(K, M, constraints=[{2: 1.0, 5: -1.0}])
     np.testing.assert_array_equal(*joined.antiresonances([2, 5], 0))
     with pytest.raises(ar.InvalidInputError, match=r"dofs: got dof 2, dof 5 together"):

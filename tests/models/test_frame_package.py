@@ -24,7 +24,6 @@ SPACE_NODES = np.array(SPACE.split(), dtype=float).reshape(-1, 3)
 
 
 def elements(beams, pipes):
-    """Nodes and section of each."""
     sections = [(beams, "beam"), (pipes, "pipe")]
     return [(int(a), int(b), section) for pairs, section in sections for a, b in pairs.split()]
 

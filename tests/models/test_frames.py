@@ -124,41 +124,15 @@ def picture():
 
 
 def test_the_picture_has_every_element_numbered_and_what_it_carries():
-    model = frame(point_masses=[(2, 1.0)], ground_springs=[(0, "v", 1e3)], fixed=[(3, "u")])
+    springs = {"ground_springs": [(0, "v", 1e3), (1, "theta", 9.0)], "node_springs": [(0, 3, 1e4)]}
+    model = frame(point_masses=[(2, 1.0)], fixed=[(3, "u")], **springs)
     options = {"sensors": [model.dof(1, "v"), model.dof(4, "u")], "excitation": model.dof(2, "theta")}
     ax = model.plot(ax=picture(), **options)
     assert [t.get_text() for t in ax.texts if t.get_text()] == [*"0123", *"01234"]  # elements, nodes
     names = {text.get_text() for text in ax.get_legend().get_texts()}
-    assert names == {"point mass", "spring to ground", "partly fixed", "accelerometer", "force", *NUMBERED}
+    held = {"point mass", "spring to ground", "node spring", "partly fixed"}
+    assert names == {*held, "accelerometer", "force", *NUMBERED}
     assert cantilever(3, 3).plot(ax=picture(), sensors=[2], excitation=8).get_ylabel() == ""
-
-
-def test_the_picture_has_springs_between_nodes_and_tells_kinds_of_support_apart():
-    springs, supports = [(0, 3, 1e4), (1, 4, 2e4)], [0, (4, "u"), (3, "theta")]
-    ax = frame(node_springs=springs, ground_springs=[(4, "v", 1e3)], fixed=supports).plot(ax=picture())
-    names = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert names == ["fixed", "partly fixed", "spring to ground", "node spring", *NUMBERED]
-    strokes = [line for line in ax.lines if len(line.get_xdata()) == 1 and line.get_xdata()[0] == NODES[4][0]]
-    # Across u; the triangle of the spring is drawn after it and smaller.
-    assert [line.get_marker() for line in strokes] == [(2, 2, 0.0), "v"]
-    assert strokes[0].get_markersize() > strokes[1].get_markersize()
-    coils = [line.get_xydata()[[0, -1]].tolist() for line in ax.lines if line.get_marker() == "D"]
-    assert coils == [[list(NODES[a]), list(NODES[b])] for a, b, _ in springs]
-
-
-@pytest.mark.parametrize(
-    ("values", "limits"),
-    [
-        ({2: 0.5, 1: 0.1}, (0.0, 0.5)),
-        ([2.0, 2.5, 2.2, 2.2], (0.0, 2.5)),
-        ([0.0, 0.0, 0.0, 0.0], (0.0, 1.0)),
-        ([-1.0, 0.0, 0.0, 0.0], (-1.0, 0.0)),
-    ],
-)
-def test_the_scale_of_values_starts_at_nothing(values, limits):
-    ax = frame().plot(values, ax=picture(), label="Stiffness loss")
-    assert next(c for c in ax.collections if c.get_array() is not None).get_clim() == limits
-    assert {scale.get_ylabel() for scale in ax.figure.axes[1:]} <= {"Stiffness loss"}
 
 
 def test_tables_of_a_frame_name_its_dofs_and_damage_takes_few_lines():

@@ -18,14 +18,12 @@ AGAINST_ARPACK = 1e-8
 
 
 def chain(n, k=1e6, m=2.0, held=False):
-    """Masses in a row, the first on a spring to the ground, the last too if held, as sparse matrices."""
     main, side = np.full(n, 2.0 * k), np.full(n - 1, -k)
     main[-1] = k * (1.0 + held)
     return sp.diags_array([side, main, side], offsets=[-1, 0, 1]).tocsc(), m * sp.eye_array(n, format="csc")
 
 
 def deleted(matrices, i, k):
-    """K and M without row i and column k."""
     n = matrices[0].shape[0]
     return [a[np.delete(np.arange(n), i)][:, np.delete(np.arange(n), k)] for a in matrices]
 
@@ -115,7 +113,6 @@ def test_modes_of_a_large_model_have_their_closed_form_and_all_of_them_no_room()
 
 
 def test_what_would_be_made_dense_is_refused():
-    """Without a limit; and with a spring of negative stiffness, as K + sigma M has no factor."""
     model = ar.MatrixModel(*chain(2500))
     for said, options in (
         ("got no limit for 2500 dofs", {}),
@@ -149,7 +146,6 @@ def exact_hz(m, row, column, limit_hz, apart=0.0):
     poles, parts = (own[:, None] + (1.0 + apart) * own).ravel(), np.outer(shape[:, row], shape[:, column])
     order = np.argsort(poles)
     poles, parts = poles[order], parts.ravel()[order]
-    # One pole for each frequency, and none without a part.
     first = np.flatnonzero(np.diff(poles, prepend=-1.0) > 1e-12 * poles)
     poles, parts = poles[first], np.add.reduceat(parts, first)
     poles, parts = poles[parts > 1e-12], parts[parts > 1e-12]

@@ -27,7 +27,6 @@ def band_hz(k_mat, m_mat, modes):
 
 
 def matches(freq_hz, others_hz, within=AGAINST_SCIPY):
-    """Which frequencies have one of the others near."""
     if others_hz.size == 0:
         return np.zeros(freq_hz.size, dtype=bool)
     return np.abs(others_hz / freq_hz[:, None] - 1.0).min(axis=1) <= within
@@ -61,7 +60,6 @@ def test_random_frames(seed):
 
 
 def straight(n_nodes, columns=2, length=2.0):
-    """A straight free tube along x; axial and bending motion do not know of one another."""
     nodes = np.column_stack([np.linspace(0, length, n_nodes), np.zeros((n_nodes, columns - 1))])
     elements = [(j, j + 1) for j in range(n_nodes - 1)]
     return assemble(nodes, elements, [(0.04, 0.002)] * len(elements))
@@ -98,7 +96,6 @@ def test_a_pole_between_two_zeros_cancels_one_of_them_when_it_cannot_be_seen(gap
 
 
 def square_tube():
-    """A straight space tube: every bending mode twice, axial and torsional motion apart."""
     k_mat, m_mat = straight(12, columns=3, length=1.5)
     k_mat[range(4), range(4)] += 4e3
     return k_mat, m_mat
@@ -138,7 +135,6 @@ def test_hard_pairs_are_the_same_by_bands_by_all_modes_and_by_the_pencil(name):
 
 # -- Soft springs
 def pipe(beams, wave, spring):
-    """2 m of tube, wavy or straight, on three springs and with a mass that breaks its symmetry."""
     nodes, tenth = [(2.0 * j / beams, wave * np.sin(j)) for j in range(beams + 1)], beams // 10
     springs = [(tenth, "v", spring), (9 * tenth, "v", spring), (tenth, "u", spring)]
     pairs, masses = [(j, j + 1) for j in range(beams)], [(3 * tenth, 2.0, 0.01)]
@@ -146,7 +142,6 @@ def pipe(beams, wave, spring):
 
 
 def test_a_root_at_two_hertz_that_was_lost():
-    """40 wavy beams: H changes its sign at 1.981 Hz."""
     model = pipe(40, 0.02, 500.0)
     i, k = model.dof(20, "u"), model.dof(2, "v")
     k_mat, m_mat = model.stiffness().toarray(), model.mass().toarray()

@@ -71,7 +71,6 @@ KINDS = [
     (ar.support_stiffness([0, 1], bounds=(0.0, 9e3), together=True), 3e3, {"hanger": 3e3}, 2e3),
     (ar.angle([2, 3], pivot=2, bounds_deg=TURN), 12.0, {"nodes": rotated(12.0, [3, 4], 2)}, 0.0),
     (ar.angle(1, 1, bounds_deg=TURN), -7.0, {"nodes": rotated(-7.0, [2, 3, 4, 5], 1)}, 0.0),
-    # The far end moves, and all beyond it.
     (ar.length(2, pivot=2, bounds=BOUNDS), 1.1, moved([3, 4], [0.05, 0.01]), 1.0),
     (ar.length(2, pivot=3, bounds=BOUNDS), 1.1, moved([0, 1, 2, 5], [-0.05, -0.01]), 1.0),
     (ar.position([0, 5], "y", bounds_m=SHIFT, together=True), 0.05, moved([0, 5], [0.0, 0.05]), 0.0),
@@ -88,10 +87,8 @@ def test_each_kind_gives_the_model_built_with_the_value(parameter, value, change
     same_matrices(updated, expected)
     np.testing.assert_allclose(updated.nodes_m, expected.nodes_m, atol=ROUNDING)
     assert problem.cost([value]) > 1e-6
-    # The objective sees what the updated model shows.
     exact = ar.UpdatingProblem(MODEL, parameter, measured(expected))
     assert exact.cost([value]) < SOFT_ZERO * exact.measured_hz.size
-    # The updated model is nominal in its new state.
     again = ar.UpdatingProblem(updated, parameter, MEASURED)
     if parameter.nominal is None:
         assert again.nominal.tolist() == [value]
@@ -99,7 +96,6 @@ def test_each_kind_gives_the_model_built_with_the_value(parameter, value, change
 
 
 def test_parameters_of_a_chain_change_what_they_say():
-    """Against a chain that is built directly with the changed values."""
     masses, springs = np.array([1.0, 2.0, 3.0]), np.array([100.0, 200.0])
     model = ar.MassSpringChain(masses, springs, ground_last_n_per_m=50.0)
     parameters = [
@@ -139,7 +135,6 @@ def test_all_kinds_mix_with_terms_and_names_carry_units():
     assert updated.ground_springs[0].stiffness_n_per_m == pytest.approx(2200.0, rel=ROUNDING)
     rest = build(wall=0.0012, density=8000.0, nodes=rotated(5.0, [3, 4], 2))
     same_matrices(updated, rest.with_parameters(terms, x[:4]))
-    # Cost and batch agree bit by bit, in any order.
     grid = np.array([x, problem.nominal, x])
     np.testing.assert_array_equal(problem.evaluate_many(grid, workers=2), [problem.cost(row) for row in grid])
     assert MODEL.sections["pipe"].thickness_m == 0.0015  # the model itself is as it was
@@ -177,7 +172,6 @@ def test_parameters_act_one_after_the_other_and_the_description_tells_them():
     assert len(changed.description.applied) == 2
     assert changed.description.recipe == model.description.recipe
     assert changed.description != model.description
-    # A call without the constructor's arguments leaves the first model as it was.
     same_matrices(changed.from_description(model.description), model, within=0.0)
     hung = ar.FrameModel(NODES, ELEMENTS, MODEL.sections, node_springs=[(2, 4, 2e3)], fixed=[0])
     for unknown, value in ((ar.stiffness_factor(5, bounds=BOUNDS), 0.8), (ar.stiffness_reduction(5), 0.5)):

@@ -36,12 +36,10 @@ def cantilever(spring, n=12):
 
 
 def chain(tie):
-    """Five masses, the second and third joined."""
     return ar.MassSpringChain([1.0, 0.5, 0.7, 1.2, 0.8], [4e4, tie, 6e4, 5e4], ground_first_n_per_m=3e4)
 
 
 def tied_chain(tie):
-    """Thirty masses, two of the springs between them penalties."""
     rng = np.random.default_rng(1)
     springs = rng.uniform(3e4, 8e4, 29)
     springs[[12, 21]] = tie

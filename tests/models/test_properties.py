@@ -17,7 +17,6 @@ FEW = settings(
 
 @st.composite
 def chains(draw, grounded=None, largest=8):
-    """A chain of 2 to ``largest`` masses that differ by at most a factor of four."""
     n = draw(st.integers(2, largest))
     masses = draw(st.lists(st.floats(0.5, 2.0), min_size=n, max_size=n))
     springs = draw(st.lists(st.floats(5e3, 2e4), min_size=n - 1, max_size=n - 1))
@@ -50,7 +49,6 @@ def test_driving_point_zeros_interlace_the_resonances(model, dof):
 @FEW
 @given(chains(), st.integers(0, 7), st.integers(0, 7))
 def test_antiresonances_are_zeros_of_the_undamped_frf(model, i, k):
-    """At each of them H is far below what it is one per cent aside."""
     i, k = i % model.n_dof, k % model.n_dof
     zeros = model.antiresonances(i, k)
     resonances = model.modes().freq_hz
@@ -95,7 +93,6 @@ def test_objectives_are_finite_and_not_negative_everywhere(x, y):
 
 
 def test_the_objective_is_finite_where_an_element_is_lost_altogether():
-    """beta = 1 leaves two parts, of which the response may be on the far one."""
     losses = ar.stiffness_reduction(range(7), bounds=(0.0, 1.0))
     problem = ar.UpdatingProblem(CASE.model, losses, CASE.exact(), penalty=(0.1, 0.1))
     for corner in np.vstack([np.eye(7), np.ones((1, 7)), np.zeros((1, 7))]):
@@ -105,7 +102,6 @@ def test_the_objective_is_finite_where_an_element_is_lost_altogether():
 @FEW
 @given(factors, st.randoms(use_true_random=False))
 def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
-    """Dofs and values in any order: the same pairs, and the same cost but for the rounding of a sum."""
     exact = dict(UPDATING.measured[0])
     dofs = list(exact)
     random.shuffle(dofs)
@@ -123,7 +119,6 @@ def test_pairing_does_not_depend_on_the_order_of_the_measured_values(x, random):
 @FEW
 @given(severities)
 def test_the_truth_costs_nothing_but_its_penalty(beta):
-    """Targets from the model at x: at x only the penalties are left."""
     x = np.where(np.array(beta) < 1e-3, 0.0, beta)  # as they are snapped
     zeros = DAMAGE.model_at(x).antiresonances(range(8), 0)
     problem = CASE.damage_problem(ar.AntiresonanceSet(0, dict(enumerate(zeros))))

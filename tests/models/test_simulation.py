@@ -29,7 +29,6 @@ def test_shape_rate_dofs_and_force_and_the_same_record_for_a_seed():
     np.testing.assert_array_equal(a.responses, b.responses)
     assert not np.array_equal(record(rng=4).responses, record().responses)
     assert not np.array_equal(record(rng=None).responses, record(rng=None).responses)
-    # A generator moves on: the next record is another one.
     assert not np.array_equal(record(rng=generators[0]).responses, a.responses)
 
 
@@ -56,7 +55,6 @@ def test_noise_is_white_and_a_fraction_of_each_channels_rms():
 
 
 def test_a_record_is_not_periodic():
-    """A periodic one would have a spectrum without leakage, and hide what a real test has."""
     made = record(duration_s=32.0)
     whole = np.fft.rfft(made.responses[0]) / np.fft.rfft(made.force)
     freq = np.fft.rfftfreq(made.force.size, 1 / FS_HZ)

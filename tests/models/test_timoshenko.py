@@ -47,7 +47,6 @@ def exact_hz(left, right, count, area, inertia, kappa=KAPPA, length=LENGTH):
 
 
 def beam(n, section, fixed=(), space=False, **options):
-    """A straight beam along x that can only bend: axial motion is held."""
     nodes = np.zeros((n + 1, 3 if space else 2))
     nodes[:, 0] = np.linspace(0.0, LENGTH, n + 1)
     held = [(node, "u") for node in range(n + 1)]
@@ -103,7 +102,6 @@ def test_cowpers_coefficient_is_that_of_the_shape(shape, kappa):
     named, given = beam(3, shape), beam(3, replace(shape, shear_coefficient=kappa))
     same_matrices(named, given, within=10 * ROUNDING)
     assert named.sections[0] == shape  # and comes back as it was given
-    # A wall as a parameter carries shear along.
     thin, thick = (ar.Tube(0.08, wall, *STEEL, shear_coefficient="cowper") for wall in (0.004, 0.006))
     updated = beam(5, thin).with_parameters(ar.thickness(0, bounds=(0.002, 0.01)), [0.006])
     same_matrices(updated, beam(5, thick), within=0.0)

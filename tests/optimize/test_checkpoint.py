@@ -11,6 +11,7 @@ import antires_rs as ar
 from antires_rs.optimize.checkpoint import Checkpoint
 from tests.support.campaign import examples
 from tests.support.mutations import any_bytes, mutated
+from tests.support.refusals import refused, unsuitable
 
 NAME = "run.ckpt"
 #: Some two hundred generations with migrations, about a second.
@@ -33,7 +34,6 @@ def searched(path=None, **options):
 
 
 def part(path, generations):
-    """A search stopped after some generations."""
     return searched(path, callback=lambda state: state["nit"] >= generations)
 
 
@@ -47,7 +47,6 @@ def test_a_stopped_search_goes_on_to_the_same_bytes(tmp_path, whole):
     for generations in (7, 40, 41):
         assert part(path, generations).status == "callback"
     assert bytes_of(searched(path, workers=2)) == whole
-    # A finished search says again what it found, and needs no seed.
     again = searched(path, rng=None)
     assert bytes_of(again) == whole
     assert again.seed == 3
@@ -85,8 +84,7 @@ def test_a_damaged_file_gives_way_to_the_one_before(tmp_path, whole):
         assert bytes_of(searched(path)) == whole
     path.write_bytes(b"text")
     (tmp_path / f"{NAME}.previous").write_bytes(good[:50])
-    with pytest.raises(ar.UnsuitableDataError, match="wanted one that is whole"):
-        Checkpoint(path)
+    unsuitable("wanted one that is whole", Checkpoint, path)
 
 
 def test_another_search_is_refused_and_the_file_left_alone(tmp_path):
@@ -95,18 +93,27 @@ def test_another_search_is_refused_and_the_file_left_alone(tmp_path):
     before = path.read_bytes()
     other = ar.cases.chain8(perturbation=0.08, rng=2).updating_problem()
     for change in ({"rng": 4}, {"optimizer": ar.IslandGA(**SEARCH, islands=3)}, {"x0": problem().nominal}):
-        with pytest.raises(ar.InvalidInputError, match=r"^checkpoint: got run\.ckpt, the search of"):
-            searched(path, **change)
-    with pytest.raises(ar.InvalidInputError, match="another problem"):
-        ar.update(other, optimizer=ar.IslandGA(**SEARCH), rng=3, checkpoint=path)
+        refused(r"^checkpoint: got run\.ckpt, the search of", searched, path, **change)
+    refused("another problem", ar.update, other, optimizer=ar.IslandGA(**SEARCH), rng=3, checkpoint=path)
     for wrong, words in (
         (tmp_path / "no" / "x", "got"),
         (tmp_path, "got .*a file, not a folder"),
         (3, "got 3"),
     ):
-        with pytest.raises(ar.InvalidInputError, match=f"checkpoint: {words}"):
-            ar.update(other, checkpoint=wrong)
+        refused(f"checkpoint: {words}", ar.update, other, checkpoint=wrong)
     assert path.read_bytes() == before
+
+
+def test_a_search_of_another_layout_is_refused_by_name(tmp_path):
+    path = tmp_path / NAME
+    part(path, 5)
+    whole = path.read_bytes()
+    for layout, maker in ((b"1", "an older"), (b"9", "a newer")):
+        path.write_bytes(whole.replace(b"search 2", b"search " + layout, 1))
+        with pytest.raises(ar.UnsuitableDataError, match=rf"the search of {maker} .*layout") as told:
+            searched(path)
+        assert (told.value.argument, path.exists()) == ("checkpoint", True)
+        assert told.value.remedy
 
 
 def test_a_disk_that_fails_is_warned_of_and_the_search_goes_on(tmp_path, monkeypatch, whole):
@@ -130,7 +137,6 @@ ONE_FILE = settings(
 
 
 def search(path, **options):
-    """Two springs of three masses."""
     true = ar.MassSpringChain([1.0, 1.0, 2.0], [430.0, 420.0])
     zeros = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1], 0))))
     nominal = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 400.0])
@@ -140,7 +146,6 @@ def search(path, **options):
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
-    """A file of a search that was stopped, what it holds, and the end of that search."""
     path = tmp_path_factory.mktemp("good") / NAME
     search(path, callback=lambda state: state["nit"] >= 5)
     return path.read_bytes(), Checkpoint(path), search(None)
@@ -177,8 +182,7 @@ def test_a_good_file_gone_wrong(tmp_path, good, data):
     if (kept.seed, kept._problem) == (whole.seed, whole._problem):
         assert search(path).search.x.tobytes() == end.search.x.tobytes()
     else:
-        with pytest.raises(ar.InvalidInputError, match="the file of this very search"):
-            search(path)
+        refused("the file of this very search", search, path)
 
 
 @ONE_FILE

@@ -1,6 +1,5 @@
 """The island search on Python objectives: contract, not performance."""
 
-import time
 from functools import partial
 
 import numpy as np
@@ -125,7 +124,6 @@ def test_guesses_equal_bounds_and_costs_that_are_not_finite():
 
 
 def searched(native, **options):
-    """A search of the core's own objective or of one in Python."""
     if native:
         return ar.update(ar.cases.chain8().damage_problem(), rng=0, **options).search
     return ar.IslandGA().minimize(sphere, BOX, rng=0, **options)
@@ -184,25 +182,7 @@ def test_options_in_force_are_shown_and_the_algorithm_as_printed_is_one_call():
     assert ar.IslandGA(polish=False).options["agreement"] == "genes-or-cost"
 
 
-def test_progress_goes_to_standard_error_after_a_second(capsys, monkeypatch):
-    from antires_rs.support import progress as _progress
-
-    monkeypatch.setattr(_progress, "FIRST_S", 0.0)
-    monkeypatch.setattr(_progress, "EVERY_S", 0.001)
-    small = ar.IslandGA(islands=1, population=10, max_generations=3)
-    small.minimize(lambda x: time.sleep(1e-3) or sphere(x), BOX, rng=0, progress=True)
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert "evaluations" in shown.err
-    assert shown.err.endswith("\n")
-    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0, progress=False)
-    ar.IslandGA(max_generations=3).minimize(sphere, BOX, rng=0)
-    assert capsys.readouterr().err == ""
-
-
 def test_a_polished_function_has_exact_zeros():
-    """One damage of seven, each further one to be paid for."""
-
     def penalised(x):
         misfit = np.abs(x - np.array([0, 0, 0.55, 0, 0, 0, 0])).sum()
         return float(misfit + 0.1 * x.sum() + 0.1 * np.count_nonzero(x))

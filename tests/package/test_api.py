@@ -55,8 +55,6 @@ def test_the_version_is_the_packages():
 
 
 # -- ``import antires_rs`` waits for nothing, and still shows everything to users, editors and type checkers
-
-
 HERE = Path(ar.__file__).parent
 MODULES = sorted({module.name for module in pkgutil.iter_modules([str(HERE)])} - {"__main__"})
 #: What no import of ours may cost.
@@ -110,7 +108,6 @@ def test_an_unknown_name_is_answered_as_python_does():
 
 
 def test_a_broken_installation_is_not_taken_for_an_unknown_name():
-    """And everything is listed before it is imported."""
     code = (
         "import sys; sys.modules['numpy'] = None\nimport antires_rs\nprint(*dir(antires_rs))\n"
         "for name in ('Recording', 'frf'):\n"

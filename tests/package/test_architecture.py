@@ -34,7 +34,6 @@ def first_line(path):
 
 
 def files(root, ending):
-    """Files of a folder of rooms, room by room; the root's own first."""
     own = sorted(root.glob(f"*.{ending}"))
     yield from ((root.name, path) for path in own)
     for room in folders(root):
@@ -91,8 +90,6 @@ def test_the_index_is_made_of_the_first_lines():
 
 
 # -- Rules of the house that code can check: arrows between packages, cycles, sizes of rooms
-
-
 PACKAGE = ROOT / "python/antires_rs"
 #: Modules of a room, at most.
 MOST_MODULES = 30

@@ -9,17 +9,14 @@ from antires_rs import figures as plotting
 from antires_rs.figures.report import write_report
 from tests.support.four_masses import exact
 
-#: The damaged element of both structures, and its loss.
 HIT, LOSS = 2, 0.4
 
 
 def named(text, what):
-    """Numbers that a text gives to things of this kind."""
     return {int(number) for number in re.findall(rf"\b{what}s? (\d+)", text, re.IGNORECASE)}
 
 
 def test_a_spring_has_one_number_in_all_that_is_said_and_drawn(tmp_path, quick_pictures):
-    """Of a free chain, its third spring softened."""
     springs = np.full(5, 500.0)
     weaker = springs * np.where(np.arange(5) == HIT, 1.0 - LOSS, 1.0)
     model, damaged = (ar.MassSpringChain(np.ones(6), each) for each in (springs, weaker))
@@ -36,10 +33,7 @@ def test_a_spring_has_one_number_in_all_that_is_said_and_drawn(tmp_path, quick_p
     bars = plotting.data_of(found.plot())["bars"]
     assert bars["name"][bars["element"] == HIT].tolist() == [name]
     drawn = plotting.plot_chain(model, {HIT: 100.0 * LOSS})
-    springs = plotting.data_of(drawn)["springs"]
-    assert springs["name"][springs["element"] == HIT].tolist() == [name]
     assert [text.get_text() for text in drawn.texts] == [str(e) for e in range(5)]
-    assert [text.get_text() for text in drawn.get_xticklabels()] == [str(dof) for dof in range(6)]
     html = write_report(found, tmp_path / "r.html").read_text(encoding="utf-8")
     answer = re.search(r'<p class="answer">(.*?)</p>', html)[1]
     assert named(answer, "spring") == {HIT}

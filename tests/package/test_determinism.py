@@ -12,7 +12,6 @@ SEARCH = {"max_evaluations": 6000, "patience": 5, "improvement_tolerance": 0.02}
 
 
 def everything(result):
-    """Every number of a search, as bytes."""
     search, history = result.search, result.search.history
     arrays = search.x, history.nfev, history.cost, history.migrations
     arrays += search.populations, search.population_costs

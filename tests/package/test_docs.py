@@ -87,7 +87,6 @@ def test_the_steps_on_the_command_line_run(tmp_path, monkeypatch, capsys):
 
 
 def names_of(listing):
-    """What the autosummary tables of a page list."""
     tables = re.findall(r"\.\. autosummary::\n(?:   :.*\n)*\n((?:   [\w.]+\n)+)", listing)
     return [name.strip() for table in tables for name in table.splitlines()]
 
@@ -128,8 +127,6 @@ def test_the_pages_are_read_without_a_warning(tmp_path):
 
 
 # -- README
-
-
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 STUDIES = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 
@@ -157,8 +154,6 @@ def test_it_stays_short_and_what_it_and_the_page_of_figures_name_is_there():
 
 
 # -- The tutorial on a measured frame prints what it says it prints
-
-
 #: Of a printed figure; the last digit shown is nearer than that.
 AS_PRINTED = 5e-3
 NUMBER = re.compile(r"-?\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?")

@@ -11,13 +11,11 @@ from tests.support.measured_data import DATA
 from tests.support.paths import EXAMPLES, GALLERY
 
 SCRIPTS = sorted(GALLERY.glob("plot_*.py"))
-#: Scripts on measured structures, and the folder of their data.
 MEASURED = {
     "plot_southampton_frame": "southampton_3storey",
     "plot_brake_reuss_beam": "brake_reuss_beam",
     "plot_shaker_table": "shake_table",
 }
-LONGEST = 60
 #: These take longest, or repeat an example below or the page that starts; `make docs` runs every one.
 LONG = {"chain8_update", "exhaust_damage", "exhaust_update", "two_objectives", "uncertainty"}
 LONG |= {"southampton_frame", "brake_reuss_beam", "chain8_damage"}
@@ -33,14 +31,6 @@ def pyplot():
     pyplot.close("all")
     yield pyplot
     pyplot.close("all")
-
-
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_it_is_short_and_opens_with_a_title(path):
-    lines = path.read_text(encoding="utf-8").splitlines()
-    assert len(lines) < LONGEST
-    assert lines[0] == '"""'
-    assert lines[2] == "=" * len(lines[1])
 
 
 @pytest.mark.parametrize("path", some_of(SCRIPTS, QUICK), ids=lambda path: path.stem)
@@ -61,7 +51,6 @@ def test_it_runs_and_draws(path, pyplot, capsys, monkeypatch):
         assert FOUND[path.stem](names)
 
 
-#: What the text beside the pictures says was found.
 FOUND = {
     "plot_chain8_damage": lambda n: n["damage"].damaged == [4] and abs(n["damage"].severity[4] - 0.55) < 0.01,
     "plot_chain8_update": lambda n: n["result"].table.largest_after_percent < 0.2,
@@ -129,7 +118,6 @@ def test_an_example_without_its_data_says_so(monkeypatch, tmp_path, capsys, exam
 
 
 def test_six_damage_reports():
-    """Is it damaged, where, how sure: told right from the first line; two of the six cannot be decided."""
     example = load("six_damage_reports")
     first = {case.name: example.assessed(case) for case in example.CASES}
     said = {name: result.headline for name, result in first.items()}
@@ -146,7 +134,6 @@ def test_six_damage_reports():
 
 @campaign
 def test_from_file_to_report(tmp_path, capsys):
-    """A newcomer's path: the damaged spring at the end, in a report that says what repeats it."""
     report = load("from_file_to_report").main(tmp_path / "study")
     text = report.read_text(encoding="utf-8")
     assert "Spring 4 has lost 55." in text

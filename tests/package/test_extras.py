@@ -17,7 +17,6 @@ from tests.support.four_masses import BAND, chain, identified as found_in_record
 from tests.support.paths import ROOT
 
 PROJECT = ROOT / "pyproject.toml"
-#: What each extra brings.
 PACKAGES = {"plot": ["matplotlib"], "report": ["jinja2"], "look": ["bokeh"], "hdf5": ["h5py"]}
 PACKAGES |= {"tdms": ["npTDMS"], "excel": ["openpyxl"], "miniseed": ["obspy"], "dask": ["dask"]}
 PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"], "watch": ["watchdog"]}
@@ -28,7 +27,6 @@ LARGE = {"ansys", "dask", "miniseed"}
 
 @pytest.fixture
 def bare(monkeypatch):
-    """An installation without extras."""
     missing = {package.lower() for packages in PACKAGES.values() for package in packages}
     for name in [name for name in sys.modules if name.split(".")[0] in missing]:
         monkeypatch.delitem(sys.modules, name)
@@ -38,7 +36,6 @@ def bare(monkeypatch):
 
 @pytest.fixture(scope="module")
 def study():
-    """A record and what was found of it, and things for every picture."""
     lines = ar.transmissibility(record(), 0, nperseg=4096)
     made = {"record": record(), "zeros": found_in_record(), "lines": lines, "damage": every_picture.damage()}
     return made | {"pictures": every_picture.given()}

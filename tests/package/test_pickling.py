@@ -25,7 +25,6 @@ def updated(problem):
 
 
 def nearby(model, measured=None):
-    """A problem of that model, which may be an updated one."""
     measured = zeros(model, [0, 1], 1, f_max_hz=400.0) if measured is None else measured
     return ar.UpdatingProblem(model, ar.stiffness_factor([0], bounds=(0.8, 1.2)), measured)
 
@@ -63,7 +62,6 @@ def test_a_model_has_the_same_bits(name, copied):
                 setattr(again, attribute, 1)
         for value in vars(again.description.recipe).values():
             assert not isinstance(value, np.ndarray) or not value.flags.writeable
-    # A copy of a copy, which is to be updated further.
     given = nearby(model)
     assert nearby(copied(again), given.measured).cost([0.9]) == given.cost([0.9])
 
@@ -96,7 +94,6 @@ def test_searches(copied):
 
 @pytest.fixture(scope="module")
 def measured():
-    """A record, what was computed of it, and the arrays of each that nobody may change."""
     record = ar.cases.chain8().experiment(0, noise=0.01, duration_s=64.0, rng=1)
     response = ar.frf(record, nperseg=4096)
     zeros = ar.identify_antiresonances(record, excitation=0, band_hz=(3, 130), cross_check="aaa")

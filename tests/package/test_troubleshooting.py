@@ -44,7 +44,6 @@ def test_every_warning_has_an_entry():
     found = warned()
     assert len(found) > 40
     assert [place for place, name in found if name is not None and name not in entries()] == []
-    # The data check names its findings.
     assert [place.split(":")[0] for place, name in found if name is None] == ["identify.py"]
 
 

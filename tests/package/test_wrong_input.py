@@ -36,7 +36,6 @@ def refused(call):
 
 
 def later(function, **usual):
-    """Calls of a function, made when a test asks for them."""
     return lambda *args, **options: lambda: function(*args, **(usual | options))
 
 
@@ -60,12 +59,10 @@ identify = later(ar.identify_antiresonances, excitation=0, band_hz=(1.0, 40.0))
 
 
 def all_of(argument, call, *cases):
-    """Rows of one argument: the call with each case."""
     return [(argument, call(*case)) for case in cases]
 
 
 def options(call, **named):
-    """Rows of arguments by name, the call with each of their values."""
     return [(name, call(**{name: value})) for name, values in named.items() for value in values]
 
 
@@ -239,8 +236,6 @@ def test_a_text_that_names_arguments_is_spelt_for_each_caller():
 
 
 # -- Every class of the catalogue
-
-
 BUILTINS = dict.fromkeys(("InvalidInputError", "UnsuitableDataError", "ObjectiveError"), ValueError)
 BUILTINS |= dict.fromkeys(("InternalError", "LostWorkerError"), RuntimeError)
 BUILTINS |= {"NumericalError": ArithmeticError, "OutOfMemoryError": MemoryError}
@@ -256,8 +251,6 @@ def test_every_class_is_public_and_also_the_fitting_builtin():
 
 
 # -- Nothing reads a message
-
-
 def test_nothing_in_the_package_reads_a_message():
     """Errors have fields; what TOML and the executors say of their own stands in their texts alone."""
     text = r"(str\((exc|error|message)\)|(exc|error)\.args\[0\])"
@@ -272,8 +265,6 @@ def test_nothing_in_the_package_reads_a_message():
 
 
 # -- Input that is far off: each is an error of ours, at once
-
-
 RNG = np.random.default_rng(0)
 NOISE = RNG.standard_normal((3, 64))
 
@@ -327,23 +318,6 @@ def test_a_callback_may_return_any_truth_value(said, stops):
     assert (found.status == "callback") is stops
     with pytest.raises(ar.InvalidInputError, match="callback"):
         search.minimize(lambda x: float(x @ x), box, rng=0, callback=lambda state: np.zeros(3))
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        (b"(4, 1000)", b"(4, 1000 "),
-        (b"{'descr", b"{{{{{{{"),
-        (b"'<f8'", b"('a',"),
-        (b"(4, 1000), ", b"(9999999999,)"),
-    ],
-)
-def test_a_damaged_head_of_an_array(tmp_path, old, new):
-    file = tmp_path / "a.npy"
-    np.save(file, np.zeros((4, 1000)))
-    file.write_bytes(file.read_bytes().replace(old, new))
-    with pytest.raises(ar.UnsuitableDataError, match=r"a\.npy"):
-        ar.read_npz(file, fs_hz=100.0)
 
 
 def test_a_device_is_not_replaced_by_a_file(tmp_path):

@@ -54,7 +54,6 @@ def test_the_best_force_is_first_and_more_sensors_tell_more():
 def test_of_parameters_it_tells_the_errors_that_are_left():
     unknowns = ar.mass_factor(range(6), bounds=(0.9, 1.1)) + ar.stiffness_factor(range(5), bounds=(0.9, 1.1))
     plan = ar.plan_test(CHAIN, unknowns, n_sensors=5, excitations=0)
-    # The mass under the force moves no antiresonance; all others share one scale that nothing tells.
     assert plan.std["mass 0"] == pytest.approx(plan.std_before["mass 0"])
     assert max(plan.std[name] for name in plan.std if name != "mass 0") < 0.5 * plan.std_before["mass 0"]
     assert plan.detectable == {}
@@ -68,7 +67,6 @@ def test_an_element_that_moves_nothing_is_never_seen_and_rotations_are_not_measu
     assert plan.names[ground] == "first ground spring"
     assert "never" in str(plan)
     assert plan.criterion == "determinant"
-    # Frames offer their translations only.
     tube = ar.Tube(0.02, 0.002, 2.1e11, 7850.0)
     beam = ar.FrameModel([(0.2 * i, 0.0) for i in range(5)], [(i, i + 1) for i in range(4)], tube, fixed=[0])
     labels = ar.plan_test(beam, n_sensors=2, band_hz=(1.0, 800.0)).labels
@@ -112,7 +110,6 @@ def random_chain(seed):
 
 
 def setting(name):
-    """Model, twelve candidates at most, force, end of the band."""
     if name in KINDS:
         case = next(one for one in cases() if one.kind == name and one.name == KINDS[name])
         return case.build(SPREAD), list(case.sensors)[:12], case.excitation, case.band_hz[1]
@@ -174,7 +171,6 @@ def expected(sensor, force, **options):
 
 
 def moved(freq, curve, old, new):
-    """The curve with one pair of zeros at another frequency."""
     w = freq * DAMPING * 2j
     return curve * (new**2 - freq**2 + w * new) / (old**2 - freq**2 + w * old)
 
@@ -199,7 +195,6 @@ def test_they_grow_with_noise_and_shrink_with_the_root_of_time():
     base = expected(0, 0)[1]
     np.testing.assert_allclose(expected(0, 0, noise=0.4)[1], 2.0 * base, rtol=1e-9)
     np.testing.assert_allclose(expected(0, 0, duration_s=4.0 * LENGTH_S)[1], 0.5 * base, rtol=1e-9)
-    # No value is known better than two tests repeat, and what is given is taken.
     np.testing.assert_array_equal(expected(0, 0, noise=0.0)[1], LEAST_STD)
     np.testing.assert_array_equal(expected(0, 0, std=1e-3)[1], 1e-3)
 
@@ -228,13 +223,10 @@ def test_noise_a_worse_model_and_a_threshold_cost_detection():
 
     base = worst()
     assert worst(std=2e-3) > 2.5 * base
-    # More false calls are allowed, so less is missed.
     assert worst(false_alarm_rate=0.3) < base
 
 
 class Pickles:
-    """An executor that sends its tasks as another process would get them."""
-
     def submit(self, *call):
         run, *args = pickle.loads(pickle.dumps(call))
         future = Future()

@@ -42,7 +42,6 @@ def test_values_of_a_double_hit_are_right():
 
 @pytest.mark.filterwarnings("ignore::antires_rs.AntiresWarning")
 def test_rest_minutes_of_noise_and_offsets_change_little():
-    """A hit of one sample, 5 s of rest before and a minute of noise after it, on offsets that creep."""
     one = structures.random_chain(1)
     x = nothing_to_find.hit(one, 1, width_s=0.5 / FS)
     rng = np.random.default_rng(8)
@@ -102,7 +101,6 @@ def test_a_band_between_resonances_empties_no_channel(seed):
 
 @pytest.mark.filterwarnings("ignore::antires_rs.exceptions.AntiresWarning")
 def test_the_check_finds_hits_that_drift():
-    """A sensor that recovers from the hit over the whole record."""
     made = hit(STRUCTURES["frame"](), MEASURED, 1)
     x = made.samples
     peak = np.abs(x).max(axis=1, keepdims=True)

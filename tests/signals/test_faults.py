@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.signals.one_force import Finding, one_of_a_kind
 from reference import faults
 from reference.virtual_records import accelerance
 from tests.support.campaign import some_of
@@ -67,22 +66,6 @@ def test_faults_in_a_measured_plate_are_found(name, change, least):
         assert all(f.where == (dof,) for f in checked.findings)
         found += any(f.name == name for f in checked.findings)
     assert found >= least
-
-
-def test_findings_of_one_kind_are_one_line():
-    def late(dof, ms):
-        return Finding(
-            "time_shift", "warning", (dof,), ms, 1.0, f"{dof} is late.", "Check.", f"late by {ms} ms"
-        )
-
-    [one] = one_of_a_kind([late(3, 2.0), late(7, 5.0)])
-    assert (one.where, one.value, one.advice) == ((3, 7), 5.0, "Check.")
-    assert one.text == "Dofs 3, 7: 3: late by 2.0 ms; 7: late by 5.0 ms."
-    [many] = one_of_a_kind([late(i, float(i)) for i in range(2, 9)])
-    assert many.text.endswith("; and 3 more.")
-    assert "\n" not in str(many)
-    general = [Finding("resolution", "warning", (), 1.0, 2.0, "Coarse.", "Finer."), late(1, 2.0)]
-    assert one_of_a_kind(general) == tuple(general)
 
 
 @pytest.mark.filterwarnings("ignore:identify_antiresonances. no antiresonance")

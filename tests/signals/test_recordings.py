@@ -21,7 +21,6 @@ def test_recording_holds_copies_that_cannot_change():
         rec.responses[0, 0] = 1.0
     with pytest.raises(AttributeError):
         rec.fs_hz = 7.0
-    # What is read-only and its own is not copied again.
     assert np.shares_memory(rec.responses, ar.Recording(rec.responses, 5.0).responses)
 
 

@@ -120,7 +120,6 @@ def test_a_single_hit_says_what_it_cannot_tell_and_a_missed_one_is_named():
     assert result.ok
     assert [f.name for f in result.findings] == ["single_hit"]
     assert {"one_force", "dead_channel"} <= set(result.not_tested)
-    # The place of the force needs no averages.
     for rec in (ar.Recording(responses, FS, force=force), ar.Recording(responses, FS)):
         assert check(rec, 3).fatal
     responses, _ = hit_record(STIFFNESS, MASS, seed=64)
@@ -131,7 +130,6 @@ def test_a_single_hit_says_what_it_cannot_tell_and_a_missed_one_is_named():
 
 # ---- what comes back --------------------------------------------------------------------------------------
 def test_the_result_keeps_its_evidence_and_cannot_change():
-    # With 10 % of noise leakage does not show in the second eigenvalue.
     result = check(record(0.1, 67), nperseg=4096)
     n = result.freq_hz.size
     assert result.eigenvalues.shape == (n, 8)
@@ -260,6 +258,5 @@ def test_a_late_channel_is_named_with_its_delay(good, delay_samples):
 
 @pytest.mark.parametrize("band", [(30, 40), (50, 60), (40, 60)])
 def test_an_antiresonance_in_a_narrow_band_is_no_delay(good, band):
-    """Its turn, continued from there to 0 Hz, looked like tens of samples or like another quantity."""
     result = ar.check_data(ar.Recording(good[0], FS), excitation=0, band_hz=band)
     assert not result.named("time_shift") + result.named("quadrature")

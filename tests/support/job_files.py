@@ -43,6 +43,21 @@ bounds = [0.9, 1.1]
 )
 
 
+#: Of tests in records, with a table beside them.
+SERIES = """\
+[data]
+file = "records"
+excitation = "tip"
+band_hz = [0.8, 8.0]
+dofs = { "tip" = 0, "mid" = 1, "root" = 2 }
+[series]
+conditions = "weather.csv"
+over = "temperature_c"
+[identification]
+max_order = 16
+"""
+
+
 def write_measured(folder, level=1, perturbation=0.0):
     """Exact antiresonances of the chain, as ``antires identify --out`` saves them."""
     ar.cases.chain8(perturbation=perturbation, rng=0).exact(level).save(folder / "measured.json")

@@ -15,3 +15,15 @@ def each_of(wrong):
 def assert_refused(argument, call, *given, **options):
     with pytest.raises(ar.InvalidInputError, match=rf"(?s)^{re.escape(argument)}: got .*; wanted "):
         call(*given, **options)
+
+
+def refused(words, call, *given, **options):
+    """The call ends in an InvalidInputError whose text has these words."""
+    with pytest.raises(ar.InvalidInputError, match=words):
+        call(*given, **options)
+
+
+def unsuitable(words, call, *given, **options):
+    """The same with an UnsuitableDataError."""
+    with pytest.raises(ar.UnsuitableDataError, match=words):
+        call(*given, **options)

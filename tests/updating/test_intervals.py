@@ -19,7 +19,6 @@ DRAWS = 2000
 
 @cache
 def springs(true=(550.0, 480.0), error=2e-3, scatter=0.0, seed=0, bounds=(0.8, 1.2)):
-    """Two springs of three masses, forces at both ends, measured with stated errors; the search's result."""
     rng = np.random.default_rng(seed)
     chain, sets = ar.MassSpringChain([2.0, 1.0, 1.0], list(true)), []
     for force in (0, 2):
@@ -125,7 +124,6 @@ def test_the_model_error_is_told_and_widens(free_chain):
 
 
 def test_one_sided_at_the_bound_and_fixed_where_damage_was_decided_to_be_none():
-    """The truth is at 1.1, the upper bound as well."""
     result = springs(error=2e-3, bounds=(0.8, 1.1))
     found = result.intervals()
     assert found.words[0] == "one-sided: its upper bound fits as well"
@@ -208,7 +206,6 @@ def chain8():
 
 
 def test_what_no_antiresonance_sees_is_named_all_over_the_box(chain8):
-    """A force at mass 0: mass 0 and the common scale; known in closed form."""
     assert chain8.told == 13
     assert chain8.left[0] == pytest.approx(1.0, abs=1e-6)
     assert set(chain8.words) == {"mass 0", "a common scale of the parameters; their ratios are"}
@@ -217,7 +214,6 @@ def test_what_no_antiresonance_sees_is_named_all_over_the_box(chain8):
 
 
 def test_what_helps_does(chain8):
-    """A force at mass 7 sees mass 0; the count that is promised is that of the test with both."""
     (force,) = [words for words in chain8.suggestions if words.startswith("A force at mass 7")]
     assert "14 of 15 combinations are told instead of 13" in force
     (fix,) = [words for words in chain8.suggestions if words.startswith("Fix")]
@@ -248,7 +244,6 @@ def test_sensitivities_are_those_of_the_structure_at_x():
 
 
 def test_two_parameters_with_one_effect_are_told_together():
-    """Two springs in series with nothing measured between them; in parallel they would be the same term."""
     model = ar.MassSpringChain([1.0, 1e-6, 1.0], [500.0, 500.0], ground_first_n_per_m=300.0)
     hz = model.antiresonances(0, 0)[:1]  # of the two nearly massless springs, one mode
     springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.25))
@@ -263,7 +258,6 @@ def test_two_parameters_with_one_effect_are_told_together():
 
 
 def test_the_expected_width_is_that_of_the_intervals():
-    """What is promised before the test against the spread of the posterior after it."""
     model = ar.MassSpringChain([1.0, 1.5, 0.8, 1.2], [4e4, 3e4, 5e4], ground_first_n_per_m=3e4)
     parameters, rng = ar.stiffness_factor([0, 1], bounds=(0.7, 1.3)), np.random.default_rng(11)
     before = ar.UpdatingProblem(model, parameters, [virtual(model, range(4), force) for force in (0, 3)])

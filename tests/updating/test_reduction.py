@@ -32,7 +32,6 @@ def measured_of(model, sensors, force, limit_hz=LIMIT_HZ):
 
 
 def concrete_problem(concrete, seed, **options):
-    """The nominal building against values of one whose groups are off by up to a quarter."""
     model, sensors, force = concrete
     n = len(model.default_elements)
     factors = ar.stiffness_factor(range(n), bounds=(0.7, 1.3))
@@ -116,7 +115,6 @@ def test_two_sensors_on_a_stiff_tie_are_one_sensor_more():
 
 
 def searched(problem, interrupted_at=None):
-    """The reduced search with a descent of the core."""
     options, asked = FEW.options, []
 
     def minimize(core, lower, upper, at, _):

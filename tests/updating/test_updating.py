@@ -58,7 +58,6 @@ def test_the_table_says_what_was_measured_before_and_after(updated, modal_damage
 
 
 def test_what_antiresonances_cannot_tell_is_said(updated):
-    """Mass 0 moves no antiresonance of a force at mass 0; K and M may be scaled together."""
     case, result = updated
     found = result.identifiability
     assert found.rank == 13
@@ -76,7 +75,6 @@ def test_what_antiresonances_cannot_tell_is_said(updated):
 
 
 def test_what_modes_cannot_tell_is_said():
-    """Resonances see all masses and springs but their common scale."""
     case = ar.cases.chain8(perturbation=0.05, rng=3)
     problem = case.updating_problem(case.exact_modes(0))
     result = ar.update(problem, rng=0, optimizer=ar.IslandGA(max_evaluations=20_000))
@@ -90,7 +88,6 @@ def test_what_modes_cannot_tell_is_said():
 
 
 def test_of_two_unknown_combinations_the_scale_is_one():
-    """A chain on the ground, force at its end, whose mass is no parameter."""
     chain = ar.MassSpringChain([1.0] * 4, [500.0] * 3, ground_first_n_per_m=500.0)
     measured = ar.AntiresonanceSet(3, dict(enumerate(chain.antiresonances(range(4), 3))))
     every = ar.stiffness_factor(range(4), bounds=(0.9, 1.1)) + ar.mass_factor(range(3), bounds=(0.9, 1.1))
@@ -106,7 +103,6 @@ def test_of_two_unknown_combinations_the_scale_is_one():
 
 
 def test_standard_deviations_are_those_of_repeated_measurements():
-    """Five springs of a chain held at one end, zeros with 0.3 % of noise: 24 updates scatter as foretold."""
     masses, springs, truth = np.ones(6), np.full(5, 500.0), np.array([1.05, 0.97, 1.02, 0.94, 1.01])
     model = ar.MassSpringChain(masses, springs, ground_first_n_per_m=300.0)
     parameters = ar.stiffness_factor(range(5), bounds=(0.8, 1.2))
@@ -124,7 +120,6 @@ def test_standard_deviations_are_those_of_repeated_measurements():
 
 
 def ended_at(result, x):
-    """The same result, had the search ended elsewhere."""
     search = dataclasses.replace(result.search, x=np.array(x))
     return ar.UpdateResult(result.problem, search, result.seed)
 
@@ -140,30 +135,6 @@ def test_a_parameter_on_its_bound_is_named():
     # Where it began is not where the data pushed it.
     reduction = ar.UpdatingProblem(CASE.model, ar.stiffness_reduction([0]), CASE.exact())
     assert ended_at(ar.update(reduction, rng=0, optimizer=short), [1e-9]).at_bound == []
-
-
-@pytest.mark.usefixtures("quick_pictures")
-def test_pictures_and_report_of_modes(modal_damage, tmp_path):
-    figure = pytest.importorskip("matplotlib.figure")
-    pytest.importorskip("jinja2")
-    from antires_rs.figures.damage import plot_damages
-
-    beside = ar.assess_damage(CASE.model, CASE.exact(1), rng=0)
-    ax = plot_damages({"zeros": beside, "modes": modal_damage}, ax=figure.Figure().subplots())
-    heights = [bar.get_height() for bars in ax.containers for bar in bars]
-    np.testing.assert_allclose(heights, 100 * np.concatenate([beside.x, modal_damage.x]))
-    record = CASE.experiment(level=1, noise=0.01, rng=6, duration_s=64.0)
-    identified = ar.identify_modes(record, band_hz=CASE.band_hz, route="responses")
-    result = ar.update(CASE.damage_problem(identified), rng=0)
-    result.report(tmp_path / "modes.html", truth={DAMAGED: SEVERITY})
-    html = (tmp_path / "modes.html").read_text()
-    assert "7 measured resonances with shapes at 8 dofs" in html
-    assert html.count('<th scope="col">MAC</th>') == 2
-    assert f"<td>{result.table.after_mac[0]:.3f}</td>" in html
-    assert "antiresonance" not in html.split("<footer")[0].replace("antires_rs", "")
-    assert "Stabilization diagram of all responses" in html
-    with pytest.raises(ar.InvalidInputError, match="response: got transmissibilities"):
-        result.report(tmp_path / "x.html", response=ar.transmissibility(record, 0, nperseg=4096))
 
 
 # ---- damage ------------------------------------------------------------------------------------------
@@ -247,7 +218,6 @@ def test_every_spring_of_a_free_chain_is_seen_alike_by_modes(modal_damage):
 
 # ---- the search --------------------------------------------------------------------------------------
 def springs_off():
-    """Two springs that are not what the model has."""
     case = ar.cases.chain8(perturbation=0.08, rng=2)
     springs = ar.stiffness_factor([0, 1], bounds=(0.9, 1.1))
     return ar.UpdatingProblem(case.model, springs, case.exact(), weights=np.linspace(0.5, 1.0, 28))
@@ -271,21 +241,6 @@ def test_linearizations_exchanges_and_a_search_cut_short_are_told():
         assert not result.success
         assert result.notes[0].startswith("The search did not finish")
         assert "budget" in repr(result)
-
-
-def test_islands_that_agree_before_an_exchange_came_from_their_own_starts():
-    parameters = ar.stiffness_reduction(range(7))
-    tested = CASE.model.with_parameters(parameters, [0.0, 0.4, 0.0, 0.0, 0.0, 0.6, 0.0])
-    zeros = ar.AntiresonanceSet(0, dict(enumerate(tested.antiresonances(range(8), 0))))
-    problem = ar.UpdatingProblem(CASE.model, parameters, zeros, penalty="scaled")
-    result = ar.update(problem, rng=3, workers=1)
-    assert np.flatnonzero(result.x).tolist() == [1, 5]
-    assert (result.status, result.migrations) == ("agreed", 0)
-    assert "from a random start of its own" in result.message
-    # An agreement after an exchange is called so.
-    result = ar.update(problem, rng=0, optimizer=ar.IslandGA(polish=False, max_evaluations=60_000))
-    assert result.migrations > 0
-    assert ("exchanged their bests" in result.message) == (result.status == "agreed")
 
 
 def test_three_damages_are_found_that_moves_from_the_intact_state_miss():
@@ -337,7 +292,6 @@ SHORT = ar.IslandGA(max_evaluations=400)
 
 
 def problem(stiffness=550.0, measured=None):
-    """A chain on the ground with one storey that is unknown; ``measured`` in place of its own values."""
     true = ar.MassSpringChain([2.0, 1.0, 1.5], [stiffness, 480.0], ground_first_n_per_m=300.0)
     nominal = ar.MassSpringChain([2.0, 1.0, 1.5], [500.0, 500.0], ground_first_n_per_m=300.0)
     values = dict(enumerate(true.antiresonances([0, 1, 2], 0))) if measured is None else measured

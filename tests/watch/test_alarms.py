@@ -14,7 +14,6 @@ INTACT, DAMAGED = exact(chain()), exact(chain(0.01))
 
 @pytest.fixture(scope="module")
 def sets():
-    """70 intact tests."""
     return many(INTACT, 70, np.random.default_rng(41))
 
 
@@ -34,13 +33,6 @@ def test_the_rate_follows_the_argument():
     low, high = (ar.monitor(tests, baseline=100, false_alarm_rate=rate).alarm[100:] for rate in (0.005, 0.15))
     assert low.mean() < 0.015
     assert 0.05 < high.mean() < 0.2
-
-
-def test_the_mean_keeps_its_share_where_values_are_missing():
-    """A fifth of 1 %; with 30 % of the values missing it was 4 %."""
-    watched = ar.monitor(many(INTACT, 450, np.random.default_rng(23), missed=0.3), baseline=150)
-    assert np.mean(watched.charts["EWMA"].ratio[150:] > 1.0) < 0.01
-    assert watched.alarm[150:].mean() < 0.02
 
 
 def test_each_test_by_itself_and_not_latched():
@@ -91,7 +83,6 @@ def test_a_value_that_vanishes_or_appears_alarms(missed):
 
 
 def test_many_values_and_few_tests():
-    """42 values, 30 tests: the sample covariance is singular."""
     rng = np.random.default_rng(18)
     springs, masses = 5e4 * rng.uniform(0.8, 1.2, 8), rng.uniform(0.8, 1.2, 9)
     lost = np.where(np.arange(8) == 3, 0.98, 1.0)
@@ -106,14 +97,12 @@ def test_many_values_and_few_tests():
 
 
 def test_poor_tests_do_not_alarm(sets):
-    """A test ten times as inaccurate that says so."""
     poor = many(INTACT, 40, np.random.default_rng(19), std=10 * STD)
     assert ar.monitor(sets[:60] + poor, baseline=60).alarm[60:].mean() <= 0.05
 
 
 @pytest.mark.parametrize("factor", [0.9, 0.8, 0.2, None], ids=["0.9", "0.8", "0.2", "no values"])
 def test_nothing_near_its_place_is_an_alarm(sets, factor):
-    """All values moved together beyond reach, or gone: no T2, but the chart of events."""
     gone = {dof: f[:0] if factor is None else f * factor for dof, f in INTACT.items()}
     tests = sets[:60] + many(gone, 3, np.random.default_rng(22))
     watched = ar.monitor(tests, baseline=60, model=chain() if factor is None else None)
@@ -128,10 +117,7 @@ def test_nothing_near_its_place_is_an_alarm(sets, factor):
 
 
 # -- Sensors that fail are told from damage
-
-
 def checked(one, name, dof):
-    """The set with a finding of the data check."""
     finding = ar.Finding(name, "warning", (dof,), 1.0, 0.0, "Seen.", "Look.")
     check = ar.DataCheck((finding,), {}, tuple(one), 0, (1.0, 100.0))
     return ar.AntiresonanceSet.from_tables(0, one.tables, data_check=check)
@@ -180,7 +166,6 @@ def test_where_most_sensors_fail_nothing_is_judged(sets):
 
 @pytest.mark.parametrize("spring", [0, 1, 3])
 def test_damage_of_any_size_alarms_and_is_no_fault(sets, spring):
-    """Damage beside the force moves one response alone, large damage moves values beyond reach."""
     rng = np.random.default_rng(47)
     local = exact(chain(0.02, spring=0))
     assert [dof for dof in INTACT if np.abs(local[dof] - INTACT[dof]).max(initial=0.0) > 1e-6] == [0]

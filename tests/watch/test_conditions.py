@@ -23,7 +23,6 @@ def weather(temperature_c, rng, *, loss=0.0, bend=None, **options):
 
 @pytest.fixture(scope="module")
 def season():
-    """160 tests of one season, and 40 with 1 % damage, with a thermometer of 0.3 K."""
     rng = np.random.default_rng(31)
     true = rng.uniform(0.0, 20.0, 200)
     sets = weather(true[:160], rng) + weather(true[160:], rng, loss=0.01)
@@ -46,7 +45,6 @@ def test_temperature_is_taken_off_and_what_does_not_matter_is_not_used(season):
 
 
 def test_the_rate_holds_with_a_thermometer_that_errs():
-    """Of 160 tests after two baselines: 1 % stated, one point more at most."""
     alarms = []
     for seed in (35, 36):
         rng = np.random.default_rng(seed)
@@ -94,7 +92,6 @@ def test_a_line_that_bends():
 
 
 def test_a_day_number_is_a_clock():
-    """Stiffness that falls over the days is no weather: several tests a day, or a number that falls too."""
     rng = np.random.default_rng(38)
     day = np.repeat(np.arange(20.0), 6)
     falling = np.concatenate([np.zeros(60), np.linspace(0.0, 0.01, 60)])
@@ -107,7 +104,6 @@ def test_a_day_number_is_a_clock():
 
 
 def test_a_reading_that_no_weather_makes_is_not_known(season):
-    """A logger that says 1e9 or -999 allows for no more than one that says nothing."""
     sets, measured = season[0][100:175], season[1][100:175]
     wrong, missing = measured.copy(), measured.copy()
     wrong[65:], missing[65:] = 1e9, np.nan

@@ -100,7 +100,6 @@ def test_what_no_test_can_follow_is_refused_once(tests, near, words):
 
 
 def many(count, rng, rates):
-    """Sets of one response that have each value with its rate."""
     places = 10.0 * np.arange(1, len(rates) + 1)
     return [
         ar.AntiresonanceSet(
@@ -120,13 +119,3 @@ def test_what_stays_away_alarms_in_the_end():
     assert watched.alarm[215:225].all()
     assert watched.why(224) == ("events",)
     assert not watched.alarm[225:][~np.isnan(watched.freq_hz[225:, 3])].any()
-
-
-def test_where_nothing_is_seen_it_cannot_judge():
-    rng = np.random.default_rng(4)
-    sets = many(80, rng, np.array([0.7, 0.7])) + [ar.AntiresonanceSet(0, {0: []})]
-    watched = ar.monitor(sets, baseline=80)
-    assert watched.unjudged[80]
-    assert not watched.alarm[80]
-    assert "cannot judge" in str(watched)
-    assert not watched.to_dataframe()["judged"][80]

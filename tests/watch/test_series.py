@@ -12,7 +12,6 @@ TIMES = ["2026-01-01T00", "2026-01-01T01", "NaT", "2026-01-01T03"]
 
 
 def sets():
-    """Four tests; the third failed, the last lost one of its antiresonances."""
     values = [[8.7, 23.9], [8.69, 23.88], None, [8.66]]
     return [None if f is None else ar.AntiresonanceSet("tip", {0: f, 1: [14.4]}) for f in values]
 

@@ -76,7 +76,6 @@ def test_a_test_that_is_not_there_is_refused(watched, wrong):
 
 
 def test_an_assessor_tells_the_damage_of_a_run():
-    """The model's springs are off; seed that nothing was set on."""
     rng = np.random.default_rng(77)
     sets = many(exact(chain()), 70, rng) + many(exact(chain(0.03)), 8, rng)
     model = ar.MassSpringChain(MASSES, SPRINGS * rng.uniform(0.97, 1.03, 5))
@@ -104,7 +103,6 @@ LONGER = ar.MassSpringChain([*MASSES, 1.0, 1.0], [*SPRINGS, 5e4, 5e4])
     ],
 )
 def test_an_assessor_of_other_tests_is_refused_before_the_first_alarm(force, dofs, options, said):
-    """A watch would end at its first alarm, perhaps after months."""
     sets = many(exact(chain()), 12, np.random.default_rng(79))
     exact_hz = LONGER.antiresonances(list(dofs), force)
     before = ar.AntiresonanceSet(force, dict(zip(dofs, exact_hz, strict=True)))
