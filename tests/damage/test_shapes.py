@@ -22,7 +22,9 @@ def beam(**parts):
 def off(model, rng):
     """The same with every element's stiffness and mass a few per cent off."""
     elements = range(10)
-    parameters = ar.stiffness_factor(elements, bounds=(0.5, 2.0)) + ar.mass_factor(elements, bounds=(0.5, 2.0))
+    parameters = ar.stiffness_factor(elements, bounds=(0.5, 2.0)) + ar.mass_factor(
+        elements, bounds=(0.5, 2.0)
+    )
     return model.with_parameters(parameters, 1.0 + 0.02 * rng.standard_normal(20))
 
 

@@ -194,7 +194,7 @@ class Expected(NamedTuple):
 def read(
     sets: Sequence[AntiresonanceSet], expected: dict[Any, Expected], scatter: float
 ) -> tuple[Values, list[str], list[str], bool]:
-    """A test's values, notes on those left out, what the plan lacks, whether some have no error."""
+    """A test's values, notes on those left out, what the plan lacks, whether standard deviations lack."""
     notes: list[str] = []
     strange: list[str] = []
     columns: list[dict[int, Column]] = []
