@@ -17,7 +17,7 @@ from tests.support import four_masses
 from tests.support.job_files import DAMAGE, write_measured
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
-PICTURES = ("stabilization", "transmissibility", "differences", "damage", "convergence")
+PICTURES = ("stabilization", "response", "differences", "damage", "convergence")
 
 
 def test_failures_become_exit_codes_without_traceback_and_bugs_are_not_hidden(tmp_path, monkeypatch, capsys):

@@ -311,6 +311,8 @@ TASKS = {
     "update": ("data", "model", "parameters", "updating", "identification", "search", "output"),
     "series": ("data", "series", "identification", "output"),
 }
+#: What tells the task of a job.
+HEADINGS = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series]"}
 
 
 # -- Kinds of values in a job file
@@ -375,15 +377,6 @@ KINDS = {
     "shares": Kind("a table name = number", _table(_number), "Write it as in { nothing = 0.9, one = 0.1 }."),
     "table": Kind("a table, name = { ... }", _table(lambda item: True), "Put it in { }."),
 }
-
-
-def unset_in(value: Any) -> list[str]:
-    """Channels, or places in a list, whose dof is not given yet; [''] for the value itself."""
-    if isinstance(value, dict):
-        return [name for name, dof in value.items() if dof == UNSET]
-    if isinstance(value, list):
-        return [f"number {i}" for i, dof in enumerate(value) if dof == UNSET]
-    return [""] if value == UNSET else []
 
 
 def shown(value: Any) -> str:

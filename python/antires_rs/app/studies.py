@@ -20,7 +20,7 @@ from .arguments import model_of
 from .call import check_files, identified, refuse_beside
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
-from .keys import FORMATS, UNSET, format_of, template
+from .keys import FORMATS, HEADINGS, UNSET, format_of, template
 from .reading import measured_of, read_signal
 from .run import RunFolder
 
@@ -149,10 +149,9 @@ def search(args: argparse.Namespace) -> int:
     """Carry out a job."""
     job = read_job(args.job)
     if job.task != args.command:
-        sections = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series]"}
-        got = f"{str(args.job)!r}, which has {sections[job.task]}"
+        got = f"{str(args.job)!r}, which has {HEADINGS[job.task]}"
         remedy = f"Use 'antires {job.task} {args.job}'."
-        reject("JOB", got, f"a job with {sections[args.command]}", remedy)
+        reject("JOB", got, f"a job with {HEADINGS[args.command]}", remedy)
     return runs.run(job, args, fresh=args.fresh)
 
 
