@@ -20,7 +20,7 @@ PROJECT = ROOT / "pyproject.toml"
 #: What each extra brings.
 PACKAGES = {"plot": ["matplotlib"], "report": ["jinja2"], "look": ["bokeh"], "hdf5": ["h5py"]}
 PACKAGES |= {"tdms": ["npTDMS"], "excel": ["openpyxl"], "miniseed": ["obspy"], "dask": ["dask"]}
-PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"], "watch": ["watchdog"]}
+PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"]}
 PACKAGES |= {"ansys": ["ansys-mapdl-reader"]}
 #: Extras that bring so much with them that "all" leaves them out.
 LARGE = {"ansys", "dask", "miniseed"}

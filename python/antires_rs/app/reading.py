@@ -106,7 +106,7 @@ def _is_point(name: str) -> bool:
 
 # -- One [data]: the files of a test, and what is identified from them
 
-_OPTIONS: dict[str, KeyPath] = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
+OPTIONS: dict[str, KeyPath] = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
 
 
 class Measurement:
@@ -177,7 +177,7 @@ class Measurement:
             if "dofs" in chosen:
                 chosen["dofs"] = [self._find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
             given = {"excitation": self.force, "band_hz": self.table["band_hz"], **sorted_out(chosen)}
-            with self.job.blame(self.place, {"source": self.places[0], **_OPTIONS}):
+            with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}):
                 found = identify_antiresonances(self.signal, **given)
         self.found = edited(self.job, self.place, self.table, found, self._find)
         return self

@@ -68,11 +68,9 @@ class RunFolder:
     def prepare(self) -> None:
         """Make the folder; remove what a process that was killed left half-written."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        for folder in (self.folder, self.pictures):
-            if folder.is_dir():
-                for file in folder.iterdir():
-                    if _HALF_WRITTEN.fullmatch(file.name):
-                        file.unlink(missing_ok=True)
+        for file in (*self.folder.iterdir(), *self.pictures.glob("*")):
+            if _HALF_WRITTEN.fullmatch(file.name):
+                file.unlink(missing_ok=True)
 
     @property
     def contents(self) -> str:
@@ -114,10 +112,7 @@ class RunFolder:
 
 
 #: As write_atomically and Checkpoint name what is not whole yet.
-_HALF_WRITTEN = re.compile(
-    r"\.((antiresonances|baseline)(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
-    r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp"
-)
+_HALF_WRITTEN = re.compile(r"\..+\.\d+\.tmp|search\.ckpt\.tmp")
 _PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|response|stabilization_.*)\.png")
 
 
@@ -415,13 +410,9 @@ def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool
     if note is not None:
         hint(f"warning: {note}")
     if result.status == "interrupted":
-        if folder.unfinished:
-            then = f"go on with: antires resume {near(job.path)}"
-        elif job.sections["damage"].get("baseline"):
-            then = f"begin anew with: antires {job.task} {near(job.path)}"
-        else:
-            then = "without a checkpoint"
-        hint(f"interrupted, the best so far is kept; {then}")
+        then = f"go on with: antires resume {near(job.path)}"
+        anew = f"without a checkpoint; begin anew with: antires {job.task} {near(job.path)}"
+        hint(f"interrupted, the best so far is kept; {then if folder.unfinished else anew}")
         return 130
     if folder.unfinished:
         hint(f"out of time; go on with: antires resume {near(job.path)}")

@@ -166,22 +166,19 @@ def resume(args: argparse.Namespace) -> int:
     if folder.unfinished or folder.state in (None, "searching") or not folder.result.is_file():
         return runs.run(job, args, resume=True)
     done = UpdateResult.load(folder.result)
-    interrupted = folder.state == "interrupted"
-    anew = f"Begin anew with 'antires {job.task} {runs.near(job.path)}'"
-    if interrupted and job.sections["damage"].get("baseline"):
-        how = "assessment was interrupted"
-        remedy = f"{anew}: with a baseline it takes seconds and keeps no checkpoint."
-    elif interrupted or runs.out_of_time(done):
-        how = f"search {'was interrupted' if interrupted else 'ran out of time'} and kept no checkpoint"
-        remedy = f"{anew}, and checkpoint = true under [search]."
-    else:
+    if folder.state != "interrupted" and not runs.out_of_time(done):
         hint(f"this search has finished ({done.status}); nothing is left to do")
         if job.sections["output"].get("report", True) and not folder.report.exists():
             hint(f"for its report: antires report {runs.near(folder.folder)}")
         text = folder.summary.read_text(encoding="utf-8") if args.json else f"{done.summary()}\n"
         print(text, end="")
         return 0
-    reject("JOB", f"{str(args.target)!r}, whose {how}", "a search that is kept on disk", remedy)
+    got = f"{str(args.target)!r}, whose run was stopped and kept no checkpoint"
+    remedy = (
+        f"Begin anew with 'antires {job.task} {runs.near(job.path)}'; a search, where there is no baseline, "
+    )
+    remedy += "keeps one by checkpoint = true under [search]."
+    reject("JOB", got, "a search that is kept on disk", remedy)
 
 
 def _job_of(target: Path) -> Path:

@@ -29,7 +29,7 @@ from typing import Any, Literal, NoReturn, Self
 
 from ..exceptions import InvalidInputError, LostWorkerError, reject
 from .checks import integer
-from .messages import warn, warn_of_change
+from .messages import warn
 from .progress import LOOK_S, counted, one_blas_thread, step
 
 Call = Callable[[Any], Any]
@@ -45,7 +45,7 @@ _RESULT_S = 120.0
 _FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)
 _THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _REMEDY = (
-    "Pass a number, a concurrent.futures executor, or a Client of a Dask cluster "
+    "Pass a number, a concurrent.futures executor (itself, not its map), or a Client of a Dask cluster "
     '(pip install "antires-rs[dask]").'
 )
 _CALL_AGAIN = "call again: what store= or checkpoint= keeps is taken up."
@@ -375,52 +375,21 @@ class Dask:
         return max(1, self._found)
 
 
-def _mapped(run: Callable[..., Iterable[Any]]) -> Any:
-    """Something with ``map`` only: every chunk is a map of its own, in a thread that is left behind."""
-
-    class Mapped(ThreadPoolExecutor):
-        def submit(self, function: Any, /, *args: Any, **_: Any) -> Any:
-            return super().submit(lambda: next(iter(run(partial(function, *args[:-1]), args[-1:]))))
-
-    return Mapped(1)
-
-
 def _executor_of(workers: Any) -> tuple[Any, bool]:
     """The executor that ``workers=`` means, and whether it is our own."""
-    wanted = 'a number from 1 on, "processes", "threads", or an executor with submit'
     if workers is None:
         return _Here(), True
-    if isinstance(workers, str | bool):
-        if workers == "threads":
-            return ThreadPoolExecutor(processors(), thread_name_prefix="antires"), True
-        if workers != "processes":
-            reject("workers", repr(workers), wanted, _REMEDY)
-        return Processes(processors()), True
+    if isinstance(workers, str) and workers in ("threads", "processes"):
+        threads = partial(ThreadPoolExecutor, thread_name_prefix="antires")
+        return (threads if workers == "threads" else Processes)(processors()), True
     if isinstance(workers, float) or hasattr(workers, "__index__"):
         count = integer("workers", workers, low=1, high=MOST_WORKERS)
         return (_Here() if count == 1 else Processes(count)), True
-    if isinstance(workers, type) and workers is not map:
-        reject("workers", workers, wanted, "Make one of this class first.")
-    # pool.map stands for the pool, which can do more.
-    owner = getattr(workers, "__self__", None)
-    if callable(workers) and (hasattr(owner, "submit") or hasattr(owner, "apply_async")):
-        workers = owner
-    if hasattr(workers, "submit"):
-        if type(workers).__module__.split(".")[0] == "distributed":
-            return Dask(workers), False
-        return workers, False
-    if not callable(run := getattr(workers, "map", workers)):
-        reject("workers", workers, wanted, _REMEDY)
-    warn_of_change(f"workers: {type(workers).__name__} has no submit; pass a number or an executor")
-    if not hasattr(workers, "apply_async"):
-        return _mapped(run), True
-    # A pool of multiprocessing never tells that a worker was lost: as many of our own, begun alike.
-    from multiprocessing.pool import ThreadPool
-
-    count = len(workers._pool)
-    if isinstance(workers, ThreadPool):
-        return ThreadPoolExecutor(count), True
-    return Processes(count, workers._initializer, tuple(workers._initargs or ())), True
+    if not hasattr(workers, "submit") or isinstance(workers, type):
+        got = repr(workers) if isinstance(workers, str) else type(workers).__name__
+        wanted = 'a number from 1 on, "processes", "threads", or an executor with submit'
+        reject("workers", got, wanted, _REMEDY)
+    return (Dask(workers) if type(workers).__module__.split(".")[0] == "distributed" else workers), False
 
 
 # -- What callers use

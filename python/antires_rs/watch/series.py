@@ -19,8 +19,8 @@ from ..measured.matching import MAX_SHIFT
 from ..measured.response_table import ResponseTable
 from ..measured.track import Tracks, followed
 from ..support.checks import FloatArray
-from ..support.values import FrozenDict, ReadOnly
-from .conditions import checked_conditions, checked_names, checked_times, condition_table
+from ..support.values import FrozenDict, ReadOnly, frozen
+from .conditions import checked_names, checked_times, condition_table
 from .store import read_series, write_series
 from .stored_tests import Entry, Row, StoredSets, encoded, parts_of
 
@@ -35,14 +35,13 @@ def _read_through(
     """Excitation, responses and reasons of failed tests, of sets that nothing is known of."""
     if not len(sets):
         reject("sets", "none", "one test or more", "Give the sets.")
-    wanted = "why a test has no set, by its index"
+    wanted = f"a mapping of tests without a set, from 0 to {len(sets) - 1}, to the reasons"
     if failed is not None and not isinstance(failed, Mapping):
         reject("failed", type(failed).__name__, wanted, "As in failed={2: 'cable cut'}.")
     for i in failed or ():
-        if isinstance(i, bool) or not isinstance(i, int | np.integer) or not 0 <= i < len(sets):
-            reject("failed", f"a test {i!r}", f"{wanted}, from 0 to {len(sets) - 1}", "Count from 0.")
-        if sets[int(i)] is not None:
-            reject("failed", f"test {i}, which has a set", wanted, "Give None in place of its set.")
+        whole = isinstance(i, int | np.integer) and not isinstance(i, bool)
+        if not whole or not 0 <= i < len(sets) or sets[int(i)] is not None:
+            reject("failed", f"a reason for {i!r}", wanted, "Count from 0; give None in place of its set.")
     reasons = {i: NO_SET for i, one in enumerate(sets) if one is None}
     reasons |= {int(i): str(why) for i, why in (failed or {}).items()}
     there = {i: one for i, one in enumerate(sets) if one is not None}
@@ -134,22 +133,20 @@ class Series(ReadOnly):
         self,
         sets: Sequence[AntiresonanceSet | None],
         *,
-        names: Any = None,
-        conditions: Any = None,
-        times: Any = None,
-        failed: Mapping[int, str] | None = None,
-        excitation: Any = None,
-        dofs: tuple[Any, ...] | None = None,
+        names: Sequence[str],
+        conditions: Mapping[str, Any],
+        times: Any,
+        failed: Mapping[int, str],
+        excitation: Any,
+        dofs: tuple[Any, ...],
         interrupted: bool = False,
     ) -> None:
-        count = len(sets)
-        if failed is None or dofs is None:
-            excitation, dofs, failed = _read_through(sets, failed)
+        columns = {name: np.array(column, dtype=np.float64) for name, column in conditions.items()}
         self._fill(
             sets=sets,
-            names=checked_names(names, count),
-            conditions=checked_conditions(conditions, count),
-            times=checked_times(times, count),
+            names=tuple(names),
+            conditions=FrozenDict({name: frozen(column) for name, column in columns.items()}),
+            times=None if times is None else frozen(times),
             failed=FrozenDict(sorted(failed.items())),
             excitation=excitation,
             dofs=dofs,
@@ -211,13 +208,15 @@ class Series(ReadOnly):
         """
         if not isinstance(sets, Sequence) or isinstance(sets, str | Mapping):
             reject("sets", type(sets).__name__, "a list of sets", "Put the sets in a list.")
-        if conditions is not None and not isinstance(conditions, Mapping):
-            table, _ = condition_table(conditions)
-            if names is None and table.names is not None and len(table.names) == len(sets):
-                names = table.names
-            conditions, dated = table.in_order(list(map(str, range(len(sets)) if names is None else names)))
-            times = dated if times is None else times
-        return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=failed)
+        excitation, dofs, reasons = _read_through(sets, failed)
+        table, _ = condition_table(conditions)
+        if names is None and table.names is not None and len(table.names) == len(sets):
+            names = table.names
+        called = checked_names(names, len(sets))
+        columns, dated = table.in_order(called)
+        instants = checked_times(dated if times is None else times, len(sets))
+        more: dict[str, Any] = {"failed": reasons, "excitation": excitation, "dofs": dofs}
+        return cls(tuple(sets), names=called, conditions=columns, times=instants, **more)
 
     def tracks(
         self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
