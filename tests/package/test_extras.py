@@ -21,7 +21,7 @@ PROJECT = ROOT / "pyproject.toml"
 PACKAGES = {"plot": ["matplotlib"], "report": ["jinja2"], "look": ["bokeh"], "hdf5": ["h5py"]}
 PACKAGES |= {"tdms": ["npTDMS"], "excel": ["openpyxl"], "miniseed": ["obspy"], "dask": ["dask"]}
 PACKAGES |= {"tables": ["pandas", "xarray"], "series": ["pyarrow"]}
-PACKAGES |= {"ansys": ["ansys-mapdl-reader"]}
+PACKAGES |= {"ansys": ["ansys-mapdl-reader"], "watch": []}
 #: Extras that bring so much with them that "all" leaves them out.
 LARGE = {"ansys", "dask", "miniseed"}
 

@@ -37,9 +37,8 @@ class Parser(argparse.ArgumentParser):
     """Says what was got, what is wanted, and what to do; ``rows`` has the arguments when they are needed."""
 
     def __init__(self, *args: Any, rows: Callable[[], Iterable[Row]] = tuple, **options: Any) -> None:
-        super().__init__(
-            *args, allow_abbrev=False, exit_on_error=False, **options
-        )  # errors are explained here
+        # Errors are explained here.
+        super().__init__(*args, **options | {"allow_abbrev": False, "exit_on_error": False})
         self._rows = rows
 
     @property
