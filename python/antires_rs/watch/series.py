@@ -83,26 +83,22 @@ def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
 class Series(ReadOnly):
     """Antiresonances of many tests of one structure under one force, with what was measured beside them.
 
-    A sequence of :class:`~antires_rs.AntiresonanceSet` in the order of the tests, None where a test failed.
-    ``series[3]`` is one of them, ``series[10:20]`` and ``series[series.conditions["temperature_c"] < 0]`` are
-    series. :func:`~antires_rs.identify_series` makes one of records, :meth:`from_sets` of sets.
+    A sequence of :class:`~antires_rs.AntiresonanceSet`, None where a test failed: ``series[3]`` is one of
+    them, ``series[10:20]`` and ``series[series.conditions["temperature_c"] < 0]`` are series.
+    :func:`~antires_rs.identify_series` makes one of records, :meth:`from_sets` of sets.
 
     Attributes
     ----------
     sets : sequence of AntiresonanceSet or None
         Without diagrams. Of a series in a file they are read when they are asked for.
-    names : tuple of str
-        Of the tests, such as the names of their files.
-    times : (n,) datetime64 or None
-        When each was made, where that is known.
+    names, times : tuple of str, (n,) datetime64 or None
+        Of the tests: such as the names of their files, and when each was made, where that is known.
     conditions : dict of str to (n,)
         What was measured beside, such as the temperature; NaN where not known.
     failed : dict of int to str
         Why a test has no set, by its index.
-    excitation : int, str or None
-        The dof of the force; None without any set.
-    dofs : tuple
-        All responses of all sets.
+    excitation, dofs : int, str or None, tuple
+        The dof of the force, None without any set, and all responses of all sets.
     interrupted : bool
         Whether the series was stopped before its last test.
 
@@ -192,8 +188,7 @@ class Series(ReadOnly):
         sets : sequence of AntiresonanceSet or None
             In the order of the tests, all of one excitation; None for a test without a result.
         conditions : mapping of str to array_like, (n,), DataFrame, structured array, list of dicts, path
-            What was measured beside; NaN where not known. A table may name and date the tests, as for
-            :func:`~antires_rs.identify_series`.
+            What was measured beside, as for :func:`~antires_rs.identify_series`.
         names : sequence of str, optional
             By default the numbers of the tests.
         times : array_like, (n,), optional
@@ -259,9 +254,8 @@ class Series(ReadOnly):
     def average(self, *, max_shift: float = MAX_SHIFT) -> AntiresonanceSet:
         """One set that stands for all tests, two or more, if nothing changed between them.
 
-        Its frequencies are the means of the tracks that at least half of the tests have, its standard
-        deviations those of the means by their scatter. ``ar.compare(january, february)`` of two series
-        compares their averages.
+        Its frequencies are the means of the tracks that at least half of the tests have, with their standard
+        deviations. ``ar.compare`` of two series compares their averages.
         """
         tracks = self.tracks(max_shift=max_shift)
         count = np.sum(~np.isnan(tracks.freq_hz), axis=0)
@@ -276,13 +270,7 @@ class Series(ReadOnly):
         return AntiresonanceSet.from_tables(self.excitation, tables)
 
     def compare(self, i: int, j: int, **options: Any) -> Comparison:
-        """Two tests compared; options as for :func:`~antires_rs.compare`.
-
-        Raises
-        ------
-        InvalidInputError
-            A test that has no set, or a malformed option.
-        """
+        """Two tests that have a set compared; options as for :func:`~antires_rs.compare`."""
         return compare(self._set("i", i), self._set("j", j), **options)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -296,10 +284,8 @@ class Series(ReadOnly):
 
         Raises
         ------
-        InvalidInputError
-            A folder that does not exist.
-        MissingDependencyError
-            pyarrow is not installed, for Parquet.
+        InvalidInputError, MissingDependencyError
+            A folder that does not exist; pyarrow is not installed, for Parquet.
         """
         rows = []
         for i, one in enumerate(self.sets):
@@ -320,21 +306,14 @@ class Series(ReadOnly):
 
         Raises
         ------
-        FileNotFoundError
-            There is none.
-        InvalidInputError
-            A file of another kind, or of a newer version.
-        MissingDependencyError
-            pyarrow is not installed.
+        FileNotFoundError, InvalidInputError, MissingDependencyError
+            There is none; a file of another kind, or of a newer version; pyarrow is not installed.
         """
         rows, unfinished = read_series(Path(path))
         return cls(**parts_of(rows), interrupted=unfinished)
 
     def to_dataframe(self) -> Any:
-        """One row an antiresonance: test, name, time, the conditions, and the columns of a set.
-
-        A ``pandas.DataFrame``; needs pandas.
-        """
+        """A ``pandas.DataFrame``, a row an antiresonance: test, name, time, conditions, columns of a set."""
         times = {} if self.times is None else {"time": self.times}
         names: dict[str, None] = dict.fromkeys(("test", "name", *times, *self.conditions))
         rows: list[dict[str, Any]] = []
@@ -352,15 +331,7 @@ class Series(ReadOnly):
     @overload
     def __getitem__(self, at: slice | Sequence[int] | NDArray[Any]) -> Series: ...
     def __getitem__(self, at: Any) -> Any:
-        """The set of one test by its index, or a series of some: a slice, indices or a mask.
-
-        Raises
-        ------
-        IndexError
-            No such test.
-        InvalidInputError
-            Anything else, a mask of another length, or a test more than once.
-        """
+        """The set of one test by its index, or a series of some: a slice, indices or a mask."""
         chosen = _chosen(at, len(self))
         if isinstance(chosen, int):
             return self.sets[chosen]
