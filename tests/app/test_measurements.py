@@ -94,7 +94,7 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     assert (data["file"], data["dofs"]) == ("data/named.npz", {"tip [g]": "?", 'a"b': "?"})
     assert data["excitation"] == "?"
     assert cli.main(["damage", str(job)]) == 2
-    assert "got '?', where the dof is not given yet" in capsys.readouterr().err
+    assert 'got "?"; wanted a dof of the model in place of each "?"' in capsys.readouterr().err
     # Dofs that are numbers need no table.
     numbered = ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 32.0))
     assert cli.main(["init", str(job), "--data", str(numbered), "--overwrite"]) == 0
@@ -115,7 +115,7 @@ def test_the_force_that_a_file_states(tmp_path, capsys):
     assert all(line.startswith("#") for line in text.splitlines() if '"1 v"' in line)
     capsys.readouterr()
     assert cli.main(["damage", str(job)]) == 2
-    assert "'?' for '1+Y', '2+Y'" in capsys.readouterr().err
+    assert 'got {"1+Y": "?", "2+Y": "?"' in capsys.readouterr().err
     assert cli.main(["identify", str(file), "--band", "5", "350", "--max-order", "12", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["excitation"] == "3+Y"
 
