@@ -136,11 +136,7 @@ LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the com
 
 
 class Job:
-    """A valid job: its sections, and where everything stands.
-
-    ``data`` and ``parameters`` are the tables [data] or [[data]] and [[parameters]], ``sections`` the others,
-    empty where the job is silent; ``task`` is "damage", "update" or "series".
-    """
+    """A valid job: the tables [data] and [[parameters]], its other sections, and where everything stands."""
 
     def __init__(self, path: Path, text: str) -> None:
         self.path = path

@@ -25,7 +25,7 @@ from ..support.messages import EDIT_WANTED, edit_named
 from .arguments import dof_finder
 from .command import say
 from .job import LEAVE_OUT, Job, KeyPath
-from .keys import DATA, FOLDER, FORMATS, IDENTIFICATION, format_of, shown
+from .keys import DATA, FOLDER, IDENTIFICATION, format_of, shown
 
 # -- One file: its signal, whatever its format
 
@@ -110,10 +110,9 @@ OPTIONS: dict[str, KeyPath] = {key.name: ("identification", key.name) for key in
 
 
 class Measurement:
-    """One [data] of a job, or its intact counterpart: files that are there, the others repeat the first.
+    """One [data] of a job, or its intact counterpart, at dofs of the model; the files repeat the first.
 
-    ``files`` are pairs of a place in the job and a path. ``signal``, ``force`` and ``found`` are at dofs of
-    the model, if there is one; the first two are None where the file holds antiresonances.
+    ``files`` are pairs of a place in the job and a path. A file of antiresonances has no ``signal``.
     """
 
     signal: Signal | None = None
@@ -297,21 +296,18 @@ _SEARCH = ("seed", "workers")
 
 def check_options(job: Job) -> None:
     """Refuse keys that would have no effect, with a baseline or without one."""
-    damage = job.sections["damage"]
-    if "baseline" not in damage:
-        for name in [name for name in ("prior", *options_with(TWO_STATES)) if name in damage]:
-            got = f"{name!r} without a baseline"
-            remedy = "Name the measurement of the intact structure, or remove it."
-            job.reject(("damage", name), got, "it beside baseline", remedy)
-        return
-    for name in [name for name in options_with(ONE_STATE) if name in damage]:
-        got = f"{name!r} beside baseline"
-        remedy = "Remove it: with a baseline the standard deviations count, and probabilities replace prices."
-        job.reject(("damage", name), got, "it without a baseline", remedy)
-    for name in [name for name in job.sections["search"] if name not in _SEARCH]:
-        got = f"{name!r} of a search, where [damage] has a baseline"
-        remedy = "Remove it: hypotheses are judged in seconds, without a search that could be kept."
-        job.reject(("search", name), got, f"{' and '.join(_SEARCH)} alone", remedy)
+    damage, search = job.sections["damage"], job.sections["search"]
+    one_state, two_states = options_with(ONE_STATE), ("prior", *options_with(TWO_STATES))
+    if "baseline" in damage:
+        wanted, remedy = "it without a baseline", "Remove it: probabilities replace prices and search."
+        wrong = [("damage", name) for name in one_state if name in damage]
+        wrong += [("search", name) for name in search if name not in _SEARCH]
+    else:
+        wanted, remedy = "it beside baseline", "Name the measurement of the intact structure, or remove it."
+        wrong = [("damage", name) for name in two_states if name in damage]
+    for place in wrong:
+        state = "beside" if "baseline" in damage else "without a"
+        job.reject(place, f"{place[1]!r} {state} baseline", wanted, remedy)
 
 
 def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
@@ -330,8 +326,9 @@ def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
 def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralModel) -> list[Measurement]:
     place, table = job.data_places[number], job.data[number]
     files = files_of(job, at, name, folders=True)
-    own = _format(job, at, table, files[0])
-    held = _format(job, place, table, job.file(table["file"])) == "antiresonances"
+    # What a file is its ending tells, else [data].
+    own = format_of(files[0].name) or kind_of(job, place, table, files[0])
+    held = (format_of(table["file"]) or table.get("format")) == "antiresonances"
     if own == "antiresonances":
         # Saved sets have dofs of the model, or names of channels; a list is of channels in a record.
         named = "dofs" in table and (held or isinstance(table["dofs"], dict))
@@ -344,12 +341,3 @@ def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralMode
     known = {key: value for key, value in table.items() if key not in ("repeats", *EDITS)}
     known |= {} if own == FOLDER else {"format": own}
     return [Measurement(job, place, known, model, [(at, path) for path in files]).identified()]
-
-
-def _format(job: Job, place: KeyPath, table: dict[str, Any], file: Path) -> str:
-    """What a file is: by its ending, else what [data] says."""
-    kind = FOLDER if file.is_dir() else format_of(file.name) or format_of(file.name, table.get("format"))
-    if kind is None:
-        remedy = "A file whose ending does not tell has the format of [data]."
-        job.reject(place, shown(file.name), f"a format out of {', '.join(FORMATS)}", remedy)
-    return kind

@@ -1,10 +1,8 @@
 """Results of tasks in their order, whoever computes them: this thread, processes, anything with ``submit``.
 
-``in_order(function, tasks, workers)`` is what rooms call; ``Workers`` keeps its workers for several rounds.
-Every kind of worker is an executor here: tasks are numbered and go out in chunks of about a second, answers
-are put back in order, and a chunk whose worker is lost is submitted again. So the results do not depend on
-the workers. A task's own exception is an answer like any other: whatever else comes out of a worker is about
-the worker.
+Every kind of worker is an executor: tasks are numbered and go out in chunks of about a second, answers are
+put back in order, and a chunk whose worker is lost is submitted again. A task's own exception is an answer
+like any other: whatever else comes out of a worker is about the worker.
 """
 
 from __future__ import annotations
@@ -326,8 +324,7 @@ def _sigint_blocked() -> Iterator[None]:
 class Dask:
     """A Dask client, which may be without workers for a while, or lose its scheduler for good.
 
-    Dask begins a task anew whose worker was lost, until it has lost a few with one task and gives that one
-    up; what it gives up, cancels, or has forgotten as its scheduler begins anew, is submitted again.
+    What Dask gives up, cancels, or has forgotten as its scheduler begins anew, is submitted again.
     """
 
     # Measured on a busy machine; benchmarks/cluster_plan.py measures it on any other.
@@ -396,14 +393,12 @@ def _executor_of(workers: Any) -> tuple[Any, bool]:
 
 
 class Workers:
-    """Workers for one function, for several rounds of tasks.
+    """Workers for ``function(task)``, or ``function(shared, task)``, for several rounds of tasks.
 
-    ``function(task)``, or ``function(shared, task)`` where something is ``shared``, which goes to each worker
-    once. ``workers``: None or 1 is this thread; a number from 2 on, or ``"processes"`` for one a processor,
-    processes that end with the context; ``"threads"``; an executor, which stays open. Chunks of tasks last
-    about ``seconds_a_chunk`` by measured times, longer where one scheduler serves many workers (0: one by
-    one). A task fails that took more than ``losses`` workers with it. In every kind of worker functions run
-    with one BLAS thread, with ``workers=1`` too, so that the bits are the same; with None as they are called.
+    None or 1 is this thread; a number from 2 on, or ``"processes"``, processes that end with the context;
+    ``"threads"``; an executor, which stays open. Chunks of tasks last about ``seconds_a_chunk`` (0: one by
+    one). A task fails that took more than ``losses`` workers with it. But for None, functions run with one
+    BLAS thread, so that the bits are the same.
     """
 
     def __init__(
@@ -455,10 +450,9 @@ class Workers:
         what: str = "",
         poll: Callable[[], None] | None = None,
     ) -> Iterator[Any]:
-        """The result of each task in the order of the tasks, which are read no further than needed.
+        """The result of each task in their order, read no further than needed; an exception in its turn.
 
-        An exception of the function is raised in its task's turn, or given as a :class:`Failed` with
-        ``errors="return"``. Progress says ``what 7 of 90``; ``poll`` is called ten times a second.
+        With ``errors="return"`` that is a :class:`Failed`. ``poll`` is called ten times a second.
         """
         waiting: dict[int, Any] = {}
         start, nth = time.monotonic(), 0
@@ -601,10 +595,7 @@ def in_order(
     errors: Errors = "raise",
     what: str = "",
 ) -> Iterator[Any]:
-    """``function(task)`` of every task in order: one round of :class:`Workers`, which tells the arguments.
-
-    Nothing begins before the first result is asked for, or runs on after the last, an exception, ``close()``.
-    """
+    """One round of :class:`Workers`, which tells the arguments; nothing begins before it is asked for."""
     with Workers(function, workers, shared=shared, seconds_a_chunk=seconds_a_chunk, losses=losses) as open_:
         yield from open_.in_order(tasks, errors=errors, what=what)
 

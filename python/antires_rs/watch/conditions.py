@@ -135,10 +135,7 @@ def _cell(cell: str) -> Any:
 
 
 class ConditionTable:
-    """Columns (n,) of conditions, and times, for tests that come one after the other.
-
-    ``names`` are those of the tests, where the table has them; else rows are in the order of the tests.
-    """
+    """Columns of conditions, and times, in the order of the tests, or by their ``names``."""
 
     def __init__(
         self, columns: Mapping[str, Any], times: Any, names: tuple[str, ...] | None, numbered: bool = False

@@ -44,10 +44,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Sources:
-    """Sources in order, read no further than asked for; ``count`` is None for a generator.
-
-    ``files`` are all of them where they are files.
-    """
+    """Sources in order, read no further than asked for; ``files`` where all are; no count of a generator."""
 
     each: Iterable[Source]
     count: int | None
@@ -279,11 +276,7 @@ WHOLE, PART = 1 << 20, 1 << 16
 
 
 def fingerprint(given: Any) -> str:
-    """Text that is another one for another source; of a function it is empty: its name must do.
-
-    Files are told apart by size and content, of long ones by three parts of it; not by their dates, which
-    change when a file is copied.
-    """
+    """Text that is another one for another content, of long files by three parts; of a function empty."""
     digest = hashlib.blake2b(digest_size=16)
     arrays: tuple[Any, ...] = ()
     if isinstance(given, list):

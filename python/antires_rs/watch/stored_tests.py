@@ -125,10 +125,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Row(Entry):
-    """A test with its result: what is asked of it often, and ``plain``, which gets its set.
-
-    ``failed`` says why there is none; ``kinds`` are names of its scores with the letters of their types.
-    """
+    """A test with its result: what is asked often, scores with letters of types, ``plain`` gets its set."""
 
     failed: str | None
     count: int
