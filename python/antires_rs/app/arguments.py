@@ -69,10 +69,7 @@ def _frame(job: Job, table: dict[str, Any]) -> StructuralModel:
 
 def _section(job: Job, name: str, parts: Any) -> Tube | Rectangle | Section:
     place: KeyPath = ("model", "sections", name)
-    remedy = (
-        'As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, '
-        "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850 }."
-    )
+    remedy = 'As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, ... }.'
     shape = parts.get("shape") if isinstance(parts, dict) else parts
     if not isinstance(parts, dict) or shape not in list(_SHAPES):
         job.reject(place, shown(shape), f"a table with shape = {_quoted(_SHAPES)}", remedy)

@@ -15,7 +15,7 @@ from ..signals.frequency_response import covered_hz
 from ..support.messages import some, warn
 from .command import existing, say
 from .job import Job, KeyPath, Place
-from .keys import DATA, FORMATS, IDENTIFICATION
+from .keys import DATA, IDENTIFICATION, SIGNAL_ENDINGS
 from .parser import nearest
 from .reading import EDITS, Measurement, edited, kind_of
 
@@ -69,7 +69,7 @@ class Call(Job):
 
     def unknown_format(self, place: KeyPath, table: Any, file: Path) -> NoReturn:
         """Refuse a file whose format is not known."""
-        wanted = "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends)
+        wanted = f"an ending out of {' '.join(SIGNAL_ENDINGS)}"
         reject("FILE", repr(str(file)), wanted, f"Say by --format what it is.{conversion(file.name)}")
 
     def check_data(self, place: KeyPath, table: Any, signal: Any = None) -> None:
@@ -160,8 +160,9 @@ def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list
     """What was measured at each hit, read, and the job of the last one."""
     places: list[Any] = args.hit or [None] * len(args.files)
     if len(places) != len(args.files):
-        wanted = f"{len(args.files)}, one for each file in their order"
-        reject("--hit", f"{len(places)} places", wanted, "Name the place of the force of every file.")
+        reject(
+            "--hit", f"{len(places)} places", f"{len(args.files)}, one for each file", "Name all in order."
+        )
     if args.excitation is not None:
         reject("--excitation", "it beside --roving", "--hit for each file", "Leave it out: the force moved.")
     sensor, hits = args.roving, []

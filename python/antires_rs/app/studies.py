@@ -20,7 +20,7 @@ from .arguments import model_of
 from .call import check_files, identified, refuse_beside
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
-from .keys import FORMATS, HEADINGS, UNSET, format_of, template
+from .keys import HEADINGS, SIGNAL_ENDINGS, UNSET, format_of, template
 from .reading import measured_of, read_signal
 from .run import RunFolder
 
@@ -98,9 +98,6 @@ def explain(args: argparse.Namespace) -> int:
 def init(args: argparse.Namespace) -> int:
     """Write a commented job."""
     job: Path = args.job
-    if job.suffix != ".toml":
-        remedy = f"As in 'antires init {job.stem or 'job'}.toml'."
-        reject("JOB", repr(str(job)), "a file that ends in .toml", remedy)
     if job.exists() and not args.overwrite:
         got, remedy = f"{str(job)!r}, which exists", "Choose another name, or pass --overwrite."
         reject("JOB", got, "a new file", remedy)
@@ -120,9 +117,9 @@ def _channels(file: Path) -> dict[str, Any]:
     existing("--data", file, "Name the file of the measurement.")
     kind = format_of(file.name)
     if kind is None:
-        wanted = "a file that ends in " + ", ".join(e for ends in FORMATS.values() for e in ends)
-        remedy = "Convert it first, or write the job without --data and name its format there."
-        reject("--data", repr(str(file)), wanted, remedy + conversion(file.name))
+        wanted = f"a file that ends in {' '.join(SIGNAL_ENDINGS)}"
+        remedy = f"Leave --data out, and name the format in the job.{conversion(file.name)}"
+        reject("--data", repr(str(file)), wanted, remedy)
     with arguments({"path": "--data"}):
         if kind == "antiresonances":
             found = AntiresonanceSet.load(file)

@@ -45,17 +45,14 @@ def rate_lines(watched: Watched) -> list[str]:
     checked = f"{hits} of {base.size} baseline tests ({100.0 * hits / base.size:.1f} %) alarm when left out"
     lines = [f"false alarms: {rate:g} % of intact tests stated; {checked}"]
     if base.size < watched.needed:
-        lines.append(
-            f"the baseline is short: {base.size} tests, {watched.needed} are needed to rely on this rate"
-        )
+        short = f"{base.size} tests, {watched.needed} are needed to rely on it"
+        lines.append(f"the baseline is short for this rate: {short}")
     bends = {name: f" (bent at {at:.3g})" for name, at in watched.bends.items()}
     used = ", ".join(name + bends.get(name, "") for name in watched.used)
     used = used or "what the baseline's antiresonances do together, no condition being of use"
     lines.append(f"corrected for {used}")
     if out := int(np.sum(watched.outside & watched.outside_baseline)):
-        lines.append(
-            f"{out:,} tests at conditions that the baseline does not have, their uncertainty counted"
-        )
+        lines.append(f"{out:,} tests at conditions beyond those of the baseline, their uncertainty counted")
     if watched.clocks:
         lines.append(f"not used, since it only grows or falls with the tests: {', '.join(watched.clocks)}")
     return lines
