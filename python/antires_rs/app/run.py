@@ -193,13 +193,14 @@ def _made(data: dict[str, Any]) -> StabilizationDiagram:
     rows = {name: tuple(np.split(data[name], ends)) for name in _ROWS}
     rows["stable"] = tuple(row.astype(bool) for row in rows["stable"])
     # Files of older versions do not have what was not accepted.
-    tables = {}
-    for name in (name for name in _TABLES if name in data):
-        hz, damping, std = (data[name].pop(column) for column in _COLUMNS)
-        tables[name] = ResponseTable(hz, damping, std, data[name])
+    tables = {
+        name: ResponseTable(*map(data[name].pop, _COLUMNS), scores=data[name])
+        for name in _TABLES
+        if name in data
+    }
     curves = {name: data[name] for name in _CURVES if name in data}
-    parts: dict[str, Any] = {**rows, **tables, **curves, "band_hz": tuple(data["band_hz"])}
-    return StabilizationDiagram(**parts)
+    made: dict[str, Any] = {**rows, **tables, **curves, "band_hz": tuple(data["band_hz"])}
+    return StabilizationDiagram(**made)
 
 
 def _response(job: Job, measured: list[Measurement]) -> FrequencyResponse | None:
