@@ -193,11 +193,10 @@ def _made(data: dict[str, Any]) -> StabilizationDiagram:
     rows = {name: tuple(np.split(data[name], ends)) for name in _ROWS}
     rows["stable"] = tuple(row.astype(bool) for row in rows["stable"])
     # Files of older versions do not have what was not accepted.
-    tables = {
-        name: ResponseTable(*map(data[name].pop, _COLUMNS), scores=data[name])
-        for name in _TABLES
-        if name in data
-    }
+    tables = {}
+    for name in (name for name in _TABLES if name in data):
+        hz, damping, std = map(data[name].pop, _COLUMNS)
+        tables[name] = ResponseTable(hz, damping, std, data[name])
     curves = {name: data[name] for name in _CURVES if name in data}
     made: dict[str, Any] = {**rows, **tables, **curves, "band_hz": tuple(data["band_hz"])}
     return StabilizationDiagram(**made)
