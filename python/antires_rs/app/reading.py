@@ -75,25 +75,15 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
         chosen["dofs"] = lambda name: None if str(name) in left_out else name
     try:
         signal = _READERS[kind](file, **chosen)
+        if by_point or not dofs:
+            return signal
+        names = [str(name) if named else name for name in signal.dofs]
+        for name in (name for name in dofs if named and name not in [*names, *left_out]):
+            reject("dofs", f"{name!r}, which is no channel", f"names out of {names}", "Correct or remove it.")
+        return relabelled(signal, renamed("dofs", names, dofs))
     except InvalidInputError as exc:
         texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
         raise type(exc)(exc.argument, exc.got, *texts) from exc
-    return signal if by_point or not dofs else _named(signal, dofs)
-
-
-def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
-    """The channels that have a dof, under its name."""
-    names = list(signal.dofs)
-    if isinstance(dofs, dict):
-        names = [str(name) for name in names]
-        for name, dof in dofs.items():
-            if name not in names and dof is not None:
-                got = f"{name!r}, which is no channel"
-                reject("dofs", got, f"names out of {names}", "Correct or remove it.")
-        for name in names:
-            if name not in dofs:
-                reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", f"{LEAVE_OUT}.")
-    return relabelled(signal, renamed("dofs", names, dofs))
 
 
 def _is_point(name: str) -> bool:
