@@ -101,12 +101,7 @@ def term_files(job: Job) -> dict[str, list[Any]]:
     for key in ("stiffness_terms", "mass_terms"):
         names = job.sections["model"].get(key, [])
         for i, name in enumerate([names] if isinstance(names, str) else names):
-            place, pattern = ("model", key, i), job.file(name)
-            found = sorted(pattern.parent.glob(pattern.name), key=natural) if "*" in name else []
-            if "*" in name and not found:
-                remedy = "Paths are relative to the folder of the job file."
-                job.reject(place, f"{name!r}, which fits no file", "files that exist", remedy)
-            files.setdefault(key, []).extend(found or [job.existing(place, name)])
+            files.setdefault(key, []).extend(job.files(("model", key, i), name, order=natural))
     return files
 
 

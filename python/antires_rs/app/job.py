@@ -236,6 +236,17 @@ class Job:
         remedy = "Paths are relative to the folder of the job file."
         return existing(self.where(place), self.file(name), remedy, wanted, name)
 
+    def files(self, place: KeyPath, name: str, *, folders: bool = False, order: Any = None) -> list[Path]:
+        """The files that a name stands for: one, or all of a pattern, in the order of their names."""
+        pattern = self.file(name)
+        if "*" not in pattern.name:
+            return [pattern if folders and pattern.is_dir() else self.existing(place, name)]
+        files = sorted(pattern.parent.glob(pattern.name), key=order)
+        if not files:
+            remedy = "Paths are relative to the folder of the job file."
+            self.reject(place, shown(name), "files that exist", remedy)
+        return files
+
     def reject(self, place: KeyPath, got: str, wanted: str, remedy: str) -> NoReturn:
         """Refuse what stands at a place."""
         raise InvalidInputError(self.where(place), got, wanted, remedy)

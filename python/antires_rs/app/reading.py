@@ -257,24 +257,13 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
             job.existing(files[0][0], table["file"])
         for at, name in _listed(table.get("repeats", []), (*place, "repeats")):
             known = {path.resolve() for _, path in files}  # the first is not read twice
-            files += [(at, path) for path in files_of(job, at, name) if path.resolve() not in known]
+            files += [(at, path) for path in job.files(at, name) if path.resolve() not in known]
         measured.append(Measurement(job, place, table, model, files).identified())
     if job.sections["identification"] and all(each.signal is None for each in measured):
         got = "options beside files that hold antiresonances already"
         wanted = "a measurement to be identified"
         job.reject(("identification",), got, wanted, "Remove the section, or name the measurement.")
     return measured
-
-
-def files_of(job: Job, at: KeyPath, name: str, *, folders: bool = False) -> list[Path]:
-    """The files that a name stands for: one, or all of a pattern, in the order of their names."""
-    pattern = job.file(name)
-    if "*" not in pattern.name:
-        return [pattern if folders and pattern.is_dir() else job.existing(at, name)]
-    files = sorted(pattern.parent.glob(pattern.name))
-    if not files:
-        job.reject(at, shown(name), "files that exist", "Paths are relative to the folder of the job file.")
-    return files
 
 
 # -- The intact structure of a job: ``baseline`` of [damage], read and identified as [data] is
@@ -315,7 +304,7 @@ def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
 
 def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralModel) -> list[Measurement]:
     place, table = job.data_places[number], job.data[number]
-    files = files_of(job, at, name, folders=True)
+    files = job.files(at, name, folders=True)
     # What a file is its ending tells, else [data].
     own = format_of(files[0].name) or kind_of(job, place, table, files[0])
     held = (format_of(table["file"]) or table.get("format")) == "antiresonances"
