@@ -14,7 +14,7 @@ from typing import Any
 from ..damage.options import ONE_STATE, TWO_STATES, SearchOptions, options_with
 from ..identification.options import declared
 from ..io.registry import ENDINGS, formats_of
-from ..support.options import Option
+from ..support.options import Option, small
 
 # -- What a key and a section of a job file are
 
@@ -57,11 +57,6 @@ class Section:
     def key(self, name: str) -> Key | None:
         """The key of that name."""
         return next((key for key in self.keys if key.name == name), None)
-
-
-def small(sentence: str) -> str:
-    """The sentence as it goes on after others."""
-    return (sentence[0].lower() if sentence[1].islower() else sentence[0]) + sentence[1:]
 
 
 # -- Formats of measurements, and what belongs to which

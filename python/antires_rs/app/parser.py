@@ -323,7 +323,8 @@ _HELP = {
 def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) -> Iterator[Row]:
     """How a measurement is read and identified: the keys of a job that have a flag, some of them needed."""
     from ..io.registry import ENDINGS
-    from .keys import DATA, IDENTIFICATION, small
+    from ..support.options import small
+    from .keys import DATA, IDENTIFICATION
 
     for key in (*DATA.keys, *IDENTIFICATION.keys):
         if key.flag and key.name not in without:
