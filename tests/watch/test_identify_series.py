@@ -84,7 +84,7 @@ def test_patterns_anywhere(folder, quick, monkeypatch):
 def test_conditions_come_with_a_source_or_beside(quick):
     own = {"temperature_c": 7.0, "time": "2026-01-31"}
     series = ar.identify_series(
-        [given(0), (given(1), own), ("x", given(2), {"wind": 3.0})],
+        [given(0), ("1", given(1), own), ("x", given(2), {"wind": 3.0})],
         **OPTIONS,
         conditions={"temperature_c": [1, 2, 3]},
     )

@@ -52,7 +52,7 @@ def rate_lines(watched: Watched) -> list[str]:
     used = used or "what the baseline's antiresonances do together, no condition being of use"
     lines.append(f"corrected for {used}")
     if out := int(np.sum(watched.outside & watched.outside_baseline)):
-        lines.append(f"{out:,} tests at conditions beyond those of the baseline, their uncertainty counted")
+        lines.append(f"{out:,} tests at conditions that the baseline does not have, which counts as error")
     if watched.clocks:
         lines.append(f"not used, since it only grows or falls with the tests: {', '.join(watched.clocks)}")
     return lines
