@@ -1,4 +1,6 @@
 # Every public name and where it lives: for type checkers and editors, and for __init__.py, which reads it.
+# ruff: noqa: I001
+# fmt: off
 
 from . import cases, exceptions as exceptions, figures as figures, io as io
 from ._core import __version__
@@ -7,16 +9,8 @@ from .damage.hypotheses import Hypotheses, Hypothesis
 from .damage.options import DamagePrior, SearchOptions
 from .damage.severity_intervals import SampledSet, SeverityIntervals
 from .exceptions import (
-    AntiresError,
-    AntiresWarning,
-    InternalError,
-    InvalidInputError,
-    LostWorkerError,
-    MissingDependencyError,
-    NumericalError,
-    ObjectiveError,
-    OutOfMemoryError,
-    UnsuitableDataError,
+    AntiresError, AntiresWarning, InternalError, InvalidInputError, LostWorkerError,
+    MissingDependencyError, NumericalError, ObjectiveError, OutOfMemoryError, UnsuitableDataError
 )
 from .identification.identify import identify_antiresonances
 from .identification.modes import identify_modes
@@ -24,27 +18,9 @@ from .identification.options import FitOptions
 from .identification.rational_fit import RationalFit, fit_rational
 from .identification.stabilization import StabilizationDiagram, stabilization
 from .io import (
-    from_sep005,
-    read_csv,
-    read_excel,
-    read_frf_files,
-    read_hdf5,
-    read_lvm,
-    read_mat,
-    read_matrices,
-    read_miniseed,
-    read_npz,
-    read_parquet,
-    read_tdms,
-    read_uff,
-    read_wav,
-    to_sep005,
-    write_csv,
-    write_hdf5,
-    write_mat,
-    write_matrices,
-    write_npz,
-    write_uff,
+    from_sep005, read_csv, read_excel, read_frf_files, read_hdf5, read_lvm, read_mat, read_matrices,
+    read_miniseed, read_npz, read_parquet, read_tdms, read_uff, read_wav, to_sep005, write_csv, write_hdf5,
+    write_mat, write_matrices, write_npz, write_uff
 )
 from .measured.antiresonance_set import AntiresonanceSet
 from .measured.compare import Comparison, compare
@@ -57,20 +33,8 @@ from .models.frame import FrameModel
 from .models.frame_parts import GroundSpring, NodeSpring, PointMass, Rectangle, Section, Tube
 from .models.matrix_model import MatrixModel
 from .models.parameters import (
-    Parameter,
-    angle,
-    density,
-    diameter,
-    inertia,
-    length,
-    mass_factor,
-    point_mass,
-    position,
-    stiffness_factor,
-    stiffness_reduction,
-    support_stiffness,
-    thickness,
-    youngs_modulus,
+    Parameter, angle, density, diameter, inertia, length, mass_factor, point_mass, position,
+    stiffness_factor, stiffness_reduction, support_stiffness, thickness, youngs_modulus
 )
 from .optimize.island_ga import History, IslandGA, OptimizeResult
 from .planning.detectability import detectability
@@ -116,4 +80,4 @@ __all__ = [
     "thickness", "to_sep005", "track", "transmissibility", "transmissibility_sum", "update",
     "update_ensemble", "write_csv", "write_hdf5", "write_mat", "write_matrices", "write_npz", "write_uff",
     "youngs_modulus",
-]  # fmt: skip
+]

@@ -1,4 +1,5 @@
 """Types of the private Rust module."""
+# fmt: off
 
 from collections.abc import Callable, Sequence
 from typing import Any, final
@@ -21,7 +22,7 @@ __all__ = [
     "Frame", "Model", "Objective", "PreparedTables", "PreparedTest", "__version__", "align", "associate",
     "check_bounds", "dominant_pairs", "follow", "forsythe_basis_at", "hermitian_values", "island_options",
     "minimize", "nominal_values", "refined_roots",
-]  # fmt: skip
+]
 
 __version__: str
 
@@ -33,11 +34,8 @@ class Model:
     ) -> Model: ...
     @staticmethod
     def from_matrices(
-        n_dof: int,
-        stiffness: _Term,
-        mass: _Term,
-        stiffness_terms: Sequence[_Term],
-        mass_terms: Sequence[_Term],
+        n_dof: int, stiffness: _Term, mass: _Term, stiffness_terms: Sequence[_Term],
+        mass_terms: Sequence[_Term]
     ) -> Model: ...
     @staticmethod
     def from_frame(frame: Frame) -> Model: ...
@@ -68,13 +66,9 @@ class Model:
 @final
 class Frame:
     def __new__(
-        cls,
-        nodes_m: _Floats,
-        references: _Floats | None,
-        sections: Sequence[_Section],
-        elements: Sequence[tuple[str, list[_Row]]],
-        fixed: Sequence[tuple[int, str]],
-        shear: Sequence[list[float] | None] | None = None,
+        cls, nodes_m: _Floats, references: _Floats | None, sections: Sequence[_Section],
+        elements: Sequence[tuple[str, list[_Row]]], fixed: Sequence[tuple[int, str]],
+        shear: Sequence[list[float] | None] | None = None
     ) -> Frame: ...
     def nodes_m(self) -> _Floats: ...
     def sections(self) -> list[_Section]: ...
@@ -87,23 +81,15 @@ class Frame:
 class Objective:
     @staticmethod
     def antiresonance(
-        model: Model,
-        parameters: Sequence[_Parameter],
-        targets: Sequence[tuple[int, int, _Floats, str | None, int]],
-        misfit: str,
-        penalty: tuple[float, float] | None,
-        snap: float,
-        weights: _Floats | None,
+        model: Model, parameters: Sequence[_Parameter],
+        targets: Sequence[tuple[int, int, _Floats, str | None, int]], misfit: str,
+        penalty: tuple[float, float] | None, snap: float, weights: _Floats | None
     ) -> Objective: ...
     @staticmethod
     def modal(
-        model: Model,
-        parameters: Sequence[_Parameter],
-        modes: Sequence[tuple[_Floats, Sequence[int], NDArray[np.complex128]]],
-        misfit: str,
-        penalty: tuple[float, float] | None,
-        snap: float,
-        weights: _Floats | None,
+        model: Model, parameters: Sequence[_Parameter],
+        modes: Sequence[tuple[_Floats, Sequence[int], NDArray[np.complex128]]], misfit: str,
+        penalty: tuple[float, float] | None, snap: float, weights: _Floats | None
     ) -> Objective: ...
     def cost(self, x: _Floats) -> float: ...
     def repaired(self, x: _Floats) -> _Floats: ...
@@ -122,54 +108,26 @@ class Objective:
     ) -> list[tuple[_Floats, _Floats, _Floats, _Floats]]: ...
     def evaluate_many(self, candidates: _Floats, threads: int) -> _Floats: ...
     def minimize(
-        self,
-        lower: _Floats,
-        upper: _Floats,
-        guesses: Sequence[Sequence[float]],
-        options: dict[str, Any],
-        seed: int,
-        threads: int,
-        max_seconds: float | None,
-        on_progress: _Progress | None,
-        checkpoint: Checkpoint | None,
-        start: Sequence[float] | None = None,
+        self, lower: _Floats, upper: _Floats, guesses: Sequence[Sequence[float]], options: dict[str, Any],
+        seed: int, threads: int, max_seconds: float | None, on_progress: _Progress | None,
+        checkpoint: Checkpoint | None, start: Sequence[float] | None = None
     ) -> dict[str, Any]: ...
 
 @final
 class PreparedTables:
     def __new__(
-        cls,
-        levels: _Floats,
-        response: NDArray[np.intp],
-        seen: NDArray[np.bool_],
-        old: NDArray[np.bool_],
-        intact: _Floats,
-        there: NDArray[np.bool_],
-        place: _Floats,
-        beside: _Floats,
-        by_own: _Floats,
-        slopes: NDArray[np.float32],
-        crossed: NDArray[np.float32],
-        errors: NDArray[np.float32],
-        spread: _Floats,
-        new_variance: float,
+        cls, levels: _Floats, response: NDArray[np.intp], seen: NDArray[np.bool_], old: NDArray[np.bool_],
+        intact: _Floats, there: NDArray[np.bool_], place: _Floats, beside: _Floats, by_own: _Floats,
+        slopes: NDArray[np.float32], crossed: NDArray[np.float32], errors: NDArray[np.float32],
+        spread: _Floats, new_variance: float
     ) -> PreparedTables: ...
 
 @final
 class PreparedTest:
     def __new__(
-        cls,
-        tables: PreparedTables,
-        response: Sequence[int],
-        log_f: Sequence[float],
-        std: Sequence[float],
-        set: Sequence[int],
-        times: Sequence[float],
-        band: tuple[float, float],
-        common: float,
-        extra: float,
-        errors: Sequence[tuple[float, float, float]],
-        outside: float,
+        cls, tables: PreparedTables, response: Sequence[int], log_f: Sequence[float], std: Sequence[float],
+        set: Sequence[int], times: Sequence[float], band: tuple[float, float], common: float, extra: float,
+        errors: Sequence[tuple[float, float, float]], outside: float
     ) -> PreparedTest: ...
     def look(
         self, elements: Sequence[int], u: Sequence[float]
@@ -186,32 +144,17 @@ class PreparedTest:
 
 def align(cost: _Floats, alone_row: _Floats, alone_column: _Floats) -> NDArray[np.intp]: ...
 def associate(
-    response: NDArray[np.intp],
-    log_f: _Floats,
-    std: _Floats,
-    root_response: NDArray[np.intp],
-    root_log_f: _Floats,
-    root_std: _Floats,
-    alone: float,
-    alone_root: _Floats,
+    response: NDArray[np.intp], log_f: _Floats, std: _Floats, root_response: NDArray[np.intp],
+    root_log_f: _Floats, root_std: _Floats, alone: float, alone_root: _Floats
 ) -> NDArray[np.intp]: ...
 def follow(
-    response: NDArray[np.intp],
-    log_f: _Floats,
-    response_after: NDArray[np.intp],
-    log_f_after: _Floats,
-    born: float,
+    response: NDArray[np.intp], log_f: _Floats, response_after: NDArray[np.intp], log_f_after: _Floats,
+    born: float
 ) -> NDArray[np.intp]: ...
 def minimize(
-    function: Callable[[_Floats], tuple[_Floats, str | None]],
-    lower: _Floats,
-    upper: _Floats,
-    guesses: Sequence[Sequence[float]],
-    options: dict[str, Any],
-    seed: int,
-    max_seconds: float | None,
-    on_progress: _Progress | None,
-    checkpoint: Checkpoint | None,
+    function: Callable[[_Floats], tuple[_Floats, str | None]], lower: _Floats, upper: _Floats,
+    guesses: Sequence[Sequence[float]], options: dict[str, Any], seed: int, max_seconds: float | None,
+    on_progress: _Progress | None, checkpoint: Checkpoint | None
 ) -> dict[str, Any]: ...
 def island_options(options: dict[str, Any]) -> dict[str, Any]: ...
 def nominal_values(model: Model, parameters: Sequence[_Parameter]) -> _Floats: ...

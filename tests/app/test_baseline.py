@@ -128,8 +128,7 @@ def test_an_assessment_that_was_interrupted_is_begun_anew(tmp_path, monkeypatch,
     assert "begin anew with: antires damage" in capsys.readouterr().err
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
     said = capsys.readouterr().err
-    assert "whose assessment was interrupted; wanted a search that is kept on disk. Begin anew with" in said
-    assert "it takes seconds and keeps no checkpoint" in said
+    assert "kept no checkpoint; wanted a search that is kept on disk. Begin anew with 'antires damage" in said
     monkeypatch.undo()
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0

@@ -17,7 +17,7 @@ from tests.support import four_masses
 from tests.support.job_files import DAMAGE, write_measured
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
-PICTURES = ("stabilization", "transmissibility", "differences", "damage", "convergence")
+PICTURES = ("stabilization", "response", "differences", "damage", "convergence")
 
 
 def test_failures_become_exit_codes_without_traceback_and_bugs_are_not_hidden(tmp_path, monkeypatch, capsys):
@@ -123,8 +123,8 @@ def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
     call = ["identify", "test.csv", "--band", "3", "60", "--excitation"]
     assert cli.main([*call, "Flor 1"]) == 0
     assert (
-        "--excitation: 'Flor 1' is none of the channels 'Floor 1', 'Floor 2', 'Floor 3', so that the "
-        "place of the force cannot be tested. Did you mean 'Floor 1'? Then write --excitation 'Floor 1'."
+        "--excitation: 'Flor 1' is none of the channels 'Floor 1', 'Floor 2', 'Floor 3': the place of the "
+        "force cannot be tested. Did you mean 'Floor 1'?"
     ) in capsys.readouterr().err
     assert cli.main([*call, "Floor 1"]) == 0
     assert "none of the channels" not in capsys.readouterr().err

@@ -96,7 +96,7 @@ def test_what_takes_time_is_not_computed_after_ctrl_c(tmp_path, monkeypatch, cap
     out = captured.out
     assert "without a checkpoint" in captured.err
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 2
-    assert "was interrupted and kept no checkpoint" in capsys.readouterr().err
+    assert "was stopped and kept no checkpoint" in capsys.readouterr().err
     assert "spring 4   55.00 %" in out
     assert "the best so far" in out
     summary = json.loads((tmp_path / "job_results" / "summary.json").read_text())

@@ -66,10 +66,8 @@ def test_the_same_bits_for_any_objective_and_workers():
     same(one, ga.minimize(work.spheres, BOX, rng=5, vectorized=True))
     for workers in (1, 2, "threads"):
         same(one, ga.minimize(work.sphere, BOX, rng=5, workers=workers))
-    with pytest.warns(FutureWarning, match="has no submit"):
-        same(one, ga.minimize(work.sphere, BOX, rng=5, workers=map))
     with ThreadPoolExecutor(2) as pool:
-        same(one, ga.minimize(work.sphere, BOX, rng=5, workers=pool.map))
+        same(one, ga.minimize(work.sphere, BOX, rng=5, workers=pool))
 
 
 @pytest.mark.parametrize("workers", [None, 2, "threads"], ids=str)

@@ -30,11 +30,6 @@ class SubmitOnly:
         return self.executor.submit(*args)
 
 
-class MapOnly:
-    def map(self, function, tasks):
-        return [function(task) for task in tasks]
-
-
 @pytest.mark.parametrize("workers", [None, 1, 2, "threads"], ids=str)
 def test_results_come_in_order(workers):
     assert list(in_order(work.square, range(60), workers)) == SQUARES
@@ -43,16 +38,9 @@ def test_results_come_in_order(workers):
 
 def test_executors_of_the_caller_stay_open():
     with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2, SPAWN) as processes:
-        for workers in (threads, processes, threads.map, SubmitOnly(processes)):
+        for workers in (threads, processes, SubmitOnly(processes)):
             assert list(in_order(work.square, range(60), workers)) == SQUARES
         assert threads.submit(work.square, 3).result() == 9
-
-
-def test_pools_and_maps_still_work_with_a_warning():
-    with SPAWN.Pool(2) as pool:
-        for workers in (pool, pool.map, map, MapOnly()):
-            with pytest.warns(FutureWarning, match="workers: .* has no submit"):
-                assert list(in_order(work.square, range(60), workers)) == SQUARES
 
 
 #: Without a guard, the function in the program itself: as a file, from a pipe, and as a notebook does it.
@@ -158,7 +146,7 @@ def test_processes_last_from_round_to_round_and_end_when_left_in_the_middle():
 
 
 def test_what_workers_cannot_be_is_said():
-    for wrong in ("eight", 0, 2.5, True, 3000, object(), ProcessPoolExecutor):
+    for wrong in ("eight", 0, 2.5, True, 3000, object(), ProcessPoolExecutor, map):
         with pytest.raises(ar.InvalidInputError, match="^workers: got "):
             list(in_order(work.square, [1], wrong))
     with pytest.raises(ar.InvalidInputError, match="cannot be sent.*threads"):

@@ -186,7 +186,7 @@ def test_damage_of_any_size_alarms_and_is_no_fault(sets, spring):
         ("baseline: got 71", {"baseline": 71}),
         ("antiresonances in common", {"series": [ar.AntiresonanceSet(0, {0: []})] * 12}),
         ("series", {"series": 3}),
-        (r"series\[0\]", {"series": [3]}),
+        (r"sets\[0\]", {"series": [3]}),
         ("false_alarm_rate", {"false_alarm_rate": 0.5}),
         ("max_shift", {"max_shift": 0.0}),
         ("conditions", {"conditions": {"t": [1.0]}}),

@@ -108,7 +108,7 @@ def test_times():
         ({"a": [1.0, INF]}, r"conditions\['a'\]\[1\]: got inf; wanted a finite number, NaN"),
         ("weather.xlsx", r"\.csv"),
         (b"a,b\n1,2\n3\n", "row 3"),
-        (b"a,b,a\n1,2,3\n", "two columns 'a'"),
+        (b"a,b,a\n1,2,3\n", "column 'a' more than once"),
         (b"a,b\n", "without rows"),
         (b"t,x\n20,1\nwarm,2\n21,3\n", r"conditions\['t'\]\[1\]: got 'warm'"),
     ],

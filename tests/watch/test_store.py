@@ -6,7 +6,6 @@ import shutil
 import sqlite3
 import subprocess
 import sys
-from zlib import crc32
 
 import numpy as np
 import pytest
@@ -190,26 +189,6 @@ def test_tables_have_the_same_bytes_in_whatever_order_tests_were_made(tmp_path):
     for ending in ("parquet", "csv"):
         whole, parts = (tmp_path / f"{how}.{ending}" for how in ("whole", "parts"))
         assert whole.read_bytes() == parts.read_bytes()
-
-
-def test_a_journal_of_an_older_version_is_taken_up(store, whole, calls):
-    """Lines of a checksum and JSON, of which the last is torn."""
-    lines = [{"format": "antires_rs.Series.journal", "version": 1, "config": CONFIG}]
-    stopped(store)
-    kept = Store(store, CONFIG)
-    for row in kept._known.values():
-        outcome = row.plain() if row.failed is None else row.failed
-        beside = {"conditions": {"temperature_c": None}, "time": None}
-        lines.append({"name": row.name, "fingerprint": row.fingerprint, "outcome": outcome} | beside)
-    kept.close()
-    texts = [json.dumps(line).encode() for line in lines]
-    part_path(store).write_bytes(b"".join(b"%08x %s\n" % (crc32(text), text) for text in texts)[:-7])
-    so_far = ar.Series.load(store)
-    assert (so_far.names, so_far.interrupted) == (("a", "b"), True)
-    calls.clear()
-    identified(store)
-    assert len(calls) == 3
-    assert store.read_bytes() == whole
 
 
 def test_a_changed_source_is_done_again_with_a_word(store):

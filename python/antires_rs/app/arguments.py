@@ -69,10 +69,7 @@ def _frame(job: Job, table: dict[str, Any]) -> StructuralModel:
 
 def _section(job: Job, name: str, parts: Any) -> Tube | Rectangle | Section:
     place: KeyPath = ("model", "sections", name)
-    remedy = (
-        'As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, '
-        "youngs_modulus_pa = 2.1e11, density_kg_per_m3 = 7850 }."
-    )
+    remedy = 'As in pipe = { shape = "tube", outer_diameter_m = 0.05, thickness_m = 0.002, ... }.'
     shape = parts.get("shape") if isinstance(parts, dict) else parts
     if not isinstance(parts, dict) or shape not in list(_SHAPES):
         job.reject(place, shown(shape), f"a table with shape = {_quoted(_SHAPES)}", remedy)
@@ -104,12 +101,7 @@ def term_files(job: Job) -> dict[str, list[Any]]:
     for key in ("stiffness_terms", "mass_terms"):
         names = job.sections["model"].get(key, [])
         for i, name in enumerate([names] if isinstance(names, str) else names):
-            place, pattern = ("model", key, i), job.file(name)
-            found = sorted(pattern.parent.glob(pattern.name), key=natural) if "*" in name else []
-            if "*" in name and not found:
-                remedy = "Paths are relative to the folder of the job file."
-                job.reject(place, f"{name!r}, which fits no file", "files that exist", remedy)
-            files.setdefault(key, []).extend(found or [job.existing(place, name)])
+            files.setdefault(key, []).extend(job.files(("model", key, i), name, order=natural))
     return files
 
 

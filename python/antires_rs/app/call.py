@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
-import shlex
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -15,11 +12,11 @@ from ..io.registry import conversion
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import covered_hz
-from ..support.messages import edit_named, warn
+from ..support.messages import some, warn
 from .command import existing, say
 from .job import Job, KeyPath, Place
-from .keys import DATA, FORMATS, IDENTIFICATION
-from .parser import dof
+from .keys import DATA, IDENTIFICATION, SIGNAL_ENDINGS
+from .parser import nearest
 from .reading import EDITS, Measurement, edited, kind_of
 
 #: So many channels are named in a message.
@@ -72,7 +69,7 @@ class Call(Job):
 
     def unknown_format(self, place: KeyPath, table: Any, file: Path) -> NoReturn:
         """Refuse a file whose format is not known."""
-        wanted = "an ending out of " + " ".join(e for ends in FORMATS.values() for e in ends)
+        wanted = f"an ending out of {' '.join(SIGNAL_ENDINGS)}"
         reject("FILE", repr(str(file)), wanted, f"Say by --format what it is.{conversion(file.name)}")
 
     def check_data(self, place: KeyPath, table: Any, signal: Any = None) -> None:
@@ -82,24 +79,22 @@ class Call(Job):
         low, high = covered_hz(signal)
         if "excitation" not in table:
             wanted = "--excitation DOF, where the force acts"
-            reject("--excitation", "nothing", wanted, f"The file has the channels {_some(signal.dofs)}.")
+            reject(
+                "--excitation",
+                "nothing",
+                wanted,
+                f"The file has the channels {some(map(repr, signal.dofs), _NAMED)}.",
+            )
         if "band_hz" not in table and self._band_needed:
             remedy = f"The data reach from {low:.4g} to {high:.4g} Hz; 'antires look' shows them without it."
             reject("--band", "nothing", "--band LOW HIGH, in Hz, where the curves are clean", remedy)
-        for text in table.get("add", ()):
-            name, freq_hz, _ = edit_named(text) or ("", 0.0, "")
-            if not low <= freq_hz <= high:
-                wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
-                reject("--add", f"{freq_hz:g} Hz at dof {dof(name)!r}", wanted, "Correct it.")
         named = table.get("dofs", {})
         force = table["excitation"]
         if not (self._roved or force in named or force in signal.dofs):
             # Antiresonances do not depend on that name: a slip of the pen would pass in silence.
-            meant, hint = _meant(force, signal.dofs), "If it acts at one of them, write that name."
-            if meant is not None:
-                hint = f"Did you mean {meant!r}? Then write --excitation {shlex.quote(str(meant))}."
-            said = f"--excitation: {force!r} is none of the channels {_some(signal.dofs)}, so that"
-            warn("force_not_measured", f"{said} the place of the force cannot be tested. {hint}")
+            hint = nearest(str(force), map(str, signal.dofs), 0.7) or "If it is one of them, write that name."
+            said = f"--excitation: {force!r} is none of the channels {some(map(repr, signal.dofs), _NAMED)}"
+            warn("force_not_measured", f"{said}: the place of the force cannot be tested. {hint}")
 
     def where(self, place: KeyPath) -> Place:
         """The option of a place."""
@@ -165,8 +160,9 @@ def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list
     """What was measured at each hit, read, and the job of the last one."""
     places: list[Any] = args.hit or [None] * len(args.files)
     if len(places) != len(args.files):
-        wanted = f"{len(args.files)}, one for each file in their order"
-        reject("--hit", f"{len(places)} places", wanted, "Name the place of the force of every file.")
+        reject(
+            "--hit", f"{len(places)} places", f"{len(args.files)}, one for each file", "Name all in order."
+        )
     if args.excitation is not None:
         reject("--excitation", "it beside --roving", "--hit for each file", "Leave it out: the force moved.")
     sensor, hits = args.roving, []
@@ -179,21 +175,3 @@ def hits_of(args: argparse.Namespace, *, band_needed: bool = True) -> tuple[list
             reject("--roving", got, "a sensor that is in every file", "Name the one that stayed.")
         hits.append(Hit(file.name, signal, one.force))
     return hits, call
-
-
-def _meant(force: Any, dofs: tuple[Any, ...]) -> Any:
-    """The channel that a name probably stands for: the only one with that number, else the most like it."""
-    for part in (slice(-1, None), slice(1)):  # chassis2[0], 0:+Z
-        same = [dof for dof in dofs if str(force) in re.findall(r"\d+", str(dof))[part]]
-        if len(same) == 1:
-            return same[0]
-    near = get_close_matches(str(force), names := [str(dof) for dof in dofs], 1, 0.7)
-    return dofs[names.index(near[0])] if near else None
-
-
-def _some(dofs: tuple[Any, ...]) -> str:
-    """The channels by name; of many the first and the last."""
-    names = [repr(dof) for dof in dofs]
-    if len(names) > _NAMED:
-        names = [*names[: _NAMED - 1], "...", names[-1]]
-    return ", ".join(names)

@@ -5,29 +5,22 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 from ..exceptions import Argument, InvalidInputError
 from ..io.registry import conversion
 from .command import existing
-from .keys import FORMATS, KINDS, SECTIONS, TASKS, Key, Section, shown, unset_in
+from .keys import FORMATS, HEADINGS, KINDS, SECTIONS, TASKS, UNSET, Key, Section, shown
 from .parser import nearest
 
-# -- Where the keys of a TOML text stand, which tomllib does not tell
+# -- From a TOML text to its tables, and where their keys stand, which tomllib does not tell
 
 #: Names of tables and keys, and indices into arrays, from the top.
 KeyPath = tuple[str | int, ...]
-
-
-class Token(NamedTuple):
-    """A text in its quotes, a sign or a word, and the line on which it begins."""
-
-    text: str
-    line: int
 
 
 #: A text without its end goes to that of the line, or of the file, which keeps the search linear.
@@ -41,92 +34,76 @@ _TOKEN = re.compile(
     """,
     re.DOTALL | re.VERBOSE,
 )
+#: Keys and lists of a job are three or four deep.
+_DEEPEST = 40
 
 
-def tokens_of(text: str) -> Iterator[Token]:
-    """The tokens of any text, without space and comments."""
-    line, at = 1, 0
+def _statements(name: str, text: str) -> list[int]:
+    """The lines on which statements begin; nesting that no job has is refused."""
+    starts: list[int] = []
+    line, at, depth, dots, before = 1, 0, 0, 0, ("", 0)
     for found in _TOKEN.finditer(text):
-        line += text.count("\n", at, found.start())
-        at = found.start()
-        if found["between"] is None:
-            yield Token(found[0], line)
+        line, at = line + text.count("\n", at, found.start()), found.start()
+        if found["between"] is not None:
+            continue
+        token = found[0]
+        if depth == 0 and line > before[1]:
+            starts.append(line)
+        depth = max(depth + {"[": 1, "{": 1, "]": -1, "}": -1}.get(token, 0), 0)
+        dots = dots + 1 if token == "." else dots if before[0] == "." else 0
+        if dots >= _DEEPEST or depth > _DEEPEST:
+            what = "a key of many parts" if dots >= _DEEPEST else "brackets in brackets"
+            raise _no_job(name, line, f"{what}, more than {_DEEPEST} deep", "Correct that line.")
+        before = token, line
+    return starts
 
 
-def lines_of(text: str) -> dict[KeyPath, int]:
-    """Line, from 1, of every table, key and array element of a text that tomllib has found valid."""
-    return _Walk(text).lines
+def _no_job(name: str, line: int, got: str, remedy: str) -> InvalidInputError:
+    wanted = "lines such as key = value under a [section]"
+    return InvalidInputError(Place(f"{name}, line {line}"), got, wanted, remedy)
 
 
-class _Walk:
-    def __init__(self, text: str) -> None:
-        self._tokens = deque(tokens_of(text))
-        self.lines: dict[KeyPath, int] = {}
-        counts: dict[KeyPath, int] = {}  # of tables in each array of tables so far
-        table: KeyPath = ()
-        while self._tokens:
-            if self._next != "[":
-                self._pair(table)
-                continue
-            line, brackets = self._tokens[0].line, self._take("[")
-            names, table = self._key(), ()
-            for i, name in enumerate(names, start=1):
-                table = self._at((*table, name), line)
-                if brackets == 2 and i == len(names):
-                    counts[table] = counts.get(table, -1) + 1
-                if table in counts:
-                    table = self._at((*table, counts[table]), line)
-            self._take("]")
+def parsed(name: str, text: str) -> tuple[dict[str, Any], dict[KeyPath, int]]:
+    """The tables of a job file called ``name``, and the line, from 1, of every table and key."""
+    starts, rows = _statements(name, text), text.split("\n")
+    try:
+        tables = tomllib.loads(text)
+    except ValueError as exc:  # of TOML, or of Python for numbers of thousands of digits
+        known = re.search(r"at line (\d+)", str(exc))
+        number = max((line for line in starts if not known or line <= int(known[1])), default=1)
+        line = rows[number - 1].strip()
+        got = f"{line if len(line) <= 60 else line[:57] + '...'!r}, which is no TOML ({exc})"
+        remedy = "Text stands in quotes, lists in [ ], and each key once; of several tables each is headed "
+        remedy += "[[name]]. A path is written with / or in single quotes."
+        raise _no_job(name, number, got, remedy) from exc
+    lines: dict[KeyPath, int] = {}
+    counts: dict[KeyPath, int] = {}  # of tables in each array of tables so far
+    table: KeyPath = ()
+    for first, after in pairwise([*starts, len(rows) + 1]):
+        one = tomllib.loads("\n".join(rows[first - 1 : after - 1]))  # the names in it, without quotes
+        if not rows[first - 1].lstrip().startswith("["):
+            for path in _keys(one, table):
+                lines.setdefault(path, first)
+            continue
+        table = ()
+        while one:
+            ((key, inner),) = one.items()
+            table = (*table, key)
+            lines.setdefault(table, first)
+            if isinstance(inner, list):
+                counts[table] = counts.get(table, -1) + 1
+            if table in counts:
+                table = (*table, counts[table])
+                lines.setdefault(table, first)
+            one = inner[0] if isinstance(inner, list) else inner
+    return tables, lines
 
-    @property
-    def _next(self) -> str:
-        return self._tokens[0].text if self._tokens else ""
 
-    def _take(self, sign: str) -> int:
-        """Pass over as many of this sign as there are; returns how many."""
-        count = 0
-        while self._next == sign:
-            self._tokens.popleft()
-            count += 1
-        return count
-
-    def _at(self, path: KeyPath, line: int) -> KeyPath:
-        self.lines.setdefault(path, line)
-        return path
-
-    def _key(self) -> list[str]:
-        """Parts of a dotted key."""
-        parts: list[str] = []
-        while not parts or self._take("."):
-            part = self._tokens.popleft().text
-            parts.append(tomllib.loads(f"part = {part}")["part"] if part[0] in "\"'" else part)
-        return parts
-
-    def _pair(self, path: KeyPath) -> None:
-        line = self._tokens[0].line
-        for name in self._key():
-            path = self._at((*path, name), line)
-        self._take("=")
-        self._value(path)
-
-    def _value(self, path: KeyPath) -> None:
-        first, line = self._tokens.popleft()
-        self._at(path, line)
-        if first == "[":
-            index = 0
-            while self._next != "]":
-                self._value((*path, index))
-                self._take(",")
-                index += 1
-            self._tokens.popleft()
-        elif first == "{":
-            while self._next != "}":
-                self._pair(path)
-                self._take(",")
-            self._tokens.popleft()
-        elif first[0] not in "\"'":  # numbers and times may be of several words
-            while self._tokens and self._tokens[0].line == line and self._next not in ("]", "}", ","):
-                self._tokens.popleft()
+def _keys(value: Any, path: KeyPath) -> Iterator[KeyPath]:
+    """Every key of tables in tables."""
+    for name, inner in value.items() if isinstance(value, dict) else ():
+        yield (*path, name)
+        yield from _keys(inner, (*path, name))
 
 
 # -- Places in a job file: how errors name them, and the key that explains them
@@ -154,70 +131,16 @@ def _label(place: KeyPath) -> str:
     return label
 
 
-# -- From the text of a job file to its tables; where it is no TOML, the line on which that begins
-
-#: Keys and lists of a job are three or four deep.
-_DEEPEST = 40
-
-
-def parsed(name: str, text: str) -> dict[str, Any]:
-    """The tables of a job file called ``name``."""
-    starts = _statements(name, text)
-    try:
-        return tomllib.loads(text)
-    except ValueError as exc:  # of TOML, or of Python for numbers of thousands of digits
-        known = re.search(r"at line (\d+)", str(exc))
-        longest = max(tokens_of(text), key=lambda token: len(token.text), default=Token("", 1)).line
-        end = int(known[1]) if known else longest if "digits" in str(exc) else text.count("\n") + 1
-        number = max((line for line in starts if line <= end), default=1)
-        lines = [line.strip() for line in text.split("\n")]
-        line = lines[number - 1]
-        remedy = "Text stands in quotes, lists in [ ], and each key once."
-        heading = line.strip("[] ")
-        again = line == f"[{heading}]" and line in lines[: number - 1]
-        if again and heading in SECTIONS and SECTIONS[heading].several:
-            remedy = f"Where there are several, each is headed [[{heading}]]."
-        if "\\" in line:
-            remedy += r" A path is written with / or in single quotes: 'C:\tests\a.uff'."
-        got = f"{line if len(line) <= 60 else line[:57] + '...'!r}, which is no TOML ({exc})"
-        raise _no_job(name, number, got, remedy) from exc
-
-
-def _no_job(name: str, line: int, got: str, remedy: str) -> InvalidInputError:
-    wanted = "lines such as key = value under a [section]"
-    return InvalidInputError(Place(f"{name}, line {line}"), got, wanted, remedy)
-
-
-def _statements(name: str, text: str) -> list[int]:
-    """The lines on which statements begin; nesting that no job has is refused."""
-    starts, depth, dots, before = [], 0, 0, Token("", 0)
-    for token in tokens_of(text):
-        if depth == 0 and token.line > before.line:
-            starts.append(token.line)
-        depth = max(depth + {"[": 1, "{": 1, "]": -1, "}": -1}.get(token.text, 0), 0)
-        dots = dots + 1 if token.text == "." else dots if before.text == "." else 0
-        if dots >= _DEEPEST or depth > _DEEPEST:
-            what = "a key of many parts" if dots >= _DEEPEST else "brackets in brackets"
-            raise _no_job(name, token.line, f"{what}, more than {_DEEPEST} deep", "Correct that line.")
-        before = token
-    return starts
-
-
 #: How a channel is left out in a job and on the command line.
 LEAVE_OUT = "Give it a dof, or leave it out: false in a job, CHANNEL= on the command line"
 
 
 class Job:
-    """A valid job: its sections, and where everything stands.
-
-    ``data`` and ``parameters`` are the tables [data] or [[data]] and [[parameters]], ``sections`` the others,
-    empty where the job is silent; ``task`` is "damage", "update" or "series".
-    """
+    """A valid job: the tables [data] and [[parameters]], its other sections, and where everything stands."""
 
     def __init__(self, path: Path, text: str) -> None:
         self.path = path
-        raw = parsed(path.name, text)
-        self._lines = lines_of(text)
+        raw, self._lines = parsed(path.name, text)
         known = ", ".join(f"[{one}]" for one in SECTIONS)
         for name in raw:
             remedy = self._owner(name) or "'antires init' writes a job with all of them."
@@ -260,13 +183,11 @@ class Job:
             remedy = self._owner(name) or "Remove it."
             self.one_of((*place, name), name, keys, remedy, f"the unknown key {name!r}")
             key = keys[name]
-            if key.kind in ("dof", "dofs") and (unset := unset_in(value)):  # as ``antires init`` left it
-                of = f" for {', '.join(map(repr, unset[:5]))}" if any(unset) else ""
-                more = f" and {len(unset) - 5} more" if len(unset) > 5 else ""
-                got = f"'?'{of}{more}, where the dof is not given yet"
-                wanted = 'the dof of the model, as in 4, or "2 u" of a frame'
-                remedy = f"Put it in place of the '?'. {key.explanation}"
-                self.reject((*place, name), got, wanted, remedy)
+            items = value.values() if isinstance(value, dict) else value
+            given = list(items) if isinstance(value, dict | list) else [value]
+            if key.kind in ("dof", "dofs") and UNSET in given:  # as ``antires init`` left it
+                wanted = 'a dof of the model in place of each "?", as in 4, or "2 u" of a frame'
+                self.reject((*place, name), shown(value), wanted, f"Fill them in. {key.explanation}")
             kind = KINDS[key.kind]
             if not kind.fits(value):
                 self.reject((*place, name), shown(value), kind.wanted, f"{kind.remedy} {key.explanation}")
@@ -275,26 +196,23 @@ class Job:
                 self.missing(place, key.name)
 
     def _task(self, raw: Mapping[str, Any]) -> str:
-        damage, update = "damage" in raw, "parameters" in raw
-        if "series" in raw:
-            known = TASKS["series"]
-            for name in (name for name in raw if name not in known):
-                remedy = "A series has no model: remove it, or write another job for one of its tests."
-                wanted = "one of " + ", ".join(f"[{one}]" for one in known)
-                self.reject((name,), f"[{name}] beside [series]", wanted, remedy)
-            if len(self.data) > 1:
-                wanted = "one [data], whose file is a folder or a pattern"
-                self.reject(("data",), "several [[data]]", wanted, "Write a job for each force.")
-            return "series"
-        if damage == update:
-            got = "both [damage] and [[parameters]]" if damage else "neither [damage] nor [[parameters]]"
-            remedy = "A job updates a model or looks for damage; the second can start from "
-            remedy += 'the result of the first, kind = "result" under [model].'
-            self.reject(("damage",) if damage else (), got, "one of them", remedy)
-        if damage and "updating" in raw:
-            remedy = "Its keys belong to a job with [[parameters]]."
-            self.reject(("updating",), "[updating] beside [damage]", "[damage] alone", remedy)
-        return "damage" if damage else "update"
+        """Which of the TASKS this is, by the section that it alone has."""
+        found = [task for task, one in HEADINGS.items() if one.strip("[]") in raw]
+        if len(found) != 1:
+            got = " and ".join(HEADINGS[task] for task in found) or "a job without a task"
+            remedy = "A job does one thing; damage can start from the result of an updating, which is named "
+            remedy += 'by kind = "result" under [model].'
+            place: KeyPath = (HEADINGS[found[0]].strip("[]"),) if found else ()
+            self.reject(place, got, f"one of {', '.join(HEADINGS.values())}", remedy)
+        (task,) = found
+        for name in raw:
+            wanted = f"for 'antires {task}' {', '.join(f'[{one}]' for one in TASKS[task])}"
+            if name not in TASKS[task]:
+                self.reject((name,), f"[{name}] beside {HEADINGS[task]}", wanted, "Remove it.")
+        if task == "series" and len(self.data) > 1:
+            wanted = "one [data], whose file is a folder or a pattern"
+            self.reject(("data",), "several [[data]]", wanted, "Write a job for each force.")
+        return task
 
     def only(self, place: KeyPath, table: Mapping[str, Any], kind: str) -> None:
         """Refuse keys of another kind of model or parameter, or format, and miss those that it needs."""
@@ -317,6 +235,17 @@ class Job:
         """A file of the job that is there."""
         remedy = "Paths are relative to the folder of the job file."
         return existing(self.where(place), self.file(name), remedy, wanted, name)
+
+    def files(self, place: KeyPath, name: str, *, folders: bool = False, order: Any = None) -> list[Path]:
+        """The files that a name stands for: one, or all of a pattern, in the order of their names."""
+        pattern = self.file(name)
+        if "*" not in pattern.name:
+            return [pattern if folders and pattern.is_dir() else self.existing(place, name)]
+        files = sorted(pattern.parent.glob(pattern.name), key=order)
+        if not files:
+            remedy = "Paths are relative to the folder of the job file."
+            self.reject(place, shown(name), "files that exist", remedy)
+        return files
 
     def reject(self, place: KeyPath, got: str, wanted: str, remedy: str) -> NoReturn:
         """Refuse what stands at a place."""

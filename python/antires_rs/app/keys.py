@@ -14,7 +14,7 @@ from typing import Any
 from ..damage.options import ONE_STATE, TWO_STATES, SearchOptions, options_with
 from ..identification.options import declared
 from ..io.registry import ENDINGS, formats_of
-from ..support.options import Option
+from ..support.options import Option, small
 
 # -- What a key and a section of a job file are
 
@@ -57,11 +57,6 @@ class Section:
     def key(self, name: str) -> Key | None:
         """The key of that name."""
         return next((key for key in self.keys if key.name == name), None)
-
-
-def small(sentence: str) -> str:
-    """The sentence as it goes on after others."""
-    return (sentence[0].lower() if sentence[1].islower() else sentence[0]) + sentence[1:]
 
 
 # -- Formats of measurements, and what belongs to which
@@ -311,6 +306,8 @@ TASKS = {
     "update": ("data", "model", "parameters", "updating", "identification", "search", "output"),
     "series": ("data", "series", "identification", "output"),
 }
+#: What tells the task of a job.
+HEADINGS = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series]"}
 
 
 # -- Kinds of values in a job file
@@ -375,15 +372,6 @@ KINDS = {
     "shares": Kind("a table name = number", _table(_number), "Write it as in { nothing = 0.9, one = 0.1 }."),
     "table": Kind("a table, name = { ... }", _table(lambda item: True), "Put it in { }."),
 }
-
-
-def unset_in(value: Any) -> list[str]:
-    """Channels, or places in a list, whose dof is not given yet; [''] for the value itself."""
-    if isinstance(value, dict):
-        return [name for name, dof in value.items() if dof == UNSET]
-    if isinstance(value, list):
-        return [f"number {i}" for i, dof in enumerate(value) if dof == UNSET]
-    return [""] if value == UNSET else []
 
 
 def shown(value: Any) -> str:

@@ -5,13 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile, ZipFile
 
 from ..exceptions import reject
 from ..figures.page import ResultView
 from ..figures.page_session import RovingHammer, Session, SetView, View
 from ..figures.report_parts import answer_of, tables_of
-from ..io.own_format import TEXT
 from ..measured.replay import Asked, asked_in
 from ..updating.result import UpdateResult
 from .arguments import model_of
@@ -92,15 +90,7 @@ def _session(
 def result_file(path: Path) -> Path | None:
     """The result that a path names: a folder of a run, or its file; None for what is none."""
     inside = path / "result.npz" if path.is_dir() else path
-    if not inside.is_file() or inside.suffix != ".npz":
-        return None
-    if inside.name == "result.npz":
-        return inside
-    try:  # under another name it begins as a result does
-        with ZipFile(inside) as archive, archive.open(f"{TEXT}.npy") as text:
-            return inside if b'"antires_rs.result"' in text.read(300) else None
-    except (OSError, BadZipFile, KeyError, ValueError, NotImplementedError, RuntimeError):
-        return None
+    return inside if inside.is_file() and inside.name == "result.npz" else None
 
 
 # -- The page of a result: what its report tells, to be explored

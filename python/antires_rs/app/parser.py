@@ -37,8 +37,8 @@ class Parser(argparse.ArgumentParser):
     """Says what was got, what is wanted, and what to do; ``rows`` has the arguments when they are needed."""
 
     def __init__(self, *args: Any, rows: Callable[[], Iterable[Row]] = tuple, **options: Any) -> None:
-        super().__init__(*args, **options)
-        self.exit_on_error = False  # errors are explained here
+        # Errors are explained here.
+        super().__init__(*args, **options | {"allow_abbrev": False, "exit_on_error": False})
         self._rows = rows
 
     @property
@@ -60,16 +60,10 @@ class Parser(argparse.ArgumentParser):
         for flags, how in self._rows():
             self.add_argument(*flags, **how)
         given = list(sys.argv[1:] if args is None else args)
-        commands, known = self._commands(), self._options()
+        commands = self._commands()
         if commands and given and not given[0].startswith("-") and given[0] not in commands:
             remedy = nearest(given[0], commands) or self.see
             self.refuse("COMMAND", repr(given[0]), f"one of {', '.join(commands)}", remedy)
-        for argument in given[: given.index("--")] if "--" in given else given:
-            short = argument.split("=")[0]
-            meant = [option for option in known if option.startswith(short)]
-            if short.startswith("--") and short not in known and len(meant) > 1:
-                wanted = f"one of {', '.join(meant)}"
-                self.refuse(short, "a short form of several", wanted, "Write it in full.")
         try:
             return super().parse_known_args(given, namespace)
         except argparse.ArgumentError as exc:
@@ -329,7 +323,8 @@ _HELP = {
 def measurement_rows(needed: Sequence[str] = (), without: Sequence[str] = ()) -> Iterator[Row]:
     """How a measurement is read and identified: the keys of a job that have a flag, some of them needed."""
     from ..io.registry import ENDINGS
-    from .keys import DATA, IDENTIFICATION, small
+    from ..support.options import small
+    from .keys import DATA, IDENTIFICATION
 
     for key in (*DATA.keys, *IDENTIFICATION.keys):
         if key.flag and key.name not in without:

@@ -25,7 +25,7 @@ from ..support.messages import EDIT_WANTED, edit_named
 from .arguments import dof_finder
 from .command import say
 from .job import LEAVE_OUT, Job, KeyPath
-from .keys import DATA, FOLDER, FORMATS, IDENTIFICATION, format_of, shown
+from .keys import DATA, FOLDER, IDENTIFICATION, format_of, shown
 
 # -- One file: its signal, whatever its format
 
@@ -75,25 +75,15 @@ def read_signal(file: Path, kind: str, options: Mapping[str, Any], spell: Spell 
         chosen["dofs"] = lambda name: None if str(name) in left_out else name
     try:
         signal = _READERS[kind](file, **chosen)
+        if by_point or not dofs:
+            return signal
+        names = [str(name) if named else name for name in signal.dofs]
+        for name in (name for name in dofs if named and name not in [*names, *left_out]):
+            reject("dofs", f"{name!r}, which is no channel", f"names out of {names}", "Correct or remove it.")
+        return relabelled(signal, renamed("dofs", names, dofs))
     except InvalidInputError as exc:
         texts = (spelled(text, spell) for text in (exc.wanted, exc.remedy))
         raise type(exc)(exc.argument, exc.got, *texts) from exc
-    return signal if by_point or not dofs else _named(signal, dofs)
-
-
-def _named(signal: Signal, dofs: dict[Any, Any] | list[Any]) -> Signal:
-    """The channels that have a dof, under its name."""
-    names = list(signal.dofs)
-    if isinstance(dofs, dict):
-        names = [str(name) for name in names]
-        for name, dof in dofs.items():
-            if name not in names and dof is not None:
-                got = f"{name!r}, which is no channel"
-                reject("dofs", got, f"names out of {names}", "Correct or remove it.")
-        for name in names:
-            if name not in dofs:
-                reject("dofs", f"no dof for channel {name!r}", f"one for each of {names}", f"{LEAVE_OUT}.")
-    return relabelled(signal, renamed("dofs", names, dofs))
 
 
 def _is_point(name: str) -> bool:
@@ -106,14 +96,13 @@ def _is_point(name: str) -> bool:
 
 # -- One [data]: the files of a test, and what is identified from them
 
-_OPTIONS: dict[str, KeyPath] = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
+OPTIONS: dict[str, KeyPath] = {key.name: ("identification", key.name) for key in IDENTIFICATION.keys}
 
 
 class Measurement:
-    """One [data] of a job, or its intact counterpart: files that are there, the others repeat the first.
+    """One [data] of a job, or its intact counterpart, at dofs of the model; the files repeat the first.
 
-    ``files`` are pairs of a place in the job and a path. ``signal``, ``force`` and ``found`` are at dofs of
-    the model, if there is one; the first two are None where the file holds antiresonances.
+    ``files`` are pairs of a place in the job and a path. A file of antiresonances has no ``signal``.
     """
 
     signal: Signal | None = None
@@ -177,7 +166,7 @@ class Measurement:
             if "dofs" in chosen:
                 chosen["dofs"] = [self._find(("identification", "dofs"), dof) for dof in chosen["dofs"]]
             given = {"excitation": self.force, "band_hz": self.table["band_hz"], **sorted_out(chosen)}
-            with self.job.blame(self.place, {"source": self.places[0], **_OPTIONS}):
+            with self.job.blame(self.place, {"source": self.places[0], **OPTIONS}):
                 found = identify_antiresonances(self.signal, **given)
         self.found = edited(self.job, self.place, self.table, found, self._find)
         return self
@@ -268,24 +257,13 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
             job.existing(files[0][0], table["file"])
         for at, name in _listed(table.get("repeats", []), (*place, "repeats")):
             known = {path.resolve() for _, path in files}  # the first is not read twice
-            files += [(at, path) for path in files_of(job, at, name) if path.resolve() not in known]
+            files += [(at, path) for path in job.files(at, name) if path.resolve() not in known]
         measured.append(Measurement(job, place, table, model, files).identified())
     if job.sections["identification"] and all(each.signal is None for each in measured):
         got = "options beside files that hold antiresonances already"
         wanted = "a measurement to be identified"
         job.reject(("identification",), got, wanted, "Remove the section, or name the measurement.")
     return measured
-
-
-def files_of(job: Job, at: KeyPath, name: str, *, folders: bool = False) -> list[Path]:
-    """The files that a name stands for: one, or all of a pattern, in the order of their names."""
-    pattern = job.file(name)
-    if "*" not in pattern.name:
-        return [pattern if folders and pattern.is_dir() else job.existing(at, name)]
-    files = sorted(pattern.parent.glob(pattern.name))
-    if not files:
-        job.reject(at, shown(name), "files that exist", "Paths are relative to the folder of the job file.")
-    return files
 
 
 # -- The intact structure of a job: ``baseline`` of [damage], read and identified as [data] is
@@ -297,21 +275,18 @@ _SEARCH = ("seed", "workers")
 
 def check_options(job: Job) -> None:
     """Refuse keys that would have no effect, with a baseline or without one."""
-    damage = job.sections["damage"]
-    if "baseline" not in damage:
-        for name in [name for name in ("prior", *options_with(TWO_STATES)) if name in damage]:
-            got = f"{name!r} without a baseline"
-            remedy = "Name the measurement of the intact structure, or remove it."
-            job.reject(("damage", name), got, "it beside baseline", remedy)
-        return
-    for name in [name for name in options_with(ONE_STATE) if name in damage]:
-        got = f"{name!r} beside baseline"
-        remedy = "Remove it: with a baseline the standard deviations count, and probabilities replace prices."
-        job.reject(("damage", name), got, "it without a baseline", remedy)
-    for name in [name for name in job.sections["search"] if name not in _SEARCH]:
-        got = f"{name!r} of a search, where [damage] has a baseline"
-        remedy = "Remove it: hypotheses are judged in seconds, without a search that could be kept."
-        job.reject(("search", name), got, f"{' and '.join(_SEARCH)} alone", remedy)
+    damage, search = job.sections["damage"], job.sections["search"]
+    one_state, two_states = options_with(ONE_STATE), ("prior", *options_with(TWO_STATES))
+    if "baseline" in damage:
+        wanted, remedy = "it without a baseline", "Remove it: probabilities replace prices and search."
+        wrong = [("damage", name) for name in one_state if name in damage]
+        wrong += [("search", name) for name in search if name not in _SEARCH]
+    else:
+        wanted, remedy = "it beside baseline", "Name the measurement of the intact structure, or remove it."
+        wrong = [("damage", name) for name in two_states if name in damage]
+    for place in wrong:
+        state = "beside" if "baseline" in damage else "without a"
+        job.reject(place, f"{place[1]!r} {state} baseline", wanted, remedy)
 
 
 def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
@@ -329,9 +304,10 @@ def baseline_of(job: Job, model: StructuralModel) -> list[Measurement]:
 
 def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralModel) -> list[Measurement]:
     place, table = job.data_places[number], job.data[number]
-    files = files_of(job, at, name, folders=True)
-    own = _format(job, at, table, files[0])
-    held = _format(job, place, table, job.file(table["file"])) == "antiresonances"
+    files = job.files(at, name, folders=True)
+    # What a file is its ending tells, else [data].
+    own = format_of(files[0].name) or kind_of(job, place, table, files[0])
+    held = (format_of(table["file"]) or table.get("format")) == "antiresonances"
     if own == "antiresonances":
         # Saved sets have dofs of the model, or names of channels; a list is of channels in a record.
         named = "dofs" in table and (held or isinstance(table["dofs"], dict))
@@ -344,12 +320,3 @@ def _intact(job: Job, at: KeyPath, name: str, number: int, model: StructuralMode
     known = {key: value for key, value in table.items() if key not in ("repeats", *EDITS)}
     known |= {} if own == FOLDER else {"format": own}
     return [Measurement(job, place, known, model, [(at, path) for path in files]).identified()]
-
-
-def _format(job: Job, place: KeyPath, table: dict[str, Any], file: Path) -> str:
-    """What a file is: by its ending, else what [data] says."""
-    kind = FOLDER if file.is_dir() else format_of(file.name) or format_of(file.name, table.get("format"))
-    if kind is None:
-        remedy = "A file whose ending does not tell has the format of [data]."
-        job.reject(place, shown(file.name), f"a format out of {', '.join(FORMATS)}", remedy)
-    return kind

@@ -68,11 +68,9 @@ class RunFolder:
     def prepare(self) -> None:
         """Make the folder; remove what a process that was killed left half-written."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        for folder in (self.folder, self.pictures):
-            if folder.is_dir():
-                for file in folder.iterdir():
-                    if _HALF_WRITTEN.fullmatch(file.name):
-                        file.unlink(missing_ok=True)
+        for file in (*self.folder.iterdir(), *self.pictures.glob("*")):
+            if _HALF_WRITTEN.fullmatch(file.name):
+                file.unlink(missing_ok=True)
 
     @property
     def contents(self) -> str:
@@ -114,10 +112,7 @@ class RunFolder:
 
 
 #: As write_atomically and Checkpoint name what is not whole yet.
-_HALF_WRITTEN = re.compile(
-    r"\.((antiresonances|baseline)(_\d+)?\.json|(result|evidence)\.npz|(summary|run)\.json|"
-    r"report\.html|\w+\.png)\.\d+\.tmp|search\.ckpt\.tmp"
-)
+_HALF_WRITTEN = re.compile(r"\..+\.\d+\.tmp|search\.ckpt\.tmp")
 _PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|response|stabilization_.*)\.png")
 
 
@@ -200,11 +195,11 @@ def _made(data: dict[str, Any]) -> StabilizationDiagram:
     # Files of older versions do not have what was not accepted.
     tables = {}
     for name in (name for name in _TABLES if name in data):
-        hz, damping, std = (data[name].pop(column) for column in _COLUMNS)
+        hz, damping, std = map(data[name].pop, _COLUMNS)
         tables[name] = ResponseTable(hz, damping, std, data[name])
     curves = {name: data[name] for name in _CURVES if name in data}
-    parts: dict[str, Any] = {**rows, **tables, **curves, "band_hz": tuple(data["band_hz"])}
-    return StabilizationDiagram(**parts)
+    made: dict[str, Any] = {**rows, **tables, **curves, "band_hz": tuple(data["band_hz"])}
+    return StabilizationDiagram(**made)
 
 
 def _response(job: Job, measured: list[Measurement]) -> FrequencyResponse | None:
@@ -338,19 +333,14 @@ def _judged(result: UpdateResult) -> bool:
     return isinstance(result, DamageResult) and result.has_baseline
 
 
-def _std(result: UpdateResult, at_once: bool) -> list[float | None]:
-    return [None] * len(result.x) if at_once else [number(value) for value in result.std]
-
-
 def _parameters(result: UpdateResult, at_once: bool) -> dict[str, Any]:
     problem = result.problem
-    bound = None if at_once else set(result.at_bound)
-    low, high = zip(*problem.bounds, strict=True)
-    columns: dict[str, Any] = {"name": problem.names, "value": map(number, result.x)}
-    columns |= {"nominal": map(number, problem.nominal), "std": _std(result, at_once)}
-    columns |= {"low": map(number, low), "high": map(number, high)}
-    on_bound = [None if bound is None else name in bound for name in problem.names]
-    return {"parameters": rows_of(**columns, on_bound=on_bound)}
+    columns: dict[str, Any] = dict(zip(("low", "high"), zip(*problem.bounds, strict=True), strict=True))
+    columns |= {"value": result.x, "nominal": problem.nominal}
+    columns |= {"std": [None] * len(result.x) if at_once else result.std}
+    bound = [None if at_once else name in result.at_bound for name in problem.names]
+    numbers = {name: map(number, column) for name, column in columns.items()}
+    return {"parameters": rows_of(name=problem.names, **numbers, on_bound=bound)}
 
 
 def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
@@ -382,7 +372,7 @@ def _losses(result: DamageResult, at_once: bool) -> dict[str, Any]:
             element=elements,
             name=map(result.problem.model.element_label, elements),
             stiffness_loss=map(number, result.severity.values()),
-            std=_std(result, at_once),
+            std=map(number, [None] * len(elements) if at_once else result.std),
             probability=[chance.get(e) for e in elements],
             low_90=[limits.get(e, (None, None))[0] for e in elements],
             high_90=[limits.get(e, (None, None))[1] for e in elements],
@@ -415,13 +405,9 @@ def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool
     if note is not None:
         hint(f"warning: {note}")
     if result.status == "interrupted":
-        if folder.unfinished:
-            then = f"go on with: antires resume {near(job.path)}"
-        elif job.sections["damage"].get("baseline"):
-            then = f"begin anew with: antires {job.task} {near(job.path)}"
-        else:
-            then = "without a checkpoint"
-        hint(f"interrupted, the best so far is kept; {then}")
+        then = f"go on with: antires resume {near(job.path)}"
+        anew = f"without a checkpoint; begin anew with: antires {job.task} {near(job.path)}"
+        hint(f"interrupted, the best so far is kept; {then if folder.unfinished else anew}")
         return 130
     if folder.unfinished:
         hint(f"out of time; go on with: antires resume {near(job.path)}")
@@ -492,10 +478,9 @@ def _searched(
 def _check_folder(job: Job, folder: RunFolder, resume: bool, fresh: bool) -> None:
     """Refuse a folder that this run may not use."""
     path, name, place = folder.folder, folder.folder.name, ("output", "folder")
-    if path.exists() and not path.is_dir():
-        job.reject(place, f"{str(path)!r}, which is a file", "a folder", "Name another one.")
-    if path.resolve() == Path(path.resolve().anchor):
-        job.reject(place, repr(str(path)), "a folder of this job's own", "Name one below it.")
+    if (path.exists() and not path.is_dir()) or path.resolve() == Path(path.resolve().anchor):
+        remedy = 'Name one under [output], folder = "...".'
+        job.reject(place, f"{str(path)!r}, no folder for results", "a folder of this job's own", remedy)
     record = folder.read_record()
     if record and folder.job_path().resolve() != job.path.resolve():
         got = f"{name!r}, which holds the results of {record.get('job')}"

@@ -20,7 +20,7 @@ from .arguments import model_of
 from .call import check_files, identified, refuse_beside
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
-from .keys import FORMATS, UNSET, format_of, template
+from .keys import HEADINGS, SIGNAL_ENDINGS, UNSET, format_of, template
 from .reading import measured_of, read_signal
 from .run import RunFolder
 
@@ -98,9 +98,6 @@ def explain(args: argparse.Namespace) -> int:
 def init(args: argparse.Namespace) -> int:
     """Write a commented job."""
     job: Path = args.job
-    if job.suffix != ".toml":
-        remedy = f"As in 'antires init {job.stem or 'job'}.toml'."
-        reject("JOB", repr(str(job)), "a file that ends in .toml", remedy)
     if job.exists() and not args.overwrite:
         got, remedy = f"{str(job)!r}, which exists", "Choose another name, or pass --overwrite."
         reject("JOB", got, "a new file", remedy)
@@ -120,9 +117,9 @@ def _channels(file: Path) -> dict[str, Any]:
     existing("--data", file, "Name the file of the measurement.")
     kind = format_of(file.name)
     if kind is None:
-        wanted = "a file that ends in " + ", ".join(e for ends in FORMATS.values() for e in ends)
-        remedy = "Convert it first, or write the job without --data and name its format there."
-        reject("--data", repr(str(file)), wanted, remedy + conversion(file.name))
+        wanted = f"a file that ends in {' '.join(SIGNAL_ENDINGS)}"
+        remedy = f"Leave --data out, and name the format in the job.{conversion(file.name)}"
+        reject("--data", repr(str(file)), wanted, remedy)
     with arguments({"path": "--data"}):
         if kind == "antiresonances":
             found = AntiresonanceSet.load(file)
@@ -149,10 +146,9 @@ def search(args: argparse.Namespace) -> int:
     """Carry out a job."""
     job = read_job(args.job)
     if job.task != args.command:
-        sections = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series]"}
-        got = f"{str(args.job)!r}, which has {sections[job.task]}"
+        got = f"{str(args.job)!r}, which has {HEADINGS[job.task]}"
         remedy = f"Use 'antires {job.task} {args.job}'."
-        reject("JOB", got, f"a job with {sections[args.command]}", remedy)
+        reject("JOB", got, f"a job with {HEADINGS[args.command]}", remedy)
     return runs.run(job, args, fresh=args.fresh)
 
 
@@ -167,22 +163,19 @@ def resume(args: argparse.Namespace) -> int:
     if folder.unfinished or folder.state in (None, "searching") or not folder.result.is_file():
         return runs.run(job, args, resume=True)
     done = UpdateResult.load(folder.result)
-    interrupted = folder.state == "interrupted"
-    anew = f"Begin anew with 'antires {job.task} {runs.near(job.path)}'"
-    if interrupted and job.sections["damage"].get("baseline"):
-        how = "assessment was interrupted"
-        remedy = f"{anew}: with a baseline it takes seconds and keeps no checkpoint."
-    elif interrupted or runs.out_of_time(done):
-        how = f"search {'was interrupted' if interrupted else 'ran out of time'} and kept no checkpoint"
-        remedy = f"{anew}, and checkpoint = true under [search]."
-    else:
+    if folder.state != "interrupted" and not runs.out_of_time(done):
         hint(f"this search has finished ({done.status}); nothing is left to do")
         if job.sections["output"].get("report", True) and not folder.report.exists():
             hint(f"for its report: antires report {runs.near(folder.folder)}")
         text = folder.summary.read_text(encoding="utf-8") if args.json else f"{done.summary()}\n"
         print(text, end="")
         return 0
-    reject("JOB", f"{str(args.target)!r}, whose {how}", "a search that is kept on disk", remedy)
+    got = f"{str(args.target)!r}, whose run was stopped and kept no checkpoint"
+    remedy = (
+        f"Begin anew with 'antires {job.task} {runs.near(job.path)}'; a search, where there is no baseline, "
+    )
+    remedy += "keeps one by checkpoint = true under [search]."
+    reject("JOB", got, "a search that is kept on disk", remedy)
 
 
 def _job_of(target: Path) -> Path:

@@ -5,12 +5,10 @@ from __future__ import annotations
 import argparse
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from importlib.util import find_spec
 from pathlib import Path
-from threading import Event
 from typing import Any
 
 import numpy as np
@@ -20,6 +18,7 @@ from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyErr
 from ..figures.canvas import picture
 from ..figures.sets import plot_tracks
 from ..io.common import Signal
+from ..io.registry import ENDINGS
 from ..measured.track import Tracks
 from ..support.files import write_atomically
 from ..watch.conditions import condition_table
@@ -31,8 +30,8 @@ from ..watch.store import LastingStore
 from .call import Call
 from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
-from .keys import FOLDER, FORMATS, IDENTIFICATION, SIGNALS, format_of, shown
-from .reading import EDITS, Spell, read_signal
+from .keys import FOLDER, format_of, shown
+from .reading import EDITS, OPTIONS, Spell, read_signal
 from .run import RunFolder, picture_name, write_json
 
 #: Tracks that fewer of the tests have are not drawn, and of more tests than this no events.
@@ -86,14 +85,11 @@ def _series_of(job: Job, folder: Path, workers: int | None) -> Series:
     place, table, own = job.data_places[0], job.data[0], job.sections["series"]
     sources = job.file(table["file"])
     job.check_data(place, table)
-    if "repeats" in table:
-        job.reject((*place, "repeats"), "repeats", "tests of one file each", "Remove it.")
-    for key in EDITS.keys() & table:
-        job.reject((*place, key), f"{key} for many tests", "edits of one test", "Remove it.")
-    formats = [name for name in FORMATS if name in SIGNALS]
-    if table.get("format", formats[0]) not in formats:
-        wanted = f"a format out of {', '.join(formats)}"
-        job.reject((*place, "format"), shown(table["format"]), wanted, "Leave it out: the endings tell.")
+    for key in ("repeats", *EDITS):
+        if key in table:
+            job.reject((*place, key), f"{key} for many tests", "what all tests have alike", "Remove it.")
+    if "format" in table:
+        job.one_of((*place, "format"), table["format"], ENDINGS, "Leave it out: the endings tell.")
     conditions = own.get("conditions")
     if conditions is not None:
         conditions = job.existing(("series", "conditions"), conditions)
@@ -101,13 +97,8 @@ def _series_of(job: Job, folder: Path, workers: int | None) -> Series:
         job.existing((*place, "file"), table["file"], 'a folder, or a pattern such as "records/*.npz"')
     folder.mkdir(parents=True, exist_ok=True)
     say("identifying the series")
-    elsewhere = {
-        "sources": (*place, "file"),
-        "conditions": ("series", "conditions"),
-        "workers": ("series", "workers"),
-        "store": ("output", "folder"),
-        **{key.name: ("identification", key.name) for key in IDENTIFICATION.keys},
-    }
+    elsewhere: Any = {"sources": (*place, "file"), "store": ("output", "folder"), **OPTIONS}
+    elsewhere |= {name: ("series", name) for name in ("conditions", "workers")}
     with job.blame(place, elsewhere):
         return identify_series(
             sources,
@@ -175,7 +166,7 @@ def _lasting(tracks: Tracks) -> Tracks:
     )
 
 
-# -- Files that arrive in a folder: which of them are complete, and a wait for more
+# -- Files that arrive in a folder: which of them are complete
 
 #: A file that has not changed for so long is complete.
 SETTLED_S = 2.0
@@ -189,11 +180,6 @@ class Arrivals:
         #: Whether the last look found files that still grow.
         self.growing = False
 
-    @property
-    def at_once(self) -> bool:
-        """Whether the package that tells of changes is installed."""
-        return find_spec("watchdog") is not None
-
     def complete(self) -> list[Path]:
         """Those that have stopped changing; a test in a folder of its own counts by its latest file."""
         found, self.growing = [], False
@@ -202,42 +188,12 @@ class Arrivals:
                 continue
             with suppress(FileNotFoundError):  # renamed while it was looked at
                 inside = path.iterdir() if path.is_dir() else ()
-                if time.time() - max(one.stat().st_mtime for one in (path, *inside)) >= SETTLED_S:
+                # A clock that is ahead dates files in the future.
+                if abs(time.time() - max(one.stat().st_mtime for one in (path, *inside))) >= SETTLED_S:
                     found.append(path)
                     continue
             self.growing = True
         return found
-
-    @contextmanager
-    def waiting(self) -> Iterator[Callable[[float], None]]:
-        """A function that waits for seconds, or less if something changes and watchdog is there."""
-        if not self.at_once:
-            yield time.sleep
-            return
-        from watchdog.events import FileSystemEventHandler
-        from watchdog.observers import Observer
-
-        changed = Event()
-
-        class Handler(FileSystemEventHandler):
-            def on_any_event(self, event: object) -> None:
-                changed.set()
-
-        observer = Observer()
-        observer.daemon = True
-        observer.schedule(Handler(), str(self._folder), recursive=True)
-        observer.start()
-
-        def wait(seconds: float) -> None:
-            # A file that grows is looked at again when it should be complete.
-            if changed.wait(min(seconds, SETTLED_S) if self.growing else seconds):
-                changed.clear()
-                time.sleep(min(seconds, 0.5 * SETTLED_S))
-
-        try:
-            yield wait
-        finally:
-            observer.stop()
 
 
 # -- Names of the tests whose lines were printed, kept over a restart
@@ -251,11 +207,11 @@ class Told:
         *names, self._torn = text.split("\n")
         self._path, self._names = path, set(names)
 
-    def __contains__(self, name: str) -> bool:
-        return name in self._names
-
-    def add(self, name: str) -> None:
-        """One more, for good."""
+    def tell(self, name: str, line: str) -> None:
+        """Print the line of a test once, for good."""
+        if name in self._names:
+            return
+        print(line, flush=True)
         self._names.add(name)
         with open(self._path, "a", encoding="utf-8", errors="replace") as file:
             file.write(f"\n{name}\n" if self._torn else f"{name}\n")
@@ -266,8 +222,8 @@ def watch(args: argparse.Namespace) -> int:
     """Until Ctrl-C, or once."""
     if not args.folder.is_dir():
         reject("FOLDER", repr(str(args.folder)), "a folder that exists", "Make it first.")
-    if args.conditions is not None and not args.conditions.is_file():
-        reject("--conditions", repr(str(args.conditions)), "a file that exists", "Correct its name.")
+    if args.conditions is not None:
+        existing("--conditions", args.conditions, "Correct its name.")
     assessor = None
     if args.assessor is not None:
         existing("--assessor", args.assessor, "Name the file that Assessor.save wrote.")
@@ -277,39 +233,35 @@ def watch(args: argparse.Namespace) -> int:
     call = Call(args)
     arrivals = Arrivals(args.folder, tuple(path for path in (args.out, args.conditions) if path is not None))
     teller = _Teller(args, assessor)
-    if not arrivals.at_once:
-        every = f"the folder is looked at every {args.every:g} s"
-        print(f'{every}; at once with: pip install "antires-rs[watch]"', flush=True)
     judged: list[Path] = []
     try:
-        with arrivals.waiting() as wait:
-            while True:
-                files = arrivals.complete()
-                if files and files != judged:
-                    series = _identified(files, args, call, teller)
-                    if series is not None:
-                        if series.interrupted:
-                            return 130
-                        judged = files
-                        teller.tell(series)
-                if args.once and not arrivals.growing:
-                    return 0
-                wait(args.every)
+        while True:
+            files = arrivals.complete()
+            if files and files != judged:
+                series = _identified(files, args, call, teller)
+                if series is not None:
+                    if series.interrupted:
+                        return 130
+                    judged = files
+                    teller.tell(series)
+            if args.once and not arrivals.growing:
+                return 0
+            # A file that grows is looked at again when it should be complete.
+            time.sleep(min(args.every, SETTLED_S) if arrivals.growing else args.every)
     except KeyboardInterrupt:
         return 130
 
 
 def _identified(files: list[Path], args: argparse.Namespace, call: Call, teller: _Teller) -> Series | None:
     """The series; None while the table of conditions is being written."""
-    (table,) = call.data
-    force = table["excitation"]
-    reading = {name: value for name, value in table.items() if name not in ("excitation", "band_hz")}
+    reading = dict(call.data[0])
+    force, band_hz = reading.pop("excitation"), reading.pop("band_hz")
     try:
         with call.blame(("data",)):
             return identify_series(
                 files,
-                excitation=_named_dof(force, table.get("dofs")),
-                band_hz=table["band_hz"],
+                excitation=_named_dof(force, reading.get("dofs")),
+                band_hz=band_hz,
                 conditions=condition_table(args.conditions)[0],
                 store=LastingStore(args.out / "series.parquet"),
                 reading=JobReader(reading, call.spelled) if reading else None,
@@ -343,9 +295,8 @@ class _Teller:
         self._said = ""
         count, wanted = len(series), self._args.baseline
         for i, why in series.failed.items():
-            if min(i, count - 1) < wanted and series.names[i] not in self._told:
-                print(f"{series.names[i]}: failed, {why}", flush=True)
-                self._told.add(series.names[i])
+            if min(i, count - 1) < wanted:
+                self._told.tell(series.names[i], f"{series.names[i]}: failed, {why}")
         if count < wanted:
             print(f"{count} of {wanted} baseline tests, {len(series.failed)} failed", flush=True)
             return
@@ -354,9 +305,7 @@ class _Teller:
                 warnings.simplefilter("ignore", AntiresWarning)
             watched = monitor(series, slice(0, wanted), self._args.rate, assessor=self._assessor)
         for i in range(wanted, count):
-            if series.names[i] not in self._told:
-                print(_line(watched, i), flush=True)
-                self._told.add(series.names[i])
+            self._told.tell(series.names[i], _line(watched, i))
         if not self._warned:
             print(str(watched), flush=True)
         self._warned = True

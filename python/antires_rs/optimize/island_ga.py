@@ -443,10 +443,9 @@ class IslandGA:
             Same seed, same result.
         workers : int, str or executor, optional
             Who evaluates ``fun``: from 2 on that many processes (``fun`` is then to be at the top of a
-            module), ``"processes"`` for one a processor, ``"threads"``, or anything with ``submit`` or
-            ``map``: an executor of ``concurrent.futures``, a Dask ``Client``, ``mpi4py.futures``, a
-            ``multiprocessing.Pool``, or a callable used as ``map``. The bits are the same for any workers,
-            each of which has one BLAS thread; one that is lost is replaced. Not with ``vectorized``.
+            module), ``"processes"`` for one a processor, ``"threads"``, or anything with ``submit``: an
+            executor of ``concurrent.futures`` or ``mpi4py.futures``, a Dask ``Client``. The bits are the same
+            for any workers, each with one BLAS thread; one that is lost is replaced. Not with ``vectorized``.
         vectorized : bool
             Whether ``fun`` takes all candidates at once.
         callback : callable, optional

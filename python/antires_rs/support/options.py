@@ -16,6 +16,11 @@ from .checks import choice, finite_scalar, integer
 from .messages import warn_of_change
 
 
+def small(sentence: str) -> str:
+    """The sentence as it goes on after others."""
+    return (sentence[0].lower() if sentence[1].islower() else sentence[0]) + sentence[1:]
+
+
 @dataclass(frozen=True)
 class Option:
     """A sentence, the kind in a job, the range, and the default."""
@@ -36,8 +41,7 @@ class Option:
         """The sentence, after the scope."""
         if not self.scope:
             return self.sentence
-        first = self.sentence[0].lower() if self.sentence[1].islower() else self.sentence[0]
-        return f"{self.scope[0].upper()}{self.scope[1:]}: {first}{self.sentence[1:]}"
+        return f"{self.scope[0].upper()}{self.scope[1:]}: {small(self.sentence)}"
 
     @property
     def shown(self) -> str:

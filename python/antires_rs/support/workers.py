@@ -1,10 +1,8 @@
 """Results of tasks in their order, whoever computes them: this thread, processes, anything with ``submit``.
 
-``in_order(function, tasks, workers)`` is what rooms call; ``Workers`` keeps its workers for several rounds.
-Every kind of worker is an executor here: tasks are numbered and go out in chunks of about a second, answers
-are put back in order, and a chunk whose worker is lost is submitted again. So the results do not depend on
-the workers. A task's own exception is an answer like any other: whatever else comes out of a worker is about
-the worker.
+Every kind of worker is an executor: tasks are numbered and go out in chunks of about a second, answers are
+put back in order, and a chunk whose worker is lost is submitted again. A task's own exception is an answer
+like any other: whatever else comes out of a worker is about the worker.
 """
 
 from __future__ import annotations
@@ -29,7 +27,7 @@ from typing import Any, Literal, NoReturn, Self
 
 from ..exceptions import InvalidInputError, LostWorkerError, reject
 from .checks import integer
-from .messages import warn, warn_of_change
+from .messages import warn
 from .progress import LOOK_S, counted, one_blas_thread, step
 
 Call = Callable[[Any], Any]
@@ -45,7 +43,7 @@ _RESULT_S = 120.0
 _FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)
 _THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _REMEDY = (
-    "Pass a number, a concurrent.futures executor, or a Client of a Dask cluster "
+    "Pass a number, a concurrent.futures executor (itself, not its map), or a Client of a Dask cluster "
     '(pip install "antires-rs[dask]").'
 )
 _CALL_AGAIN = "call again: what store= or checkpoint= keeps is taken up."
@@ -326,8 +324,7 @@ def _sigint_blocked() -> Iterator[None]:
 class Dask:
     """A Dask client, which may be without workers for a while, or lose its scheduler for good.
 
-    Dask begins a task anew whose worker was lost, until it has lost a few with one task and gives that one
-    up; what it gives up, cancels, or has forgotten as its scheduler begins anew, is submitted again.
+    What Dask gives up, cancels, or has forgotten as its scheduler begins anew, is submitted again.
     """
 
     # Measured on a busy machine; benchmarks/cluster_plan.py measures it on any other.
@@ -375,66 +372,33 @@ class Dask:
         return max(1, self._found)
 
 
-def _mapped(run: Callable[..., Iterable[Any]]) -> Any:
-    """Something with ``map`` only: every chunk is a map of its own, in a thread that is left behind."""
-
-    class Mapped(ThreadPoolExecutor):
-        def submit(self, function: Any, /, *args: Any, **_: Any) -> Any:
-            return super().submit(lambda: next(iter(run(partial(function, *args[:-1]), args[-1:]))))
-
-    return Mapped(1)
-
-
 def _executor_of(workers: Any) -> tuple[Any, bool]:
     """The executor that ``workers=`` means, and whether it is our own."""
-    wanted = 'a number from 1 on, "processes", "threads", or an executor with submit'
     if workers is None:
         return _Here(), True
-    if isinstance(workers, str | bool):
-        if workers == "threads":
-            return ThreadPoolExecutor(processors(), thread_name_prefix="antires"), True
-        if workers != "processes":
-            reject("workers", repr(workers), wanted, _REMEDY)
-        return Processes(processors()), True
+    if isinstance(workers, str) and workers in ("threads", "processes"):
+        threads = partial(ThreadPoolExecutor, thread_name_prefix="antires")
+        return (threads if workers == "threads" else Processes)(processors()), True
     if isinstance(workers, float) or hasattr(workers, "__index__"):
         count = integer("workers", workers, low=1, high=MOST_WORKERS)
         return (_Here() if count == 1 else Processes(count)), True
-    if isinstance(workers, type) and workers is not map:
-        reject("workers", workers, wanted, "Make one of this class first.")
-    # pool.map stands for the pool, which can do more.
-    owner = getattr(workers, "__self__", None)
-    if callable(workers) and (hasattr(owner, "submit") or hasattr(owner, "apply_async")):
-        workers = owner
-    if hasattr(workers, "submit"):
-        if type(workers).__module__.split(".")[0] == "distributed":
-            return Dask(workers), False
-        return workers, False
-    if not callable(run := getattr(workers, "map", workers)):
-        reject("workers", workers, wanted, _REMEDY)
-    warn_of_change(f"workers: {type(workers).__name__} has no submit; pass a number or an executor")
-    if not hasattr(workers, "apply_async"):
-        return _mapped(run), True
-    # A pool of multiprocessing never tells that a worker was lost: as many of our own, begun alike.
-    from multiprocessing.pool import ThreadPool
-
-    count = len(workers._pool)
-    if isinstance(workers, ThreadPool):
-        return ThreadPoolExecutor(count), True
-    return Processes(count, workers._initializer, tuple(workers._initargs or ())), True
+    if not hasattr(workers, "submit") or isinstance(workers, type):
+        got = repr(workers) if isinstance(workers, str) else type(workers).__name__
+        wanted = 'a number from 1 on, "processes", "threads", or an executor with submit'
+        reject("workers", got, wanted, _REMEDY)
+    return (Dask(workers) if type(workers).__module__.split(".")[0] == "distributed" else workers), False
 
 
 # -- What callers use
 
 
 class Workers:
-    """Workers for one function, for several rounds of tasks.
+    """Workers for ``function(task)``, or ``function(shared, task)``, for several rounds of tasks.
 
-    ``function(task)``, or ``function(shared, task)`` where something is ``shared``, which goes to each worker
-    once. ``workers``: None or 1 is this thread; a number from 2 on, or ``"processes"`` for one a processor,
-    processes that end with the context; ``"threads"``; an executor, which stays open. Chunks of tasks last
-    about ``seconds_a_chunk`` by measured times, longer where one scheduler serves many workers (0: one by
-    one). A task fails that took more than ``losses`` workers with it. In every kind of worker functions run
-    with one BLAS thread, with ``workers=1`` too, so that the bits are the same; with None as they are called.
+    None or 1 is this thread; a number from 2 on, or ``"processes"``, processes that end with the context;
+    ``"threads"``; an executor, which stays open. Chunks of tasks last about ``seconds_a_chunk`` (0: one by
+    one). A task fails that took more than ``losses`` workers with it. But for None, functions run with one
+    BLAS thread, so that the bits are the same.
     """
 
     def __init__(
@@ -486,10 +450,9 @@ class Workers:
         what: str = "",
         poll: Callable[[], None] | None = None,
     ) -> Iterator[Any]:
-        """The result of each task in the order of the tasks, which are read no further than needed.
+        """The result of each task in their order, read no further than needed; an exception in its turn.
 
-        An exception of the function is raised in its task's turn, or given as a :class:`Failed` with
-        ``errors="return"``. Progress says ``what 7 of 90``; ``poll`` is called ten times a second.
+        With ``errors="return"`` that is a :class:`Failed`. ``poll`` is called ten times a second.
         """
         waiting: dict[int, Any] = {}
         start, nth = time.monotonic(), 0
@@ -632,10 +595,7 @@ def in_order(
     errors: Errors = "raise",
     what: str = "",
 ) -> Iterator[Any]:
-    """``function(task)`` of every task in order: one round of :class:`Workers`, which tells the arguments.
-
-    Nothing begins before the first result is asked for, or runs on after the last, an exception, ``close()``.
-    """
+    """One round of :class:`Workers`, which tells the arguments; nothing begins before it is asked for."""
     with Workers(function, workers, shared=shared, seconds_a_chunk=seconds_a_chunk, losses=losses) as open_:
         yield from open_.in_order(tasks, errors=errors, what=what)
 

@@ -1,8 +1,7 @@
 """Which antiresonance of a test is which of the baseline: one list of places for all tests.
 
-Every test is matched to the places of the baseline, never to the test before it, so that a lost value does
-not drift. What moves all values alike (temperature) is taken off first: the median of the shifts that a first
-match finds. Tests in which the same values were followed say themselves which is which.
+Every test is matched to the places of the baseline, so that a lost value does not drift. What moves all
+values alike (temperature) is taken off first: the median of the shifts that a first match finds.
 """
 
 from __future__ import annotations
@@ -30,10 +29,9 @@ FEWEST = 3  # a common shift is that of so many values at least
 
 @dataclass(frozen=True)
 class Places:
-    """Where the antiresonances of the baseline are, by response and ascending.
+    """Where the m antiresonances of the baseline are, ascending by response; ``rate`` of tests have each.
 
-    ``dof``, ``freq_hz`` and ``rate``, the share of the tests that have it, are (m,). ``followed`` says that
-    all tests were followed from values there, so that nothing is to be matched.
+    ``followed``: all tests were followed from values there, so that nothing is to be matched.
     """
 
     excitation: Any
@@ -55,11 +53,9 @@ class Places:
 
 @dataclass(frozen=True)
 class Values:
-    """The values of some tests at the places.
+    """The values of n tests at the m places, and ``std`` of their logarithms, NaN where not known.
 
-    ``log_hz`` and ``std``, of the logarithm, are (n, m), NaN where a test does not have it or its deviation
-    is not known; ``looked`` (n, m) says whether the test has the response at all; ``strange`` has by test the
-    (dof, frequency in Hz) of what no place takes.
+    ``looked``: whether the test has the response at all; ``strange``: (dof, Hz) of what no place takes.
     """
 
     log_hz: FloatArray

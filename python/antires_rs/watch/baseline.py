@@ -195,11 +195,7 @@ _LARGEST = 30.0
 
 
 def variances(rest: FloatArray, stated: FloatArray, degrees: float, lost: float) -> FloatArray:
-    """Variance of each column of residuals (n, m) with NaN, less ``lost`` parameters fitted to each.
-
-    The standard deviation that identification has ``stated``, (m,), counts as some more tests, where it is
-    not NaN.
-    """
+    """Variance of residuals (n, m), ``lost`` parameters fitted; ``stated`` std (m,) count as more tests."""
     count = np.sum(~np.isnan(rest), axis=0)
     free = np.maximum(count - lost, 1.0)
     squares = np.nan_to_num(rest) ** 2
@@ -298,11 +294,10 @@ _UNKNOWN, _FACTOR = 2.0, 5.0
 
 @dataclass(frozen=True)
 class Learned:
-    """The baseline of m values.
+    """The baseline of m values: ``variance`` of the logarithm of each, ``usual`` stated standard deviation.
 
-    ``variance`` (m,) of the logarithm of each, ``usual`` (m,) its stated standard deviation, ``correlation``
-    (m, m) of the normal scores with ``factors`` (m, k) in it, ``attenuation`` by condition: the share of a
-    slope that errors of the condition hide.
+    ``factors`` (m, k) are in the ``correlation`` of normal scores; ``attenuation``: the share of a slope that
+    errors of the condition hide.
     """
 
     basis: Basis
@@ -343,11 +338,7 @@ class Learned:
         return np.asarray(np.any([np.zeros(n), *away], axis=0))
 
     def directions(self, conditions: Mapping[str, FloatArray], test: int, *, free: bool) -> FloatArray:
-        """Changes of all values without damage, of one standard deviation each, (m, k), in the logarithm.
-
-        ``free`` lets the shared factors of the baseline go where they will: no condition tells what they
-        follow.
-        """
+        """Changes of all values without damage, of one standard deviation each, (m, k), in the logarithm."""
         columns = []
         for one in self.basis.columns:
             value = float(conditions[one.name][test])
@@ -383,11 +374,9 @@ def learned(
 
 
 def _attenuation(rest: FloatArray, variance: FloatArray, slope: FloatArray, std: float) -> float:
-    """Share of a slope that is hidden by errors of the condition.
+    """Share of a slope that errors of the condition hide.
 
-    The residuals tell along the slope how far a condition is from what the values say: with r the reliability
-    of the condition, its variance is (1 - r) / r of that of the condition, beside what the values' own
-    scatter makes.
+    Along the slope residuals vary by (1 - r) / r of the condition's variance, r being its reliability.
     """
     weight = np.where(np.isnan(rest), 0.0, slope / variance)
     power = weight @ slope

@@ -177,10 +177,8 @@ def means(
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """Chart of scores z (n, m) in order: T^2, number of values behind it, whether a test agrees with it.
 
-    ``bounds`` (n,) is what each test is multiplied by, ``inverses`` are those of the correlations. The
-    coefficients of the baseline have one error for all tests: ``x`` (n, q) are rows of the basis, ``inverse``
-    (q, q) is (X'X)^-1. So has what is not known outside its range: ``beyond`` (n, m), over the standard
-    deviation of a test.
+    Tests are multiplied by ``bounds`` (n,). The coefficients of the baseline have one error for all tests, of
+    rows ``x`` (n, q) and (X'X)^-1; so has what is not known outside its range, ``beyond`` (n, m).
     """
     n, m = z.shape
     row, lasting = np.zeros(x.shape[1]), np.zeros(m)
@@ -262,11 +260,7 @@ def drawn(z: FloatArray, correlation: FloatArray, error: float, rate: float) -> 
 
 
 def autocorrelation(t2: FloatArray, count: FloatArray, usual: float) -> float:
-    """How much larger the chart of the baseline in its order is than in random order, at least 1.
-
-    Tests that follow each other may be off together (weather that no condition tells): a part beyond what
-    chance makes is taken off the chart.
-    """
+    """How much larger the chart of the baseline in its order is than in random order, beyond chance."""
     settled, count = t2[int(2 / WEIGHT) :], count[int(2 / WEIGHT) :]
     if settled.size < 2 / WEIGHT:
         return 1.0
@@ -422,10 +416,7 @@ def charts_of(
     conditions: Mapping[str, FloatArray],
     rate: float,
 ) -> Charts:
-    """Charts of n tests by the k of the ``baseline``, at a ``rate`` of false alarms of all charts together.
-
-    ``values`` are without the responses at fault; ``regular`` (m,) says which places are followed.
-    """
+    """Charts of n tests, without responses at fault, over the ``regular`` places, by the ``baseline``."""
     y, std = values.log_hz[:, regular], values.std[:, regular]
     own = {name: column[baseline] for name, column in conditions.items()}
     basis = basis_of(y[baseline], own)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..exceptions import Argument, part, reject
 from ..support.checks import FloatArray
 from ..support.messages import warn
-from ..support.values import FrozenDict, frozen
+from ..support.values import frozen
 from .stored_tests import COLUMNS, OF_ALL, OF_TEST, OF_VALUE, pyarrow
 
 #: What loggers and spreadsheets write where nothing was measured, in any case.
@@ -52,42 +52,24 @@ def _check_finite(name: Argument, column: FloatArray) -> None:
         reject(part(name, at), f"{column[at]:g}", _FINITE, "Give NaN for what was not measured.")
 
 
-# -- What a series is made with
-
-
-def checked_conditions(given: Any, count: int) -> FrozenDict[str, FloatArray]:
-    """Columns (count,) by name."""
-    columns: dict[str, FloatArray] = {}
-    if given is not None and not isinstance(given, Mapping):
-        reject("conditions", type(given).__name__, "a mapping of name to array", "Pass a dict of columns.")
-    for key, values in (given or {}).items():
-        _check_name("conditions", key)
-        name = part("conditions", key)
-        try:
-            column = np.asarray(values, dtype=np.float64)
-        except (TypeError, ValueError) as exc:
-            wanted = "numbers, NaN where one is not known"
-            reject(name, f"what does not convert ({exc})", wanted, "Leave texts out, or number them.")
-        if column.shape != (count,):
-            got = f"{column.size} values" if column.ndim == 1 else f"an array of shape {column.shape}"
-            reject(name, got, f"{count} numbers, one for each test", "Give NaN where one is not known.")
-        _check_finite(name, column)
-        columns[key] = frozen(column)
-    return FrozenDict(columns)
+# -- What a series is made with, beside its table of conditions
 
 
 def checked_names(given: Any, count: int) -> tuple[str, ...]:
     """Distinct texts; by default the numbers of the tests."""
     wanted = f"{count} distinct names, one for each test"
-    if isinstance(given, str | bytes):
-        reject("names", given, wanted, "Put them in a list.")
     names = tuple(map(str, range(count) if given is None else given))
-    if len(names) != count:
-        reject("names", f"{len(names)} of them", wanted, "Give one for each test.")
-    if len(set(names)) != count:
-        (twice, _), *_ = Counter(names).most_common(1)
-        reject("names", f"{twice!r} more than once", wanted, "Rename one of the two.")
+    if len(names) != count or isinstance(given, str | bytes):
+        got = given if isinstance(given, str | bytes) else f"{len(names)} of them"
+        reject("names", got, wanted, "Give a list of one for each test.")
+    _each_once("names", "", names, wanted)
     return names
+
+
+def _each_once(argument: str, what: str, names: Sequence[Any], wanted: str) -> None:
+    if len(set(names)) < len(names):
+        (twice, _), *_ = Counter(names).most_common(1)
+        reject(argument, f"{what}{twice!r} more than once", wanted, "Rename or remove one of the two.")
 
 
 def checked_times(given: Any, count: int) -> NDArray[np.datetime64] | None:
@@ -129,10 +111,7 @@ def _read_table(path: Path) -> dict[str, Any]:
     if len(rows) < 2:
         reject("conditions", f"{str(path)!r} without rows", "a line of names and a line a test", "Fill it.")
     names = [name.strip() for name in rows[0]]
-    for name, times in Counter(filter(None, names)).items():
-        if times > 1:
-            got = f"two columns {name!r} in {str(path)!r}"
-            reject("conditions", got, "columns of different names", "Rename or remove one.")
+    _each_once("conditions", "column ", list(filter(None, names)), "columns of different names")
     for i, row in enumerate(rows[1:], start=2):
         if len(row) != len(names):
             got, wanted = f"{len(row)} cells in row {i} of {str(path)!r}", f"{len(names)} as in its first row"
@@ -156,10 +135,7 @@ def _cell(cell: str) -> Any:
 
 
 class ConditionTable:
-    """Columns (n,) of conditions, and times, for tests that come one after the other.
-
-    ``names`` are those of the tests, where the table has them; else rows are in the order of the tests.
-    """
+    """Columns of conditions, and times, in the order of the tests, or by their ``names``."""
 
     def __init__(
         self, columns: Mapping[str, Any], times: Any, names: tuple[str, ...] | None, numbered: bool = False
@@ -169,11 +145,7 @@ class ConditionTable:
         lengths = [len(column) for column in (*columns.values(), times) if column is not None]
         self._given, self.count = bool(lengths), max(lengths, default=0)
         self._row = {name: i for i, name in enumerate(names or ())}
-        if len(self._row) < len(names or ()):
-            (twice, _), *_ = Counter(names).most_common(1)
-            reject(
-                "conditions", f"test {twice!r} more than once", "each test once", "Remove one of the rows."
-            )
+        _each_once("conditions", "test ", names or (), "each test once")
         for i, name in enumerate(names or ()):  # under its shorter names too, where no other has them
             for key in _keys_of(name):
                 self._row.setdefault(key, i)

@@ -1,9 +1,8 @@
 """Sensors that fail, told from damage.
 
-Damage beside the force may move the antiresonances of one response alone; so a response that deviates alone
-is no fault by that. It is one if the test lacks it, if the data check names its channel where that of the
-baseline did not, or if it lost its antiresonances while those of all other responses are where they should
-be. One that has as many as before elsewhere has lost none: large damage moved them.
+Damage may move the antiresonances of one response alone. A response is at fault if the test lacks it, if the
+data check names its channel where that of the baseline did not, or if it lost its antiresonances, and has not
+as many elsewhere, while those of all other responses are where they should be.
 """
 
 from __future__ import annotations
@@ -35,9 +34,8 @@ class Fault:
 
     Attributes
     ----------
-    dof : int or str
-    text : str
-        Why.
+    dof, text : int or str, str
+        Which, and why.
 
     Examples
     --------
@@ -88,11 +86,7 @@ def obvious(
 def lost_alone(
     values: Values, places: Places, test: int, without: dict[Any, float], limit: float
 ) -> Fault | None:
-    """A response that alone makes a test alarm and that has lost its antiresonances.
-
-    ``without`` has the statistic of the test without each response; below ``limit`` the others are as they
-    should be.
-    """
+    """A response that has lost its antiresonances, ``without`` which the statistic is below ``limit``."""
     for dof, statistic in sorted(without.items(), key=lambda item: item[1]):
         sure, lost = _lost(values, places, test, dof)
         if lost and (sure - lost) / sure <= _LEFT and statistic < limit:

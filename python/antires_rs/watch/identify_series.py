@@ -6,14 +6,12 @@ import json
 import re
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from functools import partial
 from itertools import chain, islice
 from os import PathLike
 from pathlib import Path
 from time import monotonic
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -38,41 +36,11 @@ from .stored_tests import Entry, Row, StoredSets, parts_of
 
 # -- The sources of a series computed, by whatever workers, in their order
 
-Task = TypeVar("Task")
-Read = TypeVar("Read")
-
-
-def _read_ahead(read: Callable[[Task], Read], tasks: Iterable[Task]) -> Iterator[Read]:
-    """``read(task)`` of every task in order, the next one read by a thread meanwhile.
-
-    Tasks are taken in the caller's thread, since a generator of theirs may be anything.
-    """
-    pool = ThreadPoolExecutor(1)
-    before: Future[Read] | None = None
-    try:
-        for task in tasks:
-            coming = pool.submit(read, task)
-            del task  # or it would be held while the next one is waited for
-            if before is not None:
-                yield before.result()
-            before = coming
-        if before is not None:
-            yield before.result()
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
 
 def _computed(instructions: Instructions, tasks: Iterable[Any], workers: Any) -> Iterator[Outcome]:
-    """The outcome of each source.
-
-    In this process the next one is read while one is computed, and each is given as soon as it is there.
-    Workers read files themselves, a second's worth of tests at a time.
-    """
-    if workers is None or (type(workers) is int and workers == 1):
-        for signal in _read_ahead(partial(one_test.loaded, instructions), tasks):
-            yield one_test.identified(instructions, signal)
-        return
-    for outcome in in_order(one_test.identified, tasks, workers, shared=instructions, errors="return"):
+    """The outcome of each source; workers read files themselves, a second's worth of tests at a time."""
+    given = None if type(workers) is int and workers == 1 else workers
+    for outcome in in_order(one_test.identified, tasks, given, shared=instructions, errors="return"):
         if not isinstance(outcome, Failed):
             yield outcome
             continue
@@ -222,11 +190,10 @@ def identify_series(
     Parameters
     ----------
     sources : path, iterable or mapping
-        A folder, whose measurements are taken by their names (``test_2`` before ``test_10``), a pattern such
-        as ``"year/*.uff"``, or a list or generator of: files, folders of one FRF a file, Recordings,
-        FrequencyResponses, functions without arguments that give one, and lists of these, which are repeats
-        of one test. Names are given by a mapping or by tuples ``(name, source)``; a tuple
-        ``(name, source, conditions)`` also says what was measured beside.
+        A folder (``test_2`` before ``test_10``), a pattern such as ``"year/*.uff"``, or a list or generator
+        of: files, folders of one FRF a file, Recordings, FrequencyResponses, functions without arguments that
+        give one, and lists of these, which are repeats of one test. A mapping or tuples ``(name, source)``
+        name them; ``(name, source, conditions)`` also says what was measured beside.
     excitation, band_hz
         As for :func:`~antires_rs.identify_antiresonances`.
     near : AntiresonanceSet or int, optional
@@ -234,20 +201,18 @@ def identify_series(
         them; 0 for none: each test is identified by itself. Default: 20, or all if there are fewer, where the
         first is a record that one fit over the band does not predict; else 0.
     conditions : mapping, DataFrame, structured array, list of dicts or path, optional
-        What was measured beside the tests (a CSV or Parquet file, or the table itself): columns of numbers, a
-        row a test in the order of the sources, or by the names of the tests in a column "name", "source" or
-        "file". A column "time" or "date" gives the times.
+        What was measured beside (a CSV or Parquet file, or the table itself): numbers, a row a test in the
+        order of the sources, or by their names in a column "name", "source" or "file". A column "time" or
+        "date" gives the times.
     store : path, optional
         A file in which every result is kept as it is made: ``.sqlite``, or ``.parquet``, which needs the
         extra ``series``. Called again, a series goes on where it was stopped or killed, and takes in new
-        sources. By default the results are kept in memory.
+        sources. By default results are in memory.
     workers : int, "processes", "threads" or executor, optional
-        Who identifies them: by default this process. The results do not depend on it, bit for bit. Processes
-        read files themselves; records in memory, and functions, are sent to them.
+        Who identifies them: by default this process. No bit depends on it. Processes read files themselves.
     reading : mapping or callable, optional
-        Options of the reader of the files (:func:`~antires_rs.read_uff` and the others), such as ``dofs``,
-        ``unit`` and ``fs_hz``; "format" names it where the ending does not. Or a function of a path that
-        gives a Recording or a FrequencyResponse, for files of any other kind.
+        Options of the reader of the files, such as ``dofs``, ``unit`` and ``fs_hz``; "format" names it where
+        the ending does not. Or a function of a path that gives a Recording or a FrequencyResponse.
     progress : bool, optional
         A line on standard error with the rest time; by default on a terminal and in a notebook.
     **options
@@ -257,10 +222,9 @@ def identify_series(
     -------
     Series
         A set for each test, without its diagrams; where values are followed, ``.followed`` and ``.not_seen``
-        of each set say which, and a test that shows none of them has an empty set. A test that failed has
-        none, and its reason is in ``.failed``: an unreadable file, unsuitable data, no antiresonance. Sensors
-        that were dead all the time are left out of their test. After Ctrl-C the tests so far, with
-        ``.interrupted``.
+        of each say which. A test that failed has none, and its reason is in ``.failed``: an unreadable file,
+        unsuitable data, no antiresonance. Dead sensors are left out of their test. After Ctrl-C the tests so
+        far, with ``.interrupted``.
 
     Raises
     ------
@@ -278,14 +242,13 @@ def identify_series(
 
     Notes
     -----
-    Memory does not grow with the records: this process holds two at most, but all of the first tests at once
-    while they are identified together for values to follow. What the data check says of a test is
-    ``series[i].data_check``, without its curves; its warnings are not raised. An exception that ends a series
-    has the tests so far as ``error.series``.
+    Memory holds two records at most, but all of the first tests while they are identified together. What the
+    data check says of a test is ``series[i].data_check``; its warnings are not raised. An exception that ends
+    a series has the tests so far as ``error.series``.
 
     A store ``.parquet`` that runs has its results in ``<store>.part`` beside it, a database of SQLite. What
     was done is recognised by the name of the source and its content (of long files: size and three parts).
-    Whether it was killed or not, and how often, the Parquet file is the same byte for byte.
+    However often it was killed, the Parquet file is the same byte for byte.
 
     Examples
     --------

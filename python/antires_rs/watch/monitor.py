@@ -52,8 +52,7 @@ def rate_lines(watched: Watched) -> list[str]:
     used = used or "what the baseline's antiresonances do together, no condition being of use"
     lines.append(f"corrected for {used}")
     if out := int(np.sum(watched.outside & watched.outside_baseline)):
-        text = f"{out:,} tests at conditions that the baseline does not have: lines go on"
-        lines.append(f"{text}, their uncertainty counted")
+        lines.append(f"{out:,} tests at conditions that the baseline does not have, which counts as error")
     if watched.clocks:
         lines.append(f"not used, since it only grows or falls with the tests: {', '.join(watched.clocks)}")
     return lines
@@ -82,13 +81,9 @@ def alarm_lines(watched: Watched) -> list[str]:
 def fault_lines(watched: Watched) -> list[str]:
     """Responses at fault, counted."""
     counts = Counter((str(f.dof), f.text) for here in watched.faults.values() for f in here)
-    lines = [
-        f"sensor fault: dof {dof}, {text}" + f" ({count} tests)" * (count > 1)
-        for (dof, text), count in counts.most_common(_LISTED)
-    ]
-    if len(counts) > _LISTED:
-        lines.append(f"and {len(counts) - _LISTED} other faults, see .faults")
-    return lines
+    shown = [(dof, text, f" ({n} tests)" * (n > 1)) for (dof, text), n in counts.most_common(_LISTED)]
+    more = [f"and {len(counts) - _LISTED} other faults, see .faults"] * (len(counts) > _LISTED)
+    return [f"sensor fault: dof {dof}, {text}{often}" for dof, text, often in shown] + more
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -98,17 +93,16 @@ class Watched(ReadOnly, Viewed):
     Attributes
     ----------
     alarm : (n,) bool
-        Of each test by itself, the baseline's included; False where a test failed or cannot be judged, which
-        is no "no alarm": see ``unjudged``.
+        Of each test by itself; False also where a test failed or cannot be judged, see ``unjudged``.
     statistic : (n,)
         The largest of its charts, each over its limit; NaN where it could not be judged. Tests of the
-        baseline are judged as if they came later, by the others.
+        baseline are judged by the others.
     charts : dict of str to Chart
         "T2", "EWMA" and "events".
     false_alarm_rate : float
         Share of intact tests outside the baseline that alarm, at most about.
     baseline : (k,) int
-        Its tests that have a set.
+        Its tests that have a set; ``needed`` of them are enough to rely on the rate.
     names, times, conditions, failed
         Of the tests, as in the :class:`~antires_rs.Series`.
     used, bends, clocks : tuple of str, dict of str to float, tuple of str
@@ -122,8 +116,6 @@ class Watched(ReadOnly, Viewed):
         Alarms that stand together.
     assessments : dict of int to DamageResult or AssessedTest
         Damage of each run, by its first test; empty without a model or an assessor.
-    needed : int
-        Baseline tests from which on the rate can be relied on.
     dof : (m,)
         Responses of the antiresonances that are followed.
     freq_hz, expected_hz, std_hz : (n, m)
@@ -214,10 +206,7 @@ class Watched(ReadOnly, Viewed):
         return self._view("plot")(self, panel=panel, ax=ax)
 
     def to_dataframe(self) -> Any:
-        """One row a test: name, time, conditions, charts with their limits, alarm, faults, reason.
-
-        A ``pandas.DataFrame``; needs pandas.
-        """
+        """A ``pandas.DataFrame``, a row a test: name, time, conditions, charts, limits, alarm, faults."""
         tests = range(len(self))
         columns: dict[str, Any] = {"test": tests, "name": self.names}
         columns |= {} if self.times is None else {"time": list(self.times)}
@@ -234,10 +223,7 @@ class Watched(ReadOnly, Viewed):
         return frame_of(columns, list(columns))
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Write one page of HTML: summary, charts, alarms, faults and damage; needs matplotlib.
-
-        An older page is replaced. An InvalidInputError names a folder that does not exist.
-        """
+        """Write one page of HTML: summary, charts, alarms, faults and damage; needs matplotlib."""
         self._view("report")(self, path)
 
 
@@ -259,8 +245,7 @@ def _assessed(
     conditions: Mapping[str, FloatArray],
     options: Mapping[str, Any],
 ) -> DamageResult | AssessedTest | None:
-    """``assess_damage`` of the tests of a run against the baseline, or an assessor's answer; None if they
-    have no antiresonance. The sight of the tests is that of the ``first`` of the series."""
+    """Damage of the tests of a run, which see as the ``first`` does; None if they have no antiresonance."""
     tests = np.array([i for i in range(run[0], run[1] + 1) if values.looked[i].any()][-_MOST:])
     regular = places.regular
     own = {name: column[tests] for name, column in conditions.items()}
@@ -276,11 +261,10 @@ def _assessed(
     # Values at no place that at least half of the tests have.
     groups: list[tuple[Any, list[float]]] = []
     for dof, freq in (one for i in tests.tolist() for one in values.strange[i]):
-        near = [g for d, g in groups if d == dof and abs(freq / float(np.median(g)) - 1.0) < _SAME]
-        if near:
-            near[0].append(freq)
-        else:
-            groups.append((dof, [freq]))
+        near = (g for d, g in groups if d == dof and abs(freq / float(np.median(g)) - 1.0) < _SAME)
+        if (group := next(near, None)) is None:
+            groups.append((dof, group := []))
+        group.append(freq)
     new = [(dof, float(np.median(group))) for dof, group in groups if 2 * len(group) >= len(tests)]
     at = {dof: places.dof[regular] == dof for dof in places.dofs}
     at = {dof: rows for dof, rows in at.items() if looked[:, rows].any() or dof in dict(new)}
@@ -325,11 +309,6 @@ def _series_of(given: Any) -> Series:
     if not isinstance(given, Sequence) or isinstance(given, str | Mapping):
         wanted = "a Series or a list of AntiresonanceSets"
         reject("series", type(given).__name__, wanted, "Put them in a list.")
-    for i, one in enumerate(given):
-        if one is not None and not isinstance(one, AntiresonanceSet):
-            wanted = "an AntiresonanceSet, or None for a test that failed"
-            remedy = "Identify the records first: identify_series(records, ...)."
-            reject(f"series[{i}]", type(one).__name__, wanted, remedy)
     return Series.from_sets(list(given))
 
 
@@ -433,24 +412,22 @@ def monitor(
     Parameters
     ----------
     series : Series or list of AntiresonanceSet
-        Tests of one structure in the order in which they were made; None where a test failed.
+        Tests of one structure in their order; None where a test failed.
     baseline : slice, int, sequence of int or mask
         The tests of the intact structure, under all conditions that are to come; an int: the first so many.
     false_alarm_rate : float
         Share of intact tests outside the baseline that alarm, all charts together, at most about, in
         (0, 0.2].
     conditions : mapping of str to (n,), table or path, optional
-        What the antiresonances depend on, such as the temperature, in any table that
-        :func:`~antires_rs.identify_series` takes; NaN where not known. Default: those of the series. ``{}``
-        for none; then what the baseline's values do together is taken for weather.
+        What the antiresonances depend on, such as the temperature, as for
+        :func:`~antires_rs.identify_series`; by default those of the series. With ``{}``, for none, what the
+        baseline's values do together is taken for weather.
     model : MassSpringChain, FrameModel or MatrixModel, optional
         With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
     assessor : Assessor, optional
-        The same much faster, in place of ``model``; made from a baseline of the same sensors, such as
-        the first tests.
+        The same much faster, in place of ``model``; made from a baseline of the same sensors.
     max_shift : float
-        Largest relative difference of a value from the baseline's, beside what all values do, as for
-        :func:`~antires_rs.compare`.
+        Largest relative difference of a value from the baseline's, beside what all values do.
     progress : bool, optional
         Show a line of progress; by default on a terminal.
     **assessment
@@ -473,15 +450,13 @@ def monitor(
     Notes
     -----
     Hotelling's :math:`T^2` of single tests, an exponentially weighted mean for small and slow changes, and a
-    chart of antiresonances that vanish or appear, in one test or for good, share the rate as 3 : 1 : 1. An
-    alarm is of its own test: when the change is over, alarms end. Limits come from tests of the baseline left
-    out in turn, with what a finite baseline leaves open. A test that shows none of the antiresonances, and
-    does not alarm by that, cannot be judged.
+    chart of antiresonances that vanish or appear share the rate as 3 : 1 : 1; it holds for tests that are
+    independent, given their conditions. When a change is over, alarms end. Limits come from tests of the
+    baseline left out in turn. A test that shows none of the antiresonances cannot be judged.
 
     A condition that only grows or only falls from test to test is a clock and is not used. Outside the
-    baseline's range lines go on with a slope that is known to 30 %; a value further out than ten times that
-    range is taken as not known. The rate is that of tests that are independent of each other, given their
-    conditions.
+    baseline's range lines go on with a slope that is known to 30 %; beyond ten times that range a value is
+    taken as not known.
 
     Examples
     --------

@@ -19,8 +19,8 @@ from ..measured.matching import MAX_SHIFT
 from ..measured.response_table import ResponseTable
 from ..measured.track import Tracks, followed
 from ..support.checks import FloatArray
-from ..support.values import FrozenDict, ReadOnly
-from .conditions import checked_conditions, checked_names, checked_times, condition_table
+from ..support.values import FrozenDict, ReadOnly, frozen
+from .conditions import checked_names, checked_times, condition_table
 from .store import read_series, write_series
 from .stored_tests import Entry, Row, StoredSets, encoded, parts_of
 
@@ -35,14 +35,13 @@ def _read_through(
     """Excitation, responses and reasons of failed tests, of sets that nothing is known of."""
     if not len(sets):
         reject("sets", "none", "one test or more", "Give the sets.")
-    wanted = "why a test has no set, by its index"
+    wanted = f"a mapping of tests without a set, from 0 to {len(sets) - 1}, to the reasons"
     if failed is not None and not isinstance(failed, Mapping):
         reject("failed", type(failed).__name__, wanted, "As in failed={2: 'cable cut'}.")
     for i in failed or ():
-        if isinstance(i, bool) or not isinstance(i, int | np.integer) or not 0 <= i < len(sets):
-            reject("failed", f"a test {i!r}", f"{wanted}, from 0 to {len(sets) - 1}", "Count from 0.")
-        if sets[int(i)] is not None:
-            reject("failed", f"test {i}, which has a set", wanted, "Give None in place of its set.")
+        whole = isinstance(i, int | np.integer) and not isinstance(i, bool)
+        if not whole or not 0 <= i < len(sets) or sets[int(i)] is not None:
+            reject("failed", f"a reason for {i!r}", wanted, "Count from 0; give None in place of its set.")
     reasons = {i: NO_SET for i, one in enumerate(sets) if one is None}
     reasons |= {int(i): str(why) for i, why in (failed or {}).items()}
     there = {i: one for i, one in enumerate(sets) if one is not None}
@@ -84,26 +83,22 @@ def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
 class Series(ReadOnly):
     """Antiresonances of many tests of one structure under one force, with what was measured beside them.
 
-    A sequence of :class:`~antires_rs.AntiresonanceSet` in the order of the tests, None where a test failed.
-    ``series[3]`` is one of them, ``series[10:20]`` and ``series[series.conditions["temperature_c"] < 0]`` are
-    series. :func:`~antires_rs.identify_series` makes one of records, :meth:`from_sets` of sets.
+    A sequence of :class:`~antires_rs.AntiresonanceSet`, None where a test failed: ``series[3]`` is one of
+    them, ``series[10:20]`` and ``series[series.conditions["temperature_c"] < 0]`` are series.
+    :func:`~antires_rs.identify_series` makes one of records, :meth:`from_sets` of sets.
 
     Attributes
     ----------
     sets : sequence of AntiresonanceSet or None
         Without diagrams. Of a series in a file they are read when they are asked for.
-    names : tuple of str
-        Of the tests, such as the names of their files.
-    times : (n,) datetime64 or None
-        When each was made, where that is known.
+    names, times : tuple of str, (n,) datetime64 or None
+        Of the tests: such as the names of their files, and when each was made, where that is known.
     conditions : dict of str to (n,)
         What was measured beside, such as the temperature; NaN where not known.
     failed : dict of int to str
         Why a test has no set, by its index.
-    excitation : int, str or None
-        The dof of the force; None without any set.
-    dofs : tuple
-        All responses of all sets.
+    excitation, dofs : int, str or None, tuple
+        The dof of the force, None without any set, and all responses of all sets.
     interrupted : bool
         Whether the series was stopped before its last test.
 
@@ -134,22 +129,20 @@ class Series(ReadOnly):
         self,
         sets: Sequence[AntiresonanceSet | None],
         *,
-        names: Any = None,
-        conditions: Any = None,
-        times: Any = None,
-        failed: Mapping[int, str] | None = None,
-        excitation: Any = None,
-        dofs: tuple[Any, ...] | None = None,
+        names: Sequence[str],
+        conditions: Mapping[str, Any],
+        times: Any,
+        failed: Mapping[int, str],
+        excitation: Any,
+        dofs: tuple[Any, ...],
         interrupted: bool = False,
     ) -> None:
-        count = len(sets)
-        if failed is None or dofs is None:
-            excitation, dofs, failed = _read_through(sets, failed)
+        columns = {name: np.array(column, dtype=np.float64) for name, column in conditions.items()}
         self._fill(
             sets=sets,
-            names=checked_names(names, count),
-            conditions=checked_conditions(conditions, count),
-            times=checked_times(times, count),
+            names=tuple(names),
+            conditions=FrozenDict({name: frozen(column) for name, column in columns.items()}),
+            times=None if times is None else frozen(times),
             failed=FrozenDict(sorted(failed.items())),
             excitation=excitation,
             dofs=dofs,
@@ -195,8 +188,7 @@ class Series(ReadOnly):
         sets : sequence of AntiresonanceSet or None
             In the order of the tests, all of one excitation; None for a test without a result.
         conditions : mapping of str to array_like, (n,), DataFrame, structured array, list of dicts, path
-            What was measured beside; NaN where not known. A table may name and date the tests, as for
-            :func:`~antires_rs.identify_series`.
+            What was measured beside, as for :func:`~antires_rs.identify_series`.
         names : sequence of str, optional
             By default the numbers of the tests.
         times : array_like, (n,), optional
@@ -211,13 +203,15 @@ class Series(ReadOnly):
         """
         if not isinstance(sets, Sequence) or isinstance(sets, str | Mapping):
             reject("sets", type(sets).__name__, "a list of sets", "Put the sets in a list.")
-        if conditions is not None and not isinstance(conditions, Mapping):
-            table, _ = condition_table(conditions)
-            if names is None and table.names is not None and len(table.names) == len(sets):
-                names = table.names
-            conditions, dated = table.in_order(list(map(str, range(len(sets)) if names is None else names)))
-            times = dated if times is None else times
-        return cls(tuple(sets), names=names, conditions=conditions, times=times, failed=failed)
+        excitation, dofs, reasons = _read_through(sets, failed)
+        table, _ = condition_table(conditions)
+        if names is None and table.names is not None and len(table.names) == len(sets):
+            names = table.names
+        called = checked_names(names, len(sets))
+        columns, dated = table.in_order(called)
+        instants = checked_times(dated if times is None else times, len(sets))
+        more: dict[str, Any] = {"failed": reasons, "excitation": excitation, "dofs": dofs}
+        return cls(tuple(sets), names=called, conditions=columns, times=instants, **more)
 
     def tracks(
         self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
@@ -260,9 +254,8 @@ class Series(ReadOnly):
     def average(self, *, max_shift: float = MAX_SHIFT) -> AntiresonanceSet:
         """One set that stands for all tests, two or more, if nothing changed between them.
 
-        Its frequencies are the means of the tracks that at least half of the tests have, its standard
-        deviations those of the means by their scatter. ``ar.compare(january, february)`` of two series
-        compares their averages.
+        Its frequencies are the means of the tracks that at least half of the tests have, with their standard
+        deviations. ``ar.compare`` of two series compares their averages.
         """
         tracks = self.tracks(max_shift=max_shift)
         count = np.sum(~np.isnan(tracks.freq_hz), axis=0)
@@ -277,13 +270,7 @@ class Series(ReadOnly):
         return AntiresonanceSet.from_tables(self.excitation, tables)
 
     def compare(self, i: int, j: int, **options: Any) -> Comparison:
-        """Two tests compared; options as for :func:`~antires_rs.compare`.
-
-        Raises
-        ------
-        InvalidInputError
-            A test that has no set, or a malformed option.
-        """
+        """Two tests that have a set compared; options as for :func:`~antires_rs.compare`."""
         return compare(self._set("i", i), self._set("j", j), **options)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -297,10 +284,8 @@ class Series(ReadOnly):
 
         Raises
         ------
-        InvalidInputError
-            A folder that does not exist.
-        MissingDependencyError
-            pyarrow is not installed, for Parquet.
+        InvalidInputError, MissingDependencyError
+            A folder that does not exist; pyarrow is not installed, for Parquet.
         """
         rows = []
         for i, one in enumerate(self.sets):
@@ -321,21 +306,14 @@ class Series(ReadOnly):
 
         Raises
         ------
-        FileNotFoundError
-            There is none.
-        InvalidInputError
-            A file of another kind, or of a newer version.
-        MissingDependencyError
-            pyarrow is not installed.
+        FileNotFoundError, InvalidInputError, MissingDependencyError
+            There is none; a file of another kind, or of a newer version; pyarrow is not installed.
         """
         rows, unfinished = read_series(Path(path))
         return cls(**parts_of(rows), interrupted=unfinished)
 
     def to_dataframe(self) -> Any:
-        """One row an antiresonance: test, name, time, the conditions, and the columns of a set.
-
-        A ``pandas.DataFrame``; needs pandas.
-        """
+        """A ``pandas.DataFrame``, a row an antiresonance: test, name, time, conditions, columns of a set."""
         times = {} if self.times is None else {"time": self.times}
         names: dict[str, None] = dict.fromkeys(("test", "name", *times, *self.conditions))
         rows: list[dict[str, Any]] = []
@@ -353,15 +331,7 @@ class Series(ReadOnly):
     @overload
     def __getitem__(self, at: slice | Sequence[int] | NDArray[Any]) -> Series: ...
     def __getitem__(self, at: Any) -> Any:
-        """The set of one test by its index, or a series of some: a slice, indices or a mask.
-
-        Raises
-        ------
-        IndexError
-            No such test.
-        InvalidInputError
-            Anything else, a mask of another length, or a test more than once.
-        """
+        """The set of one test by its index, or a series of some: a slice, indices or a mask."""
         chosen = _chosen(at, len(self))
         if isinstance(chosen, int):
             return self.sets[chosen]

@@ -29,9 +29,7 @@ from ..support.progress import apart
 from ..support.values import FrozenDict
 from .stored_tests import encoded
 
-_WANTED = (
-    "files, a folder, records or responses in memory, functions that give one, or a generator of any of them"
-)
+_WANTED = "files, a folder, records or responses, functions that give one, or a generator of any of them"
 _ALL_ENDINGS = [ending for endings in ENDINGS.values() for ending in endings]
 
 
@@ -46,10 +44,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Sources:
-    """Sources in order, read no further than asked for; ``count`` is None for a generator.
-
-    ``files`` are all of them where they are files.
-    """
+    """Sources in order, read no further than asked for; ``files`` where all are; no count of a generator."""
 
     each: Iterable[Source]
     count: int | None
@@ -79,21 +74,17 @@ def listed(sources: Any, beside: Sequence[Path] = ()) -> Sources:
 
 
 def _once(sources: Iterable[Any]) -> Iterator[Source]:
-    """Every name once; a tuple may have the name before a source and its conditions behind it."""
+    """Every name once; a tuple has the name before a source, and perhaps its conditions behind it."""
     seen: set[str] = set()
     for number, one in enumerate(sources):
         argument = part("sources", number)
         name, conditions = None, {}
         if isinstance(one, tuple):
-            parts = list(one)
-            if len(parts) > 1 and isinstance(parts[0], str):
-                name = parts.pop(0)
-            if len(parts) > 1 and isinstance(parts[-1], Mapping):
-                conditions = parts.pop()
-            if len(parts) != 1:
-                wanted = "(name, source), (source, conditions) or (name, source, conditions)"
+            fits = len(one) in (2, 3) and isinstance(one[0], str) and isinstance((*one, {})[2], Mapping)
+            if not fits:
+                wanted = "(name, source) or (name, source, conditions)"
                 reject(argument, f"a tuple of {len(one)}", wanted, "Put repeats of one test in a list.")
-            one = parts[0]
+            name, one, conditions = (*one, {})[:3]
         given = _given(argument, one)
         name = name or (given.name if isinstance(given, Path) else str(number))
         if name in seen:
@@ -263,15 +254,10 @@ def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
     if chosen is not None and chosen not in READERS:
         wanted = f"one of {', '.join(READERS)}"
         reject(part("reading", "format"), repr(chosen), wanted, "Leave it out where the endings tell.")
-    readers: list[Any] = []
-    for file in files:
-        if file.is_dir():
-            readers += [read_frf_files, *READERS.values()]  # it hands options on
-        elif (kind := chosen or format_by_ending(file.name)) in READERS:
-            readers.append(READERS[kind])
-    if not files:  # any reader may come to read
-        readers = [*([READERS[chosen]] if chosen else READERS.values()), read_frf_files]
-    readers = list(dict.fromkeys(readers or READERS.values()))
+    found = {chosen or format_by_ending(file.name) for file in files if not file.is_dir()}
+    readers: list[Any] = [reader for kind, reader in READERS.items() if kind in found]
+    if not readers or any(map(Path.is_dir, files)):  # any reader may come to read, through a folder too
+        readers = [read_frf_files, *([READERS[chosen]] if chosen else READERS.values())]
     parameters = (one for reader in readers for one in inspect.signature(reader).parameters.values())
     kinds = (inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     known = {"format", *(one.name for one in parameters if one.kind in kinds)} - {"path", "files"}
@@ -290,11 +276,7 @@ WHOLE, PART = 1 << 20, 1 << 16
 
 
 def fingerprint(given: Any) -> str:
-    """Text that is another one for another source; of a function it is empty: its name must do.
-
-    Files are told apart by size and content, of long ones by three parts of it; not by their dates, which
-    change when a file is copied.
-    """
+    """Text that is another one for another content, of long files by three parts; of a function empty."""
     digest = hashlib.blake2b(digest_size=16)
     arrays: tuple[Any, ...] = ()
     if isinstance(given, list):

@@ -142,7 +142,7 @@ def read_series(path: Path) -> tuple[list[Row], bool]:
                 found, facts = _read(file, db, "path")
             unfinished |= not facts.get("finished")
         else:
-            found, _ = read_table(path) if file == path else _journal(part)
+            found, _ = read_table(file)
         rows |= {row.name: row for row in found}
     return list(rows.values()), unfinished
 
@@ -150,23 +150,6 @@ def read_series(path: Path) -> tuple[list[Row], bool]:
 def _is_database(path: Path) -> bool:
     with open(path, "rb") as file:
         return file.read(len(_SIGNATURE)) == _SIGNATURE
-
-
-def _journal(path: Path) -> tuple[list[Row], Config]:
-    """The tests of a run that version 0.1.0 was stopped in: lines of checksum and JSON, the last torn."""
-    rows: dict[str, Row] = {}
-    config: Config = {}
-    for line in path.read_bytes().splitlines(keepends=True):
-        text = line[9:-1]
-        if line[-1:] != b"\n" or line[:8] != b"%08x" % crc32(text):
-            break
-        data = json.loads(text)
-        if "config" in data:
-            config = data["config"]
-            continue
-        entry = Entry.kept(*(data[key] for key in ("name", "conditions", "time", "fingerprint")))
-        rows[entry.name] = Row.packed(entry, data["outcome"])
-    return list(rows.values()), config
 
 
 # -- The store of a series that runs
@@ -221,8 +204,6 @@ class Store:
     def _opened(self) -> tuple[sqlite3.Connection, list[Row]]:
         """The database, begun if it is not there, and its tests."""
         file = self._file
-        if file != self.path and file.exists() and file.stat().st_size and not _is_database(file):
-            write_series(file, *_journal(file), finished=False)
         db = sqlite3.connect(file, timeout=_BUSY_S, isolation_level=None)
         try:
             db.execute("PRAGMA journal_mode = WAL")

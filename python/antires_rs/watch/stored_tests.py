@@ -125,10 +125,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Row(Entry):
-    """A test with its result: what is asked of it often, and ``plain``, which gets its set.
-
-    ``failed`` says why there is none; ``kinds`` are names of its scores with the letters of their types.
-    """
+    """A test with its result: what is asked often, scores with letters of types, ``plain`` gets its set."""
 
     failed: str | None
     count: int
@@ -148,7 +145,7 @@ class Row(Entry):
         kinds = sorted({item for *_, kinds in tables for item in kinds.items()})
         own = {each.name: getattr(entry, each.name) for each in fields(Entry)}
         own |= {"failed": failed, "count": sum(counts), "excitation": facts["excitation"] if facts else None}
-        return cls(**own, dofs=_one(tuple(dofs)), kinds=_one(tuple(kinds)), plain=plain)
+        return cls(**own, dofs=tuple(dofs), kinds=tuple(kinds), plain=plain)
 
     @classmethod
     def packed(cls, entry: Entry, outcome: Plain | str) -> Row:
@@ -157,15 +154,6 @@ class Row(Entry):
             return cls.of(entry, outcome, None, dict)
         data = compress(json.dumps(outcome).encode(), 1)
         return cls.of(entry, None, outcome["facts"], lambda: json.loads(decompress(data)))
-
-
-_SHARED: dict[tuple[Any, ...], tuple[Any, ...]] = {}  # tuples that most tests share are held once
-
-
-def _one(item: tuple[Any, ...]) -> tuple[Any, ...]:
-    if len(_SHARED) > 1000:
-        _SHARED.clear()
-    return _SHARED.setdefault((*item, *map(type, item)), item)
 
 
 class StoredSets(Sequence[AntiresonanceSet | None]):
