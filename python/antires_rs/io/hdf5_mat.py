@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..support.files import write_atomically
 from ._child import Answer, asked
-from .channels import Channel, abscissa_factor, is_abscissa, is_frequency, response_of, stated_recording
+from .channels import Channel, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
 from .common import (
     OfArrays,
@@ -30,6 +30,7 @@ from .common import (
 )
 from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import channels_first, signal_of_arrays, stated_number
+from .units import abscissa_factor, is_abscissa, is_frequency
 
 
 @reader

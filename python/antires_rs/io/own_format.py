@@ -25,9 +25,10 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
 from ..support.files import write_atomically
-from .channels import kept, named_unit, renamed
+from .channels import kept, renamed
 from .common import OfArrays, PathLike, Reading, Signal, brief, opened, parts_of, reader, unsuitable, writer
 from .raw_arrays import signal_of_arrays
+from .units import Unit
 
 FORMAT, VERSION = "antires_rs.signal", 1
 #: The name of the JSON text in a file.
@@ -124,7 +125,7 @@ def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     if given.fs_hz is not None:
         stated["fs_hz"] = finite_scalar("fs_hz", given.fs_hz)
     # Our files hold SI, and any SI unit leaves values as they are.
-    if given.unit is not None and named_unit("unit", given.unit).factor == 1.0:
+    if given.unit is not None and Unit.named(given.unit).factor == 1.0:
         del stated["unit"]
     same: dict[str, tuple[Any, ...]]
     if isinstance(signal, Recording):

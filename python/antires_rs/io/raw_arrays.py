@@ -17,18 +17,9 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import warn
 from ._child import matches
-from .channels import (
-    Channel,
-    Unit,
-    abscissa_factor,
-    is_abscissa,
-    parse_unit,
-    rate_of_step,
-    recording_of,
-    response_of,
-    warn_other_rate,
-)
+from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
 from .common import Reading, Signal, rate_of, refuse_real, unsuitable
+from .units import Unit, abscissa_factor, is_abscissa
 
 # -- The frequencies of responses whose file does not hold them
 
@@ -75,7 +66,7 @@ class Notes:
     def unit(self, name: str) -> str:
         """Unit of an array; '' where nothing is said."""
         found = next((str(v) for _, v in self._of(name, UNITS) if isinstance(v, str)), "")
-        known = [each for each in re.split(r"[,;]", found) if (unit := parse_unit(each)) and unit.quantity]
+        known = [each for each in re.split(r"[,;]", found) if Unit.of(each).quantity]
         return known[0].strip() if len(known) == 1 else found  # "s, m/s2": of time and values
 
     def factor(self, path: Path, name: str, instead: str = "fs_hz", *, refuse: bool = True) -> float:
@@ -85,7 +76,7 @@ class Notes:
         text = next((texts[key.lower()] for key in beside if texts.get(key.lower())), "")
         words = (text, text.partition(" ")[0])  # "seconds since 1970-01-01"
         known = next((word for word in words if is_abscissa(word)), "")
-        if refuse and not known and parse_unit(text) != Unit():
+        if refuse and not known and Unit.of(text) != Unit():
             got = f"whose {name} is in {text!r}"
             wanted = "a unit of time or frequency that is known (s, ms, us, Hz, kHz, rpm, rad/s)"
             unsuitable(path, got, wanted, f"Export it in s or Hz, or give {instead}=.")

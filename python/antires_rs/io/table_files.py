@@ -17,7 +17,7 @@ from ..signals.recording import Recording
 from ..support.checks import choice
 from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
-from .channels import Channel, in_si, named_unit, recording_of, si_unit
+from .channels import Channel, recording_of
 from .child_process import Limits, channels_of_child
 from .common import (
     OfColumns,
@@ -34,6 +34,7 @@ from .common import (
 )
 from .own_format import as_asked, check_dofs
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
+from .units import Unit
 
 
 @reader
@@ -107,7 +108,7 @@ def _own(file: Path, table: Table) -> Signal:
             return recording_of(file, channels, float(head["fs_hz"]), Reading())
         values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
         rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
-        values = in_si(values, named_unit("unit", head["unit"]))
+        values = Unit.named(head["unit"]).in_si(values)
         more = {"n_averages": head["n_averages"], **dict(zip(head["more"], rest, strict=True))}
         return FrequencyResponse(columns[0], values, dofs, head["kind"], head["reference"], **more)
 
@@ -151,7 +152,7 @@ def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimi
         for name in more:
             columns += list(getattr(signal, name))
             names += [f"{name}({dof})" for dof in dofs]
-    si_unit("unit", unit)
+    Unit.written(unit)
     # The names are for the eye; the header has the dofs in full.
     shown = ("".join("_" if c in (delimiter, "\n", "\r", '"') else c for c in name) for name in names)
     lines = [

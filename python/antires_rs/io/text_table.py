@@ -18,18 +18,10 @@ from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import warn
-from .channels import (
-    Channel,
-    abscissa_factor,
-    is_abscissa,
-    is_frequency,
-    parse_unit,
-    recording_of,
-    response_of,
-    warn_other_rate,
-)
+from .channels import Channel, recording_of, response_of, warn_other_rate
 from .common import Reading, Signal, rate_of, unsuitable
 from .raw_arrays import given_lines
+from .units import Unit, abscissa_factor, is_abscissa, is_frequency
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
 
@@ -112,10 +104,8 @@ def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: boo
 
 def _pair_of(file: Path, name: str, level: Part, angle: Part) -> str:
     """Which of ``PAIRS`` a magnitude and a phase are, by their units."""
-    turn, unit = _ANGLES.get(angle.unit.strip().lower()), parse_unit(level.unit)
-    size = (
-        "db" if _is_level(level.unit) else "magnitude" if level.is_plain or (unit and unit.quantity) else ""
-    )
+    turn, linear = _ANGLES.get(angle.unit.strip().lower()), level.is_plain or Unit.of(level.unit).quantity
+    size = "db" if _is_level(level.unit) else "magnitude" if linear else ""
     if not turn or not size:
         lacks = ["the unit of the phase"] * (not turn) + ["whether it is in dB"] * (not size)
         found = f"which does not tell of {name!r} {' nor '.join(lacks)}"
@@ -390,7 +380,7 @@ def named(table: Table, rows: list[list[str]]) -> None:
     second = rows[-2] if len(rows) > 1 else []
     # A line of units under the names: every part is one, in brackets or not; those beside a time or frequency
     # may be in V or in units that are not known.
-    known = [parse_unit(part) is not None or is_abscissa(part) for part in names]
+    known = [Unit.of(part).known or is_abscissa(part) for part in names]
     if second and len(second) == len(names) and (is_abscissa(names[0]) or all(known)):
         table.names, table.units = second, [part.strip("[]() ") for part in names]
         return
@@ -398,8 +388,7 @@ def named(table: Table, rows: list[list[str]]) -> None:
     for part in names:
         match = _UNIT.match(part)
         # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
-        unit = parse_unit(match[2]) if match else None
-        is_unit = match and (is_part_unit(match[2]) or (unit is not None and bool(unit.quantity)))
+        is_unit = match and (is_part_unit(match[2]) or Unit.of(match[2]).quantity)
         has_unit = match and match[1] and (not part_of(part).part or "[" in part or is_unit)
         table.names.append(match[1] if match and has_unit else part)
         table.units.append(match[2] if match and has_unit else "")
@@ -525,8 +514,7 @@ def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:
     text = lead.unit.strip()
     if is_abscissa(text):
         return abscissa_factor(text)
-    known = parse_unit(text)
-    if known is None or known.quantity:
+    if not Unit.of(text).known or Unit.of(text).quantity:
         found = f"whose first column, {lead.name!r}, is in {text!r}"
         wanted = "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s"
         unsuitable(file, found, wanted, "Correct the unit in the header.")

@@ -25,16 +25,7 @@ from ..support.checks import FloatArray, choice
 from ..support.directions import CODES, DIRECTIONS
 from ..support.files import write_atomically
 from ..support.messages import warn
-from .channels import (
-    Channel,
-    Unit,
-    abscissa_factor,
-    named_unit,
-    one_quantity,
-    parse_unit,
-    recording_of,
-    si_unit,
-)
+from .channels import Channel, one_quantity, recording_of
 from .common import (
     PathLike,
     Reading,
@@ -50,6 +41,7 @@ from .common import (
     writer,
 )
 from .own_format import check_dofs
+from .units import Unit, abscissa_factor
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #
@@ -504,7 +496,7 @@ def response_of(
     refuse_real(file, [(f"{f.what} of {f.at}", f.values) for f in wanted])
     if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
         kept_ones = [f for f in wanted if named(f.response)[0] is not None]
-        kinds = [(f.at, (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
+        kinds = [(f.at, Unit.of(f.unit).quantity) for f in kept_ones]
         one_quantity(file, [(label, each, each or "in no known unit") for label, each in kinds])
     rows = {f.response: _values(file, f, unit) for f in wanted}
     coherence = _coherence(file, rows, beside)
@@ -567,14 +559,13 @@ def _reference(file: Path, functions: list[Function], given: Any) -> Point:
 def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
     """Values in SI."""
     if unit is not None:
-        factor = named_unit("unit", unit).factor
+        factor = Unit.named(unit).factor
     else:
-        above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
-        if above is None or below is None:
-            odd = f.unit if above is None else f.reference_unit
+        above, below = Unit.of(f.unit), Unit.of(f.reference_unit)
+        if not (above.known and below.known):
+            odd = f.unit if not above.known else f.reference_unit
             said = f"has {f.at} in {odd!r}, which is no unit known here; its values are as in the file"
             warn("unknown_unit", f"path: {str(file)!r} {said}. Name unit= to convert them.")
-        above, below = above or Unit(), below or Unit()
         # Some programs write the whole quotient into the numerator's label.
         factor = f.scale * above.factor / (1.0 if above.per else below.factor)
     values = f.values.astype(np.complex128)
@@ -623,7 +614,7 @@ def _over_auto(
         found = f"with an auto spectrum of {label_of(point)} that is not positive everywhere"
         unsuitable(file, found, "a positive one", "Check the reference channel: it was dead at some lines.")
     single = autos[0].unit or crosses[0].reference_unit
-    is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
+    is_force = autos[0].role == "force" or Unit.of(single).quantity == "force"
     if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
         found = "with spectra without units where dataset 164 names others than SI"
         unsuitable(file, found, "the unit of their quotient", "Pass unit=, such as 'mm/s2/N'.")
@@ -932,7 +923,7 @@ def _of_recording(
     rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None
 ) -> list[Function]:
     unit = "m/s2" if unit is None else unit
-    si_unit("unit", unit)
+    Unit.written(unit)
     step, x = 1.0 / rec.fs_hz, np.arange(rec.n_samples) / rec.fs_hz
     line4 = {"start": 0.0, "step": step, "rate_hz": rec.fs_hz}
     rows = [(points[d], row, unit, {"dof": d}) for d, row in zip(rec.dofs, rec.responses, strict=True)]
@@ -949,7 +940,7 @@ def _of_response(
 ) -> list[Function]:
     is_frf = resp.kind == "frf"
     unit = ("m/s2/N" if is_frf else "1") if unit is None else unit
-    above, _, below = unit.rpartition("/") if si_unit("unit", unit).per else (unit.removeprefix("1"), "", "")
+    above, _, below = unit.rpartition("/") if Unit.written(unit).per else (unit.removeprefix("1"), "", "")
     start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
     gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
     even = bool(gap <= 1e-12 * resp.freq_hz[-1])
@@ -999,7 +990,7 @@ def _block(f: Function, place: str, binary: bool) -> bytes:
     start, step = (float(f.x[0]), f.step) if f.even else (0.0, 0.0)
     axes = [(_OVER_TIME, "s") if f.what == "time" else (_OVER_TIME + 1, "Hz")]
     for unit in (f.unit, f.reference_unit, ""):
-        axes.append((_DATA[(parse_unit(unit) or Unit()).quantity], unit))
+        axes.append((_DATA[Unit.of(unit).quantity], unit))
     lines = [
         f"{-1:6d}",
         identity,
