@@ -187,7 +187,10 @@ def test_a_cut_or_damaged_lvm_file_is_refused(tmp_path):
         ar.read_lvm(file)
     with pytest.warns(ar.AntiresWarning, match="9 of 400"):
         assert ar.read_lvm(file, partial=True).n_samples == 9
-    for line, said in (("\tone\ttwo\tthree", f"line {row + 1} has"), ("\t\t1.0\t2.0", "after an empty one")):
+    for line, said in (
+        ("\tone\ttwo\tthree", "float: 'one'"),
+        ("\t\t1.0\t2.0", "'acc0' has what is no number"),
+    ):
         file.write_text("\n".join([*lines[:row], line, *lines[row + 1 :]]) + "\n")
         with pytest.raises(ar.UnsuitableDataError, match=said):
             ar.read_lvm(file)
