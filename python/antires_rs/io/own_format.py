@@ -110,41 +110,28 @@ def check_dofs(signal: Any) -> list[Any]:
 def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     """A signal of ours as the options say; those that the file contradicts are refused, not passed over."""
     made = signal if given.dofs is None else relabelled(signal, renamed("dofs", signal.dofs, given.dofs))
-    has_force = isinstance(signal, Recording) and signal.force is not None
-    allowed = ("auto", *["force"] * has_force)
-    if given.force is not None and not (isinstance(given.force, str) and given.force in allowed):
-        there = "with" if has_force else "without"
-        got = f"{given.force!r} for {str(path)!r}, a file of antires_rs {there} a force"
-        wanted = "'auto', 'force' or None" if has_force else "'auto' or None"
-        reject("force", got, wanted, "The file states itself which channel is its force; leave it out.")
     if isinstance(made, Recording) and given.force is None:
         made = Recording(made.responses, made.fs_hz, made.dofs)
-    stated: dict[str, Any] = {name: one for name, one in vars(given).items() if name not in ("dofs", "force")}
-    if given.freq_hz is not None:
-        stated["freq_hz"] = "an axis"
-    if given.fs_hz is not None:
-        stated["fs_hz"] = finite_scalar("fs_hz", given.fs_hz)
-    # Our files hold SI, and any SI unit leaves values as they are.
-    if given.unit is not None and Unit.named(given.unit).factor == 1.0:
-        del stated["unit"]
-    same: dict[str, tuple[Any, ...]]
-    if isinstance(signal, Recording):
-        same = {"responses": ("responses", ["responses"]), "first": ("time",)}
-        if given.fs_hz is not None and np.isclose(stated["fs_hz"], signal.fs_hz, rtol=1e-9, atol=0.0):
-            del stated["fs_hz"]
-        content = f"a recording at {signal.fs_hz:g} Hz"
-    else:
-        reference = signal.reference
-        content = f"kind {signal.kind!r}" + ("" if reference is None else f", reference {reference!r}")
-        same = {"responses": ("values", ["values"]), "first": ("freq",), "freq": ("freq_hz",)}
-        same |= {"kind": (signal.kind,), "reference": (reference, getattr(made, "reference", None))}
-    for name, value in stated.items():
-        if value is None or any(type(value) is type(own) and value == own for own in same.get(name, ())):
-            continue
-        got = f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else content})"
-        remedy = "This file states it itself; leave it out."
-        remedy += " To leave channels out, name them by dofs." if name == "responses" else ""
-        reject(name, got, "it with files of other programs alone", remedy)
+
+    def agrees(name: str, value: Any) -> bool:
+        if name == "unit":  # our files hold SI, and any SI unit leaves values as they are
+            return Unit.named(value).factor == 1.0
+        if name == "force":
+            there = isinstance(signal, Recording) and signal.force is not None
+            return isinstance(value, str) and value in ("auto", *["force"] * there)
+        if name == "fs_hz":
+            rate = finite_scalar("fs_hz", value)
+            return isinstance(signal, Recording) and abs(rate / signal.fs_hz - 1.0) <= 1e-9
+        own = [getattr(each, name, None) for each in (signal, made)] if name in ("kind", "reference") else []
+        return any(type(value) is type(each) and value == each for each in own)
+
+    asked = {name: value for name, value in vars(given).items() if name != "dofs" and value is not None}
+    odd = next((name for name, value in asked.items() if not agrees(name, value)), None)
+    if odd is not None:
+        what = f"at {signal.fs_hz:g} Hz" if isinstance(signal, Recording) else f"of kind {signal.kind!r}"
+        got = f"{str(asked[odd])[:40]!r} for {str(path)!r}, a file of antires_rs (in SI, {what})"
+        remedy = "This file states it itself; leave it out. Channels are left out by dofs."
+        reject(odd, got, "it with files of other programs alone", remedy)
     return made
 
 
