@@ -12,7 +12,6 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
 from zlib import crc32
@@ -153,8 +152,8 @@ def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
 
 # -- NumPy archives, without pickle in either direction
 
-#: The first bytes of a .npy file; the dtype stands within those of its head.
-_NPY, _HEAD_BYTES = b"\x93NUMPY", 512
+#: The first bytes of a .npy file.
+_NPY = b"\x93NUMPY"
 
 
 @reader
@@ -174,9 +173,7 @@ def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
     Recording(1 channels, 2 s at 50 Hz, dofs=('tip',), no force)
     """
     file, given = opened(read_npz, path, options)
-    with file.open("rb") as stream:
-        alone = stream.read(len(_NPY)) == _NPY
-    arrays = _array(file) if alone else read_archive(file)
+    arrays = read_archive(file)
     if TEXT in arrays:
         return own_signal(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays, given)
     return signal_of_arrays(file, arrays, given)
@@ -207,44 +204,26 @@ def write_archive(path: PathLike, text: str, arrays: dict[str, NDArray[Any]]) ->
 
 def read_archive(
     file: Path,
-    wanted: str = "a whole NumPy archive (.npz) of plain arrays",
+    wanted: str = "a whole NumPy archive (.npz) or array (.npy) of numbers",
     remedy: str = "It was cut, or is another file.",
 ) -> dict[str, NDArray[Any]]:
     """Every array of an archive, the checksums of zip compared; ``remedy`` is that of what is no archive."""
     import zipfile
 
     try:
-        if not zipfile.is_zipfile(file):
-            unsuitable(file, "which is no archive", wanted, remedy)
         # Opened here: of a damaged archive numpy would leave the file open.
-        with open(file, "rb") as opened, np.load(opened, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+        with open(file, "rb") as opened:
+            alone = opened.read(len(_NPY)) == _NPY
+            if not alone and not zipfile.is_zipfile(opened):
+                unsuitable(file, "which is no archive", wanted, remedy)
+            opened.seek(0)
+            held = np.load(opened, allow_pickle=False)
+            return {file.stem: held} if alone else {name: held[name] for name in held.files}
     except AntiresError:
         raise
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
-        if _holds_objects(file):
+        if "allow_pickle" in str(exc):
             found = "which holds objects, which only pickle reads"
             unsuitable(file, found, wanted, "A pickle can run any code. Save arrays of numbers alone.")
         got = f"which cannot be read ({brief(exc)})"
         unsuitable(file, got, wanted, "It was cut or damaged: copy it again.")
-
-
-def _array(file: Path) -> dict[str, NDArray[Any]]:
-    """The array of a .npy file, under the name of the file."""
-    try:
-        return {file.stem: np.load(file, allow_pickle=False)}
-    except Exception as exc:  # numpy parses the header as Python, with the errors of Python's own parser
-        remedy = "It was cut, or holds objects, which only pickle reads: save numbers alone."
-        unsuitable(file, f"which cannot be read ({brief(exc)})", "a whole array of numbers (.npy)", remedy)
-
-
-def _holds_objects(file: Path) -> bool:
-    """Whether an array of the archive is one of Python objects, by the headers of its members."""
-    import zipfile
-
-    with suppress(Exception), zipfile.ZipFile(file) as archive:
-        for name in archive.namelist():
-            with archive.open(name) as member:
-                if b"'|O'" in member.read(_HEAD_BYTES):
-                    return True
-    return False

@@ -325,17 +325,15 @@ def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
     if not rows:
         raise Unfit(f"the sheet {sheet.title!r} has no row of numbers (the sheets are {called(names)})")
     made = []
-    for i in range(len(rows[0])):
-        each = [row[i] for row in rows]
-        name = f"column {i + 1}"
+    for i, each in enumerate(zip(*rows, strict=True), start=1):
+        own: Any = np.array(each, dtype=object)
         if all(isinstance(v, datetime.datetime) for v in each):
-            made.append(column(name, np.array(each, dtype="datetime64[ns]")))
+            own = own.astype("datetime64[ns]")
         elif all(isinstance(v, datetime.time) for v in each):
-            day = datetime.datetime.min
-            seconds = [datetime.datetime.combine(day, at.replace(tzinfo=None)) - day for at in each]
-            made.append(column(name, np.array(seconds, dtype="timedelta64[us]")))
-        else:
-            made.append(column(name, np.array(each, dtype=object)))
+            day = datetime.date(1970, 1, 1)
+            clock = [datetime.datetime.combine(day, at.replace(tzinfo=None)) for at in each]
+            own = np.array(clock, dtype="datetime64[ns]")
+        made.append(column(f"column {i}", own))
     return answer(made, head=head[-3:])
 
 
