@@ -16,7 +16,8 @@ from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array, shape_of
 from ..support.messages import warn
 from ._child import matches
-from .common import Dofs, Reading, rate_of, refuse_real, simplest_rate, unsuitable
+from .common import rate_of, refuse_real, simplest_rate, unsuitable
+from .options import Dofs, Reading
 from .units import Unit
 
 #: Names of a channel that holds the instants of the others.

@@ -15,19 +15,8 @@ from ..support.files import write_atomically
 from ._child import Answer, asked
 from .channels import Channel, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
-from .common import (
-    OfArrays,
-    PathLike,
-    Reading,
-    Signal,
-    existing_file,
-    opened,
-    rate_of,
-    reader,
-    require,
-    unsuitable,
-    writer,
-)
+from .common import Signal, existing_file, rate_of, require, unsuitable
+from .options import OfArrays, PathLike, Reading, opened, reader, writer
 from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import channels_first, signal_of_arrays, stated_number
 from .units import abscissa_factor, is_abscissa, is_frequency

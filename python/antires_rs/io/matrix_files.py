@@ -28,7 +28,8 @@ from ..support.messages import warn
 from ._child import Answer, room
 from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .child_process import Limits, in_a_child
-from .common import PathLike, existing_file, require, unsuitable
+from .common import existing_file, require, unsuitable
+from .options import PathLike
 from .own_format import read_archive
 
 #: Node and direction code, 1 to 6; 0 is a scalar.

@@ -25,7 +25,8 @@ from ..signals.recording import Recording
 from ..support.checks import finite_scalar
 from ..support.files import write_atomically
 from .channels import kept, renamed
-from .common import OfArrays, PathLike, Reading, Signal, brief, opened, parts_of, reader, unsuitable, writer
+from .common import Signal, brief, parts_of, unsuitable
+from .options import OfArrays, PathLike, Reading, opened, reader, writer
 from .raw_arrays import signal_of_arrays
 from .units import Unit
 

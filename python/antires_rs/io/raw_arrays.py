@@ -18,7 +18,8 @@ from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import warn
 from ._child import matches
 from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
-from .common import Reading, Signal, rate_of, refuse_real, unsuitable
+from .common import Signal, rate_of, refuse_real, unsuitable
+from .options import Reading
 from .units import Unit, abscissa_factor, is_abscissa
 
 # -- The frequencies of responses whose file does not hold them

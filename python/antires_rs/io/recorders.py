@@ -21,18 +21,8 @@ from ..support.messages import warn
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
-from .common import (
-    PathLike,
-    Rated,
-    Selected,
-    choose_run,
-    missing_part,
-    opened,
-    rate_of,
-    reader,
-    require,
-    unsuitable,
-)
+from .common import choose_run, missing_part, rate_of, require, unsuitable
+from .options import PathLike, Rated, Selected, opened, reader
 from .raw_arrays import stated_number
 from .text_table import decoded
 

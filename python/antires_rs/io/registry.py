@@ -16,8 +16,9 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, shape_of
 from .channels import kept, renamed
-from .common import Dofs, PathLike, Signal, existing_file, unsuitable
+from .common import Signal, existing_file, unsuitable
 from .hdf5_mat import read_hdf5, read_mat
+from .options import Dofs, PathLike
 from .own_format import read_npz
 from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
 from .table_files import read_csv, read_excel, read_parquet

@@ -19,19 +19,8 @@ from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, recording_of
 from .child_process import Limits, channels_of_child
-from .common import (
-    OfColumns,
-    PathLike,
-    Reading,
-    Signal,
-    missing_part,
-    opened,
-    parts_of,
-    reader,
-    require,
-    unsuitable,
-    writer,
-)
+from .common import Signal, missing_part, parts_of, require, unsuitable
+from .options import OfColumns, PathLike, Reading, opened, reader, writer
 from .own_format import as_asked, check_dofs
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
 from .units import Unit

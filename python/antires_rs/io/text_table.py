@@ -19,7 +19,8 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import warn
 from .channels import Channel, recording_of, response_of, warn_other_rate
-from .common import Reading, Signal, rate_of, unsuitable
+from .common import Signal, rate_of, unsuitable
+from .options import Reading
 from .raw_arrays import given_lines
 from .units import Unit, abscissa_factor, is_abscissa, is_frequency
 

@@ -26,19 +26,16 @@ from ..support.files import write_atomically
 from ..support.messages import warn
 from .channels import Channel, one_quantity, recording_of, unit_or_warning
 from .common import (
-    PathLike,
-    Reading,
     Signal,
     choose_run,
     existing_file,
     missing_part,
     rate_of,
-    reader,
     refuse_real,
     simplest_rate,
     unsuitable,
-    writer,
 )
+from .options import PathLike, Reading, reader, writer
 from .own_format import check_dofs
 from .units import Unit, abscissa_factor
 
