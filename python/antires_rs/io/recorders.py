@@ -186,13 +186,10 @@ def channels_of_wav(path: str, request: dict[str, Any]) -> Answer:
 
 
 def _scales(full_scale: Any, count: int) -> list[float]:
-    if full_scale is None:
-        return [1.0] * count
-    wanted = "a number, or one for each channel"
-    given = np.atleast_1d(real_array("full_scale", full_scale, ndim=None, wanted=wanted))
-    if given.size not in (1, count) or (given == 0.0).any():
-        expected = f"one number, or {count}, one for each channel, none of them 0"
-        reject("full_scale", full_scale, expected, "Give what 0 dB of full scale stands for.")
+    wanted = f"one number, or {count}, one for each channel, none of them 0"
+    given = 1.0 if full_scale is None else real_array("full_scale", full_scale, ndim=None, wanted=wanted)
+    if np.size(given) not in (1, count) or np.any(given == 0.0):
+        reject("full_scale", full_scale, wanted, "Give what 0 dB of full scale stands for.")
     return [float(scale) for scale in np.broadcast_to(given, count)]
 
 
@@ -367,12 +364,11 @@ def read_lvm(
     Examples
     --------
     >>> import pathlib, tempfile, antires_rs as ar
-    >>> lines = ["LabVIEW Measurement", "Separator\\tTab", "X_Columns\\tNo", "***End_of_Header***", "",
-    ...          "Channels\\t1", "Samples\\t3", "Y_Unit_Label\\tg", "Delta_X\\t0.01", "***End_of_Header***",
-    ...          "X_Value\\ttip\\tComment", "\\t1.0\\ta knock", "\\t2.0", "\\t4.0", ""]
+    >>> text = "LabVIEW Measurement\\nX_Columns\\tNo\\n***End_of_Header***\\n\\nChannels\\t1\\n"
+    >>> text += "Y_Unit_Label\\tg\\nDelta_X\\t0.01\\n***End_of_Header***\\nX_Value\\ttip\\n\\t1.0\\n\\t2.0\\n\\t4.0\\n"
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "a.lvm")
-    ...     _ = file.write_text("\\n".join(lines))
+    ...     _ = file.write_text(text)
     ...     ar.read_lvm(file)
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
