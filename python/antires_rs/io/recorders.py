@@ -365,11 +365,11 @@ def read_lvm(
     --------
     >>> import pathlib, tempfile, antires_rs as ar
     >>> text = "LabVIEW Measurement\\nX_Columns\\tNo\\n***End_of_Header***\\n\\nChannels\\t1\\n"
-    >>> text += "Y_Unit_Label\\tg\\nDelta_X\\t0.01\\n***End_of_Header***\\nX_Value\\ttip\\n\\t1.0\\n\\t2.0\\n\\t4.0\\n"
+    >>> text += "Delta_X\\t0.01\\n***End_of_Header***\\nX_Value\\ttip\\n\\t1.0\\n\\t2.0\\n\\t4.0\\n"
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "a.lvm")
     ...     _ = file.write_text(text)
-    ...     ar.read_lvm(file)
+    ...     ar.read_lvm(file, unit="g")
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
     file, given = opened(read_lvm, path, options)
