@@ -88,9 +88,10 @@ class Notes:
         found: dict[str, float] = {}
         for name in names:
             found |= dict(list(self._rates(path, self._of(name, RATES | STEPS), refuse))[:1])
-        said = ((key, value) for key, value in self._values.items() if _last(key) in RATES | STEPS)
-        if not found and len(alone := list(self._rates(path, said, refuse))) == 1:
-            found = dict(alone)
+        for wanted in (RATES, STEPS):  # of another struct, if there is but one
+            said = ((key, value) for key, value in self._values.items() if _last(key) in wanted)
+            if not found and len(alone := dict(self._rates(path, said, refuse))) == 1:
+                found = alone
         if found and max(found.values()) > (1.0 + 1e-6) * min(found.values()):
             shown = ", ".join(f"{key} of {rate:g} Hz" for key, rate in found.items())
             remedy = "Name the responses= of one rate."
