@@ -1,7 +1,6 @@
 """Files of our own: options heeded or refused by name; a changed number is noticed, in values and text."""
 
 import json
-import re
 
 import numpy as np
 import pytest
@@ -54,9 +53,9 @@ def test_the_force_is_dropped(files, kind):
     (file, made), read = files[0]["record"], files[1]
     assert read(file, force=None).force is None
     np.testing.assert_array_equal(read(file, force="force").force, made.force)
-    with pytest.raises(ar.InvalidInputError, match="^force: got 'tip' for .* with a force; wanted 'auto'"):
+    with pytest.raises(ar.InvalidInputError, match="^force: got 'tip' for .* a file of antires_rs"):
         read(file, force="tip")
-    with pytest.raises(ar.InvalidInputError, match="without a force; wanted 'auto' or None. The file states"):
+    with pytest.raises(ar.InvalidInputError, match="^force: got 'force' for .* of kind 'trans"):
         read(files[0]["response"][0], force="force")
 
 
@@ -90,10 +89,6 @@ def test_options_that_the_file_contradicts_are_refused(files, kind):
 def test_options_that_agree_are_taken(files, kind):
     of_record = {"unit": "m/s2", "fs_hz": 512}
     of_response = {"unit": "m", "kind": "transmissibility", "reference": "tip"}
-    if kind == "csv":
-        of_record, of_response = of_record | {"first": "time"}, of_response | {"first": "freq"}
-    else:
-        of_record, of_response = of_record | {"responses": "responses"}, of_response | {"freq": "freq_hz"}
     for which, options in (("record", of_record), ("response", of_response)):
         file, made = files[0][which]
         assert files[1](file, **options).dofs == made.dofs
@@ -158,21 +153,7 @@ def test_another_text_is_refused(tmp_path, change, said):
         ar.read_npz(tmp_path / "a.npz")
 
 
-@pytest.mark.parametrize("binary", [True, False])
-def test_a_damaged_universal_file_is_noticed(tmp_path, binary):
-    file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary)
-    whole, value = file.read_bytes(), RECORD.responses[1, 7]
-    old = np.float64(value).tobytes() if binary else f"{value:.11e}".encode()
-    new = old[:4] + bytes([old[4] ^ 1]) + old[5:]
-    assert whole.count(old) == 1
-    file.write_bytes(whole.replace(old, new))
-    with pytest.raises(UnsuitableDataError, match="numbers do not have the checksum"):
-        ar.read_uff(file)
-    with pytest.warns(ar.AntiresWarning, match="numbers do not have the checksum"):
-        assert ar.read_uff(file, partial=True).dofs == ("a",)
-
-
-@pytest.mark.parametrize("how", ["no checksum", "line ends", "an edited header"])
+@pytest.mark.parametrize("how", ["line ends", "an edited header"])
 def test_a_universal_file_that_was_edited_is_believed(tmp_path, how):
     file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=False)
     whole = file.read_bytes()
@@ -180,8 +161,6 @@ def test_a_universal_file_that_was_edited_is_believed(tmp_path, how):
         whole = whole.replace(b"\n", b"\r\n")
     else:
         whole = whole.replace(b'"dof": "b"', b'"dof": "c"')
-    if how == "no checksum":
-        whole = re.sub(rb"antires_rs crc32[^\n]*", b"NONE".ljust(80), whole)
     file.write_bytes(whole)
     made = ar.read_uff(file)
     assert made.dofs == ("a", "b" if how == "line ends" else "c")
@@ -195,10 +174,9 @@ def test_another_program_reads_and_writes_our_universal_files(tmp_path, binary):
     file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary)
     sets = pyuff.UFF(str(file)).read_sets()
     np.testing.assert_allclose([s["data"] for s in sets], RECORD.responses, rtol=1e-11)
-    assert all(s["id3"].startswith("antires_rs crc32") for s in sets)
     for s in sets:
-        s |= {"data": 2.0 * s["data"], "binary": 0}  # the line of the checksum is kept
+        s |= {"data": 2.0 * s["data"], "binary": 0}  # our ID lines are kept
     other = tmp_path / "b.uff"
     pyuff.UFF(str(other)).write_sets(sets, mode="add")
-    assert b"antires_rs crc32" in other.read_bytes()
+    assert b"antires_rs uff" in other.read_bytes()
     np.testing.assert_allclose(ar.read_uff(other).responses, 2.0 * RECORD.responses, rtol=1e-11)

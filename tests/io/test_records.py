@@ -181,7 +181,10 @@ def test_a_cut_or_damaged_lvm_file_is_refused(tmp_path):
     unsuitable(r"'acc0' has 9 of 400 samples", ar.read_lvm, file)
     with pytest.warns(ar.AntiresWarning, match="9 of 400"):
         assert ar.read_lvm(file, partial=True).n_samples == 9
-    for line, said in (("\tone\ttwo\tthree", f"line {row + 1} has"), ("\t\t1.0\t2.0", "after an empty one")):
+    for line, said in (
+        ("\tone\ttwo\tthree", "float: 'one'"),
+        ("\t\t1.0\t2.0", "'acc0' has what is no number"),
+    ):
         file.write_text("\n".join([*lines[:row], line, *lines[row + 1 :]]) + "\n")
         unsuitable(said, ar.read_lvm, file)
 

@@ -94,20 +94,16 @@ class Chain8:
         return ModalSet(modes.freq_hz[1:], modes.shapes[1:, self.responses], self.responses)
 
     def updating_problem(self, measured: AntiresonanceSet | ModalSet | None = None) -> UpdatingProblem:
-        """Every mass and spring within 10 % of nominal; default: the exact antiresonances.
-
-        With a :class:`~antires_rs.ModalSet` the objective is that of resonances and shapes.
-        """
+        """Every mass and spring within 10 % of nominal; default: the exact antiresonances. A ModalSet is
+        fitted too."""
         parameters = mass_factor(range(8), bounds=(0.9, 1.1)) + stiffness_factor(range(7), bounds=(0.9, 1.1))
         return UpdatingProblem(self.model, parameters, self.exact(0) if measured is None else measured)
 
     def damage_problem(
         self, measured: AntiresonanceSet | ModalSet | None = None, *, level: int = 1, elements: Any = None
     ) -> UpdatingProblem:
-        """Stiffness losses of the springs, with the paper's penalties; default: exact values of ``level``.
-
-        With a :class:`~antires_rs.ModalSet` the objective is that of resonances and shapes.
-        """
+        """Losses of the springs, with the paper's penalties; default: exact values of ``level``, or a
+        ModalSet."""
         chosen = stiffness_reduction(list(range(7) if elements is None else elements))
         targets = self.exact(level) if measured is None else measured
         return UpdatingProblem(self.model, chosen, targets, penalty=DamagePenalty())

@@ -40,10 +40,8 @@ class Exhaust:
         The 4 of them that stay out of the updating fit, and the other 12.
     updating_band_hz, damage_band_hz : (float, float)
         Bands of the two identifications.
-    candidates : list of int
-        Elements of the damage study, 17 to 46, which the paper counts as 18 to 47.
-    cracked_element : int
-        30, which the paper counts as 31, behind the weld at its joint with the element before it.
+    candidates, cracked_element : list of int, int
+        Elements of the damage study, 17 to 46, and 30, behind the weld; the paper counts from 1.
     sections, masses, bends : list of str
         Names, in the order of the updating parameters.
     unfollowed : Unfollowed
@@ -74,11 +72,11 @@ class Exhaust:
         rng: int | np.random.Generator | None = None,
         progress: bool | None = None,
     ) -> Recording:
-        """Record of the virtual test at 1024 Hz: random force, accelerations of the 16 places.
+        """Record of the virtual test at 1024 Hz: random force, accelerations of the 16 places, by dofs of
+        ``model``.
 
         ``level`` 0 is undamaged, 1 to 3 a crack over 60, 70, 85 % of the perimeter; ``noise`` is white sensor
-        noise as a fraction of each channel's own rms. Channels are named by the dofs of ``model``; the force
-        is kept, unused by default.
+        noise as a fraction of each channel's own rms. The force is kept, unused by default.
         """
         tested = experiment.TestedStructure(self._level(level), self.unfollowed)
         # The slowest mode decides how long the lead-in is; each mode's own damping is in ``tested.frf``.
@@ -122,8 +120,8 @@ class Exhaust:
     ) -> UpdatingProblem:
         """Fit of the 21 parameters to the antiresonances of the accelerometers that are not held out.
 
-        ``measured`` is by default what is exact of the undamaged structure, ``held_out`` ``self.held_out``
-        (``[]`` for the baseline of a damage study), ``band_hz`` ``self.updating_band_hz``.
+        ``measured`` is by default what is exact of the undamaged structure; ``held_out`` is ``[]`` for the
+        baseline of a damage study.
         """
         band = self.updating_band_hz if band_hz is None else band_hz
         out = self.held_out if held_out is None else held_out
@@ -140,8 +138,7 @@ class Exhaust:
     ) -> UpdatingProblem:
         """Stiffness losses with the paper's penalties. Default: the exact values of ``level``.
 
-        ``elements`` are ``self.candidates`` by default; ``model`` is the updated one, by default the nominal
-        one, which is far from the tested structure.
+        ``model`` is the updated one, by default the nominal one, which is far from the tested structure.
         """
         source = self.exact(level) if measured is None else measured
         return UpdatingProblem(

@@ -19,9 +19,10 @@ from ..exceptions import AntiresError, AntiresWarning, InvalidInputError, reject
 from ..identification.identify import Hit, identify_antiresonances, identify_roving
 from ..identification.options import sorted_out
 from ..identification.stabilization import StabilizationDiagram
-from ..measured.antiresonance_set import AntiresonanceSet, doubts_of
+from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.edits import NAMED_WITHIN
 from ..measured.replay import Asked, asked_of, replayed, to_json
+from ..measured.response_table import doubts_of
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording

@@ -45,7 +45,8 @@ from ..optimize.island_ga import History, OptimizeResult
 from ..support.messages import warn
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from ..updating.result import UpdateResult
-from .common import PathLike, existing_file, parts_of, unsuitable
+from .common import existing_file, parts_of, unsuitable
+from .options import PathLike
 from .own_format import TEXT, read_archive, write_archive
 
 

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..exceptions import part, reject
+from ..exceptions import Argument, part, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array, shape_of
 from ..support.messages import warn
 from ._child import matches
-from .common import Dofs, Reading, rate_of, refuse_real, simplest_rate, unsuitable
+from .common import rate_of, refuse_real, simplest_rate, unsuitable
+from .options import Dofs, Reading
+from .units import Unit
 
 #: Names of a channel that holds the instants of the others.
 _TIME = ("time", "t", "time_s", "x_value", "zeit")
@@ -61,13 +62,13 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
         remedy = "Leave out those of other lengths by dofs=."
         unsuitable(path, found, "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
-        units |= {id(c): named_unit("unit", given.unit) for c in used}
+        units |= {id(c): Unit.named(given.unit) for c in used}
     else:
         for unit in sorted({c.unit for c in used}):
             unit_or_warning(path, unit)
     one_quantity(path, [(repr(c.name), units[id(c)].quantity, f"in {c.unit or 'no unit'}") for c in used])
-    values = np.stack([in_si(c.values, units[id(c)]) for c in used])
-    pushed = None if force is None else in_si(force.values, units[id(force)])
+    values = np.stack([units[id(c)].in_si(c.values) for c in used])
+    pushed = None if force is None else units[id(force)].in_si(force.values)
     return Recording(values, fs_hz, [labels[i] for i in rows], pushed)
 
 
@@ -77,9 +78,9 @@ def response_of(
     """Complex columns over ``freq_hz`` as a response, in SI; ``coherence`` has a row for each column."""
     labels = renamed("dofs", [c.name for c in columns], given.dofs)
     chosen = kept(labels)
-    named = None if given.unit is None else named_unit("unit", given.unit)
+    named = None if given.unit is None else Unit.named(given.unit)
     units = [named or unit_or_warning(path, columns[i].unit) for i in chosen]
-    values = [in_si(columns[i].values, unit) for i, unit in zip(chosen, units, strict=True)]
+    values = [unit.in_si(columns[i].values) for i, unit in zip(chosen, units, strict=True)]
     refuse_real(path, [(columns[i].name, row) for i, row in zip(chosen, values, strict=True)])
     kind: Any = "frf" if given.kind is None else given.kind
     beside = None if coherence is None else coherence[chosen]
@@ -191,13 +192,8 @@ def kept(labels: Sequence[Any]) -> list[int]:
     return rows
 
 
-def in_si(values: Any, unit: Unit) -> Any:
-    """Values in SI; bit-identical where they are SI already."""
-    return values if unit.factor == 1.0 else values * unit.factor
-
-
 def _unit(path: Path, channel: Channel) -> Unit:
-    unit = parse_unit(channel.unit) or Unit()
+    unit = Unit.of(channel.unit)
     if unit.per:
         found, wanted = f"with the unit {channel.unit!r} of channel {channel.name!r}", "a unit of a record"
         unsuitable(path, found, wanted, "Export time records, or read the file as frequency responses.")
@@ -206,11 +202,11 @@ def _unit(path: Path, channel: Channel) -> Unit:
 
 def unit_or_warning(path: Path, text: str) -> Unit:
     """The unit of that name; one that is not known leaves values as they are, with a warning."""
-    unit = parse_unit(text)
-    if unit is None:
+    unit = Unit.of(text)
+    if not unit.known:
         said = f"has responses in {text!r}, which is no unit known here; values are as they are in the file"
         warn("unknown_unit", f"path: {str(path)!r} {said}. Name it by unit= if they should be converted.")
-    return unit or Unit()
+    return unit
 
 
 def _force(forces: list[Channel], force: Any) -> Channel | None:
@@ -227,127 +223,9 @@ def _force(forces: list[Channel], force: Any) -> Channel | None:
     return forces[0 if automatic else names.index(force)]
 
 
-# -- Units of channels and how they become SI: m/s2, m/s, m and N
-#
-# Names are compared without brackets, spaces, carets and superscripts: ``m/s^2`` and ``(m/s²)`` are one unit.
-# An FRF has a quotient, such as ``g/N`` or ``m/s2/N``.
-
-#: m/s2 in one g, by definition (3rd CGPM, 1901).
-STANDARD_GRAVITY = 9.80665
-INCH, POUND_FORCE = 0.0254, 4.4482216152605
-
-_SI = {
-    "acceleration": {
-        **dict.fromkeys(("m/s2", "m/s/s", "ms-2"), 1.0),
-        **dict.fromkeys(("g", "gn"), STANDARD_GRAVITY),
-        **{"mg": 1e-3 * STANDARD_GRAVITY, "mm/s2": 1e-3, "cm/s2": 1e-2, "gal": 1e-2},
-        **{"in/s2": INCH, "ft/s2": 12.0 * INCH},
-    },
-    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": INCH, "ft/s": 12.0 * INCH},
-    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH, "ft": 12.0 * INCH},
-    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE, "kgf": STANDARD_GRAVITY},
-}
-#: Units of time and frequency, in small letters.
-_ABSCISSA = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "hz", "hertz", "1/s"), 1.0),
-    **dict.fromkeys(("ms", "msec", "milliseconds"), 1e-3),
-    **dict.fromkeys(("us", "usec", "microseconds"), 1e-6),
-    "ns": 1e-9,
-    **dict.fromkeys(("min", "minutes"), 60.0),
-    **dict.fromkeys(("h", "hr", "hours"), 3600.0),
-    **dict.fromkeys(("samples/s", "samples/sec", "samples/second", "sa/s", "s/s", "sps"), 1.0),
-    **dict.fromkeys(("khz", "ksamples/s", "ksa/s", "ks/s", "ksps"), 1e3),
-    **dict.fromkeys(("rpm", "cpm", "1/min"), 1.0 / 60.0),
-    **dict.fromkeys(("rad/s", "rad/sec"), 0.5 / math.pi),
-}
-_INVERSE = re.compile(r"^\(?1/(\w+)\)?[*.](.+)$")
-_NONE = {"", "1", "-", "none", "unknown", "[]"}
-_SPELLED = str.maketrans({"²": "2", "µ": "u", "μ": "u", "^": "", "·": "", " ": ""})
-
-
-@dataclass(frozen=True)
-class Unit:
-    """What a channel measures, per what ('' where that is not stated), and the factor into SI."""
-
-    quantity: str = ""
-    per: str = ""
-    factor: float = 1.0
-
-
-def parse_unit(text: str) -> Unit | None:
-    """The unit of that name; None where it is not known."""
-    name = _plain(text)
-    if name.lower() in _NONE:
-        return Unit()
-    if inverse := _INVERSE.match(name):  # (1/N)*(m/s2)
-        name = f"{inverse[2].strip('()')}/{inverse[1]}"
-    if simple := _simple(name):
-        return Unit(simple[0], "", simple[1])
-    for cut in (i for i, letter in enumerate(name) if letter == "/"):
-        above, below = _simple(_plain(name[:cut])), _simple(_plain(name[cut + 1 :]))
-        if above and below:
-            return Unit(above[0], below[0], above[1] / below[1])
-    return None
-
-
-def named_unit(name: str, value: Any) -> Unit:
-    """The unit a user names; an unknown one is refused."""
-    unit = parse_unit(value) if isinstance(value, str) else None
-    if unit is None:
-        known = ", ".join(repr(u) for units in _SI.values() for u in list(units)[:4])
-        wanted = f"a unit such as {known}, or a quotient such as 'g/N'"
-        reject(name, repr(value), wanted, "Correct the unit, or convert the values to SI and leave it out.")
-    return unit
-
-
-def si_unit(name: str, value: Any) -> Unit:
-    """The unit in which a user writes values, which stay as they are."""
-    unit = named_unit(name, value)
-    if unit.factor != 1.0:
-        wanted = "an SI unit, such as 'm/s2' or 'm/s2/N': signals are in SI"
-        reject(name, repr(value), wanted, "Name the SI unit, or leave unit out.")
-    return unit
-
-
-def abscissa_factor(text: str) -> float:
-    """Factor of a time or frequency into s or Hz; 1 for names that are not known."""
-    return _ABSCISSA.get(_plain(text).lower(), 1.0)
-
-
-def is_abscissa(text: str) -> bool:
-    """Whether the name is that of a unit of time or frequency."""
-    return _plain(text).lower() in _ABSCISSA
-
-
-def is_frequency(text: str) -> bool:
-    """Whether the name is that of a unit of frequency."""
-    return _plain(text).lower() in ("hz", "hertz", "khz", "rad/s", "rad/sec")
-
-
-def _plain(text: str) -> str:
-    # What is left of a Latin-1 ² where a package read it as UTF-8.
-    text = text.replace("/s\ufffd", "/s2").replace("**", "").translate(_SPELLED)
-    while len(text) > 1 and (text[0], text[-1]) in (("(", ")"), ("[", "]")):
-        text = text[1:-1]
-    return text
-
-
-def _simple(name: str) -> tuple[str, float] | None:
-    # Capitals as they are first: mN and MN differ. Then in small letters, as some programs print M/S2.
-    for spelled in (name, name.lower()):
-        for quantity, units in _SI.items():
-            if spelled in units:
-                return quantity, units[spelled]
-    return None
-
-
 # -- Time series as the dictionaries of the SDyPy projects, SDyPy Enhancement Proposal 5 (draft of 2023)
 
-_COMPULSORY = ("data", "name", "unit_str")
-_KEYS = (*_COMPULSORY, "fs", "time", "unit_tex", "start_timestamp", "start_timestamp_format")
-#: How SEP 5 spells a key, by its small letters; those that it prohibits stand for another.
-_SPELLED_SO = {key.replace("_", ""): key for key in _KEYS}
-_PROHIBITED = {"unit": "unit_str", "timestamp": "start_timestamp", "signal": "data", "samplefrequency": "fs"}
+_SEP_5 = "dicts with 'data', 'name', 'unit_str', and 'fs' or 'time'"
 
 
 def from_sep005(
@@ -359,13 +237,8 @@ def from_sep005(
     ----------
     channels : dict or sequence of dict
         One for each channel: ``data`` (1-D), ``name``, ``unit_str``, and ``fs`` in Hz or ``time`` in s.
-    dofs : sequence, mapping or callable, optional
-        Dof of each response: in order, by name, or a function of the name; None leaves one out. Default: the
-        names.
-    force : str or None
-        Name of the force; "auto" takes the one channel in N, None leaves it out.
-    unit : str, optional
-        Unit of the responses, in place of ``unit_str``.
+    dofs, force, unit : optional
+        As in :func:`~antires_rs.read_tdms`.
 
     Returns
     -------
@@ -375,8 +248,7 @@ def from_sep005(
     Raises
     ------
     InvalidInputError
-        A key that is missing, misspelled or prohibited by the proposal, a name twice, different rates or
-        lengths.
+        A key that is missing, a name twice, different rates, lengths or starts.
     UnsuitableDataError
         Gaps in ``time``, responses of several kinds.
 
@@ -391,33 +263,24 @@ def from_sep005(
     >>> ar.from_sep005([{"name": "tip", "data": np.array([0.0, 1.0, 0.5]), "fs": 100, "unit_str": "g"}])
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
-    given = [channels] if isinstance(channels, Mapping) else channels
-    if not isinstance(given, Iterable) or isinstance(given, str):
-        wanted = "a sequence of dicts, one for each channel"
-        reject("channels", type(channels).__name__, wanted, "Put a single channel in a list.")
-    rows = list(given)
-    if not rows:
-        found = "none"
-        reject("channels", found, "at least one dict", "Pass the dicts that the reader of the file returned.")
-    made, rates = [], []
-    for i, row in enumerate(rows):
-        _check_keys(i, row)
-        at = part("channels", i).item("data")
-        data = real_array(at, row["data"], ndim=1, wanted="a real array (n_samples,)")
-        made.append(Channel(row["name"], data, row["unit_str"] or ""))
-        rates.append(_rate_of_row(i, row, data.size))
-    names = [c.name for c in made]
-    if len(set(names)) != len(names):
-        got = f"the name {next(n for n in names if names.count(n) > 1)!r} twice"
-        reject("channels", got, "names that differ", "Rename one of the channels.")
-    if max(rates) - min(rates) > 1e-9 * max(rates):
-        found = f"rates from {min(rates):g} to {max(rates):g} Hz"
-        reject("channels", found, "one rate", "Resample them first.")
-    starts = {row["start_timestamp"] for row in rows if row.get("start_timestamp")}
-    if len(starts) > 1:
-        got = f"{len(starts)} different start_timestamp"
-        reject("channels", got, "channels recorded together", "Pass the channels of one record only.")
-    return recording_of(Path("SEP-005 channels"), made, rates[0], Reading(dofs=dofs, force=force, unit=unit))
+    rows = [channels] if isinstance(channels, Mapping) else channels
+    if not isinstance(rows, list | tuple) or not rows:
+        got = "none" if rows == [] else type(channels).__name__
+        reject("channels", got, f"a list of {_SEP_5}", "Pass the dicts that the reader of the file returned.")
+    made = [_channel_of(part("channels", i), row) for i, row in enumerate(rows)]
+    rates = [1.0 / (c.step_s or 1.0) for c in made]
+    for what, found in (
+        ("rates", {round(rate, 9) for rate in rates}),
+        ("starts", {c.start for c in made} - {""}),
+    ):
+        if len(found) > 1:
+            got = f"{what} of {', '.join(map(str, sorted(found)))}"
+            reject("channels", got, "channels recorded together", "Pass the channels of one record only.")
+    twice = next((name for name, n in Counter(c.name for c in made).items() if n > 1), None)
+    if twice is not None:
+        reject("channels", f"the name {twice!r} twice", "names that differ", "Rename one of the channels.")
+    fs_hz = rows[0].get("fs") or rates[0]
+    return recording_of(_SOURCE, made, float(fs_hz), Reading(dofs=dofs, force=force, unit=unit))
 
 
 def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
@@ -446,9 +309,8 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     'm/s2'
     """
     if not isinstance(rec, Recording):
-        got = type(rec).__name__
-        reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
-    si_unit("unit", unit)
+        reject("rec", type(rec).__name__, "a Recording", "Make one first: Recording(responses, fs_hz).")
+    Unit.written(unit)
     rows: list[dict[str, Any]] = [
         {"name": str(dof), "data": np.array(row), "fs": rec.fs_hz, "unit_str": unit, "dof": dof}
         for dof, row in zip(rec.dofs, rec.responses, strict=True)
@@ -461,46 +323,25 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     return rows
 
 
-def _check_keys(i: int, row: Any) -> None:
-    here = part("channels", i)
-    if not isinstance(row, Mapping):
-        remedy = "Each channel is a dict with data, name, unit_str and fs or time."
-        reject(here, type(row).__name__, "a dict", remedy)
-    for key in row:
-        plain = str(key).lower().replace("_", "")
-        if plain in _PROHIBITED:
-            got = f"the key {key!r}, which SEP 5 prohibits"
-            reject(here, got, repr(_PROHIBITED[plain]), "Rename the key.")
-        if _SPELLED_SO.get(plain, key) != key:
-            wanted = f"{_SPELLED_SO[plain]!r}, as SEP 5 spells it"
-            reject(here, f"the key {key!r}", wanted, "Rename the key.")
-    for key in _COMPULSORY:
-        if key not in row:
-            wanted = f"the keys {', '.join(map(repr, _COMPULSORY))}, and 'fs' or 'time'"
-            reject(here, f"no {key!r}", wanted, "Add the key.")
-    if not isinstance(row["name"], str):
-        reject(here.item("name"), row["name"], "a text", "Give the channel its name in quotes.")
-    if not isinstance(row["unit_str"], str | None):
-        remedy = "Name the unit in quotes, such as 'm/s2', or None where it is not known."
-        reject(here.item("unit_str"), row["unit_str"], "a text or None", remedy)
+#: What stands in messages in place of a file.
+_SOURCE = Path("SEP-005 channels")
 
 
-def _rate_of_row(i: int, row: Mapping[str, Any], size: int) -> float:
-    here, fs = part("channels", i), row.get("fs")
+def _channel_of(here: Argument, row: Any) -> Channel:
+    lost = [
+        repr(key) for key in ("data", "name", "unit_str") if not isinstance(row, Mapping) or key not in row
+    ]
+    lost += ["'fs' or 'time'"] if not lost and row.get("fs") is None and row.get("time") is None else []
+    if lost:
+        reject(here, f"no {lost[0]}", _SEP_5, "Add the key, spelled so.")
+    data = real_array(here.item("data"), row["data"], ndim=1, wanted="a real array (n_samples,)")
+    fs, time, rate = row.get("fs"), row.get("time"), 0.0
     if fs is not None:
         fs = finite_scalar(here.item("fs"), fs, low=0.0, low_open=True, unit="Hz")
-    if row.get("time") is None:
-        if fs is None:
-            remedy = "Add the sampling rate, fs in Hz, or the instants, time in s."
-            reject(here, "neither 'fs' nor 'time'", "one of them", remedy)
-        return fs
-    at = here.item("time")
-    time = real_array(at, row["time"], ndim=1, wanted=f"a real array ({size},) in s")
-    if time.size != size:
-        remedy = "Give an instant for each sample, or the rate alone."
-        reject(at, f"{time.size} instants", f"{size}, as the data", remedy)
-    rate = rate_of(Path(f"SEP-005 channels[{i}]"), time)
-    if fs is not None and abs(rate / fs - 1.0) > 1e-3:
-        got = f"{fs:g} Hz beside a 'time' of {rate:g} Hz"
-        reject(here.item("fs"), got, "one rate", "Correct one of them, or leave it out.")
-    return rate if fs is None else fs
+    if time is not None:
+        rate = rate_of(_SOURCE, real_array(here.item("time"), time, ndim=1, wanted="a real array in s"))
+        if np.size(time) != data.size or (fs is not None and abs(rate / fs - 1.0) > 1e-3):
+            got = f"{np.size(time)} instants at {rate:g} Hz"
+            reject(here.item("time"), got, f"{data.size}, at the rate fs", "Leave out what is wrong.")
+    start = str(row.get("start_timestamp") or "")
+    return Channel(str(row["name"]), data, str(row["unit_str"] or ""), 1.0 / (fs or rate), start)

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..support.checks import finite_scalar, shape_of
 from ._child import Answer, matches
-from .common import Reading, unsuitable
+from .common import unsuitable
+from .options import Reading
 from .own_format import read_archive
 from .raw_arrays import ROLES, array_of
 

@@ -13,23 +13,13 @@ from numpy.typing import NDArray
 
 from ..support.files import write_atomically
 from ._child import Answer, asked
-from .channels import Channel, abscissa_factor, is_abscissa, is_frequency, response_of, stated_recording
+from .channels import Channel, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
-from .common import (
-    OfArrays,
-    PathLike,
-    Reading,
-    Signal,
-    existing_file,
-    opened,
-    rate_of,
-    reader,
-    require,
-    unsuitable,
-    writer,
-)
+from .common import Signal, existing_file, rate_of, require, unsuitable
+from .options import OfArrays, PathLike, Reading, opened, reader, writer
 from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import channels_first, signal_of_arrays, stated_number
+from .units import abscissa_factor, is_abscissa, is_frequency
 
 
 @reader
@@ -231,97 +221,91 @@ _DATA, _CHANNEL = re.compile(r"^Data\d+_(?!time_)(.+)$"), re.compile(r"^Channel_
 
 def signal_of_analyser(file: Path, arrays: Arrays, texts: Mapping[str, str], given: Reading) -> Signal | None:
     """The signal of a file whose variables are those of an analyser; None for any other."""
+    said = {**texts, **{n: float(a.ravel()[0].real) for n, a in arrays.items() if a.size == 1}}
     testlab = [name[: -len(".y_values.values")] for name in arrays if name.endswith(".y_values.values")]
     testlab = [name for name in testlab if f"{name}.x_values.increment" in arrays]
     if testlab:
-        return _of_testlab(file, arrays, texts, testlab, given)
-    channels = _of_pulse(arrays, texts) or _of_dewesoft(file, arrays)
+        return _of_testlab(file, arrays, said, testlab, given)
+    channels = _of_pulse(arrays, said) or _of_dewesoft(file, arrays, said)
     return stated_recording(file, channels, given) if channels else None
 
 
+def _text(said: Mapping[str, Any], *names: str) -> str:
+    """The first text of these names that is not empty."""
+    return next((text for name in names if (text := str(said.get(name, "")).strip())), "")
+
+
+def _positive(said: Mapping[str, Any], *names: str) -> float | None:
+    """The first number of these names that is above zero."""
+    numbers = (stated_number(said.get(name)) for name in names)
+    return next((number for number in numbers if number is not None and number > 0.0), None)
+
+
 def _of_testlab(
-    file: Path, arrays: Arrays, texts: Mapping[str, str], names: Iterable[str], given: Reading
+    file: Path, arrays: Arrays, said: Mapping[str, Any], names: Iterable[str], given: Reading
 ) -> Signal:
     channels: list[Channel] = []
     kinds = set()
     for name in names:
-        step = _scalar(arrays, f"{name}.x_values.increment")
-        if step is None or not step > 0.0:
-            remedy = "Export it again; steps that are not even cannot be exported so."
-            unsuitable(file, f"whose {name}.x_values.increment is {step}", "a positive increment", remedy)
-        axis = texts.get(f"{name}.x_values.quantity.label", "").strip()
-        if axis and not is_abscissa(axis):
-            got, wanted = f"whose {name} lies over {axis!r}", "functions over time or frequency, in s or Hz"
-            unsuitable(file, got, wanted, "Export the time records or the FRFs.")
+        step, axis = (
+            _positive(said, f"{name}.x_values.increment"),
+            _text(said, f"{name}.x_values.quantity.label"),
+        )
+        if step is None or (axis and not is_abscissa(axis)):
+            got = f"whose {name} lies over {axis!r} in steps of {said.get(f'{name}.x_values.increment')}"
+            wanted = "functions over time or frequency, in s or Hz, with a positive increment"
+            unsuitable(file, got, wanted, "Export the time records or the FRFs, in even steps.")
         factor = abscissa_factor(axis)
-        first = factor * (_scalar(arrays, f"{name}.x_values.start_value") or 0.0)
-        count = _scalar(arrays, f"{name}.x_values.number_of_values")
+        first = factor * (stated_number(said.get(f"{name}.x_values.start_value")) or 0.0)
         values = channels_first(arrays[f"{name}.y_values.values"])
-        if count is not None and values.shape[0] == int(count) != values.shape[1]:
+        if values.shape[0] == said.get(f"{name}.x_values.number_of_values") != values.shape[1]:
             values = values.T  # more channels than values
         kinds.add(is_frequency(axis) or bool(np.iscomplexobj(values)))
         record, quantity = f"{name}.function_record.name", f"{name}.y_values.quantity"
         for i, row in enumerate(values):
-            alone = len(values) == 1
-            title = texts.get(f"{record}[{i}]") or (texts.get(record, "") if alone else "")
-            title = title.strip() or (name if alone else f"{name}[{i}]")
-            label = (texts.get(f"{quantity}[{i}].label") or texts.get(f"{quantity}.label", "")).strip()
-            scales = (
-                _scalar(arrays, f"{q}.unit_transformation.factor") for q in (f"{quantity}[{i}]", quantity)
-            )
-            scale = next((each for each in scales if each is not None and each > 0.0), 1.0)
+            alone, own = len(values) == 1, f"{quantity}[{i}]"
+            title = _text(said, f"{record}[{i}]", *[record] * alone) or (name if alone else f"{name}[{i}]")
+            scales = (f"{each}.unit_transformation.factor" for each in (own, quantity))
+            label = _text(said, f"{own}.label", f"{quantity}.label")
             # In the label's unit, from which it becomes SI as any other.
-            channels.append(Channel(title, row * scale, label, factor * step, "", first))
-    if len(kinds) > 1:
-        got = "with records over time and functions over frequency"
-        unsuitable(file, got, "one of them", "Export them into files of their own, or name the responses=.")
+            scaled = row * (_positive(said, *scales) or 1.0)
+            channels.append(Channel(title, scaled, label, factor * step, "", first))
+    axes = {(c.values.size, c.step_s, c.offset_s) for c in channels}
+    if len(kinds) > 1 or (len(axes) > 1 and True in kinds):
+        got = "with records over time and functions over frequency, or different frequencies"
+        unsuitable(file, got, "one axis", "Export them into files of their own, or name the responses=.")
     if kinds == {False}:
         return stated_recording(file, channels, given)
-    axes = {(c.values.size, c.step_s, c.offset_s) for c in channels}
-    if len(axes) > 1:
-        found = f"with {len(axes)} different frequency axes"
-        unsuitable(file, found, "one for all", "Export functions over the same lines.")
     size, spacing, start = axes.pop()
     return response_of(file, start + (spacing or 0.0) * np.arange(size), channels, given)
 
 
-def _of_pulse(arrays: Arrays, texts: Mapping[str, str]) -> list[Channel]:
-    found = sorted((int(match[1]), name) for name in arrays if (match := _CHANNEL.match(name)))
-    rate = stated_number(texts.get("File_Header.SampleFrequency", ""))
-    step = 1.0 / rate if rate is not None and rate > 0.0 else None
-    if step is None and (fs := _scalar(arrays, "File_Header.SampleFrequency")):
-        step = 1.0 / fs
+def _of_pulse(arrays: Arrays, said: Mapping[str, Any]) -> list[Channel]:
+    rate = _positive(said, "File_Header.SampleFrequency")
     channels = []
-    for number, name in found:
+    for number, name in sorted((int(match[1]), name) for name in arrays if (match := _CHANNEL.match(name))):
         head = f"Channel_{number}_Header"
-        title = texts.get(f"{head}.SignalName", "").strip() or f"channel {number}"
-        unit = texts.get(f"{head}.Unit", "").strip()
-        channels.append(Channel(title, np.float64(arrays[name]).ravel(), unit, step))
+        title, unit = _text(said, f"{head}.SignalName") or f"channel {number}", _text(said, f"{head}.Unit")
+        values = np.float64(arrays[name]).ravel()
+        channels.append(Channel(title, values, unit, None if rate is None else 1.0 / rate))
     return channels
 
 
-def _of_dewesoft(file: Path, arrays: Arrays) -> list[Channel]:
+def _of_dewesoft(file: Path, arrays: Arrays, said: Mapping[str, Any]) -> list[Channel]:
     found = [(name, match[1]) for name in arrays if (match := _DATA.match(name)) and arrays[name].size > 1]
-    rates = [name for name in arrays if name.lower().endswith("sample_rate") and arrays[name].size == 1]
-    step = 1.0 / float(arrays[rates[0]].ravel()[0].real) if rates else None
-    channels = []
     if any(np.iscomplexobj(arrays[name]) for name, _ in found):
         return []  # spectra, no records
+    rate = _positive(said, *(name for name in arrays if name.lower().endswith("sample_rate")))
+    channels = []
     for name, title in found:
-        begun = 0.0
         own = arrays.get(name[: -len(title)] + "time_" + title)
-        each = step
+        begun, each = 0.0, rate
         if own is not None and own.size == arrays[name].size:
-            each, begun = 1.0 / rate_of(file, np.float64(own).ravel()), float(own.ravel()[0])
-        elif step is None:
+            each, begun = rate_of(file, np.float64(own).ravel()), float(own.ravel()[0])
+        if each is None:
             return []  # neither instants nor a rate: variables that happen to be called so
-        channels.append(Channel(title, np.float64(arrays[name]).ravel(), "", each, "", begun))
+        channels.append(Channel(title, np.float64(arrays[name]).ravel(), "", 1.0 / each, "", begun))
     return channels
-
-
-def _scalar(arrays: Arrays, name: str) -> float | None:
-    value = arrays.get(name)
-    return None if value is None or value.size != 1 else float(value.ravel()[0].real)
 
 
 _WANTED = "a whole MAT file, version 5 or 7.3"

@@ -28,7 +28,8 @@ from ..support.messages import warn
 from ._child import Answer, room
 from .archive import Store, decoded, encoded, read_store, recipe_1, write_store
 from .child_process import Limits, in_a_child
-from .common import PathLike, existing_file, require, unsuitable
+from .common import existing_file, require, unsuitable
+from .options import PathLike
 from .own_format import read_archive
 
 #: Node and direction code, 1 to 6; 0 is a scalar.
@@ -227,23 +228,21 @@ _FORM = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
 def read_harwell_boeing(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem."""
     lines = _lines(file)
-    counts = [int(word) for word in lines[1].split()]
-    kind, sizes = lines[2][:3].upper(), [int(word) for word in lines[2][3:].split()]
-    n, n_entries = sizes[1], sizes[2]
-    if kind not in ("RSA", "RUA") or sizes[0] != n or n < 1:
-        raise ValueError(f"matrix of type {kind!r}, {sizes[0]} by {n}")
-    at = 5 if len(counts) > 4 and counts[4] > 0 else 4
-    parts, forms = [], lines[3]
-    for i, (form, count) in enumerate(
-        ((forms[:16], n + 1), (forms[16:32], n_entries), (forms[32:52], n_entries)), start=1
-    ):
-        parts.append(_numbers(lines[at : at + counts[i]], form, count))
-        at += counts[i]
+    counts, (n_rows, n, n_entries) = (
+        [int(word) for word in lines[1].split()],
+        map(int, lines[2][3:].split()[:3]),
+    )
+    if lines[2][:3].upper() not in ("RSA", "RUA") or n_rows != n or n < 1:
+        raise ValueError(f"matrix of type {lines[2][:3]!r}, {n_rows} by {n}")
+    at, parts = 5 if len(counts) > 4 and counts[4] > 0 else 4, []
+    forms = (lines[3][:16], n + 1), (lines[3][16:32], n_entries), (lines[3][32:52], n_entries)
+    for (form, count), n_lines in zip(forms, counts[1:4], strict=True):
+        parts.append(_numbers(lines[at : at + n_lines], form, count))
+        at += n_lines
     pointers, rows = parts[0].astype(np.int64), parts[1].astype(np.int64) - 1
     if pointers[0] != 1 or pointers[-1] != n_entries + 1 or rows.min() < 0 or rows.max() >= n:
         raise ValueError("pointers or rows out of range")
-    columns = np.repeat(np.arange(n), np.diff(pointers))
-    return {file.stem: Labelled(completed(rows, columns, parts[2], n))}
+    return {file.stem: Labelled(completed(rows, np.repeat(np.arange(n), np.diff(pointers)), parts[2], n))}
 
 
 def _numbers(lines: list[str], form: str, count: int) -> NDArray[np.float64]:
@@ -251,11 +250,14 @@ def _numbers(lines: list[str], form: str, count: int) -> NDArray[np.float64]:
     stated = _FORM.search(re.sub(r"\d*P,?", "", form.upper()))
     if stated is None:
         raise ValueError(f"form {form.strip()!r}")
-    width, most = int(stated[2]), int(stated[1] or 1)
-    apart = [part for line in lines for part in line.split()]
+    parts = [part for line in lines for part in line.split()]
     # Numbers may touch; those that do not are not always as wide as it is stated.
-    touching = (line[i : i + width] for line in lines for i in range(0, min(len(line), width * most), width))
-    parts = apart if len(apart) == count else [part for part in touching if part.strip()]
+    if len(parts) != count:
+        width, most = int(stated[2]), int(stated[1] or 1)
+        fields = (
+            line[i : i + width] for line in lines for i in range(0, min(len(line), width * most), width)
+        )
+        parts = [part for part in fields if part.strip()]
     if len(parts) != count:
         raise ValueError(f"{len(parts)} of {count} numbers")
     return np.array(list(map(_fortran, parts)))
@@ -267,7 +269,6 @@ _MARKET_HEAD = re.compile(
     r"%%matrixmarket\s+matrix\s+(array(?!\s+pattern)|coordinate)\s+(real|integer|double|pattern)"
     r"\s+(general|symmetric)"
 )
-_NUMBER = re.compile(r"[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf|infinity|nan)", re.IGNORECASE)
 
 
 def read_matrix_market(file: Path) -> dict[str, Labelled]:
@@ -277,56 +278,36 @@ def read_matrix_market(file: Path) -> dict[str, Labelled]:
     with (gzip.open if file.suffix == ".gz" else open)(file, "rt", encoding="latin-1") as opened:
         text = opened.read()
     lines = [line for line in text.split("\n") if line.strip()]
-    sizes, *rows = [line for line in lines if not line.startswith("%")] or [""]
-    if not sizes or not lines[0].lower().startswith("%%matrixmarket"):
-        found = "which is cut in its head or of another kind"
-        unsuitable(file, found, _MARKET.wanted, "Export it again as MatrixMarket, .mtx.")
-    head = _MARKET_HEAD.fullmatch(lines[0].lower().strip())
+    head = _MARKET_HEAD.fullmatch(lines[0].lower().strip()) if lines else None
     if head is None:
-        found, remedy = f"with the head {lines[0][:80]!r}", "Export it as real numbers, general or symmetric."
-        unsuitable(file, found, _MARKET.wanted, remedy)
+        raise ValueError(f"the head {''.join(lines[:1])[:80]!r}")
+    sizes, *rows = [line for line in lines if not line.startswith("%")] or [""]
     form, kind, symmetry = head.groups()
-    dense, n_places = form == "array", 0 if form == "array" else 2
+    dense = form == "array"
     whole_ones = re.fullmatch(r"\s*(\d{1,18})\s+(\d{1,18})" + r"\s+(\d{1,18})" * (not dense) + r"\s*", sizes)
     n, n_columns, *stated = map(int, whole_ones.groups()) if whole_ones else (0, 0)
     if n != n_columns or not 0 < n < 2**31:
-        found, remedy = f"with the sizes {sizes[:40]!r}", "Export it again: the matrix must be square."
-        unsuitable(file, found, _MARKET.wanted, remedy)
+        raise ValueError(f"the sizes {sizes[:40]!r}")
     count = stated[0] if stated else n * n if symmetry == "general" else n * (n + 1) // 2
     if len(rows) != count or not text.endswith("\n"):
         end = "" if text.endswith("\n") else ", the last without a line end"
         raise ValueError(f"{len(rows)} of {count} entries{end}")
-    numbers = _entries(file, rows, n_places + (kind != "pattern"), n_places, n)
+    width, n_places = 2 * (not dense) + (kind != "pattern"), 2 * (not dense)
+    numbers = np.loadtxt(rows, comments=None, ndmin=2) if rows else np.empty((0, width))
+    places = numbers[:, :n_places]
+    odd = ((places < 1) | (places > n) | (places != np.floor(places))).any(axis=1)
+    if numbers.shape[1] != width or odd.any():
+        raise ValueError(f"the entry {rows[int(np.argmax(odd))][:40]!r}")
     values = np.ones(count) if kind == "pattern" else numbers[:, -1]
     if not dense:
-        i, j = numbers[:, :2].T.astype(np.int64) - 1
+        i, j = places.T.astype(np.int64) - 1
     else:  # column by column
         j, i = np.divmod(np.arange(count), n) if symmetry == "general" else np.triu_indices(n)
-    whole = (
-        completed(i, j, values, n) if symmetry == "symmetric" else coo_array((values, (i, j)), shape=(n, n))
-    )
-    return {file.stem: Labelled(whole.toarray() if dense else whole)}
-
-
-def _entries(file: Path, rows: list[str], width: int, n_places: int, n: int) -> NDArray[np.float64]:
-    """Numbers (n_entries, width), the first ``n_places`` from 1 to n; an entry of others is shown."""
-    if not rows:
-        return np.empty((0, width))
-    try:
-        numbers = np.loadtxt(rows, comments=None, ndmin=2)
-    except ValueError:
-        numbers = np.empty((0, 0))
-    if numbers.shape[1] == width:
-        places = numbers[:, :n_places]
-        whole = ((places >= 1) & (places <= n) & (places == np.floor(places))).all(axis=1)
+    if symmetry == "symmetric":
+        whole = completed(i, j, values, n)
     else:
-        words = map(str.split, rows)
-        whole = np.array([len(each) == width and all(map(_NUMBER.fullmatch, each)) for each in words])
-    if not whole.all():
-        got, remedy = rows[int(np.argmin(whole))], "Export it again, as real numbers"
-        more = f", rows and columns from 1 to {n}" if n_places else ""
-        unsuitable(file, f"with the entry {got[:40]!r}", _MARKET.wanted, f"{remedy}{more}.")
-    return numbers
+        whole = coo_array((values, (i, j)), shape=(n, n))
+    return {file.stem: Labelled(whole.toarray() if dense else whole)}
 
 
 # -- Matrices that Nastran's OUTPUT4 writes: text or binary, dense or sparse, of single or double precision
@@ -472,7 +453,9 @@ class Format(NamedTuple):
 
 _REAL = "Export it again; complex matrices have no place in an undamped model."
 _MARKET = Format(
-    read_matrix_market, "a whole Matrix Market file of a real square matrix", "Copy or export it again."
+    read_matrix_market,
+    "a whole Matrix Market file of a real square matrix, general or symmetric",
+    "Copy or export it again.",
 )
 _ABAQUS = Format(
     read_abaqus, "node, dof, node, dof, value", "Export it again with FORMAT=MATRIX INPUT or LABELS."
@@ -510,7 +493,8 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     except AntiresError:
         raise
     except (ValueError, IndexError, RuntimeError, EOFError, gzip.BadGzipFile, zlib.error) as exc:
-        unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted, remedy)
+        said = str(exc).partition("; use ")[0]
+        unsuitable(file, f"which is cut, damaged or of another kind ({said})", wanted, remedy)
     if not found:
         unsuitable(file, "without a matrix", wanted, remedy)
     return found
@@ -649,10 +633,10 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     Parameters
     ----------
     path : path-like
-        Text with one line for each row: ``node direction`` in the order of the rows, or ``row node
-        direction`` as in the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1,
-        4. Other lines above the first of these are skipped. Or a file of matrices that names them itself
-        (DMIG cards, Abaqus): the rows of its stiffness, if it holds several.
+        Text with one line for each row: ``node direction`` in their order, or ``row node direction`` as in
+        the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1, 4. Lines above the
+        first of these are skipped. Or a file of matrices that names them itself (DMIG cards, Abaqus): the
+        rows of its stiffness, if it holds several.
     first_row : int
         Number of the first row in files that number them.
 
@@ -684,25 +668,21 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
             remedy = "Write the table of equations beside the matrices."
             unsuitable(file, "which does not name its rows", wanted, remedy)
         return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
-    wanted = "a line 'node direction' or 'row node direction' for each row"
+    wanted = "a line 'node direction' or 'row node direction' for each row, each once"
     found: dict[tuple[int, str], int] = {}
     for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
-        parts = line.replace(",", " ").replace(";", " ").split()
-        if not parts or line.lstrip().startswith(("#", "!", "$", "%")):
+        parts = re.split(r"[\s,;]+", line.strip())
+        if not parts[-1] or parts[0].startswith(("#", "!", "$", "%")):
             continue
-        code = NAMES.get(parts[-1].upper())
-        whole = len(parts) in (2, 3) and code is not None and all(p.isdigit() for p in parts[:-1])
-        if not whole:
-            if found:
-                unsuitable(file, f"whose line {number} is {line.strip()!r}", wanted, "Correct that line.")
-            continue
-        row = int(parts[0]) - first_row if len(parts) == 3 else len(found)
-        point = (int(parts[-2]), DIRECTIONS[code])  # type: ignore[index]
-        if point in found or row in found.values() or row < 0:
-            got = f"with {point} or row {row + first_row} twice or out of range in line {number}"
-            expected = "each once, rows from first_row on"
-            unsuitable(file, got, expected, "Correct that line of the map, or first_row.")
-        found[point] = row
+        code = NAMES.get(parts[-1].upper()) if all(p.isdigit() for p in parts[:-1]) else None
+        row = int(parts[0]) - first_row if len(parts) == 3 and code is not None else len(found)
+        if code is not None and len(parts) in (2, 3) and row >= 0 and row not in found.values():
+            point = (int(parts[-2]), DIRECTIONS[code])
+            if found.setdefault(point, row) == row:
+                continue
+        if found or code is not None:
+            remedy = "Correct that line, or first_row."
+            unsuitable(file, f"whose line {number} is {line.strip()!r}", wanted, remedy)
     if not found:
         unsuitable(file, "without such a line", wanted, "Export it with its header.")
     return found

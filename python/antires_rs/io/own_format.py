@@ -12,7 +12,6 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
 from zlib import crc32
@@ -25,9 +24,11 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar
 from ..support.files import write_atomically
-from .channels import kept, named_unit, renamed
-from .common import OfArrays, PathLike, Reading, Signal, brief, opened, parts_of, reader, unsuitable, writer
+from .channels import kept, renamed
+from .common import Signal, brief, parts_of, unsuitable
+from .options import OfArrays, PathLike, Reading, opened, reader, writer
 from .raw_arrays import signal_of_arrays
+from .units import Unit
 
 FORMAT, VERSION = "antires_rs.signal", 1
 #: The name of the JSON text in a file.
@@ -109,41 +110,28 @@ def check_dofs(signal: Any) -> list[Any]:
 def as_asked(path: Path, signal: Signal, given: Reading) -> Signal:
     """A signal of ours as the options say; those that the file contradicts are refused, not passed over."""
     made = signal if given.dofs is None else relabelled(signal, renamed("dofs", signal.dofs, given.dofs))
-    has_force = isinstance(signal, Recording) and signal.force is not None
-    allowed = ("auto", *["force"] * has_force)
-    if given.force is not None and not (isinstance(given.force, str) and given.force in allowed):
-        there = "with" if has_force else "without"
-        got = f"{given.force!r} for {str(path)!r}, a file of antires_rs {there} a force"
-        wanted = "'auto', 'force' or None" if has_force else "'auto' or None"
-        reject("force", got, wanted, "The file states itself which channel is its force; leave it out.")
     if isinstance(made, Recording) and given.force is None:
         made = Recording(made.responses, made.fs_hz, made.dofs)
-    stated: dict[str, Any] = {name: one for name, one in vars(given).items() if name not in ("dofs", "force")}
-    if given.freq_hz is not None:
-        stated["freq_hz"] = "an axis"
-    if given.fs_hz is not None:
-        stated["fs_hz"] = finite_scalar("fs_hz", given.fs_hz)
-    # Our files hold SI, and any SI unit leaves values as they are.
-    if given.unit is not None and named_unit("unit", given.unit).factor == 1.0:
-        del stated["unit"]
-    same: dict[str, tuple[Any, ...]]
-    if isinstance(signal, Recording):
-        same = {"responses": ("responses", ["responses"]), "first": ("time",)}
-        if given.fs_hz is not None and np.isclose(stated["fs_hz"], signal.fs_hz, rtol=1e-9, atol=0.0):
-            del stated["fs_hz"]
-        content = f"a recording at {signal.fs_hz:g} Hz"
-    else:
-        reference = signal.reference
-        content = f"kind {signal.kind!r}" + ("" if reference is None else f", reference {reference!r}")
-        same = {"responses": ("values", ["values"]), "first": ("freq",), "freq": ("freq_hz",)}
-        same |= {"kind": (signal.kind,), "reference": (reference, getattr(made, "reference", None))}
-    for name, value in stated.items():
-        if value is None or any(type(value) is type(own) and value == own for own in same.get(name, ())):
-            continue
-        got = f"{value!r} for {str(path)!r}, a file of antires_rs ({'in SI' if name == 'unit' else content})"
-        remedy = "This file states it itself; leave it out."
-        remedy += " To leave channels out, name them by dofs." if name == "responses" else ""
-        reject(name, got, "it with files of other programs alone", remedy)
+
+    def agrees(name: str, value: Any) -> bool:
+        if name == "unit":  # our files hold SI, and any SI unit leaves values as they are
+            return Unit.named(value).factor == 1.0
+        if name == "force":
+            there = isinstance(signal, Recording) and signal.force is not None
+            return isinstance(value, str) and value in ("auto", *["force"] * there)
+        if name == "fs_hz":
+            rate = finite_scalar("fs_hz", value)
+            return isinstance(signal, Recording) and abs(rate / signal.fs_hz - 1.0) <= 1e-9
+        own = [getattr(each, name, None) for each in (signal, made)] if name in ("kind", "reference") else []
+        return any(type(value) is type(each) and value == each for each in own)
+
+    asked = {name: value for name, value in vars(given).items() if name != "dofs" and value is not None}
+    odd = next((name for name, value in asked.items() if not agrees(name, value)), None)
+    if odd is not None:
+        what = f"at {signal.fs_hz:g} Hz" if isinstance(signal, Recording) else f"of kind {signal.kind!r}"
+        got = f"{str(asked[odd])[:40]!r} for {str(path)!r}, a file of antires_rs (in SI, {what})"
+        remedy = "This file states it itself; leave it out. Channels are left out by dofs."
+        reject(odd, got, "it with files of other programs alone", remedy)
     return made
 
 
@@ -165,8 +153,8 @@ def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
 
 # -- NumPy archives, without pickle in either direction
 
-#: The first bytes of a .npy file; the dtype stands within those of its head.
-_NPY, _HEAD_BYTES = b"\x93NUMPY", 512
+#: The first bytes of a .npy file.
+_NPY = b"\x93NUMPY"
 
 
 @reader
@@ -186,9 +174,7 @@ def read_npz(path: PathLike, **options: Unpack[OfArrays]) -> Signal:
     Recording(1 channels, 2 s at 50 Hz, dofs=('tip',), no force)
     """
     file, given = opened(read_npz, path, options)
-    with file.open("rb") as stream:
-        alone = stream.read(len(_NPY)) == _NPY
-    arrays = _array(file) if alone else read_archive(file)
+    arrays = read_archive(file)
     if TEXT in arrays:
         return own_signal(file, bytes(arrays[TEXT]).decode("utf-8", "replace"), arrays, given)
     return signal_of_arrays(file, arrays, given)
@@ -219,44 +205,26 @@ def write_archive(path: PathLike, text: str, arrays: dict[str, NDArray[Any]]) ->
 
 def read_archive(
     file: Path,
-    wanted: str = "a whole NumPy archive (.npz) of plain arrays",
+    wanted: str = "a whole NumPy archive (.npz) or array (.npy) of numbers",
     remedy: str = "It was cut, or is another file.",
 ) -> dict[str, NDArray[Any]]:
     """Every array of an archive, the checksums of zip compared; ``remedy`` is that of what is no archive."""
     import zipfile
 
     try:
-        if not zipfile.is_zipfile(file):
-            unsuitable(file, "which is no archive", wanted, remedy)
         # Opened here: of a damaged archive numpy would leave the file open.
-        with open(file, "rb") as opened, np.load(opened, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+        with open(file, "rb") as opened:
+            alone = opened.read(len(_NPY)) == _NPY
+            if not alone and not zipfile.is_zipfile(opened):
+                unsuitable(file, "which is no archive", wanted, remedy)
+            opened.seek(0)
+            held = np.load(opened, allow_pickle=False)
+            return {file.stem: held} if alone else {name: held[name] for name in held.files}
     except AntiresError:
         raise
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
-        if _holds_objects(file):
+        if "allow_pickle" in str(exc):
             found = "which holds objects, which only pickle reads"
             unsuitable(file, found, wanted, "A pickle can run any code. Save arrays of numbers alone.")
         got = f"which cannot be read ({brief(exc)})"
         unsuitable(file, got, wanted, "It was cut or damaged: copy it again.")
-
-
-def _array(file: Path) -> dict[str, NDArray[Any]]:
-    """The array of a .npy file, under the name of the file."""
-    try:
-        return {file.stem: np.load(file, allow_pickle=False)}
-    except Exception as exc:  # numpy parses the header as Python, with the errors of Python's own parser
-        remedy = "It was cut, or holds objects, which only pickle reads: save numbers alone."
-        unsuitable(file, f"which cannot be read ({brief(exc)})", "a whole array of numbers (.npy)", remedy)
-
-
-def _holds_objects(file: Path) -> bool:
-    """Whether an array of the archive is one of Python objects, by the headers of its members."""
-    import zipfile
-
-    with suppress(Exception), zipfile.ZipFile(file) as archive:
-        for name in archive.namelist():
-            with archive.open(name) as member:
-                if b"'|O'" in member.read(_HEAD_BYTES):
-                    return True
-    return False

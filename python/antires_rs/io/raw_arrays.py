@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,18 +17,10 @@ from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
 from ..support.messages import warn
 from ._child import matches
-from .channels import (
-    Channel,
-    Unit,
-    abscissa_factor,
-    is_abscissa,
-    parse_unit,
-    rate_of_step,
-    recording_of,
-    response_of,
-    warn_other_rate,
-)
-from .common import Reading, Signal, rate_of, refuse_real, unsuitable
+from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
+from .common import Signal, rate_of, refuse_real, unsuitable
+from .options import Reading
+from .units import Unit, abscissa_factor, is_abscissa
 
 # -- The frequencies of responses whose file does not hold them
 
@@ -75,7 +67,7 @@ class Notes:
     def unit(self, name: str) -> str:
         """Unit of an array; '' where nothing is said."""
         found = next((str(v) for _, v in self._of(name, UNITS) if isinstance(v, str)), "")
-        known = [each for each in re.split(r"[,;]", found) if (unit := parse_unit(each)) and unit.quantity]
+        known = [each for each in re.split(r"[,;]", found) if Unit.of(each).quantity]
         return known[0].strip() if len(known) == 1 else found  # "s, m/s2": of time and values
 
     def factor(self, path: Path, name: str, instead: str = "fs_hz", *, refuse: bool = True) -> float:
@@ -85,28 +77,35 @@ class Notes:
         text = next((texts[key.lower()] for key in beside if texts.get(key.lower())), "")
         words = (text, text.partition(" ")[0])  # "seconds since 1970-01-01"
         known = next((word for word in words if is_abscissa(word)), "")
-        if refuse and not known and parse_unit(text) != Unit():
+        if refuse and not known and Unit.of(text) != Unit():
             got = f"whose {name} is in {text!r}"
             wanted = "a unit of time or frequency that is known (s, ms, us, Hz, kHz, rpm, rad/s)"
             unsuitable(path, got, wanted, f"Export it in s or Hz, or give {instead}=.")
         return abscissa_factor(known)
 
-    def rate(self, path: Path, names: Iterable[str], *, refuse: bool = True) -> float | None:
-        """Sampling rate of arrays; None where nothing is said. Several rates are refused."""
+    def rate(self, path: Path, names: Iterable[str], *, refuse: bool) -> float | None:
+        """Sampling rate of arrays, or the only one that is said; None without any. Several are refused."""
         found: dict[str, float] = {}
         for name in names:
-            for key, value in self._of(name, RATES | STEPS):
-                number = stated_number(value)
-                if number is not None and number > 0.0:
-                    number *= self.factor(path, key, refuse=refuse)
-                    step = _split(key)[1].lower() in STEPS
-                    found[key] = rate_of_step(number) if step else number
-                    break
+            found |= dict(list(self._rates(path, self._of(name, RATES | STEPS), refuse))[:1])
+        for wanted in (RATES, STEPS):  # of another struct, if there is but one
+            said = ((key, value) for key, value in self._values.items() if _last(key) in wanted)
+            if not found and len(alone := dict(self._rates(path, said, refuse))) == 1:
+                found = alone
         if found and max(found.values()) > (1.0 + 1e-6) * min(found.values()):
             shown = ", ".join(f"{key} of {rate:g} Hz" for key, rate in found.items())
             remedy = "Name the responses= of one rate."
             unsuitable(path, f"with several sampling rates ({shown})", "one", remedy)
         return next(iter(found.values()), None)
+
+    def _rates(
+        self, path: Path, said: Iterable[tuple[str, Any]], refuse: bool
+    ) -> Iterator[tuple[str, float]]:
+        for key, value in said:
+            number = stated_number(value)
+            if number is not None and number > 0.0:
+                number *= self.factor(path, key, refuse=refuse)
+                yield key, rate_of_step(number) if _last(key) in STEPS else number
 
     def listed(self) -> str:
         """The numbers and texts that are said, for an error; '' without any."""
@@ -118,18 +117,21 @@ class Notes:
         here = name.partition("[")[0] if name.endswith("]") and "/" not in name else name
         while True:
             for key, value in self._values.items():
-                above, last = _split(key)
-                if last.lower() in wanted and above == here:
+                if _last(key) in wanted and _above(key) == here:
                     yield key, value
             if not here:
                 return
-            here = _split(here)[0]
+            here = _above(here)
 
 
-def _split(key: str) -> tuple[str, str]:
-    """What stands before the last separator, and behind it."""
-    at = max(key.rfind(sign) for sign in "./@")
-    return key[: max(at, 0)], key[at + 1 :]
+def _above(key: str) -> str:
+    """What stands before the last separator."""
+    return key[: max(0, *(key.rfind(sign) for sign in "./@"))]
+
+
+def _last(key: str) -> str:
+    """What stands behind it, in small letters."""
+    return re.split(r"[./@]", key)[-1].lower()
 
 
 def stated_number(value: Any) -> float | None:
@@ -176,10 +178,13 @@ class _Bag:
     def __init__(
         self, path: Path, arrays: Mapping[str, NDArray[Any]], given: Reading, texts: Mapping[str, Any] | None
     ) -> None:
-        self.path, self.given, self.notes = path, given, Notes(texts)
-        self.listed = _listed(arrays)
+        self.path, self.given, self.listed = path, given, _listed(arrays)
         numbers = {name: value for name, value in arrays.items() if value.dtype.kind in "iufc"}
-        self.numeric = {n: channels_first(v) for n, v in numbers.items() if v.ndim <= 2 and v.size}
+        # A rate or a step in an array of its own is said as in an attribute.
+        rates = {n: v.item().real for n, v in numbers.items() if v.size == 1 and _last(n) in RATES | STEPS}
+        self.notes = Notes({**rates, **(texts or {})})
+        flat = {n: v for n, v in numbers.items() if v.ndim <= 2 and v.size and n not in rates}
+        self.numeric = {name: channels_first(value) for name, value in flat.items()}
         cubes = [name for name, value in numbers.items() if value.ndim > 2]
         if cubes and given.responses is None:
             said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
@@ -224,24 +229,18 @@ class _Bag:
     def _recording(self, time: str | None) -> Signal:
         """A record over the array ``time``, or at a rate that is stated."""
         numeric, force = self.numeric, self.given.force
-        taken = {time} if time else set()
-        taken |= {name for name in numeric if _last(name) in RATES | STEPS and numeric[name].size == 1}
         pushed = force if isinstance(force, str) and force in numeric else None
         if isinstance(force, str) and force != "auto" and pushed is None:
             wanted = f"'auto', None or an array of the file: {self.listed}"
             reject("force", repr(force), wanted, "Name an array of the file, or pass None for no force.")
-        if pushed is None:
-            found = [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
-            pushed = found[0] if len(found) == 1 and force == "auto" else None
-            taken |= set(found)
-        channels, raw = self._responses(numeric, taken | ({pushed} if pushed else set()))
-        rate = self._rate(time, raw)
-        instants = None if time is None or self.given.fs_hz is not None else numeric[time].shape[1]
-        for c in channels:
-            if instants not in (None, c.values.size):
-                got = f"with {c.values.size} samples of {c.name!r} over {instants} instants of {time!r}"
-                remedy = "Name the time= that belongs to them, or give fs_hz=."
-                unsuitable(self.path, got, "as many", remedy)
+        found = [] if pushed else [n for n in numeric if _last(n) in _FORCE and len(numeric[n]) == 1]
+        pushed = found[0] if len(found) == 1 and force == "auto" else pushed
+        channels, raw = self._responses(numeric, {*found, *filter(None, (time, pushed))})
+        rate, size = self._rate(time, raw), channels[0].values.size
+        if time is not None and self.given.fs_hz is None and size != numeric[time].shape[1]:
+            n_instants = numeric[time].shape[1]
+            got = f"with {size} samples of {channels[0].name!r} over {n_instants} instants of {time!r}"
+            unsuitable(self.path, got, "as many", "Name the time= that belongs to them, or give fs_hz=.")
         if pushed is not None:
             unit = self.notes.unit(pushed) or "N"
             channels.append(Channel(pushed, numeric[pushed][0], unit, role="force"))
@@ -274,33 +273,22 @@ class _Bag:
 
     def _rate(self, time: str | None, names: list[str]) -> float:
         """The sampling rate of arrays of these names."""
-        path, notes, refuse = self.path, self.notes, self.given.fs_hz is None
-        stated = notes.rate(path, names, refuse=refuse)
-        alone = {n: v for n, v in self.numeric.items() if v.size == 1 and _last(n) in RATES | STEPS}
-        single = {n: float(v[0, 0].real) * notes.factor(path, n, refuse=refuse) for n, v in alone.items()}
-        rates = [n for n in single if _last(n) in RATES]
-        if self.given.rate_hz is not None:
-            if stated is None and len(rates) == 1:
-                stated = single[rates[0]]
-            warn_other_rate(path, "states", stated, self.given.rate_hz)
-            return self.given.rate_hz
+        path, notes, given = self.path, self.notes, self.given.rate_hz
+        stated = notes.rate(path, names, refuse=given is None)
+        if given is not None:
+            warn_other_rate(path, "states", stated, given)
+            return given
         if time is not None:
             rate = rate_of(path, notes.factor(path, time) * self.numeric[time][0].real)
-            stated = single[rates[0]] if len(rates) == 1 else rate
-            if abs(stated - rate) > 1e-3 * rate:
-                found = f"with {rates[0]} of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s"
+            if stated is not None and abs(stated - rate) > 1e-3 * rate:
+                found = f"with a stated rate of {stated:g} Hz and a {time!r} of {rate:g} Hz, if it is in s"
                 unsuitable(path, found, "one rate", "Give the true one by fs_hz=.")
             return rate
-        if len(rates) == 1:
-            return finite_scalar(rates[0], single[rates[0]], low=0.0, low_open=True, unit="Hz")
-        steps = [step for n, step in single.items() if _last(n) in STEPS]
-        if not rates and stated is not None:
-            return stated
-        if not rates and len(steps) == 1 and 0.0 < steps[0] < math.inf:
-            return rate_of_step(steps[0])
-        over = "for responses over frequency name freq=, or give freq_hz= or df_hz="
-        found = f"without a sampling rate or a time ({_listed(self.numeric)}{notes.listed()})"
-        unsuitable(path, found, "one of them", f"Name time= or give fs_hz=; {over}.")
+        if stated is None:
+            over = "for responses over frequency name freq=, or give freq_hz= or df_hz="
+            found = f"without a sampling rate or a time ({self.listed}{notes.listed()})"
+            unsuitable(path, found, "one of them", f"Name time= or give fs_hz=; {over}.")
+        return stated
 
     def _responses(
         self, among: Mapping[str, NDArray[Any]], taken: set[str]
@@ -369,7 +357,3 @@ def channels_first(value: NDArray[Any]) -> NDArray[Any]:
     """The longer axis is time or frequency."""
     rows = np.atleast_2d(value.astype(np.complex128 if value.dtype.kind == "c" else np.float64))
     return rows.T if rows.shape[0] > rows.shape[1] else rows
-
-
-def _last(name: str) -> str:
-    return name.rpartition(".")[2].rpartition("/")[2].lower()

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import math
+import re
 from collections import Counter
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
@@ -19,18 +21,8 @@ from ..support.messages import warn
 from ._child import Answer, Unfit, answer, asked, called, room
 from .channels import Channel, stated_recording
 from .child_process import Limits, channels_of_child
-from .common import (
-    PathLike,
-    Rated,
-    Selected,
-    choose_run,
-    missing_part,
-    opened,
-    rate_of,
-    reader,
-    require,
-    unsuitable,
-)
+from .common import choose_run, missing_part, rate_of, require, unsuitable
+from .options import PathLike, Rated, Selected, opened, reader
 from .raw_arrays import stated_number
 from .text_table import decoded
 
@@ -194,13 +186,10 @@ def channels_of_wav(path: str, request: dict[str, Any]) -> Answer:
 
 
 def _scales(full_scale: Any, count: int) -> list[float]:
-    if full_scale is None:
-        return [1.0] * count
-    wanted = "a number, or one for each channel"
-    given = np.atleast_1d(real_array("full_scale", full_scale, ndim=None, wanted=wanted))
-    if given.size not in (1, count) or (given == 0.0).any():
-        expected = f"one number, or {count}, one for each channel, none of them 0"
-        reject("full_scale", full_scale, expected, "Give what 0 dB of full scale stands for.")
+    wanted = f"one number, or {count}, one for each channel, none of them 0"
+    given = 1.0 if full_scale is None else real_array("full_scale", full_scale, ndim=None, wanted=wanted)
+    if np.size(given) not in (1, count) or np.any(given == 0.0):
+        reject("full_scale", full_scale, wanted, "Give what 0 dB of full scale stands for.")
     return [float(scale) for scale in np.broadcast_to(given, count)]
 
 
@@ -293,124 +282,67 @@ def traces_of_miniseed(path: str, request: dict[str, Any]) -> Answer:
 # all channels, with Multi every channel has its own before it. The last one is a comment.
 
 _WANTED_LVM = "a whole LabVIEW Measurement File (.lvm)"
-_END, _START_SPECIAL, _END_SPECIAL = "***End_of_Header***", "***Start_Special***", "***End_Special***"
+_END = re.compile(r"^\*\*\*End_of_Header\*\*\*.*\n?", re.MULTILINE)
+_SPECIAL = re.compile(r"^\*\*\*Start_Special\*\*\*.*?^\*\*\*End_Special\*\*\*.*?\n", re.MULTILINE | re.DOTALL)
+_HEADER = re.compile(r"^(?=Channels[\t,])", re.MULTILINE)
 
 
 class Segment(NamedTuple):
-    """What one call of LabVIEW wrote: tags of its header, titles of columns, rows with their line."""
+    """What one call of LabVIEW wrote: tags of its header, titles of columns, rows of fields."""
 
     tags: dict[str, list[str]]
     titles: list[str]
-    rows: list[tuple[int, list[str]]]
+    rows: list[list[str]]
 
 
 class _Form:
     """How the numbers stand, by the header of the file."""
 
-    def __init__(self, header: list[str]) -> None:
-        tags: dict[str, str] = {}
-        for line in header:
-            sign = next((sign for sign in ("\t", ",") if sign in line), None)
-            if sign is not None:
-                name, value, *_ = line.split(sign)
-                tags[name.strip()] = value.strip()
-        self.separator = "," if tags.get("Separator", "").lower() == "comma" else "\t"
+    def __init__(self, header: str) -> None:
+        parts = (re.split("[\t,]", line, maxsplit=1) for line in header.splitlines())
+        tags = {part[0].strip(): part[-1].strip().lower() for part in parts}
+        self.separator = "," if tags.get("Separator", "").startswith("comma") else "\t"
         self.commas = tags.get("Decimal_Separator", "").startswith(",") and self.separator != ","
-        self.columns = tags.get("X_Columns", "One").lower()
+        self.columns = tags.get("X_Columns", "one").strip("\t,")
 
-    def fields(self, line: str) -> list[str]:
-        return [part.strip() for part in line.split(self.separator)]
+    def rows(self, text: str) -> list[list[str]]:
+        """The fields of each line."""
+        return [[part.strip() for part in line.split(self.separator)] for line in text.split("\n")]
 
-    def number(self, text: str) -> float:
-        return float(text.replace(",", ".") if self.commas else text)
+    def numbers(self, cells: Iterable[str]) -> Any:
+        """The numbers of fields; ValueError for others."""
+        return np.array([float(cell.replace(",", ".") if self.commas else cell) for cell in cells])
 
-    def is_row(self, line: str) -> bool:
+    def is_row(self, row: list[str]) -> bool:
         """Whether the first field that is not empty is a number."""
-        try:
-            self.number(next((part for part in self.fields(line) if part), ""))
-        except ValueError:
-            return False
-        return True
+        with suppress(ValueError):
+            return bool(self.numbers([part for part in row if part][:1]).size)
+        return False
 
 
 def _segments(file: Path) -> tuple[_Form, list[Segment]]:
-    """How the numbers of a file stand, and its segments in order."""
-    text = decoded(file)
-    lines = text.split("\n")
-    if not lines[0].startswith("LabVIEW Measurement") or "\x00" in text:
+    """How the numbers of a file stand, and its segments in order; a blank line ends one."""
+    text = _SPECIAL.sub("", decoded(file))
+    if not text.startswith("LabVIEW Measurement") or "\x00" in text:
         remedy = "A file without header is a table of text: read it by read_csv, format csv."
         unsuitable(file, "which does not begin with the line 'LabVIEW Measurement'", _WANTED_LVM, remedy)
-    ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
-    if not ends:
-        unsuitable(file, "whose header has no end", _WANTED_LVM, "It was cut: copy it again.")
-    form = _Form(lines[1 : ends[0]])
-    found = _blocks(file, lines, ends, form)
+    head, *parts = _END.split(text)
+    form, found, tags = _Form(head), list[Segment](), dict[str, list[str]]()
+    header = [""] * (not parts)  # of the segment to come
+    for part in parts:
+        body, *header = _HEADER.split(part, maxsplit=1)
+        titles: list[str] = []
+        for there, group in groupby(form.rows(body), key=any):
+            rows = list(group)
+            if there and not titles and not form.is_row(rows[0]):
+                titles = rows.pop(0)
+            found += [Segment(tags, titles, rows)] if there and rows else []
+        tags = {name: values for name, *values in form.rows("".join(header))}
+    if header:
+        unsuitable(file, "whose last header has no end", _WANTED_LVM, "It was cut: copy it again.")
     if not found:
         unsuitable(file, "with a header and no numbers", _WANTED_LVM, "It was cut: copy it again.")
     return form, found
-
-
-def _blocks(file: Path, lines: list[str], ends: list[int], form: _Form) -> list[Segment]:
-    """Segments: header lines up to their end mark, a line of titles, rows of numbers."""
-    found: list[Segment] = []
-    now = Segment({}, [], [])
-    special = headed = False
-    i = ends[0] + 1
-    while i < len(lines):
-        line = lines[i]
-        head = line.startswith("Channels" + form.separator)
-        if line.startswith(_START_SPECIAL) or special:
-            special = not line.startswith(_END_SPECIAL)
-        elif head or not line.strip(form.separator + " "):  # a blank line ends a packet
-            found += [now] if now.rows else []
-            now = now._replace(rows=[])
-            if head:
-                end = next((at for at in ends if at > i), None)
-                if end is None:
-                    got = f"whose segment header in line {i + 1} has no end"
-                    unsuitable(file, got, _WANTED_LVM, "It was cut.")
-                tags = {name: values for name, *values in map(form.fields, lines[i:end])}
-                now, headed, i = Segment(tags, [], []), True, end
-        elif headed and not now.titles and not form.is_row(line):
-            now = now._replace(titles=form.fields(line))
-        else:
-            now.rows.append((i + 1, form.fields(line)))
-        i += 1
-    return [*found, now] if now.rows else found
-
-
-def _count(segment: Segment, form: _Form) -> int:
-    """How many channels: by the header, else by the titles, else by the first row."""
-    stated = segment.tags.get("Channels", [""])[0]
-    if stated.isdecimal() and 0 < int(stated) <= 100_000:
-        return int(stated)
-    parts = segment.titles or segment.rows[0][1]
-    parts = parts[:-1] if segment.titles and parts[-1] == "Comment" else parts
-    return max(len(parts) // 2 if form.columns == "multi" else len(parts) - 1, 1)
-
-
-def _column(file: Path, form: _Form, segment: Segment, c: int, most: float) -> tuple[Any, Any]:
-    """Abscissae, if there are any, and values of a channel, which may be shorter than others."""
-    place, before = (2 * c + 1, 2 * c) if form.columns == "multi" else (c + 1, 0)
-    x: list[float] = []
-    values: list[float] = []
-    ended = False
-    for number, parts in segment.rows:
-        if place >= len(parts) or not parts[place]:
-            ended = True
-            continue
-        wrong = f"a value of channel {c + 1} after an empty one" if ended else ""
-        if len(values) >= most:
-            wrong = f"a value more than the {most} of its channel {c + 1}"
-        try:
-            values.append(form.number(parts[place]))
-            x += [] if form.columns == "no" else [form.number(parts[before])]
-        except ValueError:
-            wrong = wrong or f"{form.separator.join(parts).strip()[:50]!r}"
-        if wrong:
-            wanted, remedy = "rows of numbers", "Correct or remove that line."
-            unsuitable(file, f"whose line {number} has {wrong}", wanted, remedy)
-    return None if form.columns == "no" else np.array(x), np.array(values)
 
 
 @reader
@@ -432,13 +364,12 @@ def read_lvm(
     Examples
     --------
     >>> import pathlib, tempfile, antires_rs as ar
-    >>> lines = ["LabVIEW Measurement", "Separator\\tTab", "X_Columns\\tNo", "***End_of_Header***", "",
-    ...          "Channels\\t1", "Samples\\t3", "Y_Unit_Label\\tg", "Delta_X\\t0.01", "***End_of_Header***",
-    ...          "X_Value\\ttip\\tComment", "\\t1.0\\ta knock", "\\t2.0", "\\t4.0", ""]
+    >>> text = "LabVIEW Measurement\\nX_Columns\\tNo\\n***End_of_Header***\\n\\nChannels\\t1\\n"
+    >>> text += "Delta_X\\t0.01\\n***End_of_Header***\\nX_Value\\ttip\\n\\t1.0\\n\\t2.0\\n\\t4.0\\n"
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "a.lvm")
-    ...     _ = file.write_text("\\n".join(lines))
-    ...     ar.read_lvm(file)
+    ...     _ = file.write_text(text)
+    ...     ar.read_lvm(file, unit="g")
     Recording(1 channels, 0.03 s at 100 Hz, dofs=('tip',), no force)
     """
     file, given = opened(read_lvm, path, options)
@@ -453,31 +384,44 @@ def read_lvm(
 
 def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: float | None) -> list[Channel]:
     """Channels of one segment, each with its own rate and start."""
-    titles, stated = segment.titles, [int(n) for n in segment.tags.get("Samples", []) if n.isdecimal()]
-    made: list[tuple[str, Any, Any]] = []
-    for c in range(_count(segment, form)):
-        place = 2 * c + 1 if form.columns == "multi" else c + 1
-        most = stated[c] if c < len(stated) else math.inf
+    (tags, titles, rows), multi = segment, form.columns == "multi"
+    count = "".join(tags.get("Channels", [""])[:1])
+    width = len(titles or rows[0]) - (titles[-1:] == ["Comment"])
+    n = (
+        int(count)
+        if count.isdecimal() and 0 < int(count) <= 100_000
+        else max(width // (1 + multi) - 1 + multi, 1)
+    )
+    stated = [int(size) for size in tags.get("Samples", []) if size.isdecimal()]
+    made: list[Channel] = []
+    for c in range(n):
+        place, before = (2 * c + 1, 2 * c) if multi else (c + 1, 0)
         name = titles[place] if place < len(titles) and titles[place] else f"channel {c + 1}"
-        x, values = _column(file, form, segment, c, most)
-        made.append((name, x, values))
-        if values.size < most < math.inf:
-            found = f"{name!r} has {values.size} of {most} samples"
-            missing_part(file, found, _WANTED_LVM, partial, int(values.size))
+        cells = [row[place] if place < len(row) else "" for row in rows]
+        while cells and not cells[-1]:  # channels may be shorter than others
+            cells.pop()
+        try:
+            values = form.numbers(cells)
+            x = None if form.columns == "no" else form.numbers(row[before] for row in rows[: len(cells)])
+        except ValueError as exc:
+            found, remedy = f"whose {name!r} has what is no number ({exc})", "Correct or remove that line."
+            unsuitable(file, found, "rows of numbers", remedy)
+        if c < len(stated) and values.size != stated[c]:
+            found = f"{name!r} has {values.size} of {stated[c]} samples"
+            missing_part(file, found, _WANTED_LVM, partial, values.size if values.size < stated[c] else 0)
+        own = {key: "".join(each[c : c + 1]) for key, each in tags.items()}
+        made.append(_channel(file, name, x, values, own, fs_hz))
+    shortest = min(c.values.size for c in made)
     if partial:  # a row that was cut leaves its last channels shorter
-        shortest = min(values.size for _, _, values in made)
-        made = [(name, None if x is None else x[:shortest], values[:shortest]) for name, x, values in made]
-    if min(values.size for _, _, values in made) == 0:
-        unsuitable(file, "with a channel without samples", _WANTED_LVM, "Export it again.")
-    if not all(np.isfinite(values).all() for _, _, values in made):
-        remedy = "Cut out the part without them."
-        unsuitable(file, "with values that are not finite", "finite numbers", remedy)
-    kinds = {kind.lower() for kind in segment.tags.get("X_Dimension", [])} - {"", "time"}
+        made = [replace(c, values=c.values[:shortest]) for c in made]
+    if shortest == 0 or not all(np.isfinite(c.values).all() for c in made):
+        found = "with values that are not finite" if shortest else "with a channel without samples"
+        unsuitable(file, found, "finite numbers", "Export it again, or cut out the part without them.")
+    kinds = {kind.lower() for kind in tags.get("X_Dimension", [])} - {"", "time"}
     if kinds:
         over = f"lies over {', '.join(sorted(kinds))}, as its X_Dimension says"
         warn("not_over_time", f"path: {str(file)!r} {over}; it is read as a record over time.")
-    tags = [{key: "".join(of[c : c + 1]) for key, of in segment.tags.items()} for c in range(len(made))]
-    return [_channel(file, *each, own, fs_hz) for each, own in zip(made, tags, strict=True)]
+    return made
 
 
 def _channel(
@@ -485,36 +429,35 @@ def _channel(
 ) -> Channel:
     """A channel with what its tags or its abscissae say of rate and start."""
     step, offset = stated_number(tags.get("Delta_X", "")), stated_number(tags.get("X0", "")) or 0.0
+    step = step if step is not None and step > 0.0 else None
     if x is not None and x.size > 1 and np.isfinite(x).all() and fs_hz is None:
         rate = rate_of(file, x, digits=1e-6 if step is None else 1e-5)
-        if step is not None and step > 0.0 and abs(rate * step - 1.0) > 1e-3:
+        if step is not None and abs(rate * step - 1.0) > 1e-3:
             found = f"whose {name!r} has a Delta_X of {step:g} s and instants at {rate:g} Hz"
             unsuitable(file, found, "one rate", "Give the true one by fs_hz=.")
-        step = step if step is not None and step > 0.0 else 1.0 / rate
-        offset = float(x[0])
+        step, offset = step or 1.0 / rate, float(x[0])
     start = " ".join(tags[key] for key in ("Date", "Time") if key in tags)
     return Channel(name, values, tags.get("Y_Unit_Label", ""), step, start, offset)
 
 
 def _joined(file: Path, made: list[list[Channel]], n_segments: int) -> list[Channel]:
     """Segments that follow each other without a gap as one record."""
-
-    def apart(number: int, why: str) -> None:
-        found = f"whose segment {number} of {n_segments} does not follow the one before: {why}"
-        unsuitable(file, found, "one record without gaps", choose_run(n_segments))
-
     joined = list(made[0])
     for number, segment in enumerate(made[1:], start=2):
-        if [c.name for c in segment] != [c.name for c in joined]:
-            apart(number, "it has other channels")
-        for i, (before, after) in enumerate(zip(joined, segment, strict=True)):
+        why = "" if [c.name for c in segment] == [c.name for c in joined] else "it has other channels"
+        for before, after in zip(joined, segment, strict=False):
             step = before.step_s or 0.0
-            gap = _begun(after, before) - step * before.values.size
             if not step or after.step_s is None or abs(after.step_s - step) > 1e-9 * step:
-                apart(number, "it has another rate")
+                why = why or "it has another rate"
+                continue
+            gap = _begun(after, before) - step * before.values.size
             if abs(gap) > 0.1 * step:
-                apart(number, f"it begins {gap:+.4g} s after the end of the one before")
-            joined[i] = replace(before, values=np.concatenate([before.values, after.values]))
+                why = why or f"it begins {gap:+.4g} s after the end of the one before"
+        if why:
+            found = f"whose segment {number} of {n_segments} does not follow the one before: {why}"
+            unsuitable(file, found, "one record without gaps", choose_run(n_segments))
+        pairs = zip(joined, segment, strict=True)
+        joined = [replace(a, values=np.concatenate([a.values, b.values])) for a, b in pairs]
     return joined
 
 
@@ -523,11 +466,6 @@ def _begun(after: Channel, before: Channel) -> float:
     apart = after.offset_s - before.offset_s
     if apart == 0.0 and after.start and before.start:  # every segment counts from its own start
         with suppress(ValueError):
-            return (_instant(after.start) - _instant(before.start)).total_seconds()
+            end, start = (datetime.fromisoformat(c.start.replace("/", "-")) for c in (after, before))
+            return (end - start).total_seconds()
     return apart
-
-
-def _instant(text: str) -> datetime:
-    """``2015/10/03 12:31:22.1234567`` to microseconds."""
-    whole, _, part = text.replace(",", ".").partition(".")
-    return datetime.strptime(f"{whole}.{(part + '000000')[:6]}", "%Y/%m/%d %H:%M:%S.%f")

@@ -16,8 +16,9 @@ from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, shape_of
 from .channels import kept, renamed
-from .common import Dofs, PathLike, Signal, existing_file, unsuitable
+from .common import Signal, existing_file, unsuitable
 from .hdf5_mat import read_hdf5, read_mat
+from .options import Dofs, PathLike
 from .own_format import read_npz
 from .recorders import read_lvm, read_miniseed, read_tdms, read_wav
 from .table_files import read_csv, read_excel, read_parquet
@@ -132,10 +133,10 @@ def read_frf_files(
     Raises
     ------
     UnsuitableDataError
-        A file with several responses, or none over frequency; one whose frequencies differ from those of the
-        others, which is named; several formats in one folder.
+        A file with several responses, none over frequency, or other frequencies than the others, which is
+        named.
     InvalidInputError
-        Options that do not fit, or two files of one dof.
+        Options that do not fit, several formats in one folder, or two files of one dof.
     FileNotFoundError
         There is none.
 
@@ -146,9 +147,8 @@ def read_frf_files(
     ...     for point in (2, 10):
     ...         text = "Frequency [Hz],Magnitude [dB],Phase [deg]\\n1,0,0\\n2,20,90\\n"
     ...         _ = pathlib.Path(folder, f"FRF_{point}.csv").write_text(text)
-    ...     response = ar.read_frf_files(folder)
-    >>> response.dofs, response.values[0].round(3).tolist()
-    ((2, 10), [(1+0j), 10j])
+    ...     ar.read_frf_files(folder).dofs
+    (2, 10)
     """
     paths = _paths(files, pattern, format)
     if format is None:
@@ -223,11 +223,9 @@ def _check_axes(paths: list[Path], read: list[FrequencyResponse]) -> None:
 
     groups: list[list[int]] = []
     for i, one in enumerate(read):
-        group = next((g for g in groups if alike(read[g[0]], one)), None)
-        if group is None:
-            groups.append([i])
-        else:
-            group.append(i)
+        same = next((group for group in groups if alike(read[group[0]], one)), [])
+        groups += [] if same else [same]
+        same.append(i)
     most = max(groups, key=len)
     if len(groups) > 1:
         odd, usual = next(g[0] for g in groups if g is not most), most[0]

@@ -17,23 +17,13 @@ from ..signals.recording import Recording
 from ..support.checks import choice
 from ..support.files import write_atomically
 from ._child import Answer, Unfit, answer, asked, called, room
-from .channels import Channel, in_si, named_unit, recording_of, si_unit
+from .channels import Channel, recording_of
 from .child_process import Limits, channels_of_child
-from .common import (
-    OfColumns,
-    PathLike,
-    Reading,
-    Signal,
-    missing_part,
-    opened,
-    parts_of,
-    reader,
-    require,
-    unsuitable,
-    writer,
-)
+from .common import Signal, missing_part, parts_of, require, unsuitable
+from .options import OfColumns, PathLike, Reading, opened, reader, writer
 from .own_format import as_asked, check_dofs
 from .text_table import MARK, VERSION, Table, named, signal_of_table, table_of
+from .units import Unit
 
 
 @reader
@@ -54,11 +44,10 @@ def read_csv(
     path : path-like
         Separated by commas, semicolons, tabs or spaces; lines beginning with # or % are comments. The last of
         a few lines of text before the numbers names the columns, ``tip [g]``; a line of units may follow it.
-        Time may be in ms, us, min or h too, in ms, us or ns since 1970, or instants such as
-        ``2026-05-04 12:30:00.001``; frequency in kHz. A first column that counts the rows is left out.
-        Complex columns are ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``;
-        or, over frequency, ``Magnitude [g/N]`` (``[dB]``), ``Phase [deg]`` (``[rad]``). UTF-8, UTF-16 or
-        Latin-1.
+        Time may be in ms, us, min or h, in ms, us or ns since 1970, or instants such as ``2026-05-04
+        12:30:00.001``; frequency in kHz. A first column that counts the rows is left out. Complex columns are
+        ``1.5-0.2j`` (or i), or pairs ``re(tip)``, ``im(tip)``; ``Real``, ``Imaginary``; or, over frequency,
+        ``Magnitude [g/N]`` (``[dB]``), ``Phase [deg]`` (``[rad]``). UTF-8, UTF-16 or Latin-1.
     delimiter, decimal : str, optional
         Between columns, and the decimal sign ("." or ","). By default what the numbers show.
 
@@ -73,9 +62,8 @@ def read_csv(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "run.csv")
     ...     _ = file.write_text("time [s];tip [g];hammer [N]\\n0;1,0;5\\n0,5;-0,5;0\\n1;0,25;0\\n")
-    ...     record = ar.read_csv(file)
-    >>> record, record.responses[0].tolist()
-    (Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), with force), [9.80665, -4.903325, 2.4516625])
+    ...     ar.read_csv(file)
+    Recording(1 channels, 1.5 s at 2 Hz, dofs=('tip',), with force)
     """
     file, given = opened(read_csv, path, options)
     table = table_of(file, delimiter, decimal)
@@ -107,7 +95,7 @@ def _own(file: Path, table: Table) -> Signal:
             return recording_of(file, channels, float(head["fs_hz"]), Reading())
         values = columns[1 : 2 * n + 1 : 2] + 1j * columns[2 : 2 * n + 2 : 2]
         rest = columns[2 * n + 1 :].reshape(-1, n, columns.shape[1])
-        values = in_si(values, named_unit("unit", head["unit"]))
+        values = Unit.named(head["unit"]).in_si(values)
         more = {"n_averages": head["n_averages"], **dict(zip(head["more"], rest, strict=True))}
         return FrequencyResponse(columns[0], values, dofs, head["kind"], head["reference"], **more)
 
@@ -151,7 +139,7 @@ def write_csv(path: PathLike, signal: Signal, *, unit: str | None = None, delimi
         for name in more:
             columns += list(getattr(signal, name))
             names += [f"{name}({dof})" for dof in dofs]
-    si_unit("unit", unit)
+    Unit.written(unit)
     # The names are for the eye; the header has the dofs in full.
     shown = ("".join("_" if c in (delimiter, "\n", "\r", '"') else c for c in name) for name in names)
     lines = [
@@ -324,17 +312,15 @@ def columns_of_excel(path: str, request: dict[str, Any]) -> Answer:
     if not rows:
         raise Unfit(f"the sheet {sheet.title!r} has no row of numbers (the sheets are {called(names)})")
     made = []
-    for i in range(len(rows[0])):
-        each = [row[i] for row in rows]
-        name = f"column {i + 1}"
+    for i, each in enumerate(zip(*rows, strict=True), start=1):
+        own: Any = np.array(each, dtype=object)
         if all(isinstance(v, datetime.datetime) for v in each):
-            made.append(column(name, np.array(each, dtype="datetime64[ns]")))
+            own = own.astype("datetime64[ns]")
         elif all(isinstance(v, datetime.time) for v in each):
-            day = datetime.datetime.min
-            seconds = [datetime.datetime.combine(day, at.replace(tzinfo=None)) - day for at in each]
-            made.append(column(name, np.array(seconds, dtype="timedelta64[us]")))
-        else:
-            made.append(column(name, np.array(each, dtype=object)))
+            day = datetime.date(1970, 1, 1)
+            clock = [datetime.datetime.combine(day, at.replace(tzinfo=None)) for at in each]
+            own = np.array(clock, dtype="datetime64[ns]")
+        made.append(column(f"column {i}", own))
     return answer(made, head=head[-3:])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,18 +18,11 @@ from ..exceptions import UnsuitableDataError, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import choice, finite_scalar
 from ..support.messages import warn
-from .channels import (
-    Channel,
-    abscissa_factor,
-    is_abscissa,
-    is_frequency,
-    parse_unit,
-    recording_of,
-    response_of,
-    warn_other_rate,
-)
-from .common import Reading, Signal, rate_of, unsuitable
+from .channels import Channel, recording_of, response_of, warn_other_rate
+from .common import Signal, rate_of, unsuitable
+from .options import Reading
 from .raw_arrays import given_lines
+from .units import Unit, abscissa_factor, is_abscissa, is_frequency
 
 # -- Columns of text that are one complex response together: two parts of it, or magnitude and phase
 
@@ -53,11 +47,16 @@ _PER_TURN = {"deg": np.pi / 180.0, "rad": 1.0}
 
 
 class Part(NamedTuple):
-    """One column: which part it is, of which response, in which unit."""
+    """One column: which part it is ('' for none), of which response, in which unit."""
 
     part: str
     base: str
     unit: str
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the unit says how the part is written, not what it measures."""
+        return is_part_unit(self.unit) or self.unit.strip().lower() in _LINEAR
 
 
 def is_part_unit(text: str) -> bool:
@@ -65,11 +64,11 @@ def is_part_unit(text: str) -> bool:
     return text.strip().lower() in _ANGLES or _is_level(text)
 
 
-def part_of(name: str, unit: str = "") -> Part | None:
-    """What the name of a column says; None for any other."""
+def part_of(name: str, unit: str = "") -> Part:
+    """What the name of a column says."""
     match = _NAME.match(name.strip())
     if match is None:
-        return None
+        return Part("", name, unit)
     base = (match["b1"] or match["b2"] or "").strip()
     if base and not unit and is_part_unit(base):
         base, unit = "", base
@@ -89,38 +88,30 @@ def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: boo
     while rest:
         column = rest.pop(0)
         here, after = (part_of(c.name, c.unit) for c in (column, rest[0] if rest else Channel("", ())))
-        named = here is not None and after is not None and here.base == after.base
-        kinds = (here.part, after.part) if named and here and after else None
-        kind = ""
+        kinds, kind = (here.part, after.part) if here.base == after.base else ("", ""), ""
         if pairs is not None and out:
             kind = pairs
         elif kinds == ("re", "im"):
             kind = "real_imag"
-        elif kinds == ("mag", "phase") and over_freq and here and after:
-            kind = _pair_of(file, column.name, here.unit, rest[0].name, after.unit)
+        elif kinds == ("mag", "phase") and over_freq:
+            kind = _pair_of(file, column.name, here, after)
         if kind:
-            plain = here is not None and (is_part_unit(here.unit) or here.unit.lower() in _LINEAR)
-            unit = "" if kind.startswith("db") or plain else column.unit
-            name = column.name if here is None else here.base if named else ""
+            unit = "" if kind.startswith("db") or here.is_plain else column.unit
+            name = here.base if all(kinds) or not here.part else ""
             column = Channel(name, _complex(kind, column.values, rest.pop(0).values), unit)
         out.append(column)
     return out
 
 
-def _pair_of(file: Path, level_name: str, level: str, angle_name: str, angle: str) -> str:
+def _pair_of(file: Path, name: str, level: Part, angle: Part) -> str:
     """Which of ``PAIRS`` a magnitude and a phase are, by their units."""
-    turn = _ANGLES.get(angle.strip().lower())
-    unit = parse_unit(level)
-    size = "db" if _is_level(level) else ""
-    if not size and (level.strip().lower() in _LINEAR or (unit is not None and unit.quantity)):
-        size = "magnitude"
+    turn, linear = _ANGLES.get(angle.unit.strip().lower()), level.is_plain or Unit.of(level.unit).quantity
+    size = "db" if _is_level(level.unit) else "magnitude" if linear else ""
     if not turn or not size:
-        lacks = [f"the unit of {angle_name!r}"] * (not turn)
-        lacks += [f"whether {level_name!r} is in dB"] * (not size)
+        lacks = ["the unit of the phase"] * (not turn) + ["whether it is in dB"] * (not size)
+        found = f"which does not tell of {name!r} {' nor '.join(lacks)}"
         wanted = "headers such as 'Magnitude [g/N]' or 'Magnitude [dB]' and 'Phase [deg]' or 'Phase [rad]'"
-        *some, last = (f"pairs={kind!r}" for kind in PAIRS[1:])
-        remedy = f"Pass {', '.join(some)} or {last}."
-        unsuitable(file, f"which does not tell {' nor '.join(lacks)}", wanted, remedy)
+        unsuitable(file, found, wanted, f"Pass pairs= as one of {', '.join(PAIRS[1:])}.")
     return f"{size}_{turn}"
 
 
@@ -136,90 +127,51 @@ def _is_level(text: str) -> bool:
     return text.strip().lower().startswith("db")
 
 
-# -- Rows of text that begin with an instant, or with a count before it
+# -- Instants in the first column, or in the second behind the number of the row
 
-#: Lines in which the first row of numbers is looked for.
+#: Rows in which the first instant is looked for.
 _HEAD = 200
 
 #: An instant, as ISO 8601 has it, or with slashes.
 _INSTANT = re.compile(
-    r"^\"?(\d{4})[-/](\d\d)[-/](\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d{1,9}))?)?)?"
-    r"(Z|[+-]\d\d:?\d\d)?\"?$"
+    r"(\d{4})[-/](\d\d)[-/](\d\d)(?:[T ](\d\d:\d\d)(?::(\d\d)(?:[.,](\d{1,9}))?)?)?(Z|[+-]\d\d:?\d\d)?\Z"
 )
 
 
-def without_count(body: list[str], between: str | None) -> list[str]:
-    """Rows without the number of the row where that stands before an instant; others stay as they are."""
-
-    def second_is_instant(line: str) -> bool:
-        field, rest = _first_field(line, between)
-        return field.isdecimal() and bool(_INSTANT.match(_first_field(_bare(rest, between), between)[0]))
-
-    start = next((i for i, line in enumerate(body[:_HEAD]) if second_is_instant(line)), None)
-    if start is None:
-        return body
-    split = [_first_field(line, between) for line in body]
-    numbers = [field for field, _ in split[start:]]
-    if not all(number.isdecimal() for number in numbers[:-1]):  # the last row may be cut
-        return body
-    steps = zip(numbers[:-1], numbers[1:-1], strict=False)
-    if any(int(after) != int(before) + 1 for before, after in steps):
-        return body
-    width = body[start].count(between or " ")
-    headed = [line.count(between or " ") == width for line in body[:start]]
-    counted = [*headed, *[True] * (len(body) - start)]
-    rows = zip(body, split, counted, strict=True)
-    return [_bare(rest, between) if one else line for line, (_, rest), one in rows]
-
-
-def _bare(rest: str, between: str | None) -> str:
-    """What follows a field, without its delimiter."""
-    return rest.lstrip() if between is None else rest[len(between) :]
-
-
-def without_instants(file: Path, body: list[str], between: str | None) -> tuple[list[str], str]:
-    """Rows with the time since the first instant in its place, and its unit, as fine as they were written."""
-    rows = [(i, *_first_field(line, between)) for i, line in enumerate(body)]
-    found = [(i, match, rest) for i, field, rest in rows if (match := _INSTANT.match(field))]
-    if not found:
-        return body, ""
-    start = found[0][0]
-    there = {i for i, _, _ in found}
-    odd = next((i for i in range(start, len(body) - 1) if i not in there), None)
+def _instants_as_time(file: Path, rows: list[list[str]]) -> tuple[int | None, str]:
+    """Put the time since the first instant, as fine as it was written, in its place; its column and unit."""
+    there = (c for row in rows[:_HEAD] for c, text in enumerate(row[:2]) if _INSTANT.match(text))
+    column = next(there, None)
+    if column is None:
+        return None, ""
+    told = ((i, _INSTANT.match(row[column])) for i, row in enumerate(rows) if len(row) > column)
+    found = {i: match for i, match in told if match}
+    start = min(found)
+    odd = next((i for i in range(start, len(rows) - 1) if i not in found), None)
     if odd is not None:
-        got = f"whose row {odd - start + 1} has {rows[odd][1][:40]!r} where others have an instant"
-        unsuitable(file, got, "instants in the first column", "Correct or remove that row.")
-    digits = max(len(match[7] or "") for _, match, _ in found)
+        got = (
+            f"whose row {odd - start + 1}, {' '.join(rows[odd])[:40]!r}, has no instant where others have one"
+        )
+        unsuitable(file, got, "an instant in every row", "Correct or remove that row.")
+    digits = max(len(match[6] or "") for match in found.values())
     unit, per_s = next((u, n) for u, n in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9)) if digits <= n)
-    made, first = list(body), None
-    for i, match, rest in found:
-        try:
-            at = _instant(match)
-        except ValueError:
-            wanted = "days and times that exist"
-            unsuitable(file, f"with the instant {match[0]!r}", wanted, "Correct that row.")
-        first = at if first is None else first
-        made[i] = f"{int((at - first) / np.timedelta64(1, 'ns')) // 10 ** (9 - per_s)}{rest}"
-    return made, unit
-
-
-def _first_field(line: str, between: str | None) -> tuple[str, str]:
-    """The first field of a line, and what follows it with its delimiter."""
-    if between is None:
-        field, _, rest = line.strip().partition(" ")
-        return field, f" {rest}"
-    field, sign, rest = line.partition(between)
-    return field.strip(), sign + rest
+    try:
+        at = {i: _instant(match) for i, match in found.items()}
+    except ValueError as exc:
+        unsuitable(file, f"with an instant that is none ({exc})", "days and times that exist", "Correct it.")
+    for i, each in at.items():
+        rows[i][column] = str(int((each - at[start]) / np.timedelta64(1, "ns")) // 10 ** (9 - per_s))
+    return column, unit
 
 
 def _instant(match: re.Match[str]) -> np.datetime64:
-    year, month, day, hour, minute, second, part, zone = match.groups()
-    clock = f"{hour or '00'}:{minute or '00'}:{second or '00'}.{(part or '0').ljust(9, '0')}"
-    at = np.datetime64(f"{year}-{month}-{day}T{clock}", "ns")
-    if zone and zone != "Z":
-        shift = np.timedelta64(int(zone[1:3]) * 60 + int(zone[-2:]), "m")
-        at = at - shift if zone[0] == "+" else at + shift
-    return at
+    year, month, day, clock, second, part, zone = match.groups()
+    time = f"{clock or '00:00'}:{second or '00'}.{(part or '').ljust(9, '0')}"
+    at = np.datetime64(f"{year}-{month}-{day}T{time}", "ns")
+    if zone in (None, "Z"):
+        return at
+    shift = np.timedelta64(int(zone[1:3]) * 60 + int(zone[-2:]), "m")
+    return at - shift if zone[0] == "+" else at + shift
 
 
 #: First line of our files.
@@ -236,7 +188,7 @@ class Table:
     """Numbers of a file, one row a line, real or complex; what is not stated is empty.
 
     ``header`` has the values of our ``# name: JSON`` lines, ``problem`` what is cut, ``digits`` the relative
-    rounding of the first two columns.
+    rounding of the first two columns, ``instants`` the column that had instants.
     """
 
     header: dict[str, Any] = field(default_factory=dict)
@@ -245,6 +197,7 @@ class Table:
     values: NDArray[Any] = field(default_factory=lambda: np.empty((0, 0)))
     problem: str = ""
     digits: tuple[float, float] = (1e-9, 1e-9)
+    instants: int | None = None
 
     def columns(self) -> list[Channel]:
         """The columns as they stand; those of complex text are complex even if real, but for the first."""
@@ -258,95 +211,90 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     """Comments, names and numbers; a last row that is cut is left out and told of."""
     text = decoded(file)
     if "\x00" in text:
-        remedy = "Export it as text: numbers in columns."
-        unsuitable(file, "with bytes that are no text", "a text file", remedy)
-    table, ended = Table(), text.endswith(("\n", "\r"))
-    lines = text.splitlines()
+        unsuitable(file, "with bytes that are no text", "a text file", "Export it as text.")
+    table, ended, lines = Table(), text.endswith("\n"), text.splitlines()
     if text.startswith(MARK):
         _header(file, lines, table)
     body = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENT)]
-    later = body[len(body) // 2 : -1] or body[:1]
-    trailing = delimiter is None and len(body) > 1 and all(map(_trails, later))
+    trailing = (
+        delimiter is None and len(body) > 1 and all(map(_trails, body[len(body) // 2 : -1] or body[:1]))
+    )
     if trailing:  # some programs end every row with a delimiter, and with it the names or not
-        whole = _trails(body[-1])
-        body = [line.rstrip()[:-1] if _trails(line) else line for line in body]
-        ended, trailing = ended and whole, not whole
-    between = delimiter
-    if (
-        between is None
-    ):  # the sign that splits most lines in the middle, one of which may be damaged; or spaces
-        sample = body[max(len(body) // 2 - 2, 0) : len(body) // 2 + 3]
-        often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in row for row in sample) > len(sample))
-        between = next(often, None)
-    body, instants = without_instants(file, without_count(body, between), between)
-    point = decimal if decimal is not None else "," if _decimal_commas(body, between) else "."
-    start = next((i for i, line in enumerate(body) if _numeric(line, between, point)), len(body))
-    if start == len(body):
-        found = f"without a row of numbers{_first_odd(body, between, point)}"
-        unsuitable(file, found, "columns of numbers", "Name the delimiter= and decimal=.")
-    rows = body[start:]
-    width = len(_split(rows[0], between))
-    for line in body[:start]:
-        parts = _split(line, between)
-        if len(parts) == width > 1 and _numeric(parts[0], None, point):  # a row, not names
-            found = f"whose row {line.strip()[:60]!r} is not numeric throughout"
+        trailing = not _trails(body[-1])
+        body, ended = [line.rstrip()[:-1] if _trails(line) else line for line in body], ended and not trailing
+    between = delimiter or _delimiter(body)
+    split = [_split(line, between) for line in body]
+    table.instants, unit = _instants_as_time(file, split)
+    point = decimal if decimal is not None else "," if _decimal_commas(split, between) else "."
+    start = next((i for i, row in enumerate(split) if _numeric(row, point)), len(split))
+    if start == len(split):
+        middle = split[len(split) // 2] if split else []
+        odd = next((f": {part[:40]!r} is none" for part in middle if not _numeric([part], point)), "")
+        found, remedy = f"without a row of numbers{odd}", "Name the delimiter= and decimal=."
+        unsuitable(file, found, "columns of numbers", remedy)
+    rows, width = split[start:], len(split[start])
+    for row in split[:start]:
+        if len(row) == width > 1 and _numeric(row[:1], point):  # a row, not names
+            found = f"whose row {' '.join(row)[:60]!r} is not numeric throughout"
             unsuitable(file, found, "numbers in every column", "Mend or remove that row.")
-    _names(table, body[:start] or _commented_names(lines, between, width), between)
+    head = body[:start] or _commented_names(lines, between, width)
+    if between is None:  # "Frequency [Hz]" is one name
+        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
+    named(table, [[part.strip('"') for part in _split(line, between)] for line in head])
     if not ended:
         # A number that lost its last digits still is one, so that only a line end proves the row whole.
-        cut = len(_split(rows[-1], between)) != width or "rows" in table.header or trailing
-        if cut:
+        if len(rows[-1]) != width or "rows" in table.header or trailing:
             rows.pop()
             stated = f" of {table.header['rows']}" if "rows" in table.header else ""
             table.problem = f"row {len(rows) + 1}{stated} is cut, {len(rows)} are whole"
         else:
             said = "has no line end after its last row, whose last number may be cut"
             warn("cut_line", f"path: {str(file)!r} {said}. If it is whole, add one.")
-    _fill(file, table, rows, between, point, width)
-    if instants:
-        table.names[:1] = ["time"] if table.names else []
-        table.units = [instants, *(table.units[1:] or [""] * (width - 1))]
+    _fill(file, table, rows, point, width)
+    if table.instants is not None:
+        table.units = table.units or [""] * width
+        table.units[table.instants] = unit
+        if table.names:
+            table.names[table.instants] = "time"
     return table
 
 
-def _fill(file: Path, table: Table, rows: list[str], between: str | None, point: str, width: int) -> None:
+def _fill(file: Path, table: Table, rows: list[list[str]], point: str, width: int) -> None:
+    """The numbers of the rows, and how they are rounded."""
     if table.names and len(table.names) != width:
         found, wanted = f"with {len(table.names)} names over {width} columns", "a name for each column"
         unsuitable(file, found, wanted, "Put names that hold the delimiter in double quotes.")
-    for i, row in enumerate(rows):
-        got = len(_split(row, between))
-        if got != width:
-            missing = ", ".join(map(repr, table.names[got : got + 5]))
-            found = f"whose row {i + 1} of numbers, {row.strip()[:60]!r}, has {got} columns"
-            wanted = f"{width}, as the first row" + (f", with {missing}" if missing else "")
-            unsuitable(file, found, wanted, "It was cut or damaged: complete or remove that row.")
+    short = next((i for i, row in enumerate(rows) if len(row) != width), None)
+    if short is not None:
+        row, n = " ".join(rows[short])[:60], len(rows[short])
+        missing = ", ".join(map(repr, table.names[n : n + 5]))
+        found = f"whose row {short + 1} of numbers, {row!r}, has {n} columns"
+        wanted = f"{width}, as the first row" + (f", with {missing}" if missing else "")
+        unsuitable(file, found, wanted, "It was cut or damaged: complete or remove that row.")
+    table.values = np.empty((0, width))
     if not rows:
-        table.values = np.empty((0, width))
         return
-    plain = "\n".join(between.join(_split(row, between)) if between and '"' in row else row for row in rows)
-    if point == ",":
-        plain = plain.replace(",", ".")
-    is_complex = bool(re.search(r"[0-9.] ?\*?[ij]\b", plain[:2000]))
-    if is_complex:
-        if between is not None:
-            plain = _SPACED.sub(r"\1\2", plain)
-        plain = re.sub(r"(?<=[0-9.])i\b", "j", plain)
+    is_complex = any(re.search(r"[0-9.] ?\*?[ij]\b", part) for row in rows[:20] for part in row)
+    kind = np.complex128 if is_complex else np.float64
+    plain: Iterable[str] = map(";".join, rows)
+    if is_complex or point == ",":
+        plain = (";".join(_plain(part, point) for part in row) for row in rows)
     try:
-        kind = np.complex128 if is_complex else np.float64
-        values = np.loadtxt(plain.splitlines(), kind, comments=None, delimiter=between, ndmin=2)
+        table.values = np.loadtxt(plain, kind, comments=None, delimiter=";", ndmin=2)
     except ValueError as exc:
         found = f"with a value that is no number ({exc})"
         unsuitable(file, found, "numbers in every column", "Correct or remove that value.")
-    table.values = values
-    digits = [_rounding(rows, c, table.values[:, c], between, point) for c in range(min(width, 2))]
+    digits = [
+        _rounding([row[c] for row in rows[:1000]], table.values[:, c], point) for c in range(min(width, 2))
+    ]
     table.digits = (digits[0], digits[-1])
 
 
-def _rounding(rows: list[str], c: int, values: NDArray[Any], between: str | None, point: str) -> float:
+def _rounding(column: list[str], values: NDArray[Any], point: str) -> float:
     """Half a unit in the last decimal place that a column ever shows, relative to its largest number."""
     places = []
-    for row in rows[:1000]:
-        match = _MANTISSA.match(_split(row, between)[c].strip())  # of the real part of a complex one
+    for text in column:
+        match = _MANTISSA.match(text)  # of the real part of a complex one
         mantissa, exponent = match.groups() if match else ("", None)
         places.append(len(mantissa.partition(point)[2]) - int(exponent or 0))
     largest = float(np.abs(values).max()) or 1.0
@@ -386,18 +334,18 @@ def _trails(line: str) -> bool:
     return line.rstrip()[-1] in ",;"
 
 
-def _first_odd(body: list[str], between: str | None, point: str) -> str:
-    """The field that is no number in the middle of the file, for an error."""
-    line = body[len(body) // 2] if body else ""
-    odd = next((part for part in _split(line, between) if not _numeric(part, None, point)), "")
-    return f": {odd.strip()[:40]!r} in {line.strip()[:60]!r} is none" if odd.strip() else ""
+def _delimiter(body: list[str]) -> str | None:
+    """The sign that splits most lines in the middle, one of which may be damaged; None for spaces."""
+    sample = body[max(len(body) // 2 - 2, 0) : len(body) // 2 + 3]
+    often = (sign for sign in ("\t", ";", ",") if 2 * sum(sign in row for row in sample) > len(sample))
+    return next(often, None)
 
 
-def _decimal_commas(body: list[str], between: str | None) -> bool:
+def _decimal_commas(rows: list[list[str]], between: str | None) -> bool:
     """Whether the numbers have commas and no points; every row is asked, as some programs print 1 for 1,0."""
 
     def any_with(sign: str) -> bool:
-        return any(sign in line and _numeric(line, between, ",") for line in body)
+        return any(any(sign in part for part in row) and _numeric(row, ",") for row in rows)
 
     return between != "," and any_with(",") and not any_with(".")
 
@@ -405,27 +353,24 @@ def _decimal_commas(body: list[str], between: str | None) -> bool:
 def _split(line: str, between: str | None) -> list[str]:
     if between is None:
         return line.split()
-    return next(csv.reader([line], delimiter=between)) if '"' in line else line.split(between)
+    parts = next(csv.reader([line], delimiter=between)) if '"' in line else line.split(between)
+    return [part.strip() for part in parts]
 
 
-def _numeric(line: str, between: str | None, point: str) -> bool:
-    parts = [p.strip().replace("i", "j") for p in _split(line, between)]
-    if between is not None and "j" in line.replace("i", "j"):
-        parts = [_SPACED.sub(r"\1\2", p) for p in parts]
+def _plain(part: str, point: str) -> str:
+    """A number as Python writes it."""
+    if part[-1:] in ("i", "j", ")"):
+        part = _SPACED.sub(r"\1\2", part).replace("i", "j")
+    return part.replace(",", ".") if point == "," else part
+
+
+def _numeric(parts: list[str], point: str) -> bool:
     try:
         for part in parts:
-            complex(part.replace(",", ".") if point == "," else part)
+            complex(_plain(part, point))
     except ValueError:
         return False
     return bool(parts)
-
-
-def _names(table: Table, head: list[str], between: str | None) -> None:
-    """Names and units of the lines of text above the numbers."""
-    if between is None:  # "Frequency [Hz]" is one name
-        head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
-    rows = [[part.strip().strip('"') for part in _split(line, between)] for line in head]
-    named(table, rows)
 
 
 def named(table: Table, rows: list[list[str]]) -> None:
@@ -436,7 +381,7 @@ def named(table: Table, rows: list[list[str]]) -> None:
     second = rows[-2] if len(rows) > 1 else []
     # A line of units under the names: every part is one, in brackets or not; those beside a time or frequency
     # may be in V or in units that are not known.
-    known = [parse_unit(part) is not None or is_abscissa(part) for part in names]
+    known = [Unit.of(part).known or is_abscissa(part) for part in names]
     if second and len(second) == len(names) and (is_abscissa(names[0]) or all(known)):
         table.names, table.units = second, [part.strip("[]() ") for part in names]
         return
@@ -444,9 +389,8 @@ def named(table: Table, rows: list[list[str]]) -> None:
     for part in names:
         match = _UNIT.match(part)
         # "re(tip)" is a part of tip; "Phase (deg)" and "Real [g/N]" have a unit.
-        unit = parse_unit(match[2]) if match else None
-        is_unit = match and (is_part_unit(match[2]) or (unit is not None and bool(unit.quantity)))
-        has_unit = match and match[1] and (part_of(part) is None or "[" in part or is_unit)
+        is_unit = match and (is_part_unit(match[2]) or Unit.of(match[2]).quantity)
+        has_unit = match and match[1] and (not part_of(part).part or "[" in part or is_unit)
         table.names.append(match[1] if match and has_unit else part)
         table.units.append(match[2] if match and has_unit else "")
 
@@ -455,8 +399,8 @@ def _commented_names(lines: list[str], between: str | None, width: int) -> list[
     """Names in the last comment above the numbers, as numpy.savetxt writes them; only if they fit."""
     first = next(i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_COMMENT))
     above = lines[first - 1].lstrip().lstrip("#%/").strip() if first else ""
-    fits = len(_split(above, between)) == width and width > 1
-    return [above] if fits and not any(_numeric(part, None, ".") for part in _split(above, between)) else []
+    parts = _split(above, between)
+    return [above] if len(parts) == width > 1 and not any(_numeric([part], ".") for part in parts) else []
 
 
 # -- Columns of a table by their names: a record over time, or responses over frequency
@@ -478,9 +422,10 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
     columns, named = table.columns(), bool(table.names)
     digits, first = table.digits[0], given.first
     name = columns[0].name
-    if first is None and _counts(columns[0].values) and (name.lower() in _INDEX or not named):
+    behind = table.instants == 1
+    if first is None and _counts(columns[0].values, behind) and (name.lower() in _INDEX or not named):
         after = columns[1] if len(columns) > 1 else None
-        timed = after and (after.name.lower() in _TIME or _says_frequency(after, named))
+        timed = after and (after.name.lower() in _TIME or _says_frequency(after, named) or behind)
         if not timed and given.fs_hz is None:
             found = f"whose first column, {name!r}, counts the rows, and no column is a time or a frequency"
             remedy = "Pass fs_hz=, or first='time' if it is the time in s."
@@ -570,8 +515,7 @@ def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:
     text = lead.unit.strip()
     if is_abscissa(text):
         return abscissa_factor(text)
-    known = parse_unit(text)
-    if known is None or known.quantity:
+    if not Unit.of(text).known or Unit.of(text).quantity:
         found = f"whose first column, {lead.name!r}, is in {text!r}"
         wanted = "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s"
         unsuitable(file, found, wanted, "Correct the unit in the header.")
@@ -580,8 +524,8 @@ def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:
     return next((factor for least, factor in _SINCE_1970 if largest >= least), 1.0)
 
 
-def _counts(values: Any) -> bool:
-    """Whether a column is 0, 1, 2, ... or 1, 2, 3, ..."""
-    if np.iscomplexobj(values) or values.size < 3 or values[0] not in (0.0, 1.0):
+def _counts(values: Any, anywhere: bool) -> bool:
+    """Whether a column is 0, 1, 2, ... or 1, 2, 3, ..., or counts from ``anywhere``."""
+    if np.iscomplexobj(values) or values.size < 3 or not (anywhere or values[0] in (0.0, 1.0)):
         return False
     return bool(np.array_equal(values, values[0] + np.arange(values.size)))

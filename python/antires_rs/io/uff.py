@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
-from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,34 +21,23 @@ from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..signals.spectra import std_of_coherence
 from ..support.checks import FloatArray, choice
-from ..support.directions import CODES, DIRECTIONS
+from ..support.directions import DIRECTIONS, point_of
 from ..support.files import write_atomically
 from ..support.messages import warn
-from .channels import (
-    Channel,
-    Unit,
-    abscissa_factor,
-    named_unit,
-    one_quantity,
-    parse_unit,
-    recording_of,
-    si_unit,
-)
+from .channels import Channel, one_quantity, recording_of, unit_or_warning
 from .common import (
-    PathLike,
-    Reading,
     Signal,
     choose_run,
     existing_file,
     missing_part,
     rate_of,
-    reader,
     refuse_real,
     simplest_rate,
     unsuitable,
-    writer,
 )
+from .options import PathLike, Reading, reader, writer
 from .own_format import check_dofs
+from .units import Unit, abscissa_factor
 
 # -- Where the datasets of a universal file begin and end, found without trusting any of them
 #
@@ -197,8 +185,6 @@ def numbers_of(data: bytes, dataset: Dataset) -> NDArray[np.float64]:
 
 # -- Names of the universal file's points: node and direction, ``12+Z``, and back
 
-_LABEL = re.compile(r"^(\d+)(S|[+-]R?[XYZ])$")
-
 #: Node and direction code.
 Point = tuple[int, int]
 
@@ -210,56 +196,48 @@ def label_of(point: Point) -> str:
 
 def as_point(argument: str, value: Any) -> Point:
     """(12, 3) of ``(12, '+Z')``, ``(12, 'Z')``, ``(12, 3)`` or ``'12+Z'``."""
-    if isinstance(value, str) and (match := _LABEL.match(value.upper())):
-        return int(match[1]), CODES[match[2]]
-    if isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], int) and value[0] >= 0:
-        direction = value[1]
-        if isinstance(direction, str):
-            for name in (direction.upper(), "+" + direction.upper()):
-                if name in CODES:
-                    return value[0], CODES[name]
-        elif direction in DIRECTIONS:
-            return value[0], int(direction)
-    wanted = "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'"
-    reject(argument, repr(value), wanted, "Directions are +X to -Z, or 1 to 6 with a sign.")
+    if isinstance(value, tuple) and len(value) == 2:
+        node, way = value
+        value = f"{node}:{DIRECTIONS.get(way, way) if isinstance(way, int) else way}"
+    point = point_of(value) if isinstance(value, str) else None
+    if point is None:
+        wanted = "a node and a direction, such as (12, '+Z'), (12, 3) or '12+Z'"
+        reject(argument, repr(value), wanted, "Directions are +X to -Z, or 1 to 6 with a sign.")
+    return point
 
 
 def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, float]]:
     """Function from a point to its dof and sign: a mapping with ``12+Z`` alone takes ``-Z`` turned round."""
     if dofs is None:
         return lambda point: (own.get(point, label_of(point)), 1.0)
-    if isinstance(dofs, Mapping):
-        table = {as_point("dofs", key): dof for key, dof in dofs.items()}
-
-        def look_up(point: Point) -> tuple[Any, float]:
-            if point in table:
-                return table[point], 1.0
-            opposite = (point[0], -point[1])
-            if opposite in table:
-                return table[opposite], -1.0
-            remedy = "Map a point to None to leave it out; antires_rs.io.list_uff shows all points."
-            reject("dofs", f"no dof for {label_of(point)}", "a dof for every response of the file", remedy)
-
-        return look_up
     if callable(dofs):
         return lambda point: (dofs(point[0], DIRECTIONS.get(point[1], "?")), 1.0)
-    wanted = "a mapping {(node, direction): dof} or a function of the two"
-    reject("dofs", type(dofs).__name__, wanted, "List the points with antires_rs.io.list_uff.")
+    if not isinstance(dofs, Mapping):
+        wanted = "a mapping {(node, direction): dof} or a function of the two"
+        reject("dofs", type(dofs).__name__, wanted, "List the points with antires_rs.io.list_uff.")
+    table = {as_point("dofs", key): dof for key, dof in dofs.items()}
+
+    def look_up(point: Point) -> tuple[Any, float]:
+        for at, sign in ((point, 1.0), ((point[0], -point[1]), -1.0)):
+            if at in table:
+                return table[at], sign
+        remedy = "Map a point to None to leave it out; antires_rs.io.list_uff shows all points."
+        reject("dofs", f"no dof for {label_of(point)}", "a dof for every response of the file", remedy)
+
+    return look_up
 
 
 def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     """Node and direction of each dof, for writing: given, read from the label, or numbered."""
     points: dict[Any, Point] = {}
-    if not (given is None or isinstance(given, Mapping) or callable(given)):
-        wanted = "a mapping {dof: (node, direction)} or a function of the dof"
-        reject("dofs", type(given).__name__, wanted, "Or name the dofs so: '12+Z'.")
     for dof in dofs:
         if isinstance(given, Mapping) and dof not in given:
             reject("dofs", f"no node and direction for {dof!r}", f"one for each of {dofs}", "Add it to dofs.")
+        own = point_of(dof) if isinstance(dof, str) else None
         if given is not None:
             points[dof] = as_point("dofs", given[dof] if isinstance(given, Mapping) else given(dof))
-        elif isinstance(dof, str) and _LABEL.match(dof):
-            points[dof] = as_point("dofs", dof)
+        elif own is not None and label_of(own) == dof:
+            points[dof] = own
         elif isinstance(dof, int) and 0 <= dof < 999_999_999:
             points[dof] = dof + 1, 0
     free = max((node for node, _ in points.values()), default=0) + 1
@@ -270,34 +248,6 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
         got = f"{label_of(twice)} for two dofs"
         reject("dofs", got, "a point of its own for each", "Give one of them another node or direction.")
     return points
-
-
-# -- Checksums of the datasets 58 that we write, in their ID line 3, which other programs do not interpret
-#
-# One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in
-# it, is believed: the checksum of the numbers counts only below a header that is as we wrote it.
-
-_LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
-#: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
-_LINES, _AT, _WIDTH = 13, 4, 80
-
-
-def checksum_line(lines: Sequence[str], numbers: bytes) -> str:
-    """ID line 3 of a set of these lines, marker first and anything in its own place, and these numbers."""
-    header = b"\n".join(line.ljust(_WIDTH).encode() for i, line in enumerate(lines) if i != _AT)
-    return f"antires_rs crc32 {crc32(header):08x} {crc32(numbers):08x}"
-
-
-def checked(data: bytes, dataset: Dataset) -> Dataset:
-    """The dataset, with a problem if it is ours and its numbers are not those that were written."""
-    *lines, numbers = data[dataset.start : dataset.stop].split(b"\n", _LINES)
-    ours = dataset.number == 58 and not dataset.problem and len(lines) == _LINES
-    stated = _LINE.match(lines.pop(_AT)) if ours else None
-    if stated is None or crc32(b"\n".join(lines)) != int(stated[1], 16):
-        return dataset
-    if crc32(numbers[: numbers.rindex(b"    -1")]) == int(stated[2], 16):
-        return dataset
-    return replace(dataset, problem="its numbers do not have the checksum in its ID line 3")
 
 
 # -- The functions of a universal file
@@ -326,10 +276,10 @@ class Function:
     values: NDArray[Any]
     #: Of the ordinate and its denominator.
     unit: str
-    reference_unit: str
-    role: str
-    even: bool
-    step: float
+    reference_unit: str = ""
+    role: str = ""
+    even: bool = False
+    step: float = 0.0
     #: Into SI by the units of dataset 164, for functions without a unit of their own.
     scale: float = 1.0
     #: Unit of the abscissa in the file, in s or Hz.
@@ -355,7 +305,7 @@ class Function:
 def functions_of(file: Path, partial: bool) -> list[Function]:
     """Every dataset 58 of a file, none lost in silence."""
     data = file.read_bytes()
-    datasets = [checked(data, dataset) for dataset in scan(data)]
+    datasets = scan(data)
     if not datasets or all(d.number == 0 for d in datasets):
         got = "without a dataset between lines '    -1'"
         unsuitable(file, got, WANTED, "It is no universal file, or was cut.")
@@ -485,17 +435,16 @@ def response_of(
     names = ("auto spectrum", "cross spectrum") if kind == "spectra" else (kind,)
     wanted = [f for f in functions if f.what in names]
     if kind == "spectra" and all(f.what == "auto spectrum" for f in wanted):
-        found = f"with {len(wanted)} auto spectra (power spectral densities), the first of {wanted[0].at}"
+        found = f"with {len(wanted)} auto spectra, the first of {wanted[0].at}, and no cross spectrum"
         instead = "time records, FRFs, or cross spectra with the auto spectrum of their reference"
-        lost = "Power spectra have lost the phase between channels, from which antiresonances are found"
-        unsuitable(file, f"{found}, and no cross spectrum", instead, f"{lost}: export one of these instead.")
+        unsuitable(file, found, instead, "Power spectra have lost the phase: export one of these instead.")
     point = _reference(file, [f for f in wanted if kind != "spectra" or f.response != f.reference], reference)
     if kind == "spectra":
         wanted, is_force = _over_auto(file, wanted, point, unit)
         kind = "frf" if is_force else "transmissibility"
     else:
         wanted = [f for f in wanted if f.reference == point]
-    beside = _beside(file, functions, point, {f.response for f in wanted})
+    beside = [f for f in functions if f.what == "coherence" and f.reference == point]
     lines = frequencies(wanted[0])
     for f in (*wanted, *beside):
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
@@ -504,10 +453,10 @@ def response_of(
     refuse_real(file, [(f"{f.what} of {f.at}", f.values) for f in wanted])
     if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
         kept_ones = [f for f in wanted if named(f.response)[0] is not None]
-        kinds = [(f.at, (parse_unit(f.unit) or Unit()).quantity) for f in kept_ones]
+        kinds = [(f.at, Unit.of(f.unit).quantity) for f in kept_ones]
         one_quantity(file, [(label, each, each or "in no known unit") for label, each in kinds])
     rows = {f.response: _values(file, f, unit) for f in wanted}
-    coherence = _coherence(file, rows, beside)
+    coherence = _coherence(file, functions, point, rows)
     if kind == "transmissibility" and point not in rows:
         rows[point] = np.ones(lines.size, dtype=np.complex128)
         if coherence is not None:
@@ -546,94 +495,72 @@ def half_digit(value: float, unit: float = 1.0) -> float:
 
 def _reference(file: Path, functions: list[Function], given: Any) -> Point:
     points = list(dict.fromkeys(f.reference for f in functions))
-    found = f"with the references {', '.join(map(label_of, points)) or 'none'}"
-    if given is not None:
-        point = as_point("reference", given)
-        if point not in points:
-            unsuitable(file, found, f"reference={label_of(point)!r}", "Pass one of them.")
-        return point
-    if len(points) == 1:
-        return points[0]
-    responses = {f.response for f in functions}
+    chosen = points if given is None else [p for p in points if p == as_point("reference", given)]
+    if len(chosen) == 1:
+        return chosen[0]
+    responses = {f.at for f in functions}
     remedy = "Choose it by reference=."
-    if not responses:
-        remedy = "Export the functions with their references."
-    elif len(responses) == 1:
-        stayed = f"roving={label_of(responses.pop())!r}"
+    if given is None and len(responses) == 1:
+        stayed = f"roving={responses.pop()!r}"
         remedy = f"If the hammer roved and this sensor stayed, pass {stayed}; else choose one by reference=."
-    unsuitable(file, found, "one", remedy)
+    found = f"with the references {', '.join(map(label_of, points)) or 'none'}"
+    unsuitable(file, found, "one" if given is None else f"reference={given!r}", remedy)
 
 
 def _values(file: Path, f: Function, unit: str | None) -> NDArray[Any]:
     """Values in SI."""
     if unit is not None:
-        factor = named_unit("unit", unit).factor
+        factor = Unit.named(unit).factor
     else:
-        above, below = parse_unit(f.unit), parse_unit(f.reference_unit)
-        if above is None or below is None:
-            odd = f.unit if above is None else f.reference_unit
-            said = f"has {f.at} in {odd!r}, which is no unit known here; its values are as in the file"
-            warn("unknown_unit", f"path: {str(file)!r} {said}. Name unit= to convert them.")
-        above, below = above or Unit(), below or Unit()
+        above, below = (unit_or_warning(file, text) for text in (f.unit, f.reference_unit))
         # Some programs write the whole quotient into the numerator's label.
         factor = f.scale * above.factor / (1.0 if above.per else below.factor)
-    values = f.values.astype(np.complex128)
+    values: NDArray[Any] = f.values.astype(np.complex128)
     return values if factor == 1.0 else values * factor
 
 
-def _beside(file: Path, functions: list[Function], point: Point, responses: set[Point]) -> list[Function]:
-    """Coherences with the reference; a warning names those that may have been meant to be."""
+def _coherence(
+    file: Path, functions: list[Function], point: Point, rows: dict[Point, Any]
+) -> dict[Point, FloatArray] | None:
+    """Coherences of these rows with the reference; those of no function, or of some rows, are told of."""
     coherences = [f for f in functions if f.what == "coherence"]
-    own = {f.reference for f in functions if f.what in ("frf", "transmissibility", "cross spectrum")}
-    near = {(0, 0), (point[0], -point[1])} - own  # those with a reference of other functions belong to them
-    turned = {(node, -way) for node, way in responses} - responses
-    pairs = {(p, k) for p in responses | turned for k in near} | {(p, point) for p in turned}
-    odd = [f.place for f in coherences if (f.response, f.reference) in pairs]
-    if odd:
-        said = f"has coherences of other points than its functions, {', '.join(odd)}; they are left out"
-        wanted = f"Wanted are the directions of the functions and the reference {label_of(point)}"
-        warn("coherence_left_out", f"path: {str(file)!r} {said}. {wanted}.")
-    return [f for f in coherences if f.reference == point]
-
-
-def _coherence(file: Path, rows: dict[Point, Any], beside: list[Function]) -> dict[Point, FloatArray] | None:
-    found = {f.response: f.values.real for f in beside if f.response in rows}
-    lost = [p for p in rows if p not in found]
-    if found and lost:
-        some = f"{len(found)} of {len(rows)} responses, not of {', '.join(map(label_of, lost))}"
-        warn("coherence_left_out", f"path: {str(file)!r} has coherences of {some}; they are left out.")
+    pairs = {(f.response, f.reference) for f in functions if f.what != "coherence"} | {(point, point)}
+    odd = [f.place for f in coherences if (f.response, f.reference) not in pairs]
+    found = {f.response: f.values.real for f in coherences if f.reference == point and f.response in rows}
+    lost = [label_of(p) for p in rows if p not in found] if found else []
+    said = f"of other points than its functions, {', '.join(odd)}" if odd else ""
+    said = f"of {len(found)} of {len(rows)} responses, not of {', '.join(lost)}" if lost else said
+    if said:
+        wanted = f"Wanted are those of the functions' directions with the reference {label_of(point)}"
+        warn("coherence_left_out", f"path: {str(file)!r} has coherences {said}; they are left out. {wanted}.")
     return found if found and not lost else None
 
 
 def _over_auto(
     file: Path, spectra: list[Function], point: Point, unit: str | None
 ) -> tuple[list[Function], bool]:
-    """Cross spectra over the auto spectrum of their reference."""
-    auto = [f for f in spectra if f.what == "auto spectrum" and f.response == point]
-    autos = [f for f in auto if f.reference in (point, (0, 0))]
-    cross = [f for f in spectra if f.what == "cross spectrum" and f.reference == point]
-    crosses = [f for f in cross if f.response != point]
+    """Cross spectra over the auto spectrum of their reference, and whether that is a force."""
+    autos = [f for f in spectra if f.what == "auto spectrum" and f.response == point]
+    autos = [f for f in autos if f.reference in (point, (0, 0))]
+    crosses = [f for f in spectra if f.what == "cross spectrum" and f.reference == point != f.response]
     if len(autos) != 1 or not crosses:
-        found = f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of the reference"
+        found = f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of {label_of(point)}"
         wanted = "cross spectra, and one auto spectrum of their reference"
-        remedy = "Export the auto spectrum of the reference with its cross spectra."
-        unsuitable(file, f"{found} {label_of(point)}", wanted, remedy)
+        unsuitable(file, found, wanted, "Export the auto spectrum of the reference with its cross spectra.")
     power = autos[0].values.real
     if power.min() <= 0.0:
         found = f"with an auto spectrum of {label_of(point)} that is not positive everywhere"
         unsuitable(file, found, "a positive one", "Check the reference channel: it was dead at some lines.")
     single = autos[0].unit or crosses[0].reference_unit
-    is_force = autos[0].role == "force" or (parse_unit(single) or Unit()).quantity == "force"
+    is_force = autos[0].role == "force" or Unit.of(single).quantity == "force"
     if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
         found = "with spectra without units where dataset 164 names others than SI"
         unsuitable(file, found, "the unit of their quotient", "Pass unit=, such as 'mm/s2/N'.")
-    made = []
-    for f in crosses:
-        if f.values.shape != power.shape:
-            found = f"with {f.values.size} lines at {f.at} and {power.size} of the reference"
-            unsuitable(file, found, "one frequency axis", "Export all spectra over the same lines.")
-        made.append(replace(f, values=f.values / power, reference_unit=single, scale=1.0))
-    return made, is_force
+    odd = next((f for f in crosses if f.values.shape != power.shape), None)
+    if odd is not None:
+        found = f"with {odd.values.size} lines at {odd.at} and {power.size} of the reference"
+        unsuitable(file, found, "one frequency axis", "Export all spectra over the same lines.")
+    return [replace(f, values=f.values / power, reference_unit=single, scale=1.0) for f in crosses], is_force
 
 
 # -- FRFs of a hammer that roved while a sensor stayed, as those of a force at the sensor
@@ -649,50 +576,42 @@ def roved(file: Path, functions: list[Function], sensor: Any) -> list[Function]:
     chosen = [f for f in curves if f.response == point]
     if not any(f.what == "frf" for f in chosen):
         there = ", ".join(dict.fromkeys(f.at for f in curves if f.what == "frf")) or "none"
-        found = f"with FRFs at the responses {there}"
-        wanted = f"FRFs of roving={label_of(point)!r}"
+        found, wanted = f"with FRFs at the responses {there}", f"FRFs of roving={label_of(point)!r}"
         unsuitable(file, found, wanted, "Name the sensor that stayed while the hammer roved.")
-    turned = [replace(f, response=f.reference, reference=f.response, own=dict(f.own)) for f in chosen]
-    for f in turned:
-        f.own.pop("dof", None)
-    return turned
+    kept = [{name: value for name, value in f.own.items() if name != "dof"} for f in chosen]
+    pairs = zip(chosen, kept, strict=True)
+    return [replace(f, response=f.reference, reference=f.response, own=own) for f, own in pairs]
 
 
 # -- Universal files in which points were recorded several times
 
 
-def _key(f: Function) -> tuple[str, Point, Point, str]:
-    return (f.what, f.response, f.reference if f.what != "time" else (0, 0), f.role)
-
-
 def _runs_of(functions: list[Function]) -> list[tuple[Function, int]]:
     """The functions with their run: 1 where a point comes first, 2 where it comes again, ..."""
-    seen: Counter[tuple[str, Point, Point, str]] = Counter()
+    seen: Counter[Any] = Counter()
     runs = []
     for f in functions:
-        seen[_key(f)] += 1
-        runs.append((f, seen[_key(f)]))
+        key = f.what, f.place, f.role
+        seen[key] += 1
+        runs.append((f, seen[key]))
     return runs
 
 
 def one_run(file: Path, functions: list[Function], run: int | None) -> list[Function]:
     """The functions of one run, never chosen unasked; points without that run are left out with a warning."""
-    if run is not None and (isinstance(run, bool) or not isinstance(run, int) or run < 1):
-        reject("run", run, "a whole number from 1", "Number the runs from 1, in their order in the file.")
     runs = _runs_of(functions)
     again = [(f, n) for f, n in runs if n > 1 and f.what != "coherence"]
     most = max((n for _, n in again), default=1)
     if run is None and again:
-        f = again[0][0]
-        found = f"with several functions ({f.what}) of {f.place}: {most} runs"
+        found = f"with several functions ({again[0][0].what}) of {again[0][0].place}: {most} runs"
         unsuitable(file, found, "one for each point", choose_run(most))
-    if run is not None and run > most:
+    if run is not None and not (type(run) is int and 1 <= run <= most):
         reject("run", run, f"1 to {most}, the runs of {str(file)!r}", "Number the runs from 1.")
     if not again:
         return functions
     chosen = [f for f, n in runs if n == run]
-    there = set(map(_key, chosen))
-    lost = dict.fromkeys(f.at for f in functions if _key(f) not in there)
+    there = {(f.what, f.place, f.role) for f in chosen}
+    lost = dict.fromkeys(f.at for f in functions if (f.what, f.place, f.role) not in there)
     if lost:
         said = f"has no run {run} of {', '.join(lost)}, which is left out."
         warn("points_without_run", f"path: {str(file)!r} {said}")
@@ -721,10 +640,10 @@ def read_uff(
     Parameters
     ----------
     kind : {"time", "frf", "transmissibility", "spectra"}, optional
-        What to read, where a file holds several. Spectra: cross spectra S_jp (mean of X_p times the
-        conjugate of X_j) over the auto spectrum S_jj of their reference become FRFs where that is a force,
-        and transmissibilities otherwise (the H1 estimate); their labels name the units of the two channels.
-        Coherences go with the values they belong to.
+        What to read, where a file holds several. Cross spectra S_jp (mean of X_p times the conjugate of X_j)
+        over the auto spectrum of their reference become FRFs where that is a force, and transmissibilities
+        otherwise (the H1 estimate); their labels name the units of the two channels. Coherences go with the
+        values they belong to.
     dofs : mapping or callable, optional
         ``{(node, direction): dof}`` or a function of both, direction being ``'+Z'``, ``'-RX'`` or ``'S'``;
         None leaves a channel out. A mapping with ``(12, '+Z')`` takes a channel in ``-Z`` with its sign
@@ -732,23 +651,23 @@ def read_uff(
     reference : str or (int, str), optional
         Reference point, where a file has several: ``'1+X'`` or ``(1, '+X')``.
     force : str, (int, str) or None
-        Force channel of a time record: "auto" is the only one there is, None leaves it out. A channel is a
-        force by its ordinate type or its unit.
+        Force channel of a time record: "auto" is the only one in N or of that ordinate type, None leaves it
+        out.
     unit : str, optional
         Unit of the responses, in place of the file's labels: ``'g'``, ``'m/s2'``, ``'g/N'`` and the like.
         Without labels the units of dataset 164 hold, where there is one, and SI otherwise.
     run : int, optional
-        Which run to read, where points were recorded several times: 1 is the first of each point. Read each,
-        and identify from all of them: ``identify_antiresonances([run 1, run 2], ...)``.
+        Which run to read, from 1, where points were recorded several times. Read each, and identify from all:
+        ``identify_antiresonances([run 1, run 2], ...)``.
     roving : str or (int, str), optional
         The sensor that stayed while the hammer roved, ``'5+Z'``: its FRFs to all references become, by
         reciprocity, those of the references to a force at that sensor. Name it as the excitation then.
 
     Notes
     -----
-    A universal file does not state how many sets it has. In one of another program that was cut exactly
-    between two sets the rest is missing without a trace; ours are numbered. Steps of time and frequency have
-    six digits in the format; the simplest rate or step that fits is taken (1.95313E-03 s is 512 Hz).
+    A universal file does not state how many sets it has: one of another program that was cut between two sets
+    lacks the rest without a trace; ours are numbered. Steps of time and frequency have six digits in the
+    format; the simplest rate or step that fits is taken (1.95313E-03 s is 512 Hz).
 
     Examples
     --------
@@ -767,23 +686,22 @@ def read_uff(
         functions = roved(file, functions, roving)
     kinds = (_KIND_OF.get(f.what, f.what) for f in functions)
     there = [k for k in dict.fromkeys(kinds) if k != "coherence" and not k.startswith("function type")]
-    found = f"with {', '.join(there) or 'no function that can be read'}"
-    if kind is None and len(there) != 1:
-        remedy = f"It holds {'; '.join(map(str, functions[:10]))}."
-        if there:
-            remedy = f"Pass kind={there[0]!r} or another of them."
-        unsuitable(file, found, "one kind of function", remedy)
-    chosen = there[0] if kind is None else kind
+    chosen = there[0] if kind is None and len(there) == 1 else kind
     if chosen not in there:
-        remedy = "Pass the kind that the file holds, or leave it out."
-        unsuitable(file, found, f"kind={chosen!r}", remedy)
+        found = f"with {', '.join(there) or 'no function that can be read'}"
+        remedy = (
+            f"Pass kind={' or '.join(map(repr, there))}."
+            if there
+            else f"It holds {'; '.join(map(str, functions[:10]))}."
+        )
+        unsuitable(file, found, "one kind of function" if kind is None else f"kind={kind!r}", remedy)
     wanted = [f for f in functions if _KIND_OF.get(f.what, f.what) in (chosen, "coherence")]
     functions = one_run(file, wanted, run)
     own = {f.response: f.own["dof"] for f in functions if f.own.get("dof") is not None}
     named = dof_of(dofs, own)
     if chosen == "time":
         return _recording(file, [f for f in functions if f.what == "time"], named, force, unit)
-    return response_of(file, functions, chosen, named, reference, unit)
+    return response_of(file, functions, str(chosen), named, reference, unit)
 
 
 def list_uff(path: PathLike, *, partial: bool = False) -> list[str]:
@@ -822,9 +740,8 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
         if np.iscomplexobj(f.values):
             found = f"with a complex time record of {f.at}"
             unsuitable(file, found, "real ones", "Export the record as real numbers.")
-        named_by_user = unit is not None and f.role != "force"
-        values = f.values if f.scale == 1.0 or named_by_user else f.values * f.scale
-        channels.append(Channel(f.response, values, f.unit, role=f.role))
+        scale = 1.0 if unit is not None and f.role != "force" else f.scale
+        channels.append(Channel(f.response, f.values * scale, f.unit, role=f.role))
     if force not in ("auto", None):
         force = as_point("force", force)
     signs: dict[Any, float] = {}
@@ -835,9 +752,8 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
         return label
 
     made = recording_of(file, channels, rates.pop(), Reading(dofs=dof, force=force, unit=unit))
-    if all(sign == 1.0 for sign in signs.values()):
-        return made
-    return Recording(made.responses * [[signs[d]] for d in made.dofs], made.fs_hz, made.dofs, made.force)
+    turned = made.responses * [[signs[d]] for d in made.dofs]
+    return Recording(turned, made.fs_hz, made.dofs, made.force)
 
 
 def _rate(file: Path, f: Function) -> float:
@@ -903,9 +819,8 @@ def write_uff(
 
     Notes
     -----
-    Numbers of the header have six digits; rate and frequencies are therefore repeated in full in ID line 4,
-    the dof in ID line 5 and the place among all sets in ID line 2, which :func:`read_uff` uses; ID line 3
-    has checksums, by which it notices damaged numbers as long as nobody has edited the header.
+    The header has six digits; ID lines 2, 4 and 5 have the place among all sets, rate and frequencies in full
+    and the dof, which :func:`read_uff` uses as far as they agree with the header.
 
     Examples
     --------
@@ -932,16 +847,18 @@ def _of_recording(
     rec: Recording, points: dict[Any, Point], force: Point | None, unit: str | None
 ) -> list[Function]:
     unit = "m/s2" if unit is None else unit
-    si_unit("unit", unit)
+    Unit.written(unit)
     step, x = 1.0 / rec.fs_hz, np.arange(rec.n_samples) / rec.fs_hz
     line4 = {"start": 0.0, "step": step, "rate_hz": rec.fs_hz}
-    rows = [(points[d], row, unit, {"dof": d}) for d, row in zip(rec.dofs, rec.responses, strict=True)]
-    if rec.force is not None:
-        rows.append((force or (max(node for node, _ in points.values()) + 1, 0), rec.force, "N", {}))
-    return [
-        Function("time", at, (0, 0), x, row, its, "", "", True, step, own=line4 | own)
-        for at, row, its, own in rows
+    more: dict[str, Any] = {"even": True, "step": step}
+    made = [
+        Function("time", points[d], (0, 0), x, row, unit, own=line4 | {"dof": d}, **more)
+        for d, row in zip(rec.dofs, rec.responses, strict=True)
     ]
+    if rec.force is not None:
+        at = force or (max(node for node, _ in points.values()) + 1, 0)
+        made.append(Function("time", at, (0, 0), x, rec.force, "N", own=line4, **more))
+    return made
 
 
 def _of_response(
@@ -949,7 +866,7 @@ def _of_response(
 ) -> list[Function]:
     is_frf = resp.kind == "frf"
     unit = ("m/s2/N" if is_frf else "1") if unit is None else unit
-    above, _, below = unit.rpartition("/") if si_unit("unit", unit).per else (unit.removeprefix("1"), "", "")
+    above, _, below = unit.rpartition("/") if Unit.written(unit).per else (unit.removeprefix("1"), "", "")
     start, step = float(resp.freq_hz[0]), float((resp.freq_hz[-1] - resp.freq_hz[0]) / (resp.n_freq - 1))
     gap = np.abs(start + step * np.arange(resp.n_freq) - resp.freq_hz).max()
     even = bool(gap <= 1e-12 * resp.freq_hz[-1])
@@ -999,7 +916,7 @@ def _block(f: Function, place: str, binary: bool) -> bytes:
     start, step = (float(f.x[0]), f.step) if f.even else (0.0, 0.0)
     axes = [(_OVER_TIME, "s") if f.what == "time" else (_OVER_TIME + 1, "Hz")]
     for unit in (f.unit, f.reference_unit, ""):
-        axes.append((_DATA[(parse_unit(unit) or Unit()).quantity], unit))
+        axes.append((_DATA[Unit.of(unit).quantity], unit))
     lines = [
         f"{-1:6d}",
         identity,
@@ -1012,7 +929,6 @@ def _block(f: Function, place: str, binary: bool) -> bytes:
         f"{6 if is_complex else 4:10d}{values.size:10d}{int(f.even):10d}{start:13.5e}{step:13.5e}{0.0:13.5e}",
         *(f"{data:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit or 'NONE':<20}" for data, unit in axes),
     ]
-    lines[4] = checksum_line(lines, body)
     head = "".join(f"{line:<80}\n" for line in lines)
     return head.encode("ascii") + body + f"{-1:6d}\n".encode()
 

@@ -6,10 +6,10 @@ import copy
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,22 +20,7 @@ from ..support.files import write_atomically
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .edits import BY_HAND, Edit, added, dropped, edit_of, marked
-from .response_table import (
-    LEAST_DOMINANCE,
-    LEAST_PROMINENCE_DB,
-    MORE_ROWS,
-    MOST_RESIDUAL,
-    MOST_SECOND,
-    MOST_SPREAD,
-    NUMBERS,
-    SURE_DEPTH_DB,
-    SURE_SHARE,
-    SURE_SPREAD,
-    ResponseTable,
-    frequencies_hz,
-    label,
-    tables_of,
-)
+from .response_table import NUMBERS, CrossCheck, ResponseTable, doubts_of, frequencies_hz, label, tables_of
 
 if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
@@ -44,52 +29,6 @@ if TYPE_CHECKING:
 NOT_SEEN = "followed, not seen"
 #: What a set was identified from, and so which roots of a model it can show.
 Sees = Literal["frf", "transmissibility"] | None
-
-
-class CrossCheck(Protocol):
-    """What another method says; identification, which makes it, stands above this room."""
-
-    def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None:
-        """Whether this very antiresonance is confirmed; None if it was not judged."""
-
-
-# -- Why an antiresonance asks for a look: a few words for each
-
-Tests = tuple[tuple[str, Callable[[ResponseTable], NDArray[np.bool_]]], ...]
-_SECOND = ("second force or noise", lambda t: ~(t.scores.get("second", np.zeros(1)) > MOST_SECOND))
-#: What a grade's tests are called where they fail: of the sweep over orders, and of windows.
-_TESTS: Tests = (
-    _SECOND,
-    ("few orders", lambda table: table.rows > MORE_ROWS),
-    ("unsteady", lambda table: table.spread <= MOST_SPREAD),
-    ("owns little of its curve", lambda table: table.dominance >= LEAST_DOMINANCE),
-    ("poor fit", lambda table: table.residual <= MOST_RESIDUAL),
-    ("no clear peak", lambda table: table.prominence_db >= LEAST_PROMINENCE_DB),
-)
-_OF_WINDOWS: Tests = (
-    _SECOND,
-    ("not in all fits", lambda table: table.scores["share"] >= SURE_SHARE),
-    ("unsteady", lambda table: table.spread <= SURE_SPREAD),
-    ("shallow dip", lambda t: np.fmin(t.scores["depth_db"], t.scores["own_depth_db"]) >= SURE_DEPTH_DB),
-)
-#: How a value was accepted, where that is a doubt.
-_HOW = {"persistent": "does not stand still", "likeliest order": "one order only"}
-
-
-def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = None) -> list[list[str]]:
-    """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed."""
-    found: list[list[str]] = [[] for _ in range(len(table))]
-    for words, how in zip(found, table.scores.get("how", ()), strict=False):
-        words += [_HOW[how]] if how in _HOW else []
-    if "grade" in table.scores:
-        sure = table.scores["grade"].astype(str) == "sure"
-        for word, passed in _OF_WINDOWS if "depth_db" in table.scores else _TESTS:
-            for row in np.flatnonzero(~sure & ~passed(table)):
-                found[row].append(word)
-    for words, freq in zip(found, table.freq_hz.tolist(), strict=True):
-        if cross_check is not None and cross_check.is_confirmed(dof, freq) is False:
-            words.append("not confirmed")
-    return [["added by hand"] if hand else words for hand, words in zip(table.by_hand, found, strict=True)]
 
 
 # -- Tables as text, in columns that stand under each other
@@ -214,33 +153,26 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         Antiresonances in Hz, in any order; a number stands for a list of one; an empty list says that the dof
         was looked at and has none.
     damping_ratio, std_hz : mapping of dof to array_like, optional
-        Damping ratio and standard deviation of each, in the order of ``freq_hz``; NaN where not known.
-        Dofs may be missing.
+        Damping ratio and standard deviation of each, in the order of ``freq_hz``; NaN where not known. Dofs
+        may be missing.
     sees : {"frf", "transmissibility", None}
         What the antiresonances were identified from, see Notes.
     channels : iterable of dof, optional
         All responses that were measured together, with or without antiresonances here. Default: those of
         ``freq_hz``.
     scores, diagrams, data_check, cross_check, options : optional
-        See Attributes. All arguments are attributes.
+        See below. All arguments are attributes.
 
     Attributes
     ----------
     channels : tuple of dof
         Empty where some of them have no name here, see :meth:`relabelled`.
     options : dict
-        How it was identified: every option by name with its value, the band, and the package's version; of a
-        record "response_level", how strongly it shook, in its unit, and where it was judged
-        "held_back_misfit", what one fit of half of it leaves of the other half over noise. Empty for sets
-        made by hand, joined, or saved by version 0.1.
+        How it was identified: every option by name, the band, the package's version; of a record
+        "response_level", how strongly it shook, in its unit, and where it was judged "held_back_misfit", what
+        one fit of half of it leaves of the other half over noise. Empty for sets made by hand or joined.
     tables : dict
-        By dof: one ``ResponseTable``, from which the next three are taken.
-    damping_ratio, std_hz : dict
-        By dof, in the order of the sorted frequencies; without the dofs for which they are not known. After
-        :meth:`add` single ones may be NaN.
-    scores : dict
-        By dof: what speaks for each antiresonance, a dict of name to (n,) array, see
-        :mod:`antires_rs.identification.scores`. Empty where a set was made by hand.
+        By dof: one ``ResponseTable``, from which ``damping_ratio``, ``std_hz`` and ``scores`` are taken.
     edits : tuple of Edit
         What was dropped and added by hand, in order.
     left_out : dict of ResponseTable
@@ -249,7 +181,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         By dof, where it was identified: peaks of its curve beside which nothing was seen.
     diagrams, cross_check, data_check
         Not saved. Where the set was identified: the stabilization diagram by dof, what another method says of
-        the antiresonances (``second_opinion`` is its older name), and whether the data were fit for it.
+        the antiresonances, and whether the data were fit for it.
 
     Raises
     ------
@@ -267,13 +199,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     Examples
     --------
     >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-    >>> table = AntiresonanceSet(0, {0: [23.9, 8.7], 1: 14.4, 2: []})
-    >>> print(table)
+    >>> print(AntiresonanceSet(0, {0: [23.9, 8.7], 2: []}))
     antiresonances, force at 0
     dof  freq_hz
       0    8.700
           23.900
-      1   14.400
       2        -
     """
 
@@ -328,8 +258,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     ) -> Self:
         """A set of tables that are there, by dof; ``evidence`` as for the constructor.
 
-        ``edits`` and ``before`` are what was edited by hand in these tables, and the tables before it;
-        ``left_out`` and ``unexplained_hz`` by default as the diagrams say.
+        ``edits`` were made by hand on the tables ``before``; ``left_out`` and ``unexplained_hz`` by default
+        as the diagrams say.
         """
         new = cls(excitation, {dof: table.freq_hz for dof, table in tables.items()}, **evidence)
         told = {"left_out": left_out, "unexplained_hz": unexplained_hz}
@@ -466,7 +396,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         freq_hz : float or array_like
             Each drops the value nearest to it.
         reason : str
-            Kept with the record of what was done, ``edits``.
+            Kept in ``edits``.
         tol_hz : float, optional
             How far the nearest value may be; default 1 % of ``freq_hz``.
 
@@ -498,7 +428,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         damping_ratio, std_hz : float or array_like, (n,), optional
             One for all, or one each. Not known by default.
         reason : str
-            As for :meth:`drop`.
+            Kept in ``edits``.
 
         Raises
         ------
@@ -508,12 +438,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         Examples
         --------
         >>> import antires_rs as ar
-        >>> print(ar.AntiresonanceSet(0, {0: [8.7]}).add(0, 12.2, reason="clear in the phase"))
-        antiresonances, force at 0
-        dof  freq_hz  doubts
-          0    8.700
-              12.200  added by hand
-        edited by hand: added 12.20 Hz at dof 0 (clear in the phase)
+        >>> more = ar.AntiresonanceSet(0, {0: [8.7]}).add(0, 12.2, reason="clear in the phase")
+        >>> more[0].tolist(), more.tables[0].by_hand.tolist()
+        ([8.7, 12.2], [False, True])
         """
         dof = self._dof(dof)
         return self._edited(dof, *added(dof, self.tables[dof], freq_hz, damping_ratio, std_hz, reason))
@@ -584,8 +511,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         ----------
         dof : int or str
         kind : str
-            Which picture of :mod:`~antires_rs.figures`, such as "stabilization" of
-            :func:`~antires_rs.figures.plot_stabilization`; another word is refused with the list of all.
+            Which picture of :mod:`~antires_rs.figures`, such as "stabilization"; another word is refused with
+            the list of all.
         ax : matplotlib.axes.Axes, optional
 
         Raises
@@ -657,8 +584,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def to_dataframe(self) -> Any:
         """One row a value: dof, freq_hz, damping_ratio, std_hz (NaN where not known), source, and the scores.
 
-        ``source`` is "by hand" or "identified"; after a cross-check ``confirmed`` follows, None where an
-        antiresonance was not judged. A ``pandas.DataFrame``; needs pandas.
+        ``source`` is "by hand" or "identified"; after a cross-check ``confirmed`` follows, None where a value
+        was not judged. A ``pandas.DataFrame``; needs pandas.
         """
         return self._view("to_dataframe")(self)
 
@@ -667,10 +594,10 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return self._view("to_xarray")(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write as JSON, whole or not at all; every float comes back bit for bit.
+        """Write as JSON, whole or not at all; every float comes back bit for bit. Diagrams and checks are not
+        saved.
 
-        Tables, edits, the tables before them and what was not accepted are saved; diagrams and checks
-        are not. A file that exists is replaced; an InvalidInputError names a folder that does not.
+        A file that exists is replaced; an InvalidInputError names a folder that does not.
         """
         write_atomically(path, self.to_json().encode())
 

@@ -25,14 +25,12 @@ class ModalSet(ReadOnly):
         One mode a row, real or complex, at as many or as few dofs as are known.
     dofs : iterable of int or str, optional
         Name of each column.
-    damping_ratio : array_like, (n_modes,), optional
-        Modal damping ratios.
-    diagram : StabilizationDiagram, optional
-        The evidence, where the modes were identified.
-    std_hz : array_like, (n_modes,), optional
-        Standard deviations of the frequencies in Hz.
+    damping_ratio, std_hz : array_like, (n_modes,), optional
+        Modal damping ratios, and standard deviations of the frequencies in Hz.
     std_shapes : array_like, (n_modes,), optional
         Standard deviation of each component of a shape that is scaled to unit length.
+    diagram : StabilizationDiagram, optional
+        The evidence, where the modes were identified.
 
     All are attributes, as given, read-only.
 
@@ -44,11 +42,8 @@ class ModalSet(ReadOnly):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> modes = ar.ModalSet([1.0, 2.0], [[1.0, 1.0], [1.0, -1.0]])
-    >>> modes
+    >>> ar.ModalSet([1.0, 2.0], [[1.0, 1.0], [1.0, -1.0]])
     ModalSet(2 modes x 2 dofs, 1 to 2 Hz)
-    >>> modes.mac(modes).tolist()
-    [[1.0, 0.0], [0.0, 1.0]]
     """
 
     freq_hz: FloatArray
@@ -97,7 +92,7 @@ class ModalSet(ReadOnly):
         -------
         (len(self), len(other))
             ``abs(phi^H psi)^2 / (phi^H phi psi^H psi)``: one for the same shape up to a complex factor, 0 for
-            orthogonal ones.
+            orthogonal ones. With a single common dof it is one by construction.
 
         Raises
         ------
@@ -106,8 +101,7 @@ class ModalSet(ReadOnly):
 
         Notes
         -----
-        R. J. Allemang, D. L. Brown, Proc. IMAC 1 (1982) 110-116. With a single common dof it is one by
-        construction.
+        R. J. Allemang, D. L. Brown, Proc. IMAC 1 (1982) 110-116.
 
         Examples
         --------

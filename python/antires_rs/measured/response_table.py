@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -145,6 +145,53 @@ class ResponseTable(ReadOnly):
 
     def __len__(self) -> int:
         return int(self.freq_hz.size)
+
+
+# -- Why an antiresonance asks for a look: a few words for each
+
+
+class CrossCheck(Protocol):
+    """What another method says; identification, which makes it, stands above this room."""
+
+    def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None:
+        """Whether this very antiresonance is confirmed; None if it was not judged."""
+
+
+Tests = tuple[tuple[str, Callable[[ResponseTable], NDArray[np.bool_]]], ...]
+_SECOND = ("second force or noise", lambda t: ~(t.scores.get("second", np.zeros(1)) > MOST_SECOND))
+#: What a grade's tests are called where they fail: of the sweep over orders, and of windows.
+_TESTS: Tests = (
+    _SECOND,
+    ("few orders", lambda table: table.rows > MORE_ROWS),
+    ("unsteady", lambda table: table.spread <= MOST_SPREAD),
+    ("owns little of its curve", lambda table: table.dominance >= LEAST_DOMINANCE),
+    ("poor fit", lambda table: table.residual <= MOST_RESIDUAL),
+    ("no clear peak", lambda table: table.prominence_db >= LEAST_PROMINENCE_DB),
+)
+_OF_WINDOWS: Tests = (
+    _SECOND,
+    ("not in all fits", lambda table: table.scores["share"] >= SURE_SHARE),
+    ("unsteady", lambda table: table.spread <= SURE_SPREAD),
+    ("shallow dip", lambda t: np.fmin(t.scores["depth_db"], t.scores["own_depth_db"]) >= SURE_DEPTH_DB),
+)
+#: How a value was accepted, where that is a doubt.
+_HOW = {"persistent": "does not stand still", "likeliest order": "one order only"}
+
+
+def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = None) -> list[list[str]]:
+    """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed."""
+    found: list[list[str]] = [[] for _ in range(len(table))]
+    for words, how in zip(found, table.scores.get("how", ()), strict=False):
+        words += [_HOW[how]] if how in _HOW else []
+    if "grade" in table.scores:
+        sure = table.scores["grade"].astype(str) == "sure"
+        for word, passed in _OF_WINDOWS if "depth_db" in table.scores else _TESTS:
+            for row in np.flatnonzero(~sure & ~passed(table)):
+                found[row].append(word)
+    for words, freq in zip(found, table.freq_hz.tolist(), strict=True):
+        if cross_check is not None and cross_check.is_confirmed(dof, freq) is False:
+            words.append("not confirmed")
+    return [["added by hand"] if hand else words for hand, words in zip(table.by_hand, found, strict=True)]
 
 
 # -- What a caller or a file gives by dof, checked: one :class:`ResponseTable` for each response

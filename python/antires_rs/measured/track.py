@@ -23,11 +23,11 @@ from .response_table import ResponseTable, label_array
 
 @dataclass(frozen=True)
 class TrackEvent:
-    """One thing that happened to a track.
+    """One thing that happened to a track: it is "new", "lost", "merged" or "back".
 
     Attributes
     ----------
-    kind : {"new", "lost", "merged", "back"}
+    kind : str
     test, track : int
         The first test without it, or with it, and its column in :class:`Tracks`.
     dof : int or str
@@ -37,8 +37,8 @@ class TrackEvent:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> print(ar.TrackEvent("lost", 3, 0, 1, 23.8).kind)
-    lost
+    >>> ar.TrackEvent("lost", 3, 0, 1, 23.8).kind
+    'lost'
     """
 
     kind: str
@@ -66,9 +66,8 @@ class Tracks(ReadOnly, Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> followed = ar.track([ar.AntiresonanceSet(0, {0: f}) for f in ([8.0, 23.9], [8.1])])
-    >>> followed, followed.change_percent[1].round(2).tolist()
-    (Tracks(2 antiresonances, 2 tests, 1 events), [1.25, nan])
+    >>> ar.track([ar.AntiresonanceSet(0, {0: f}) for f in ([8.0, 23.9], [8.1])])
+    Tracks(2 antiresonances, 2 tests, 1 events)
     """
 
     excitation: Any
@@ -87,8 +86,7 @@ class Tracks(ReadOnly, Viewed):
     def std_between(self) -> float:
         """Relative scatter of one value from test to test beyond its stated deviation, if tests are repeats.
 
-        See :mod:`antires_rs.measured.matching`; 0 where the stated deviations explain all of it, NaN
-        without an antiresonance that two tests have.
+        0 where the stated deviations explain all of it, NaN without an antiresonance that two tests have.
         """
         return scatter(self.freq_hz, self.std_hz)[0]
 
@@ -122,10 +120,7 @@ class Tracks(ReadOnly, Viewed):
         return "\n".join([title, *aligned(["dof", "tests", "first_hz", "last_hz", "change_%", ""], rows)])
 
     def to_dataframe(self) -> Any:
-        """One row a test and track: test, condition, dof, track, freq_hz, std_hz, change_percent, event.
-
-        A ``pandas.DataFrame``; needs pandas.
-        """
+        """One row a test and track: test, condition, dof, track, freq_hz, std_hz, change_percent, event."""
         return self._view("to_dataframe")(self)
 
     def to_xarray(self) -> Any:
@@ -201,8 +196,8 @@ def track(
     Returns
     -------
     Tracks
-        A track a value, with NaN where a test does not have it; ``.events`` tell what is new, lost, merged
-        or back. ``.std_between`` is the scatter between the tests, if they are repeats.
+        A track a value, with NaN where a test does not have it; ``.events`` tell what is new, lost, merged or
+        back. ``.std_between`` is the scatter between the tests, if they are repeats.
 
     Raises
     ------

@@ -117,12 +117,9 @@ class Constrained(NamedTuple):
 
     Examples
     --------
-    >>> import numpy as np, antires_rs as ar
-    >>> made = ar.eliminate_constraints(np.eye(3), np.eye(3), [{2: 1.0, 1: -0.5}])
-    >>> made.transformation.toarray()
-    array([[1. , 0. ],
-           [0. , 1. ],
-           [0. , 0.5]])
+    >>> import antires_rs as ar
+    >>> ar.eliminate_constraints([[1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 1.0]], [{0: 1.0, 1: -0.5}]).dofs
+    array([1])
     """
 
     stiffness: Any
@@ -142,15 +139,15 @@ def eliminate_constraints(
     stiffness_terms: Iterable[Any] = (),
     mass_terms: Iterable[Any] = (),
 ) -> Constrained:
-    """Matrices without the dofs that linear equations make dependent.
+    """Matrices without the dofs that linear equations make dependent; :class:`MatrixModel` does it by itself.
 
     Parameters
     ----------
     stiffness, mass : array_like or scipy.sparse, (n, n)
         Symmetric, of all dofs.
     constraints : sequence of dict, array_like or scipy.sparse, (c, n)
-        Each a homogeneous equation between dofs: ``{12: 1.0, 3: -1.0, 5: 0.4}`` is u12 - u3 + 0.4 u5 = 0;
-        or a row of an array.
+        Each a homogeneous equation between dofs: ``{12: 1.0, 3: -1.0, 5: 0.4}`` is u12 - u3 + 0.4 u5 = 0; or
+        a row of an array.
     keep : sequence of int
         Dofs that must remain: those of sensors and of the force.
     stiffness_terms, mass_terms : sequence of the same as the matrices
@@ -159,8 +156,6 @@ def eliminate_constraints(
     Returns
     -------
     Constrained
-        For ``ar.MatrixModel(made.stiffness, made.mass, stiffness_terms=made.stiffness_terms)``; row r of the
-        model is dof ``made.dofs[r]``.
 
     Raises
     ------
@@ -179,10 +174,8 @@ def eliminate_constraints(
     >>> import numpy as np, antires_rs as ar
     >>> stiffness = 500.0 * np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
     >>> made = ar.eliminate_constraints(stiffness, np.eye(3), [{2: 1.0, 1: -1.0}])  # a rigid bar
-    >>> made.dofs
-    array([0, 1])
-    >>> ar.MatrixModel(made.stiffness, made.mass).antiresonances(0, 0).round(3)
-    array([2.516])
+    >>> made.dofs, made.transformation.toarray().tolist()
+    (array([0, 1]), [[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
     """
     from scipy.sparse import csc_array
 

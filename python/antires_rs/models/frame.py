@@ -237,18 +237,14 @@ class FrameModel(StructuralModel, Viewed):
         return list(self._recipe.fixed)
 
     def dof(self, node: int, direction: str) -> int:
-        """Number of the dof ``direction`` of ``node``, both zero-based.
+        """Number of a dof from 0, as rows of the matrices and of FRFs are counted.
 
         Parameters
         ----------
         node : int
+            Zero-based.
         direction : str
             ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
-
-        Returns
-        -------
-        int
-            From 0, as rows of the matrices and of FRFs are counted.
 
         Raises
         ------

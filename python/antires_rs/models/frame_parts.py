@@ -57,8 +57,7 @@ class PointMass:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> ar.PointMass(3, 1.2, 0.004)
-    PointMass(node=3, mass_kg=1.2, inertia_kg_m2=0.004)
+    >>> flange = ar.PointMass(3, 1.2, 0.004)
     """
 
     node: int
@@ -104,8 +103,7 @@ class GroundSpring(_Spring):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> ar.GroundSpring(0, "v", 2e3).direction
-    'v'
+    >>> cord = ar.GroundSpring(0, "v", 2e3)
     """
 
     node: int
@@ -226,8 +224,7 @@ class Tube:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> ar.Tube(0.038, 0.0015, 2.1e11, 7850.0).poisson
-    0.3
+    >>> pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
     """
 
     outer_diameter_m: float
@@ -255,8 +252,7 @@ class Rectangle:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> ar.Rectangle(0.03, 0.01, 7.0e10, 2700.0).height_m
-    0.01
+    >>> bar = ar.Rectangle(0.03, 0.01, 7.0e10, 2700.0)
     """
 
     width_m: float
@@ -282,8 +278,8 @@ class Section:
     youngs_modulus_pa, density_kg_per_m3, poisson
         As of a :class:`Tube`.
     inertia_y_m4, torsion_m4 : float, optional
-        Second moment for bending across that plane (default: the same), and St. Venant torsion constant;
-        used in space only, where ``torsion_m4`` must be given.
+        Second moment for bending across that plane (default: the same), and St. Venant torsion constant; used
+        in space only, where ``torsion_m4`` must be given.
     shear_coefficient, shear_coefficient_y : float, optional
         As of a :class:`Tube`, for forces in the plane of ``inertia_m4``, and, in space, for those in the
         other plane (default: the same).
@@ -291,8 +287,7 @@ class Section:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> ar.Section(1e-4, 8.3e-10, 2.1e11, 7850.0).area_m2
-    0.0001
+    >>> profile = ar.Section(1e-4, 8.3e-10, 2.1e11, 7850.0)
     """
 
     area_m2: float

@@ -104,12 +104,12 @@ class MatrixModel(StructuralModel):
         warn_penalties(self.dof_label, self.stiffness(), remedy)
 
     def dof(self, name: str) -> int:
-        """Number of the dof of this name, zero-based.
+        """Number of a dof from 0, by its name in ``dofs`` or in another spelling.
 
         Parameters
         ----------
         name : str
-            As in ``dofs``; a node and a direction in any spelling: ``"1204:Z"``, ``"1204+Z"``, ``"1204 UZ"``.
+            A node and a direction: ``"1204:Z"``, ``"1204+Z"``, ``"1204 UZ"``.
 
         Raises
         ------

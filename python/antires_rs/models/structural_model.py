@@ -133,10 +133,7 @@ Motion = Literal["accelerance", "mobility", "receptance"]
 
 
 class StructuralModel(AroundCore[CoreModel]):
-    """What every model can do. Read-only.
-
-    Build a :class:`MassSpringChain`, a :class:`FrameModel` or a :class:`MatrixModel`.
-    """
+    """What a :class:`MassSpringChain`, a :class:`FrameModel` and a :class:`MatrixModel` can do."""
 
     _recipe_type: ClassVar[tuple[type, ...] | type] = ()  # what this class is built from
     _description: ModelDescription
@@ -159,9 +156,8 @@ class StructuralModel(AroundCore[CoreModel]):
         --------
         >>> import antires_rs as ar
         >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0]).with_parameters(ar.stiffness_reduction(0), 0.4)
-        >>> again = ar.MassSpringChain.from_description(chain.description)
-        >>> again.description == chain.description, again.description.applied[0].values
-        (True, array([0.4]))
+        >>> ar.MassSpringChain.from_description(chain.description).stiffness()[0].tolist()
+        [300.0, -300.0]
         """
         return self._description
 
@@ -190,9 +186,8 @@ class StructuralModel(AroundCore[CoreModel]):
         Parameters
         ----------
         parameters : Parameter or sequence of Parameter
-            From :func:`stiffness_factor`, :func:`stiffness_reduction`, :func:`thickness` and the others.
         values : float or array_like, (n,)
-            One value for each, in its unit; not held to the bounds.
+            One for each, in its unit; not held to the bounds.
 
         Raises
         ------
@@ -307,8 +302,8 @@ class StructuralModel(AroundCore[CoreModel]):
         InvalidInputError
             No mode up to ``f_max_hz``.
         NumericalError
-            K and M share a motion with neither mass nor stiffness, or one of them is indefinite; all modes of
-            more dofs than there is memory for.
+            K and M share a motion with neither mass nor stiffness, or one is indefinite; all modes of more
+            dofs than there is memory for.
 
         Warns
         -----
@@ -426,12 +421,12 @@ class StructuralModel(AroundCore[CoreModel]):
         f_max_hz : float, optional
             Highest frequency wanted; all by default, but of more than 2,000 dofs, where it has to be given.
         method : {'modal', 'pencil'}
-            ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the
-            modal series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ, and
-            adds what QZ cannot tell from zero but the matrices confirm. Both return the same set.
+            ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the modal
+            series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ, and adds
+            what QZ cannot tell from zero but the matrices confirm. Both return the same set.
         include_cancelled : bool
-            Return also the roots that coincide with a resonance which response or excitation does not
-            see (residue below 1e-12 of the largest). The FRF shows no dip there.
+            Return also the roots on a resonance which response or excitation does not see (residue below
+            1e-12 of the largest). The FRF shows no dip there.
         bounds : bool
             Return also how far each may be from the root of the matrices as given, to first order in their
             rounding (Stewart & Sun, Matrix Perturbation Theory, 1990, section VI.2). Up to 400 dofs both
@@ -440,12 +435,12 @@ class StructuralModel(AroundCore[CoreModel]):
         Returns
         -------
         ndarray, (n,)
-            Hz, ascending; with ``bounds`` a pair of arrays (n,), frequencies and bounds of their errors in
-            Hz, infinite for one that is not certain: too close to others to be told from them, or moved by
-            more than 1e-3 in frequency squared by rounding of the entries. A list for a sequence of
-            responses. Dropped are roots that are infinite or zero at working precision (an ulp of K and M
-            moves them by more than 1e-3 of their own distance from there), negative, or complex (imaginary
-            part above 1e-9 of the modulus, or above ten times that uncertainty, at most 3e-7).
+            Hz, ascending, a list of them for a sequence of responses; with ``bounds`` a pair of arrays (n,),
+            frequencies and bounds of their errors in Hz, infinite where a root is not certain: too close to
+            others, or moved by more than 1e-3 in frequency squared by rounding of the entries. Dropped are
+            roots that are infinite or zero at working precision (an ulp of K and M moves them by more than
+            1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9 of the
+            modulus, or above ten times that uncertainty, at most 3e-7).
 
         Raises
         ------
@@ -467,9 +462,6 @@ class StructuralModel(AroundCore[CoreModel]):
         >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
         >>> [zeros.round(3).tolist() for zeros in chain.antiresonances([0, 1, 2], 0)]
         [[1.666, 5.375], [2.516], []]
-        >>> freq_hz, error_hz = chain.antiresonances(1, 0, bounds=True)
-        >>> bool(0.0 < error_hz[0] < 1e-12)
-        True
         """
         choice("method", method, get_args(Method))
         limit = np.inf
@@ -525,8 +517,8 @@ class StructuralModel(AroundCore[CoreModel]):
         Returns
         -------
         Recording
-            Accelerations (n_responses, n_samples) of a unit-rms force, which is kept in ``.force``.
-            Synthesised in the frequency domain over a longer record: no integration error, not periodic.
+            Accelerations (n_responses, n_samples) of a unit-rms force, which is kept in ``.force``,
+            synthesised in the frequency domain over a longer record: no integration error, not periodic.
 
         Raises
         ------
