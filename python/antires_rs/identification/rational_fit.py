@@ -60,9 +60,11 @@ def forsythe_basis(x: FloatArray, weight: FloatArray, order: int) -> Basis:
     b[0] = np.sqrt(weight.sum())
     p[0] = 1.0 / b[0]
     for k in range(order):
-        v = x * p[k] - (b[k] * p[k - 1] if k else 0.0)
+        v = np.multiply(x, p[k], out=p[k + 1])
+        if k:
+            v -= b[k] * p[k - 1]
         b[k + 1] = np.sqrt(weight @ (v * v))
-        p[k + 1] = v / b[k + 1]
+        v /= b[k + 1]
     return Basis(b, np.ascontiguousarray(p.T))
 
 
@@ -84,7 +86,10 @@ def roots(coefficients: FloatArray, b: FloatArray, near: ComplexArray | None = N
 def _order(coefficients: FloatArray) -> int:
     """Index of the highest coefficient that carries more than rounding."""
     size = np.abs(coefficients)
-    return int(np.flatnonzero(size > TOP_COEFFICIENT * size.max(initial=0.0))[-1]) if size.any() else 0
+    least = TOP_COEFFICIENT * size.max(initial=0.0)
+    if size.size and size[-1] > least:
+        return size.size - 1
+    return int(np.flatnonzero(size > least)[-1]) if size.any() else 0
 
 
 def comrade_roots(

@@ -171,9 +171,10 @@ def with_second(table: ResponseTable, checked: DataCheck | None) -> ResponseTabl
     share = checked.eigenvalues[:, 1] / np.maximum(checked.eigenvalues[:, 0], 1e-300)
     fatal = any(one.severity == "fatal" for one in checked.named(ONE_FORCE))
     shares, doubtful = np.empty(len(table)), np.zeros(len(table), dtype=bool)
+    last = min(LINES_BESIDE, checked.freq_hz.size) - 1
     for i, value in enumerate(table.freq_hz):
         off = np.abs(checked.freq_hz - value)
-        near = np.flatnonzero(off <= max(BESIDE * value, float(np.sort(off)[:LINES_BESIDE][-1])))
+        near = np.flatnonzero(off <= max(BESIDE * value, float(np.partition(off, last)[last])))
         shares[i] = np.median(share[near])
         doubtful[i] = fatal or shares[i] > UNEXPLAINED
     grade = np.where(doubtful, "weak", table.scores["grade"]) if "grade" in table.scores else None

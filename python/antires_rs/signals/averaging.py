@@ -88,9 +88,14 @@ def without_drift(x: FloatArray, fs_hz: float, low_hz: float) -> FloatArray:
     if half == 0:
         return np.asarray(x - np.median(x, axis=-1, keepdims=True))
     x = x - x.mean(axis=-1, keepdims=True)  # a running mean takes the median, which is slower, as well
-    width = [(0, 0)] * (x.ndim - 1) + [(half + 1, half)]
-    sums = np.cumsum(np.pad(x, width, mode="edge"), axis=-1)
-    return np.asarray(x - (sums[..., 2 * half + 1 :] - sums[..., :n]) / (2 * half + 1))
+    sums = np.empty((*x.shape[:-1], n + 2 * half + 1))
+    sums[..., : half + 1], sums[..., n + half + 1 :] = x[..., :1], x[..., -1:]
+    sums[..., half + 1 : n + half + 1] = x
+    np.cumsum(sums, axis=-1, out=sums)
+    mean = sums[..., 2 * half + 1 :] - sums[..., :n]
+    mean /= 2 * half + 1
+    x -= mean
+    return np.asarray(x)
 
 
 def lowest_hz(band_hz: tuple[float, float] | None) -> float:
