@@ -576,9 +576,8 @@ def _off(lines: Lines, best: Likeliest) -> FloatArray:
     step = -(-lines.freq_hz.size // LINES_AHEAD)
     part = slice(None, None, step)
     x = lines.segments.at(part)
-    fitted, held = (
-        half @ half.conj().transpose(0, 2, 1) / half.shape[2] for half in (x[..., ::2], x[..., 1::2])
-    )
+    halves = (np.ascontiguousarray(x[..., first::2]) for first in (0, 1))
+    fitted, held = (half @ half.conj().transpose(0, 2, 1) / half.shape[2] for half in halves)
     unit = np.ones(x.shape[1])
     top, weights = dominant(fitted, unit)[0], best.fit.weights[part]
     fit = NumeratorFit(lines.freq_hz[part], fitted.__getitem__, top, weights, best.order)

@@ -67,17 +67,18 @@ def link(rows: list[ComplexArray], rule: FitOptions) -> tuple[list[list[tuple[in
     size[at] = np.abs(s)
     damping[at] = -s.real / size[at]
     # Every root of an order, in rows, beside every one of the order before, in columns.
-    old = np.abs(damping[:-1, None])
     d_freq = np.abs(size[1:, :, None] / size[:-1, None] - 1.0) / rule.freq_tol
+    row, new, before = near = np.nonzero(d_freq <= 1.0)
+    old = damping[row, before]
     # About zero damping a relative change says nothing.
-    scale = np.maximum(old, SMALL_DAMPING if rule.both_sides else 0.0)
-    d_damping = np.abs(damping[1:, :, None] - damping[:-1, None]) / scale / rule.damping_tol
-    row, new, before = np.nonzero((d_freq <= 1.0) & (d_damping <= 1.0))
-    best_first = np.lexsort(((d_freq + d_damping)[row, new, before], row))
-    pairs = zip(number[row + 1, new][best_first].tolist(), number[row, before][best_first].tolist(), strict=True)
+    scale = np.maximum(np.abs(old), SMALL_DAMPING if rule.both_sides else 0.0)
+    d_damping = np.abs(damping[row + 1, new] - old) / scale / rule.damping_tol
+    best_first = np.lexsort((d_freq[near] + d_damping, row))
+    best_first = best_first[d_damping[best_first] <= 1.0]
+    pairs = np.stack([number[row + 1, new], number[row, before]], axis=1)[best_first]
     linked: dict[int, int] = {}
     taken: set[int] = set()
-    for one, other in pairs:
+    for one, other in pairs.tolist():
         if one not in linked and other not in taken:
             linked[one] = other
             taken.add(other)

@@ -71,12 +71,14 @@ def without_hum(rec: Recording, band_hz: tuple[float, float]) -> tuple[Recording
     """The record less the hum in the band, and what was found; the record itself where there is none."""
     parts = parts_of(rec)
     found: dict[float, list[int]] = {}
+    highest = min(BEYOND * band_hz[1], 0.45 * rec.fs_hz)
     for base in BASES_HZ:
-        highest = min(BEYOND * band_hz[1], 0.45 * rec.fs_hz)
-        multiples = range(max(1, int(np.ceil(band_hz[0] / BEYOND / base))), int(highest / base) + 1)
-        found[base] = [k for k in multiples if _f_of_line(parts, k * base, LINE_F) >= LINE_F]
-        if found[base]:
-            found[base] = [k for k in multiples if _f_of_line(parts, k * base, ANOTHER_F) >= ANOTHER_F]
+        found[base] = list(range(max(1, int(np.ceil(band_hz[0] / BEYOND / base))), int(highest / base) + 1))
+        multiples = found[base]
+        for least in (LINE_F, ANOTHER_F):
+            # One line is enough for the second, lower bar for all of them.
+            if found[base]:
+                found[base] = [k for k in multiples if _f_of_line(parts, k * base, least) >= least]
     base = max(BASES_HZ, key=lambda each: len(found[each]))
     if not found[base]:
         return rec, None
@@ -126,20 +128,18 @@ def _pieces(rec: Recording) -> list[tuple[int, int]]:
 
 @lru_cache(maxsize=1)
 def _tapers(n: int, rate_hz: float, reach_hz: float) -> tuple[FloatArray, ComplexArray]:
-    """Sums of the tapers, and the tapers turned by all frequencies within reach, (n, n_tapers, n_off)."""
+    """Tapers of a piece, (n_tapers, n), and turns by all frequencies within reach, (n, n_off)."""
     at = np.arange(1, n + 1) / (n + 1.0)
-    tapers = np.sqrt(2.0 / (n + 1.0)) * np.sin(np.pi * np.arange(1, TAPERS + 1) * at[:, None])
+    tapers = np.sqrt(2.0 / (n + 1.0)) * np.sin(np.pi * np.arange(1, TAPERS + 1)[:, None] * at)
     off = np.linspace(-reach_hz, reach_hz, 2 * int(np.ceil(4 * reach_hz * n / rate_hz)) + 1)
-    turn = np.exp(-2j * np.pi * np.arange(n)[:, None] / rate_hz * off)
-    return tapers.sum(axis=0), tapers[:, :, None] * turn[:, None]
+    return tapers, np.exp(-2j * np.pi * np.arange(n)[:, None] / rate_hz * off)
 
 
 def _f_of_line(parts: tuple[Recording, ...], freq_hz: float, least: float) -> float:
     """F that most of the pieces reach in a channel in which the line is steady, the largest of all channels.
 
-    0 as soon as it cannot be ``least``.
-
-    At what frequency, within what the mains may be off, all channels of a piece say together.
+    0 as soon as it cannot be ``least``. At what frequency, within what the mains may be off, all channels of
+    a piece say together.
     """
     cut = [(part, *piece) for part in parts for piece in _pieces(part)]
     fits, powers = [], []
@@ -147,8 +147,10 @@ def _f_of_line(parts: tuple[Recording, ...], freq_hz: float, least: float) -> fl
     enough = int((1.0 - PIECES_WITH) * (len(cut) - 1)) + 2
     without = np.zeros(parts[0].n_channels, dtype=int)
     for part, start, n in cut:
-        sums, turned = _tapers(n, part.fs_hz / _block(part), OFF * freq_hz)
-        y = np.tensordot(_thinned(part, freq_hz, start, n), turned, 1)
+        tapers, turns = _tapers(n, part.fs_hz / _block(part), OFF * freq_hz)
+        sums = tapers.sum(axis=1)
+        tapered = tapers * _thinned(part, freq_hz, start, n)[:, None]
+        y = (tapered.reshape(-1, n) @ turns).reshape(*tapered.shape[:2], -1)
         mu = np.einsum("k,pkf->pf", sums, y) / (sums @ sums)
         rest = np.sum(np.abs(y - mu[:, None] * sums[:, None]) ** 2, axis=1)
         f = (TAPERS - 1) * np.abs(mu) ** 2 * (sums @ sums) / np.maximum(rest, 1e-300)
