@@ -81,7 +81,6 @@ def identifications() -> Iterator[Case]:
         "small frf rows": {"min_rows": 6, "freq_tol": 0.02, "damping_tol": 0.2},
         "small h2": {"estimator": "h2", "formulation": "joint"},
         "small paper": {"preset": "paper", "estimator": "h1"},
-        "small cross-check": {"cross_check": "vector_fitting"},
         "small one dof": {"dofs": [1]},
         "small common kept": {"keep_common": True},
         "small depth": {"min_depth_db": 6.0},

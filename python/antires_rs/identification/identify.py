@@ -40,7 +40,7 @@ from ..signals.one_force import DataCheck
 from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
 from ..support.checks import FloatArray
-from ..support.messages import warn, warn_of_change
+from ..support.messages import warn
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
@@ -247,7 +247,6 @@ def identify_antiresonances(
     estimator: str = "rank1",
     preset: str | None = None,
     max_order: int | None = None,
-    cross_check: str | None = None,
     check: str = "warn",
     near: AntiresonanceSet | None = None,
     fit: FitOptions | None = None,
@@ -282,9 +281,6 @@ def identify_antiresonances(
         Highest order of the sweep, 2 to 200; by default as the preset says, else 60, and 36 beyond the
         likeliest, up to 200, for the fit of all numerators. With few lines in the band it is lowered to two
         thirds of their number. Fits over windows know orders up to 16.
-    cross_check : {None, "aaa", "vector_fitting"}
-        Ask another method about every value; the answer is ``.cross_check`` of the set, see
-        :mod:`~antires_rs.identification.cross_check`. It changes no value.
     check : {"warn", "raise", "off"}
         What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
         something fatal, or leave it out. The answer is ``.data_check`` of the set.
@@ -298,7 +294,7 @@ def identify_antiresonances(
     progress : bool, optional
         A line on standard error after a second; by default on a terminal and in a notebook.
     **older
-        Options of ``fit`` by name, and ``second_opinion`` for ``cross_check``, as until 0.1; with a warning.
+        Options of ``fit`` by name, as until 0.1; with a warning.
 
     Returns
     -------
@@ -356,18 +352,11 @@ def identify_antiresonances(
     >>> found[0].round(1).tolist(), found[1].tolist()
     ([15.2], [])
     """
-    if older:
-        fit, cross_check = _of_before(older, fit, cross_check)
+    fit = gathered("identify_antiresonances", "fit", fit or FitOptions(), older)
     call = CallOptions(
-        preset=preset,
-        route=route,
-        estimator=estimator,
-        nperseg=nperseg,
-        max_order=max_order,
-        cross_check=cross_check,
-        check=check,
+        preset=preset, route=route, estimator=estimator, nperseg=nperseg, max_order=max_order, check=check
     )
-    options = options_of(call, FitOptions() if fit is None else fit)
+    options = options_of(call, fit)
     one: Recording | FrequencyResponse = one_source(source)
     band = band_of(one, band_hz)
     excitation = label("excitation", excitation)
@@ -401,7 +390,7 @@ def identify_antiresonances(
         over_band = near.options.get("fitted") == "numerators" and many
         if options.rule.new_values or over_band:
             of_fit = {name: getattr(options.rule, name) for name in options.rule.given - {"new_values"}}
-            of_call = options.call.values() | {"check": "off", "cross_check": None}
+            of_call = options.call.values() | {"check": "off"}
             again = {"excitation": excitation, "band_hz": band, "fit": FitOptions(**of_fit)}
             searched = identify_antiresonances(one, **again, **of_call)
         else:  # options by which the values were found may be given again
@@ -419,20 +408,10 @@ def identify_antiresonances(
     step("fit")
     looks: list[Look] = []
     if options.formulation == "directions":
-        looks, options = _looks(
-            one, averages, band, options, asked=fit is not None and "formulation" in fit.given
-        )
+        looks, options = _looks(one, averages, band, options, asked="formulation" in fit.given)
     diagrams = of_lost_channels(diagrams_of(one.dofs, lines_for, band, options, looks, fits), checked)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
-    compared = None
-    if options.call.cross_check is not None:
-        # Of the lines that are there already; imported here, since few calls ask for it.
-        from .cross_check import judge
-
-        step("cross-check")
-        values = {dof: d.identified for dof, d in found.items()}
-        compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
     lost = checked is not None and checked.fatal
     if (lost or options.formulation == "directions") and not any(len(d.accepted) for d in found.values()):
         why = Counter(str(one) for d in found.values() for one in d.left_out.scores.get("why", ()))
@@ -458,7 +437,6 @@ def identify_antiresonances(
         tables,
         diagrams=found,
         data_check=checked,
-        cross_check=compared,
         sees="frf" if options.use_force or of_size else "transmissibility",
         channels=one.dofs,
         options={**_made_of(one, band), **options.values(), **held_back},
@@ -550,20 +528,6 @@ def _require_known(near: AntiresonanceSet, wanted: tuple[Any, ...]) -> None:
         remedy = "Leave those out, or search for new values: fit=FitOptions(new_values=True)."
         got, needed = f"{missing}, of which near has no values", f"dofs of near, {tuple(near)}"
         reject("dofs", got, needed, remedy)
-
-
-def _of_before(
-    older: dict[str, Any], fit: FitOptions | None, cross_check: str | None
-) -> tuple[FitOptions, str | None]:
-    """Options as they were given until 0.1, with a warning that names the new place."""
-    if "second_opinion" in older:
-        second = older.pop("second_opinion")
-        if second is not None and cross_check not in (None, second):
-            wanted = f"None beside cross_check={cross_check!r}"
-            reject("second_opinion", second, wanted, "It is the older name of cross_check; give that alone.")
-        warn_of_change("identify_antiresonances: second_opinion: write cross_check=...")
-        cross_check = cross_check if second is None else second
-    return gathered("identify_antiresonances", "fit", fit or FitOptions(), older), cross_check
 
 
 def _checked(

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +38,6 @@ FORMULATIONS = ("joint", "eq10", "eq10_squared")
 #: Real functions of f^2; one number a line.
 OF_MAGNITUDES = FORMULATIONS[1:]
 CHOICES = ("auto", "windows", "directions", "numerators", *FORMULATIONS)
-#: Formulations that were left out, and why.
-LEFT_OUT = {
-    "sum": "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise",
-    "power": "The fit of all squared magnitudes was left out, being behind 'joint' at every noise",
-}
 
 PRESET_NAMES = ("paper", "strict", "sensitive")
 #: By option: what each of these presets sets; None where it keeps the default.
@@ -92,12 +87,6 @@ class CallOptions(Options):
         kind="whole",
         low=2,
         high=HIGHEST_ORDER,
-    )
-    cross_check: str | None = option(
-        None,
-        '"aaa" or "vector_fitting": another method that confirms or flags.',
-        kind="text",
-        choices=(None, "aaa", "vector_fitting"),
     )
     check: str = option(
         "warn",
@@ -198,17 +187,6 @@ class FitOptions(Options):
         made = replace(self, **{name: v for name, v in chosen.items() if name not in self.given})
         object.__setattr__(made, "given", self.given)
         return made
-
-    def checked(self) -> Self:
-        """The same options, or the error that names the first bad one."""
-        if self.formulation in LEFT_OUT:
-            reject(
-                "formulation",
-                repr(self.formulation),
-                "one of " + ", ".join(repr(name) for name in CHOICES),
-                f"{LEFT_OUT[self.formulation]}; use formulation='joint'.",
-            )
-        return super().checked()
 
     def agree(self, ratio: FloatArray, damping: FloatArray, own: float, least: float) -> NDArray[np.bool_]:
         """Whether roots are one with a root of damping ``own``, by ratio of moduli and by damping."""
@@ -336,8 +314,6 @@ def flat(options: Mapping[str, Any]) -> dict[str, Any]:
     """
     options = dict(options)
     fit = options.pop("fit", None)
-    if "second_opinion" in options:
-        options.setdefault("cross_check", options.pop("second_opinion"))
     if fit is not None:
         options |= {name: getattr(fit, name) for name in fit.given}
     known = declared()
@@ -357,7 +333,5 @@ def flat(options: Mapping[str, Any]) -> dict[str, Any]:
 def sorted_out(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options by name, as a job has them, as arguments of ``identify_antiresonances``."""
     of_fit = {name: value for name, value in options.items() if name in FitOptions.declared()}
-    if "second_opinion" in options:
-        options = {"cross_check": options["second_opinion"], **options}
-    rest = {name: value for name, value in options.items() if name not in of_fit and name != "second_opinion"}
+    rest = {name: value for name, value in options.items() if name not in of_fit}
     return {**rest, "fit": FitOptions(**of_fit)} if of_fit else rest

@@ -363,9 +363,8 @@ def _shares(sweep: Sweep, linked: list[list[tuple[int, complex]]]) -> list[float
     some = [members[:: max(1, len(members) // 5)] for members in linked]
     orders = np.array([order for members in some for order, _ in members], dtype=np.int64)
     roots = np.array([s for members in some for _, s in members], dtype=np.complex128)
-    ends = np.cumsum([len(members) for members in some])
-    shares = sweep.dominances(orders, roots).tolist()
-    return [median(shares[end - len(members) : end]) for members, end in zip(some, ends.tolist(), strict=True)]
+    shares = iter(sweep.dominances(orders, roots).tolist())
+    return [median([next(shares) for _ in members]) for members in some]
 
 
 def _value(

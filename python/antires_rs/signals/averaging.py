@@ -1,4 +1,4 @@
-"""Averages of a record, made once: the options, and the value that check, fit and cross-check share."""
+"""Averages of a record, made once: the options, and the value that check and fit share."""
 
 from __future__ import annotations
 

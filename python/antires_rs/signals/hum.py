@@ -108,7 +108,9 @@ def _thinned(rec: Recording, freq_hz: float, start: int, count: int) -> ComplexA
     x = rec.responses[:, start * block : (start + count + 1) * block]
     sums = x.reshape(rec.n_channels, count + 1, block) @ columns
     thinned = sums[:, :-1, 0] + sums[:, 1:, 2] + 1j * (sums[:, :-1, 1] + sums[:, 1:, 3])
-    return thinned * np.exp(-2j * np.pi * freq_hz / rec.fs_hz * block * np.arange(start, start + count))
+    return np.asarray(
+        thinned * np.exp(-2j * np.pi * freq_hz / rec.fs_hz * block * np.arange(start, start + count))
+    )
 
 
 def _block(rec: Recording) -> int:
