@@ -362,19 +362,12 @@ def identify_antiresonances(
     excitation = label("excitation", excitation)
     wanted = _wanted_dofs(dofs, one.dofs)
     if not options.use_force and len(one.dofs) < 2:
-        raise UnsuitableDataError(
-            "source",
-            "a single channel",
-            "two or more for the route 'transmissibility', whose poles are the antiresonances",
-            "Add a channel, or measure the force and take the route 'frf'.",
-        )
+        wanted = "two or more for the route 'transmissibility', whose poles are the antiresonances"
+        remedy = "Add a channel, or measure the force and take the route 'frf'."
+        raise UnsuitableDataError("source", "a single channel", wanted, remedy)
     if options.use_force and isinstance(one, Recording) and one.force is None:
-        raise UnsuitableDataError(
-            "route",
-            "'frf' for a Recording without force",
-            "a measured force",
-            "Take the route 'transmissibility': it needs none.",
-        )
+        remedy = "Take the route 'transmissibility': it needs none."
+        raise UnsuitableDataError("route", "'frf' for a Recording without force", "a measured force", remedy)
     step("spectra")
     averages = None
     if isinstance(one, Recording):
@@ -545,12 +538,9 @@ def _checked(
     checked = judged(source, excitation, band, options.averaging, averages)
     if options.call.check == "raise" and checked.fatal:
         fatal = [f for f in checked.findings if f.severity == "fatal"]
-        raise UnsuitableDataError(
-            "source",
-            "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip("."),
-            "data without fatal findings, as check='raise' asks for",
-            " ".join(f.advice for f in fatal),
-        )
+        got = "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip(".")
+        wanted = "data without fatal findings, as check='raise' asks for"
+        raise UnsuitableDataError("source", got, wanted, " ".join(f.advice for f in fatal))
     if not checked.ok:
         said = "\n".join(f"data check: {line}" for line in checked.warnings)
         warn(tuple(dict.fromkeys(f.name for f in checked.findings if f.severity != "note")), said)

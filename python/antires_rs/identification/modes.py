@@ -150,20 +150,14 @@ def identify_modes(
         curves_in = _of_recording(source, band, route, averaging, estimator)
     else:
         if source.kind != "frf":
-            raise UnsuitableDataError(
-                "source",
-                "transmissibilities",
-                "FRFs or a Recording",
+            remedy = (
                 "The resonances cancel in a quotient of responses: transmissibilities hold the "
-                "antiresonances only.",
+                "antiresonances only."
             )
+            raise UnsuitableDataError("source", "transmissibilities", "FRFs or a Recording", remedy)
         if route == "responses":
-            reject(
-                "route",
-                "'responses' with a source of FRFs",
-                "'auto' or 'frf'",
-                "Leave route out: FRFs hold the measured force.",
-            )
+            got = "'responses' with a source of FRFs"
+            reject("route", got, "'auto' or 'frf'", "Leave route out: FRFs hold the measured force.")
 
         def curves_in(lines_hz: tuple[float, float]) -> Curves:
             return _of_frfs(source, lines_hz, 0.0)
@@ -183,12 +177,8 @@ def _of_recording(
 ) -> Callable[[tuple[float, float]], Curves]:
     """Curves of a record by one of the routes; segments as the band wants them, lines as asked for."""
     if route == "frf" and rec.force is None:
-        raise UnsuitableDataError(
-            "route",
-            "'frf' for a Recording without force",
-            "a measured force",
-            "Use route='responses', for a force that is broadband.",
-        )
+        remedy = "Use route='responses', for a force that is broadband."
+        raise UnsuitableDataError("route", "'frf' for a Recording without force", "a measured force", remedy)
     if options.nperseg is not None:
         integer("nperseg", options.nperseg, low=32, high=rec.n_samples)
     if route == "responses" or rec.force is None:

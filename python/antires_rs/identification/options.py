@@ -197,23 +197,17 @@ class FitOptions(Options):
     def check_span(self, min_order: int, max_order: int) -> None:
         """Refuse orders among which no chain could be long enough."""
         if max_order - min_order < self.min_rows:
-            reject(
-                "max_order",
-                max_order,
-                f"at least min_order + min_rows = {min_order + self.min_rows}",
-                "A value is accepted only when more than min_rows consecutive orders agree.",
-            )
+            got = max_order
+            remedy = "A value is accepted only when more than min_rows consecutive orders agree."
+            reject("max_order", got, f"at least min_order + min_rows = {min_order + self.min_rows}", remedy)
 
     def orders(self, wanted: tuple[int, int], n_lines: int, *, per_line: int = 2) -> range:
         """Of the orders wanted, (lowest, highest), those that lines of ``per_line`` real numbers can bear."""
         low, high = wanted[0], min(wanted[1], per_line * n_lines // DATA_PER_ORDER)
         if high - low < self.min_rows:
-            reject(
-                "band_hz",
-                f"a band with {n_lines} lines for orders {low} to {high}",
-                f"orders that span more than min_rows = {self.min_rows}",
-                "Widen the band, or use longer segments.",
-            )
+            got = f"a band with {n_lines} lines for orders {low} to {high}"
+            wanted = f"orders that span more than min_rows = {self.min_rows}"
+            reject("band_hz", got, wanted, "Widen the band, or use longer segments.")
         return range(low, high + 1)
 
 
@@ -284,19 +278,11 @@ def options_of(call: CallOptions, fit: FitOptions) -> IdentificationOptions:
     usual = PRESETS[call.preset].get("max_order", USUAL_ORDER) if call.preset is not None else USUAL_ORDER
     max_order = usual if call.max_order is None else call.max_order
     if rule.formulation == "numerators" and call.estimator != "rank1":
-        reject(
-            "estimator",
-            call.estimator,
-            "'rank1' with formulation='numerators'",
-            "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.",
-        )
+        remedy = "That fit uses the whole spectral matrix; formulation='joint' takes any estimator."
+        reject("estimator", call.estimator, "'rank1' with formulation='numerators'", remedy)
     if frf and rule.formulation in OF_MAGNITUDES:
-        reject(
-            "formulation",
-            rule.formulation,
-            "'numerators' or 'joint' with route='frf'",
-            "Sums and magnitudes are those of transmissibilities.",
-        )
+        remedy = "Sums and magnitudes are those of transmissibilities."
+        reject("formulation", rule.formulation, "'numerators' or 'joint' with route='frf'", remedy)
     integer("min_order", rule.min_order, low=1, high=max_order)
     averaging = Averaging(call.nperseg, rule.noverlap, rule.window, rule.method)
     return IdentificationOptions(call, rule, averaging, rule.formulation, max_order)

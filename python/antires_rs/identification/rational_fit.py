@@ -336,12 +336,8 @@ def prepare(
     inside = (freq >= low) & (freq <= high)
     power = np.sum(np.abs(array) ** 2, axis=0)
     if not power[inside].any():
-        reject(
-            "values",
-            "zeros only inside the band",
-            "at least one value that is not zero",
-            "Check the channel, or the band.",
-        )
+        got = "zeros only inside the band"
+        reject("values", got, "at least one value that is not zero", "Check the channel, or the band.")
     if weights is None:
         # A line's weight falls where a transmissibility peaks: there its own reference is mostly noise.
         weight = 1.0 / (np.median(power[inside]) + power)
@@ -349,20 +345,13 @@ def prepare(
         wanted = f"a real array ({freq.size},) of positive weights, one a line"
         weight = real_array("weights", weights, ndim=1, wanted=wanted)
         if weight.size != freq.size or weight.min() < 0.0 or not weight[inside].any():
-            reject(
-                "weights",
-                f"an array of shape {weight.shape} from {weight.min():g} to {weight.max():g}",
-                wanted,
-                "Leave them out to count all lines alike.",
-            )
+            got = f"an array of shape {weight.shape} from {weight.min():g} to {weight.max():g}"
+            reject("weights", got, wanted, "Leave them out to count all lines alike.")
     n_lines = int(inside.sum())
     if n_lines <= order:
-        reject(
-            order_name,
-            f"{order} with {n_lines} lines in band_hz = ({low:g}, {high:g})",
-            "fewer orders than lines",
-            "Widen the band, use longer segments, or lower the order.",
-        )
+        got = f"{order} with {n_lines} lines in band_hz = ({low:g}, {high:g})"
+        wanted = "fewer orders than lines"
+        reject(order_name, got, wanted, "Widen the band, use longer segments, or lower the order.")
     return freq[inside], array[:, inside], weight[inside]
 
 

@@ -179,12 +179,9 @@ def find_events(rec: Recording, low_hz: float) -> tuple[Event, ...]:
         # In noise, or so slowly sampled that the response builds up over several blocks.
         hits.append(int(energy.argmax()))
     if not hits:
-        raise UnsuitableDataError(
-            "responses",
-            "a record without an impact: the energy never rises from rest, as in a free decay",
-            "a record that starts before the hit",
-            "Record again with a pre-trigger: what was missed at the start cannot be recovered.",
-        )
+        got = "a record without an impact: the energy never rises from rest, as in a free decay"
+        remedy = "Record again with a pre-trigger: what was missed at the start cannot be recovered."
+        raise UnsuitableDataError("responses", got, "a record that starts before the hit", remedy)
     events = []
     for i, b in enumerate(hits):
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples

@@ -402,12 +402,8 @@ def check_data(
     if excitation is not None and (
         isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
     ):
-        reject(
-            "excitation",
-            excitation,
-            "a dof named by an integer or a string, or None",
-            "Name the dof as the source does, or leave it out if it is not known.",
-        )
+        remedy = "Name the dof as the source does, or leave it out if it is not known."
+        reject("excitation", excitation, "a dof named by an integer or a string, or None", remedy)
     options = Averaging(nperseg, noverlap, window, method).checked()
     one: Recording | FrequencyResponse = one_source(source)
     return judged(one, excitation, band_of(one, band_hz), options)

@@ -158,23 +158,15 @@ def without_force(rec: Recording) -> Recording:
 def check_recording(rec: object) -> None:
     """Refuse what is not a Recording."""
     if not isinstance(rec, Recording):
-        reject(
-            "rec",
-            type(rec).__name__,
-            "a Recording",
-            "Make one of the arrays first: Recording(responses, fs_hz).",
-        )
+        got = type(rec).__name__
+        reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
 
 
 def force_of(rec: Recording) -> FloatArray:
     """The measured force, which this estimate needs."""
     if rec.force is None:
-        reject(
-            "rec",
-            "a Recording without force",
-            "one with the force recorded",
-            "Use transmissibilities: they need no force.",
-        )
+        got = "a Recording without force"
+        reject("rec", got, "one with the force recorded", "Use transmissibilities: they need no force.")
     return rec.force
 
 

@@ -178,12 +178,9 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
     [(3+1j), (2+2j)]
     """
     if not isinstance(resp, FrequencyResponse) or resp.kind != "transmissibility":
-        reject(
-            "resp",
-            getattr(resp, "kind", type(resp).__name__),
-            "a FrequencyResponse of kind 'transmissibility'",
-            "Estimate it by antires_rs.transmissibility.",
-        )
+        got = getattr(resp, "kind", type(resp).__name__)
+        wanted = "a FrequencyResponse of kind 'transmissibility'"
+        reject("resp", got, wanted, "Estimate it by antires_rs.transmissibility.")
     others = np.delete(resp.values, resp.dofs.index(resp.reference), axis=0)
     return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))
 
