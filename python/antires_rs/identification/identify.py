@@ -279,16 +279,14 @@ def identify_antiresonances(
         :mod:`~antires_rs.identification.options`. What is given beside it wins.
     max_order : int, optional
         Highest order of the sweep, 2 to 200; by default as the preset says, else 60, and 36 beyond the
-        likeliest, up to 200, for the fit of all numerators. With few lines in the band it is lowered to two
-        thirds of their number. Fits over windows know orders up to 16.
+        likeliest for the fit of all numerators; at most two thirds of the number of lines.
     check : {"warn", "raise", "off"}
         What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
         something fatal, or leave it out. The answer is ``.data_check`` of the set.
     near : AntiresonanceSet, optional
-        Values that are known, such as those of the first tests of this structure together. Each is looked for
-        near its place (:mod:`~antires_rs.identification.following`): quicker than a search, and surer in a
-        single test. ``.followed`` says of which value each is, ``.not_seen`` which are not there;
-        ``fit=FitOptions(new_values=True)`` also searches for new ones.
+        Values that are known, each looked for near its place (:mod:`~antires_rs.identification.following`):
+        quicker than a search, and surer in a single test. ``.followed`` says of which value each is,
+        ``.not_seen`` which are not there; ``fit=FitOptions(new_values=True)`` also searches for new ones.
     fit : FitOptions, optional
         How curves are fitted and what is accepted: what few calls change.
     progress : bool, optional
@@ -321,19 +319,14 @@ def identify_antiresonances(
 
     Notes
     -----
-    Records of one test in a list (several runs of the shaker, several impacts), of the same dofs and sampling
-    rate, give one set: their segments or impacts are averaged together, as are several impacts in one record,
-    and lists of curves (:mod:`~antires_rs.signals.repeats`). The standard deviations then hold what differs
-    from record to record; those of a single test do not: a clamp that is set again or a temperature moves
-    antiresonances by more (:func:`~antires_rs.track`). Setups with other places of the sensors are identified
-    apart and joined by :func:`~antires_rs.merge_setups`.
+    Repeats of one test in a list, of the same dofs and sampling rate, give one set: segments, impacts or
+    curves are averaged together (:mod:`~antires_rs.signals.repeats`), and the standard deviations hold what
+    differs between them; those of a single test do not (:func:`~antires_rs.track`). Setups with other places
+    of the sensors are identified apart and joined by :func:`~antires_rs.merge_setups`.
 
-    What is there in most orders without standing still is marked "persistent" in ``.scores[dof]["how"]``,
-    what the fit of the likeliest order shows clearly without either "likeliest order"
-    (:mod:`~antires_rs.identification.selection`). Fits over windows accept a zero that makes a visible dip;
-    of curves whose noise is so low that 35 standard deviations make less, a dip of that
-    depth is enough, but never less than 0.5 dB. What they see and do not accept is ``.left_out`` of the set
-    with the reason; peaks of the curve behind a diagram that nothing explains are ``.unexplained_hz``.
+    ``.scores[dof]["how"]`` says how a value was accepted (:mod:`~antires_rs.identification.scores`). What
+    fits see and do not accept is ``.left_out`` with the reason; peaks of the curve behind a diagram that
+    nothing explains are ``.unexplained_hz``.
 
     An antiresonance that *all* of three or more channels share is not one of the responses: it is the zero
     beside the pole of a mode that the force hardly excites (a force near a node, a local or sideways mode),
@@ -341,14 +334,12 @@ def identify_antiresonances(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
-    >>> from antires_rs.identification.identify import identify_antiresonances
+    >>> import numpy as np, antires_rs as ar
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> mode = lambda fn: -f**2 / (fn**2 - f**2 + 0.02j * fn * f)
     >>> h = np.array([mode(8.0) + mode(20.0), mode(8.0) - 0.5 * mode(20.0)])  # driving point, and another
     >>> h = h + 1e-4 * np.random.default_rng(0).standard_normal(h.shape)
-    >>> found = identify_antiresonances(FrequencyResponse(f, h), excitation=0, band_hz=(3, 25))
+    >>> found = ar.identify_antiresonances(ar.FrequencyResponse(f, h), excitation=0, band_hz=(3, 25))
     >>> found[0].round(1).tolist(), found[1].tolist()
     ([15.2], [])
     """
@@ -362,9 +353,9 @@ def identify_antiresonances(
     excitation = label("excitation", excitation)
     wanted = _wanted_dofs(dofs, one.dofs)
     if not options.use_force and len(one.dofs) < 2:
-        wanted = "two or more for the route 'transmissibility', whose poles are the antiresonances"
+        needed = "two or more for the route 'transmissibility', whose poles are the antiresonances"
         remedy = "Add a channel, or measure the force and take the route 'frf'."
-        raise UnsuitableDataError("source", "a single channel", wanted, remedy)
+        raise UnsuitableDataError("source", "a single channel", needed, remedy)
     if options.use_force and isinstance(one, Recording) and one.force is None:
         remedy = "Take the route 'transmissibility': it needs none."
         raise UnsuitableDataError("route", "'frf' for a Recording without force", "a measured force", remedy)

@@ -118,14 +118,12 @@ def identify_modes(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
-    >>> from antires_rs.identification.modes import identify_modes
+    >>> import numpy as np, antires_rs as ar
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> mode = lambda fn: -f**2 / (fn**2 - f**2 + 0.02j * fn * f)
     >>> h = np.array([mode(8.0) + mode(20.0), mode(8.0) - 0.5 * mode(20.0)])
     >>> h = h + 1e-4 * np.random.default_rng(0).standard_normal(h.shape)
-    >>> modes = identify_modes(FrequencyResponse(f, h), band_hz=(3, 28))
+    >>> modes = ar.identify_modes(ar.FrequencyResponse(f, h), band_hz=(3, 28))
     >>> modes.freq_hz.round(2).tolist(), modes.damping_ratio.round(3).tolist()
     ([8.0, 20.0], [0.01, 0.01])
     >>> modes.to_real().shapes.round(2).tolist()

@@ -197,17 +197,18 @@ class FitOptions(Options):
     def check_span(self, min_order: int, max_order: int) -> None:
         """Refuse orders among which no chain could be long enough."""
         if max_order - min_order < self.min_rows:
-            got = max_order
             remedy = "A value is accepted only when more than min_rows consecutive orders agree."
-            reject("max_order", got, f"at least min_order + min_rows = {min_order + self.min_rows}", remedy)
+            reject(
+                "max_order", max_order, f"at least min_order + min_rows = {min_order + self.min_rows}", remedy
+            )
 
     def orders(self, wanted: tuple[int, int], n_lines: int, *, per_line: int = 2) -> range:
         """Of the orders wanted, (lowest, highest), those that lines of ``per_line`` real numbers can bear."""
         low, high = wanted[0], min(wanted[1], per_line * n_lines // DATA_PER_ORDER)
         if high - low < self.min_rows:
             got = f"a band with {n_lines} lines for orders {low} to {high}"
-            wanted = f"orders that span more than min_rows = {self.min_rows}"
-            reject("band_hz", got, wanted, "Widen the band, or use longer segments.")
+            needed = f"orders that span more than min_rows = {self.min_rows}"
+            reject("band_hz", got, needed, "Widen the band, or use longer segments.")
         return range(low, high + 1)
 
 

@@ -399,11 +399,10 @@ def fit_rational(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.rational_fit import fit_rational
+    >>> import numpy as np, antires_rs as ar
     >>> f = np.linspace(1.0, 20.0, 400)
     >>> h = (7.0**2 - f**2 + 2j * 0.01 * 7.0 * f) / (10.0**2 - f**2 + 2j * 0.02 * 10.0 * f)
-    >>> fit = fit_rational(f, h, 2)
+    >>> fit = ar.fit_rational(f, h, 2)
     >>> print(fit.poles.freq_hz.round(6), fit.poles.damping_ratio.round(6), fit.zeros.freq_hz.round(6))
     [10.] [0.02] [7.]
     """

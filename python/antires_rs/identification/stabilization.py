@@ -204,13 +204,11 @@ def stabilization(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.stabilization import stabilization
-    >>> f = np.linspace(1.0, 20.0, 400)
-    >>> rng = np.random.default_rng(1)
+    >>> import numpy as np, antires_rs as ar
+    >>> f, rng = np.linspace(1.0, 20.0, 400), np.random.default_rng(1)
     >>> t = 25 / (5**2 - f**2 + 0.1j * f) + 100 / (10**2 - f**2 + 0.2j * f)
     >>> t = t + 1e-3 * (rng.standard_normal(400) + 1j * rng.standard_normal(400))
-    >>> stabilization(f, t, max_order=30).identified.round(2).tolist()
+    >>> ar.stabilization(f, t, max_order=30).identified.round(2).tolist()
     [5.0, 10.0]
     """
     rule = FitOptions(

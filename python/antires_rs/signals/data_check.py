@@ -368,22 +368,18 @@ def check_data(
     -----
     The tests, by name:
 
-    - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
-    - ``clipped_channel``, ``quantized_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings,
-      fatal where nothing else is left): in the time records;
-    - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
-      brings it back into phase at several modes. Polarity cannot be seen in data, nor can two channels that
-      are exchanged, unless the driving point is one of them (``force_location``). A shift of seconds and a
-      clock that drifts are fatal;
-    - ``drift`` (warning): a resonance that is elsewhere at the end than at the beginning;
-    - ``mains_hum`` (warning): steady lines at multiples of 50 or 60 Hz, which are taken out;
-    - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
+    - ``dead_channel``, ``clipped_channel``, ``quantized_channel``, ``duplicated_channels``, ``dropouts``,
+      ``spikes``, ``signal_to_noise``: of single channels;
+    - ``time_shift``, ``quadrature``: a channel late against the others, or of another kind. Polarity cannot
+      be seen in data, nor can two channels that are exchanged, unless one is the driving point;
+    - ``drift``: a resonance that is elsewhere at the end than at the beginning;
+    - ``mains_hum``: steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
       forces that move in proportion are one force in this respect;
     - ``force_location``: zeros and poles of the stated driving point alternate. A dof whose mode shapes have
       the signs of the driving point's in all modes of the band cannot be told from it;
-    - ``single_hit``, ``double_hit`` (notes), ``missed_hit`` (fatal): of hammer records.
+    - ``single_hit``, ``double_hit``, ``missed_hit``: of hammer records.
 
     Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to
     600 s), those of the phase on measured plates too.
@@ -391,11 +387,10 @@ def check_data(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.signals import check_data
     >>> rec = ar.cases.chain8().experiment(noise=0.01, rng=1)
-    >>> check_data(rec, excitation=0, band_hz=(3, 130)).ok
+    >>> ar.check_data(rec, excitation=0, band_hz=(3, 130)).ok
     True
-    >>> (finding,) = check_data(rec, excitation=4, band_hz=(3, 130)).findings
+    >>> (finding,) = ar.check_data(rec, excitation=4, band_hz=(3, 130)).findings
     >>> print(finding.severity, finding.name, "|", finding.advice)
     fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
     """

@@ -65,10 +65,9 @@ class FrequencyResponse(ReadOnly, Viewed):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
+    >>> import numpy as np, antires_rs as ar
     >>> freq = np.linspace(1.0, 10.0, 19)
-    >>> FrequencyResponse(freq, [1 / (25 - freq**2 + 1j), 1 / (36 - freq**2 + 1j)], dofs=[3, 7])
+    >>> ar.FrequencyResponse(freq, [1 / (25 - freq**2 + 1j), 1 / (36 - freq**2 + 1j)], dofs=[3, 7])
     FrequencyResponse(frf, 2 outputs, 19 lines 1-10 Hz, dofs=(3, 7))
     """
 

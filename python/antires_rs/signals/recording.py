@@ -46,9 +46,8 @@ class Recording(ReadOnly, Viewed):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.recording import Recording
-    >>> Recording(np.zeros((2, 1024)) + 1.0, 512.0, dofs=["tip", "root"])
+    >>> import numpy as np, antires_rs as ar
+    >>> ar.Recording(np.zeros((2, 1024)) + 1.0, 512.0, dofs=["tip", "root"])
     Recording(2 channels, 2 s at 512 Hz, dofs=('tip', 'root'), no force)
     """
 
