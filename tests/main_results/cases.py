@@ -85,8 +85,8 @@ def identifications() -> Iterator[Case]:
         "small common kept": {"keep_common": True},
         "small depth": {"min_depth_db": 6.0},
     }
-    for i, (name, options) in enumerate(small.items()):
-        yield name, lambda i=i, o=options: _set(ar.identify_antiresonances(record(710 + i), **OPTIONS | o))
+    for seed, (name, options) in zip((*range(710, 715), *range(716, 719)), small.items(), strict=True):
+        yield name, lambda s=seed, o=options: _set(ar.identify_antiresonances(record(s), **OPTIONS | o))
     yield (
         "small three records",
         lambda: _set(ar.identify_antiresonances([record(s) for s in (720, 721, 722)], **OPTIONS)),

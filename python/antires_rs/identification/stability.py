@@ -47,12 +47,11 @@ from ..signals.spectra import (
 )
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
-from ..support.values import frozen
 from .lines import SNR_CAP, Lines
 from .local_fits import LEAST_LINES, MOST_LINES, SCALES, LocalFits, Stretch, fits, stretches
 from .options import FitOptions, IdentificationOptions
 from .scores import scored, window_grades
-from .stabilization import StabilizationDiagram
+from .stabilization import StabilizationDiagram, of_zeros
 
 # -- The looks of a record
 
@@ -310,34 +309,16 @@ def direction_diagrams(
         own, out = found["row"] == row, refused["row"] == row
         quotients = lines.quotients(row)[0]
         background = np.abs(quotients.sum(axis=0))
-        zeros = seen[seen[:, 0] == row]
-        zeros = zeros[np.lexsort((zeros[:, 1], zeros[:, 2]))]
-        orders, first = np.unique(zeros[:, 2], return_index=True)
-        if not zeros.size:
-            orders, first = np.array([SCALES[0][2][0]]), np.array([0])
         accepted, left_out = _table(found[own]), _table(refused[out])
         on_average = float(judged["share"][judged["row"] == row].sum())
         accepted = accepted.with_scores(
             expected_false=false_values(accepted.scores["share"], on_average, places)
         )
-        off = np.abs(zeros[:, 1][:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf)
-        freq, damping, stable = (
-            tuple(frozen(part) for part in np.split(column, first[1:]))
-            for column in (zeros[:, 1], zeros[:, 3], off <= ONE_CANDIDATE)
-        )
-        diagrams.append(
-            StabilizationDiagram(
-                orders=frozen(orders),
-                freq_hz=freq,
-                damping_ratio=damping,
-                stable=stable,
-                accepted=scored(accepted, lines.freq_hz, background, quotients, quotients),
-                background_freq_hz=frozen(lines.freq_hz),
-                background=frozen(background),
-                band_hz=band_hz,
-                left_out=left_out.with_scores(why=why[out]),
-            )
-        )
+        accepted = scored(accepted, lines.freq_hz, background, quotients, quotients)
+        tables = accepted, left_out.with_scores(why=why[out])
+        _, freq, order, damping = seen[seen[:, 0] == row].T
+        zeros, least = (order, freq, damping), SCALES[0][2][0]
+        diagrams.append(of_zeros(zeros, least, *tables, ONE_CANDIDATE, lines.freq_hz, background, band_hz))
     return diagrams
 
 

@@ -156,6 +156,32 @@ class StabilizationDiagram(ReadOnly, Viewed):
         )
 
 
+def of_zeros(
+    zeros: tuple[Any, Any, Any],
+    least_order: int,
+    accepted: ResponseTable,
+    left_out: ResponseTable,
+    within: float,
+    lines_hz: FloatArray,
+    background: FloatArray,
+    band_hz: tuple[float, float],
+) -> StabilizationDiagram:
+    """A diagram of zeros (order, frequency, damping) that many fits see; stable are those beside a value."""
+    rank = np.lexsort((zeros[1], zeros[0]))
+    order, freq, damping = (column[rank] for column in zeros)
+    orders, first = np.unique(order, return_index=True)
+    if not rank.size:
+        orders, first = np.array([least_order]), np.array([0])
+    beside = np.abs(freq[:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf) <= within
+
+    def by_order(column: Any) -> tuple[Any, ...]:
+        return tuple(frozen(part) for part in np.split(column, first[1:]))
+
+    zeros = by_order(freq), by_order(damping), by_order(beside)
+    lines, curve = frozen(lines_hz), frozen(background)
+    return StabilizationDiagram(frozen(orders), *zeros, accepted, lines, curve, band_hz, left_out)
+
+
 @one_blas_thread
 def stabilization(
     freq_hz: Any,
