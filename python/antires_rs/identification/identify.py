@@ -194,23 +194,20 @@ def settled(
         except (NumericalError, InvalidInputError):
             formulation = "directions"
     if formulation == "directions":
-        idle = [name for name in sorted(options.given) if name not in (*OF_DIRECTIONS, "formulation")]
-        fit = "local fits (formulation 'directions': what one fit over the band does not predict)"
-        counts = [*OF_DIRECTIONS]
+        idle = options.given - {*OF_DIRECTIONS, "formulation"}
+        _say_idle(idle, "local fits (what one fit over the band does not predict)", OF_DIRECTIONS)
     elif formulation == "windows":
-        idle = [name for name in OF_SWEEP if name in options.given]
-        if "max_order" in options.given and options.max_order > HIGHEST_ORDER:
-            idle.append(f"max_order above {HIGHEST_ORDER}")
-        if options.rule.min_order > HIGHEST_ORDER:
-            idle.append(f"min_order above {HIGHEST_ORDER}")
-        fit = "fits over windows (formulation 'windows': given curves and clean single impacts)"
+        high = {"max_order": options.max_order, "min_order": options.rule.min_order}
+        beyond = [name for name in high if name in options.given and high[name] > HIGHEST_ORDER]
+        idle = (options.given & {*OF_SWEEP}) | {f"{name} above {HIGHEST_ORDER}" for name in beyond}
         counts = [*OF_BOTH, *OF_WINDOWS, f"orders up to {HIGHEST_ORDER}"]
+        _say_idle(idle, "fits over windows (given curves and clean single impacts)", counts)
     else:
         options.rule.check_span(*options.orders)
-        idle = [name for name in OF_WINDOWS if name in options.given]
-        fit = f"the sweep over orders (formulation {formulation!r})"
         counts = [*OF_BOTH, *OF_SWEEP, "min_order", "max_order"]
-    _say_idle(idle, fit, counts)
+        _say_idle(
+            options.given & {*OF_WINDOWS}, f"the sweep over orders (formulation {formulation!r})", counts
+        )
     count, width = lines.freq_hz.size, float(lines.freq_hz[-1] - lines.freq_hz[0])
     if formulation == "windows" and count < FEW_LINES:
         warn(
@@ -223,15 +220,12 @@ def settled(
     return replace(options, formulation=formulation), fits, misfit
 
 
-def _say_idle(idle: Sequence[str], fit: str, counts: Sequence[str]) -> None:
+def _say_idle(idle: Iterable[str], fit: str, counts: Sequence[str]) -> None:
     """Warn of options that were given and have no effect."""
-    if idle:
+    if idle := sorted(idle):
         verb = "has" if len(idle) == 1 else "have"
-        warn(
-            "no_effect",
-            f"identify_antiresonances: {' and '.join(idle)} {verb} no effect on {fit}; what counts there is "
-            f"{', '.join(counts)}.",
-        )
+        said = f"{' and '.join(idle)} {verb} no effect on {fit}; what counts there is {', '.join(counts)}."
+        warn("no_effect", f"identify_antiresonances: {said}")
 
 
 @patient("identifying antiresonances")

@@ -380,12 +380,10 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
 def false_values(share: FloatArray, on_average: float, places: float) -> FloatArray:
     """Bound on how many values of a response with at least this share are false, on average, (n,).
 
-    A perturbed fit sees a value at ``on_average`` of so many ``places``, q of p: of what is false, and seen
-    no oftener than what is false elsewhere, at most q^2 / p / (2 share - 1) values reach a share (Meinshausen
-    and Buehlmann 2010, theorem 1); values of a share are at most q / share in any case. What is wrong in
-    every half, as by leakage, is not in it. The bound of Shah and Samworth for shares of one peak, half as
-    large, held on 36 of 40 simulated hits of structures kept back, this one on 39
-    (``benchmarks/simulated_reality.py``; of those of a truss on 7 and 16 of 20).
+    A perturbed fit sees a value at ``on_average`` of so many ``places``, q of p: at most
+    q^2 / p / (2 share - 1) false values reach a share (Meinshausen and Buehlmann 2010, theorem 1), at most
+    q / share in any case. What is wrong in every half, as by leakage, is not in it. The smaller bound of Shah
+    and Samworth held on 36 of 40 simulated hits, this one on 39 (``benchmarks/simulated_reality.py``).
     """
     chance = on_average**2 / places / np.maximum(2.0 * share - 1.0, 1e-9)
     return np.asarray(np.minimum(chance, on_average / share))
