@@ -59,7 +59,7 @@ class NumeratorFit:
         self.weights = weights / weights.sum()
         whole = forsythe_basis(freq_hz / self.scale_hz, self.weights, 2 * max_order)
         terms = max_order + 1
-        self.basis = Basis(whole.b[:terms], np.ascontiguousarray(whole.p[:, :terms]))
+        self.basis = Basis(whole.b[:terms], whole.p[:, :terms])
         # i^k times a polynomial is real for even k and imaginary for odd k, with these signs.
         self._even, self._odd = (np.ascontiguousarray(self.basis.p[:, parity::2]) for parity in (0, 1))
         self._signs = np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -77,7 +78,7 @@ def scored(
             residual[i] = np.sqrt((misfit / size).mean())
         peak, foot = off <= 0.5 * width, (off <= FOOT_WIDTHS[1] * width) & (off > FOOT_WIDTHS[0] * width)
         if peak.any() and foot.any():
-            low = max(float(np.median(power[foot])), 1e-300)
+            low = max(median(power[foot].tolist()), 1e-300)
             prominence[i] = 10.0 * np.log10(max(float(power[peak].mean()), 1e-300) / low)
     return table.with_scores(residual=residual, prominence_db=prominence)
 
@@ -163,7 +164,7 @@ def with_second(table: ResponseTable, checked: DataCheck | None) -> ResponseTabl
     for i, value in enumerate(table.freq_hz):
         off = np.abs(checked.freq_hz - value)
         near = np.flatnonzero(off <= max(BESIDE * value, float(np.partition(off, last)[last])))
-        shares[i] = np.median(share[near])
+        shares[i] = median(share[near].tolist())
         doubtful[i] = fatal or shares[i] > UNEXPLAINED
     grade = np.where(doubtful, "weak", table.scores["grade"]) if "grade" in table.scores else None
     return table.with_scores(second=shares, **({} if grade is None else {"grade": grade}))
