@@ -148,7 +148,7 @@ def test_southampton_frame(name):
 
 
 def test_options_of_curves_are_named_for_records():
-    said = r"min_share and min_depth_db have no effect on the sweep.*'numerators'"
+    said = r"min_depth_db and min_share have no effect on the sweep.*'numerators'"
     with pytest.warns(ar.AntiresWarning, match=said):
         zeros_of(record(duration_s=40.0), check="off", fit=ar.FitOptions(min_share=0.4, min_depth_db=2.0))
 

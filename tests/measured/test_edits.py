@@ -124,14 +124,13 @@ def test_a_set_cannot_be_changed(copied):
 
 
 def test_what_goes_in_is_copied_and_edits_keep_evidence_and_names():
-    values, damping, check, cross = np.array([1.0, 2.0]), np.array([0.1, 0.2]), object(), object()
-    made = ar.AntiresonanceSet(0, {0: values}, {0: damping}, data_check=check, cross_check=cross)
+    values, damping, check = np.array([1.0, 2.0]), np.array([0.1, 0.2]), object()
+    made = ar.AntiresonanceSet(0, {0: values}, {0: damping}, data_check=check)
     values[:], damping[:] = 5.0, 5.0
     assert made[0].tolist() == [1.0, 2.0]
     assert made.damping_ratio[0].tolist() == [0.1, 0.2]
     for each in (made, made.drop(0, 1.0), copy.copy(made)):
         assert each.data_check is check
-        assert each.cross_check is each.second_opinion is cross
     made = scored().drop(0, 12.2, reason="hum").add(1, 9.0).relabelled("hammer", {0: "tip", 2: 5})
     assert (made.excitation, list(made), dict(made.diagrams)) == ("hammer", ["tip", 5], {})
     assert made["tip"].tolist() == [20.0, 36.2]

@@ -124,7 +124,6 @@ _FLAGS = {
     "preset": "--preset WORD",
     "route": "--route WORD",
     "max_order": "--max-order N>=2",
-    "cross_check": "--cross-check --second-opinion WORD",
     "formulation": "--formulation WORD",
     "min_share": "--min-share FRACTION",
 }
@@ -196,7 +195,6 @@ workers (whole): Processes that identify; by default one. No number depends on i
 [identification]: How antiresonances are identified. The defaults suit most records.
 dofs (list): Dofs whose antiresonances are used; by default all that were measured.
 <options>
-second_opinion (text): The older name of cross_check.
 
 [model]: The model. Masses, springs, nodes, elements and dofs count from 0.
 kind (required text): "chain" (masses and springs in a row), "frame" (beams), "matrices" (K and M of any

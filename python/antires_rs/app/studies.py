@@ -45,8 +45,7 @@ def identify(args: argparse.Namespace) -> int:
         if args.pictures is not None:
             _draw_diagrams(each, args.pictures, f"{i}_" if i else "")
     numbers = [_numbers(each) for each in found]
-    lines = [str(part) for each in found for part in (each, each.cross_check) if part is not None]
-    show(args.json, numbers if len(found) > 1 else numbers[0], "\n".join(lines))
+    show(args.json, numbers if len(found) > 1 else numbers[0], "\n".join(map(str, found)))
     return 0
 
 

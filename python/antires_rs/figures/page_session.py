@@ -481,7 +481,7 @@ def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
     """One row a value: what the table of the page says."""
     rows = []
     for at, (dof, table) in enumerate(zeros.tables.items()):
-        words = doubts_of(dof, table, zeros.cross_check)
+        words = doubts_of(table)
         grades = table.scores.get("grade", np.full(len(table), ""))
         shares = [f", {share:.0%}" if share == share else "" for share in zeros.share[dof].tolist()]
         for i, by_hand in enumerate(table.by_hand):

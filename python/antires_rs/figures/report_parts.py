@@ -165,7 +165,7 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
         facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
     if found.data_check is not None:
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
-    return facts | ({} if found.cross_check is None else {"Cross-check": [repr(found.cross_check)]})
+    return facts
 
 
 def of_model(model: StructuralModel) -> Facts:

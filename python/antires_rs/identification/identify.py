@@ -40,7 +40,7 @@ from ..signals.one_force import DataCheck
 from ..signals.recording import Recording, without_force
 from ..signals.repeats import AveragedResponse, one_source
 from ..support.checks import FloatArray
-from ..support.messages import warn, warn_of_change
+from ..support.messages import warn
 from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import frozen
@@ -194,23 +194,20 @@ def settled(
         except (NumericalError, InvalidInputError):
             formulation = "directions"
     if formulation == "directions":
-        idle = [name for name in sorted(options.given) if name not in (*OF_DIRECTIONS, "formulation")]
-        fit = "local fits (formulation 'directions': what one fit over the band does not predict)"
-        counts = [*OF_DIRECTIONS]
+        idle = options.given - {*OF_DIRECTIONS, "formulation"}
+        _say_idle(idle, "local fits (what one fit over the band does not predict)", OF_DIRECTIONS)
     elif formulation == "windows":
-        idle = [name for name in OF_SWEEP if name in options.given]
-        if "max_order" in options.given and options.max_order > HIGHEST_ORDER:
-            idle.append(f"max_order above {HIGHEST_ORDER}")
-        if options.rule.min_order > HIGHEST_ORDER:
-            idle.append(f"min_order above {HIGHEST_ORDER}")
-        fit = "fits over windows (formulation 'windows': given curves and clean single impacts)"
+        high = {"max_order": options.max_order, "min_order": options.rule.min_order}
+        beyond = [name for name in high if name in options.given and high[name] > HIGHEST_ORDER]
+        idle = (options.given & {*OF_SWEEP}) | {f"{name} above {HIGHEST_ORDER}" for name in beyond}
         counts = [*OF_BOTH, *OF_WINDOWS, f"orders up to {HIGHEST_ORDER}"]
+        _say_idle(idle, "fits over windows (given curves and clean single impacts)", counts)
     else:
         options.rule.check_span(*options.orders)
-        idle = [name for name in OF_WINDOWS if name in options.given]
-        fit = f"the sweep over orders (formulation {formulation!r})"
         counts = [*OF_BOTH, *OF_SWEEP, "min_order", "max_order"]
-    _say_idle(idle, fit, counts)
+        _say_idle(
+            options.given & {*OF_WINDOWS}, f"the sweep over orders (formulation {formulation!r})", counts
+        )
     count, width = lines.freq_hz.size, float(lines.freq_hz[-1] - lines.freq_hz[0])
     if formulation == "windows" and count < FEW_LINES:
         warn(
@@ -223,15 +220,12 @@ def settled(
     return replace(options, formulation=formulation), fits, misfit
 
 
-def _say_idle(idle: Sequence[str], fit: str, counts: Sequence[str]) -> None:
+def _say_idle(idle: Iterable[str], fit: str, counts: Sequence[str]) -> None:
     """Warn of options that were given and have no effect."""
-    if idle:
+    if idle := sorted(idle):
         verb = "has" if len(idle) == 1 else "have"
-        warn(
-            "no_effect",
-            f"identify_antiresonances: {' and '.join(idle)} {verb} no effect on {fit}; what counts there is "
-            f"{', '.join(counts)}.",
-        )
+        said = f"{' and '.join(idle)} {verb} no effect on {fit}; what counts there is {', '.join(counts)}."
+        warn("no_effect", f"identify_antiresonances: {said}")
 
 
 @patient("identifying antiresonances")
@@ -247,7 +241,6 @@ def identify_antiresonances(
     estimator: str = "rank1",
     preset: str | None = None,
     max_order: int | None = None,
-    cross_check: str | None = None,
     check: str = "warn",
     near: AntiresonanceSet | None = None,
     fit: FitOptions | None = None,
@@ -280,25 +273,20 @@ def identify_antiresonances(
         :mod:`~antires_rs.identification.options`. What is given beside it wins.
     max_order : int, optional
         Highest order of the sweep, 2 to 200; by default as the preset says, else 60, and 36 beyond the
-        likeliest, up to 200, for the fit of all numerators. With few lines in the band it is lowered to two
-        thirds of their number. Fits over windows know orders up to 16.
-    cross_check : {None, "aaa", "vector_fitting"}
-        Ask another method about every value; the answer is ``.cross_check`` of the set, see
-        :mod:`~antires_rs.identification.cross_check`. It changes no value.
+        likeliest for the fit of all numerators; at most two thirds of the number of lines.
     check : {"warn", "raise", "off"}
         What to do with :func:`~antires_rs.check_data`: warn of what it finds, refuse data in which it finds
         something fatal, or leave it out. The answer is ``.data_check`` of the set.
     near : AntiresonanceSet, optional
-        Values that are known, such as those of the first tests of this structure together. Each is looked for
-        near its place (:mod:`~antires_rs.identification.following`): quicker than a search, and surer in a
-        single test. ``.followed`` says of which value each is, ``.not_seen`` which are not there;
-        ``fit=FitOptions(new_values=True)`` also searches for new ones.
+        Values that are known, each looked for near its place (:mod:`~antires_rs.identification.following`):
+        quicker than a search, and surer in a single test. ``.followed`` says of which value each is,
+        ``.not_seen`` which are not there; ``fit=FitOptions(new_values=True)`` also searches for new ones.
     fit : FitOptions, optional
         How curves are fitted and what is accepted: what few calls change.
     progress : bool, optional
         A line on standard error after a second; by default on a terminal and in a notebook.
     **older
-        Options of ``fit`` by name, and ``second_opinion`` for ``cross_check``, as until 0.1; with a warning.
+        Options of ``fit`` by name, as until 0.1; with a warning.
 
     Returns
     -------
@@ -325,19 +313,14 @@ def identify_antiresonances(
 
     Notes
     -----
-    Records of one test in a list (several runs of the shaker, several impacts), of the same dofs and sampling
-    rate, give one set: their segments or impacts are averaged together, as are several impacts in one record,
-    and lists of curves (:mod:`~antires_rs.signals.repeats`). The standard deviations then hold what differs
-    from record to record; those of a single test do not: a clamp that is set again or a temperature moves
-    antiresonances by more (:func:`~antires_rs.track`). Setups with other places of the sensors are identified
-    apart and joined by :func:`~antires_rs.merge_setups`.
+    Repeats of one test in a list, of the same dofs and sampling rate, give one set: segments, impacts or
+    curves are averaged together (:mod:`~antires_rs.signals.repeats`), and the standard deviations hold what
+    differs between them; those of a single test do not (:func:`~antires_rs.track`). Setups with other places
+    of the sensors are identified apart and joined by :func:`~antires_rs.merge_setups`.
 
-    What is there in most orders without standing still is marked "persistent" in ``.scores[dof]["how"]``,
-    what the fit of the likeliest order shows clearly without either "likeliest order"
-    (:mod:`~antires_rs.identification.selection`). Fits over windows accept a zero that makes a visible dip;
-    of curves whose noise is so low that 35 standard deviations make less, a dip of that
-    depth is enough, but never less than 0.5 dB. What they see and do not accept is ``.left_out`` of the set
-    with the reason; peaks of the curve behind a diagram that nothing explains are ``.unexplained_hz``.
+    ``.scores[dof]["how"]`` says how a value was accepted (:mod:`~antires_rs.identification.scores`). What
+    fits see and do not accept is ``.left_out`` with the reason; peaks of the curve behind a diagram that
+    nothing explains are ``.unexplained_hz``.
 
     An antiresonance that *all* of three or more channels share is not one of the responses: it is the zero
     beside the pole of a mode that the force hardly excites (a force near a node, a local or sideways mode),
@@ -345,47 +328,31 @@ def identify_antiresonances(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
-    >>> from antires_rs.identification.identify import identify_antiresonances
+    >>> import numpy as np, antires_rs as ar
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> mode = lambda fn: -f**2 / (fn**2 - f**2 + 0.02j * fn * f)
     >>> h = np.array([mode(8.0) + mode(20.0), mode(8.0) - 0.5 * mode(20.0)])  # driving point, and another
     >>> h = h + 1e-4 * np.random.default_rng(0).standard_normal(h.shape)
-    >>> found = identify_antiresonances(FrequencyResponse(f, h), excitation=0, band_hz=(3, 25))
+    >>> found = ar.identify_antiresonances(ar.FrequencyResponse(f, h), excitation=0, band_hz=(3, 25))
     >>> found[0].round(1).tolist(), found[1].tolist()
     ([15.2], [])
     """
-    if older:
-        fit, cross_check = _of_before(older, fit, cross_check)
+    fit = gathered("identify_antiresonances", "fit", fit or FitOptions(), older)
     call = CallOptions(
-        preset=preset,
-        route=route,
-        estimator=estimator,
-        nperseg=nperseg,
-        max_order=max_order,
-        cross_check=cross_check,
-        check=check,
+        preset=preset, route=route, estimator=estimator, nperseg=nperseg, max_order=max_order, check=check
     )
-    options = options_of(call, FitOptions() if fit is None else fit)
+    options = options_of(call, fit)
     one: Recording | FrequencyResponse = one_source(source)
     band = band_of(one, band_hz)
     excitation = label("excitation", excitation)
     wanted = _wanted_dofs(dofs, one.dofs)
     if not options.use_force and len(one.dofs) < 2:
-        raise UnsuitableDataError(
-            "source",
-            "a single channel",
-            "two or more for the route 'transmissibility', whose poles are the antiresonances",
-            "Add a channel, or measure the force and take the route 'frf'.",
-        )
+        needed = "two or more for the route 'transmissibility', whose poles are the antiresonances"
+        remedy = "Add a channel, or measure the force and take the route 'frf'."
+        raise UnsuitableDataError("source", "a single channel", needed, remedy)
     if options.use_force and isinstance(one, Recording) and one.force is None:
-        raise UnsuitableDataError(
-            "route",
-            "'frf' for a Recording without force",
-            "a measured force",
-            "Take the route 'transmissibility': it needs none.",
-        )
+        remedy = "Take the route 'transmissibility': it needs none."
+        raise UnsuitableDataError("route", "'frf' for a Recording without force", "a measured force", remedy)
     step("spectra")
     averages = None
     if isinstance(one, Recording):
@@ -401,7 +368,7 @@ def identify_antiresonances(
         over_band = near.options.get("fitted") == "numerators" and many
         if options.rule.new_values or over_band:
             of_fit = {name: getattr(options.rule, name) for name in options.rule.given - {"new_values"}}
-            of_call = options.call.values() | {"check": "off", "cross_check": None}
+            of_call = options.call.values() | {"check": "off"}
             again = {"excitation": excitation, "band_hz": band, "fit": FitOptions(**of_fit)}
             searched = identify_antiresonances(one, **again, **of_call)
         else:  # options by which the values were found may be given again
@@ -419,20 +386,10 @@ def identify_antiresonances(
     step("fit")
     looks: list[Look] = []
     if options.formulation == "directions":
-        looks, options = _looks(
-            one, averages, band, options, asked=fit is not None and "formulation" in fit.given
-        )
+        looks, options = _looks(one, averages, band, options, asked="formulation" in fit.given)
     diagrams = of_lost_channels(diagrams_of(one.dofs, lines_for, band, options, looks, fits), checked)
     found = {dof: diagrams[dof] for dof in wanted}
     of_numerators = options.formulation == "numerators"
-    compared = None
-    if options.call.cross_check is not None:
-        # Of the lines that are there already; imported here, since few calls ask for it.
-        from .cross_check import judge
-
-        step("cross-check")
-        values = {dof: d.identified for dof, d in found.items()}
-        compared = judge(lines_for, one.dofs, values, band, options.call.cross_check)
     lost = checked is not None and checked.fatal
     if (lost or options.formulation == "directions") and not any(len(d.accepted) for d in found.values()):
         why = Counter(str(one) for d in found.values() for one in d.left_out.scores.get("why", ()))
@@ -458,7 +415,6 @@ def identify_antiresonances(
         tables,
         diagrams=found,
         data_check=checked,
-        cross_check=compared,
         sees="frf" if options.use_force or of_size else "transmissibility",
         channels=one.dofs,
         options={**_made_of(one, band), **options.values(), **held_back},
@@ -552,20 +508,6 @@ def _require_known(near: AntiresonanceSet, wanted: tuple[Any, ...]) -> None:
         reject("dofs", got, needed, remedy)
 
 
-def _of_before(
-    older: dict[str, Any], fit: FitOptions | None, cross_check: str | None
-) -> tuple[FitOptions, str | None]:
-    """Options as they were given until 0.1, with a warning that names the new place."""
-    if "second_opinion" in older:
-        second = older.pop("second_opinion")
-        if second is not None and cross_check not in (None, second):
-            wanted = f"None beside cross_check={cross_check!r}"
-            reject("second_opinion", second, wanted, "It is the older name of cross_check; give that alone.")
-        warn_of_change("identify_antiresonances: second_opinion: write cross_check=...")
-        cross_check = cross_check if second is None else second
-    return gathered("identify_antiresonances", "fit", fit or FitOptions(), older), cross_check
-
-
 def _checked(
     source: Recording | FrequencyResponse,
     excitation: Any,
@@ -581,12 +523,9 @@ def _checked(
     checked = judged(source, excitation, band, options.averaging, averages)
     if options.call.check == "raise" and checked.fatal:
         fatal = [f for f in checked.findings if f.severity == "fatal"]
-        raise UnsuitableDataError(
-            "source",
-            "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip("."),
-            "data without fatal findings, as check='raise' asks for",
-            " ".join(f.advice for f in fatal),
-        )
+        got = "data in which the check finds: " + " ".join(f.text for f in fatal).rstrip(".")
+        wanted = "data without fatal findings, as check='raise' asks for"
+        raise UnsuitableDataError("source", got, wanted, " ".join(f.advice for f in fatal))
     if not checked.ok:
         said = "\n".join(f"data check: {line}" for line in checked.warnings)
         warn(tuple(dict.fromkeys(f.name for f in checked.findings if f.severity != "note")), said)

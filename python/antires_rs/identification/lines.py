@@ -294,12 +294,8 @@ def lines_of_response(resp: FrequencyResponse, band_hz: tuple[float, float], *, 
     power = np.mean(np.abs(values) ** 2, axis=1)
     require_live(power, resp.dofs, "zeros only for {} in the band", "FrequencyResponse")
     if resp.kind == "transmissibility" and use_force:
-        reject(
-            "route",
-            "'frf' with a source of transmissibilities",
-            "'transmissibility'",
-            "Transmissibilities do not hold the FRFs.",
-        )
+        got = "'frf' with a source of transmissibilities"
+        reject("route", got, "'transmissibility'", "Transmissibilities do not hold the FRFs.")
     return curve_lines(
         freq,
         values,
@@ -320,9 +316,6 @@ def require_live(power: FloatArray, dofs: tuple[Any, ...], got: str, kind: str) 
 
 def _require_lines(count: int, band_hz: tuple[float, float], highest_hz: float) -> None:
     if count < LEAST_LINES:
-        reject(
-            "band_hz",
-            f"({band_hz[0]:g}, {band_hz[1]:g}) Hz with {count} lines in it",
-            f"a band with at least {LEAST_LINES} frequency lines",
-            f"Widen the band, in Hz: the data reach to {highest_hz:g} Hz. Or use longer segments.",
-        )
+        got = f"({band_hz[0]:g}, {band_hz[1]:g}) Hz with {count} lines in it"
+        remedy = f"Widen the band, in Hz: the data reach to {highest_hz:g} Hz. Or use longer segments."
+        reject("band_hz", got, f"a band with at least {LEAST_LINES} frequency lines", remedy)

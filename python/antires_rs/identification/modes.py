@@ -118,14 +118,12 @@ def identify_modes(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
-    >>> from antires_rs.identification.modes import identify_modes
+    >>> import numpy as np, antires_rs as ar
     >>> f = np.linspace(2.0, 30.0, 600)
     >>> mode = lambda fn: -f**2 / (fn**2 - f**2 + 0.02j * fn * f)
     >>> h = np.array([mode(8.0) + mode(20.0), mode(8.0) - 0.5 * mode(20.0)])
     >>> h = h + 1e-4 * np.random.default_rng(0).standard_normal(h.shape)
-    >>> modes = identify_modes(FrequencyResponse(f, h), band_hz=(3, 28))
+    >>> modes = ar.identify_modes(ar.FrequencyResponse(f, h), band_hz=(3, 28))
     >>> modes.freq_hz.round(2).tolist(), modes.damping_ratio.round(3).tolist()
     ([8.0, 20.0], [0.01, 0.01])
     >>> modes.to_real().shapes.round(2).tolist()
@@ -150,20 +148,14 @@ def identify_modes(
         curves_in = _of_recording(source, band, route, averaging, estimator)
     else:
         if source.kind != "frf":
-            raise UnsuitableDataError(
-                "source",
-                "transmissibilities",
-                "FRFs or a Recording",
+            remedy = (
                 "The resonances cancel in a quotient of responses: transmissibilities hold the "
-                "antiresonances only.",
+                "antiresonances only."
             )
+            raise UnsuitableDataError("source", "transmissibilities", "FRFs or a Recording", remedy)
         if route == "responses":
-            reject(
-                "route",
-                "'responses' with a source of FRFs",
-                "'auto' or 'frf'",
-                "Leave route out: FRFs hold the measured force.",
-            )
+            got = "'responses' with a source of FRFs"
+            reject("route", got, "'auto' or 'frf'", "Leave route out: FRFs hold the measured force.")
 
         def curves_in(lines_hz: tuple[float, float]) -> Curves:
             return _of_frfs(source, lines_hz, 0.0)
@@ -183,12 +175,8 @@ def _of_recording(
 ) -> Callable[[tuple[float, float]], Curves]:
     """Curves of a record by one of the routes; segments as the band wants them, lines as asked for."""
     if route == "frf" and rec.force is None:
-        raise UnsuitableDataError(
-            "route",
-            "'frf' for a Recording without force",
-            "a measured force",
-            "Use route='responses', for a force that is broadband.",
-        )
+        remedy = "Use route='responses', for a force that is broadband."
+        raise UnsuitableDataError("route", "'frf' for a Recording without force", "a measured force", remedy)
     if options.nperseg is not None:
         integer("nperseg", options.nperseg, low=32, high=rec.n_samples)
     if route == "responses" or rec.force is None:

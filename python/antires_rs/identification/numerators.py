@@ -59,7 +59,7 @@ class NumeratorFit:
         self.weights = weights / weights.sum()
         whole = forsythe_basis(freq_hz / self.scale_hz, self.weights, 2 * max_order)
         terms = max_order + 1
-        self.basis = Basis(whole.b[:terms], np.ascontiguousarray(whole.p[:, :terms]))
+        self.basis = Basis(whole.b[:terms], whole.p[:, :terms])
         # i^k times a polynomial is real for even k and imaginary for odd k, with these signs.
         self._even, self._odd = (np.ascontiguousarray(self.basis.p[:, parity::2]) for parity in (0, 1))
         self._signs = np.array([1.0, 1.0, -1.0, -1.0])[np.arange(terms) % 4]
@@ -70,7 +70,7 @@ class NumeratorFit:
     def _form(
         self, whole: Basis, covariance: Callable[[slice], ComplexArray], largest: FloatArray
     ) -> FloatArray:
-        """A of Q = c' A c, ordered by degree, then by channel.
+        """A of Q = c' A c, ordered by degree, then by channel; its lower half.
 
         Its entries are sums over the lines of z phi_i phi_j, z the weighted entries of lam I - C. By
         b_{i+1} <i+1, j> + b_i <i-1, j> = b_{j+1} <i, j+1> + b_j <i, j-1> all follow from the sums <0, k>.
@@ -89,23 +89,19 @@ class NumeratorFit:
         row[1::2] = whole.p[:, 1::2].T @ z.imag
         del z
         row /= whole.b[0]
-        # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
         place = np.empty((n, n), dtype=int)
         place[one, other] = place[other, one] = np.arange(one.size)
-        below = np.where(np.arange(n)[:, None] > np.arange(n), -1.0, 1.0)
-        form = np.empty((terms, n, terms, n))
+        # Re(i^m z): the real part for even m, the imaginary one, which is antisymmetric, for odd m.
+        signs = self._signs[:, None, None] * np.ones((n, n))
+        signs[1::2] *= np.where(np.arange(n)[:, None] < np.arange(n), 1.0, -1.0)
+        form = np.zeros((terms, n, terms, n))
         before = np.zeros_like(row)
+        # Row i holds <i, i>, <i, i + 1>, ... only: those before are known.
         for i in range(terms):
-            # Re(i^m z): the real part for even m, the imaginary one, which is antisymmetric, for odd m.
-            blocks = row[: terms - i, place]
-            blocks[1::2] *= below
-            blocks[1::4] *= -1.0
-            blocks[2::4] *= -1.0
-            form[i, :, i:] = blocks.transpose(1, 0, 2)
-            form[i:, :, i] = blocks.transpose(0, 2, 1)
-            k = np.arange(i + 1, i + row.shape[0] - 1)
-            after = b[k + 1] * row[2:]
-            after += b[k] * row[:-2]
+            np.multiply(np.take(row[: terms - i], place, axis=1), signs[: terms - i], out=form[i:, :, i])
+            last = i + row.shape[0]
+            after = b[i + 2 : last] * row[2:]
+            after += b[i + 1 : last - 1] * row[:-2]
             if i:
                 after -= b[i] * before[2:-2]
             before, row = row, after / whole.b[i + 1]
@@ -140,8 +136,8 @@ class NumeratorFit:
 
     def misfit(self, c: FloatArray) -> float:
         """Quadratic form of coefficients (order + 1, n)."""
-        flat = c.ravel()
-        return float(flat @ self.form[: c.size, : c.size] @ flat)
+        flat, lower = c.ravel(), np.tril(self.form[: c.size, : c.size])
+        return float(flat @ (lower + np.tril(lower, -1).T) @ flat)
 
     def values(self, c: FloatArray, lines: slice = slice(None)) -> ComplexArray:
         """N at the lines, (n_freq, n); ``c`` may hold several solutions side by side."""
@@ -240,19 +236,19 @@ class NumeratorSweep:
 
     def dominances(self, order: int | NDArray[np.int64], s: ComplexArray) -> FloatArray:
         """Share of each root's own peak in the curves at its frequency; none if all rows have the root."""
-        each = np.broadcast_to(order, s.shape).tolist()
-        c = np.zeros((s.size, max(each, default=0) + 1, self.fit.n))
-        for i, own in enumerate(each):
-            c[i, : own + 1] = self._solution(own)
-        share = self.fit.dominances(c, self.row, s, self.others)
-        return np.where(shared(s, [other.side_by_side(each) for other in self.companions]), 0.0, share)
+        orders, at = np.unique(np.broadcast_to(order, s.shape), return_inverse=True)
+        c = np.zeros((orders.size, orders.max(initial=0) + 1, self.fit.n))
+        for one, own in zip(c, orders.tolist(), strict=True):
+            one[: own + 1] = self._solution(own)
+        share = self.fit.dominances(c[at], self.row, s, self.others)
+        return np.where(shared(s, [other._side_by_side(orders)[at] for other in self.companions]), 0.0, share)
 
-    def side_by_side(self, orders: Sequence[int]) -> ComplexArray:
+    def _side_by_side(self, orders: NDArray[np.int64]) -> ComplexArray:
         """Roots of so many orders, (n, most), infinite where one has fewer."""
-        out = np.full((len(orders), max(orders, default=0)), np.inf, dtype=np.complex128)
-        for i, order in enumerate(orders):
+        out = np.full((orders.size, orders.max(initial=0)), np.inf, dtype=np.complex128)
+        for one, order in zip(out, orders.tolist(), strict=True):
             roots = self.roots(order)
-            out[i, : roots.size] = roots
+            one[: roots.size] = roots
         return out
 
 
@@ -580,9 +576,8 @@ def _off(lines: Lines, best: Likeliest) -> FloatArray:
     step = -(-lines.freq_hz.size // LINES_AHEAD)
     part = slice(None, None, step)
     x = lines.segments.at(part)
-    fitted, held = (
-        half @ half.conj().transpose(0, 2, 1) / half.shape[2] for half in (x[..., ::2], x[..., 1::2])
-    )
+    halves = (np.ascontiguousarray(x[..., first::2]) for first in (0, 1))
+    fitted, held = (half @ half.conj().transpose(0, 2, 1) / half.shape[2] for half in halves)
     unit = np.ones(x.shape[1])
     top, weights = dominant(fitted, unit)[0], best.fit.weights[part]
     fit = NumeratorFit(lines.freq_hz[part], fitted.__getitem__, top, weights, best.order)

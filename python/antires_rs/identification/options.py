@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +38,6 @@ FORMULATIONS = ("joint", "eq10", "eq10_squared")
 #: Real functions of f^2; one number a line.
 OF_MAGNITUDES = FORMULATIONS[1:]
 CHOICES = ("auto", "windows", "directions", "numerators", *FORMULATIONS)
-#: Formulations that were left out, and why.
-LEFT_OUT = {
-    "sum": "The fit of the sum of all transmissibilities was left out, being behind 'joint' at every noise",
-    "power": "The fit of all squared magnitudes was left out, being behind 'joint' at every noise",
-}
 
 PRESET_NAMES = ("paper", "strict", "sensitive")
 #: By option: what each of these presets sets; None where it keeps the default.
@@ -92,12 +87,6 @@ class CallOptions(Options):
         kind="whole",
         low=2,
         high=HIGHEST_ORDER,
-    )
-    cross_check: str | None = option(
-        None,
-        '"aaa" or "vector_fitting": another method that confirms or flags.',
-        kind="text",
-        choices=(None, "aaa", "vector_fitting"),
     )
     check: str = option(
         "warn",
@@ -199,17 +188,6 @@ class FitOptions(Options):
         object.__setattr__(made, "given", self.given)
         return made
 
-    def checked(self) -> Self:
-        """The same options, or the error that names the first bad one."""
-        if self.formulation in LEFT_OUT:
-            reject(
-                "formulation",
-                repr(self.formulation),
-                "one of " + ", ".join(repr(name) for name in CHOICES),
-                f"{LEFT_OUT[self.formulation]}; use formulation='joint'.",
-            )
-        return super().checked()
-
     def agree(self, ratio: FloatArray, damping: FloatArray, own: float, least: float) -> NDArray[np.bool_]:
         """Whether roots are one with a root of damping ``own``, by ratio of moduli and by damping."""
         return (np.abs(ratio - 1.0) <= self.freq_tol) & (
@@ -219,23 +197,18 @@ class FitOptions(Options):
     def check_span(self, min_order: int, max_order: int) -> None:
         """Refuse orders among which no chain could be long enough."""
         if max_order - min_order < self.min_rows:
+            remedy = "A value is accepted only when more than min_rows consecutive orders agree."
             reject(
-                "max_order",
-                max_order,
-                f"at least min_order + min_rows = {min_order + self.min_rows}",
-                "A value is accepted only when more than min_rows consecutive orders agree.",
+                "max_order", max_order, f"at least min_order + min_rows = {min_order + self.min_rows}", remedy
             )
 
     def orders(self, wanted: tuple[int, int], n_lines: int, *, per_line: int = 2) -> range:
         """Of the orders wanted, (lowest, highest), those that lines of ``per_line`` real numbers can bear."""
         low, high = wanted[0], min(wanted[1], per_line * n_lines // DATA_PER_ORDER)
         if high - low < self.min_rows:
-            reject(
-                "band_hz",
-                f"a band with {n_lines} lines for orders {low} to {high}",
-                f"orders that span more than min_rows = {self.min_rows}",
-                "Widen the band, or use longer segments.",
-            )
+            got = f"a band with {n_lines} lines for orders {low} to {high}"
+            needed = f"orders that span more than min_rows = {self.min_rows}"
+            reject("band_hz", got, needed, "Widen the band, or use longer segments.")
         return range(low, high + 1)
 
 
@@ -306,19 +279,11 @@ def options_of(call: CallOptions, fit: FitOptions) -> IdentificationOptions:
     usual = PRESETS[call.preset].get("max_order", USUAL_ORDER) if call.preset is not None else USUAL_ORDER
     max_order = usual if call.max_order is None else call.max_order
     if rule.formulation == "numerators" and call.estimator != "rank1":
-        reject(
-            "estimator",
-            call.estimator,
-            "'rank1' with formulation='numerators'",
-            "That fit uses the whole spectral matrix; formulation='joint' takes any estimator.",
-        )
+        remedy = "That fit uses the whole spectral matrix; formulation='joint' takes any estimator."
+        reject("estimator", call.estimator, "'rank1' with formulation='numerators'", remedy)
     if frf and rule.formulation in OF_MAGNITUDES:
-        reject(
-            "formulation",
-            rule.formulation,
-            "'numerators' or 'joint' with route='frf'",
-            "Sums and magnitudes are those of transmissibilities.",
-        )
+        remedy = "Sums and magnitudes are those of transmissibilities."
+        reject("formulation", rule.formulation, "'numerators' or 'joint' with route='frf'", remedy)
     integer("min_order", rule.min_order, low=1, high=max_order)
     averaging = Averaging(call.nperseg, rule.noverlap, rule.window, rule.method)
     return IdentificationOptions(call, rule, averaging, rule.formulation, max_order)
@@ -336,8 +301,6 @@ def flat(options: Mapping[str, Any]) -> dict[str, Any]:
     """
     options = dict(options)
     fit = options.pop("fit", None)
-    if "second_opinion" in options:
-        options.setdefault("cross_check", options.pop("second_opinion"))
     if fit is not None:
         options |= {name: getattr(fit, name) for name in fit.given}
     known = declared()
@@ -357,7 +320,5 @@ def flat(options: Mapping[str, Any]) -> dict[str, Any]:
 def sorted_out(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options by name, as a job has them, as arguments of ``identify_antiresonances``."""
     of_fit = {name: value for name, value in options.items() if name in FitOptions.declared()}
-    if "second_opinion" in options:
-        options = {"cross_check": options["second_opinion"], **options}
-    rest = {name: value for name, value in options.items() if name not in of_fit and name != "second_opinion"}
+    rest = {name: value for name, value in options.items() if name not in of_fit}
     return {**rest, "fit": FitOptions(**of_fit)} if of_fit else rest

@@ -60,9 +60,11 @@ def forsythe_basis(x: FloatArray, weight: FloatArray, order: int) -> Basis:
     b[0] = np.sqrt(weight.sum())
     p[0] = 1.0 / b[0]
     for k in range(order):
-        v = x * p[k] - (b[k] * p[k - 1] if k else 0.0)
+        v = np.multiply(x, p[k], out=p[k + 1])
+        if k:
+            v -= b[k] * p[k - 1]
         b[k + 1] = np.sqrt(weight @ (v * v))
-        p[k + 1] = v / b[k + 1]
+        v /= b[k + 1]
     return Basis(b, np.ascontiguousarray(p.T))
 
 
@@ -84,7 +86,10 @@ def roots(coefficients: FloatArray, b: FloatArray, near: ComplexArray | None = N
 def _order(coefficients: FloatArray) -> int:
     """Index of the highest coefficient that carries more than rounding."""
     size = np.abs(coefficients)
-    return int(np.flatnonzero(size > TOP_COEFFICIENT * size.max(initial=0.0))[-1]) if size.any() else 0
+    least = TOP_COEFFICIENT * size.max(initial=0.0)
+    if size.size and size[-1] > least:
+        return size.size - 1
+    return int(np.flatnonzero(size > least)[-1]) if size.any() else 0
 
 
 def comrade_roots(
@@ -331,12 +336,8 @@ def prepare(
     inside = (freq >= low) & (freq <= high)
     power = np.sum(np.abs(array) ** 2, axis=0)
     if not power[inside].any():
-        reject(
-            "values",
-            "zeros only inside the band",
-            "at least one value that is not zero",
-            "Check the channel, or the band.",
-        )
+        got = "zeros only inside the band"
+        reject("values", got, "at least one value that is not zero", "Check the channel, or the band.")
     if weights is None:
         # A line's weight falls where a transmissibility peaks: there its own reference is mostly noise.
         weight = 1.0 / (np.median(power[inside]) + power)
@@ -344,20 +345,13 @@ def prepare(
         wanted = f"a real array ({freq.size},) of positive weights, one a line"
         weight = real_array("weights", weights, ndim=1, wanted=wanted)
         if weight.size != freq.size or weight.min() < 0.0 or not weight[inside].any():
-            reject(
-                "weights",
-                f"an array of shape {weight.shape} from {weight.min():g} to {weight.max():g}",
-                wanted,
-                "Leave them out to count all lines alike.",
-            )
+            got = f"an array of shape {weight.shape} from {weight.min():g} to {weight.max():g}"
+            reject("weights", got, wanted, "Leave them out to count all lines alike.")
     n_lines = int(inside.sum())
     if n_lines <= order:
-        reject(
-            order_name,
-            f"{order} with {n_lines} lines in band_hz = ({low:g}, {high:g})",
-            "fewer orders than lines",
-            "Widen the band, use longer segments, or lower the order.",
-        )
+        got = f"{order} with {n_lines} lines in band_hz = ({low:g}, {high:g})"
+        wanted = "fewer orders than lines"
+        reject(order_name, got, wanted, "Widen the band, use longer segments, or lower the order.")
     return freq[inside], array[:, inside], weight[inside]
 
 
@@ -405,11 +399,10 @@ def fit_rational(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.rational_fit import fit_rational
+    >>> import numpy as np, antires_rs as ar
     >>> f = np.linspace(1.0, 20.0, 400)
     >>> h = (7.0**2 - f**2 + 2j * 0.01 * 7.0 * f) / (10.0**2 - f**2 + 2j * 0.02 * 10.0 * f)
-    >>> fit = fit_rational(f, h, 2)
+    >>> fit = ar.fit_rational(f, h, 2)
     >>> print(fit.poles.freq_hz.round(6), fit.poles.damping_ratio.round(6), fit.zeros.freq_hz.round(6))
     [10.] [0.02] [7.]
     """

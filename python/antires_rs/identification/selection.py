@@ -213,10 +213,10 @@ def _seen(
     for zero in zeros.tolist():
         own_size, own_damping = abs(zero), -zero.real / abs(zero)
         near = np.flatnonzero(rule.agree(size / own_size, damping, own_damping, SAME_DAMPING))
-        # Of each order the nearest.
-        near = near[np.argsort(np.abs(roots[near] - zero), kind="stable")]
-        nearest = near[np.unique(order[near], return_index=True)[1]]
-        seen.append(size[nearest].tolist())
+        # Of each order the nearest, which is written last.
+        near = near[np.argsort(-np.abs(roots[near] - zero), kind="stable")]
+        nearest = dict(zip(order[near].tolist(), size[near].tolist(), strict=True))
+        seen.append([nearest[one] for one in sorted(nearest)])
     return seen
 
 

@@ -47,12 +47,11 @@ from ..signals.spectra import (
 )
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
-from ..support.values import frozen
 from .lines import SNR_CAP, Lines
 from .local_fits import LEAST_LINES, MOST_LINES, SCALES, LocalFits, Stretch, fits, stretches
 from .options import FitOptions, IdentificationOptions
 from .scores import scored, window_grades
-from .stabilization import StabilizationDiagram
+from .stabilization import StabilizationDiagram, of_zeros
 
 # -- The looks of a record
 
@@ -310,34 +309,16 @@ def direction_diagrams(
         own, out = found["row"] == row, refused["row"] == row
         quotients = lines.quotients(row)[0]
         background = np.abs(quotients.sum(axis=0))
-        zeros = seen[seen[:, 0] == row]
-        zeros = zeros[np.lexsort((zeros[:, 1], zeros[:, 2]))]
-        orders, first = np.unique(zeros[:, 2], return_index=True)
-        if not zeros.size:
-            orders, first = np.array([SCALES[0][2][0]]), np.array([0])
         accepted, left_out = _table(found[own]), _table(refused[out])
         on_average = float(judged["share"][judged["row"] == row].sum())
         accepted = accepted.with_scores(
             expected_false=false_values(accepted.scores["share"], on_average, places)
         )
-        off = np.abs(zeros[:, 1][:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf)
-        freq, damping, stable = (
-            tuple(frozen(part) for part in np.split(column, first[1:]))
-            for column in (zeros[:, 1], zeros[:, 3], off <= ONE_CANDIDATE)
-        )
-        diagrams.append(
-            StabilizationDiagram(
-                orders=frozen(orders),
-                freq_hz=freq,
-                damping_ratio=damping,
-                stable=stable,
-                accepted=scored(accepted, lines.freq_hz, background, quotients, quotients),
-                background_freq_hz=frozen(lines.freq_hz),
-                background=frozen(background),
-                band_hz=band_hz,
-                left_out=left_out.with_scores(why=why[out]),
-            )
-        )
+        accepted = scored(accepted, lines.freq_hz, background, quotients, quotients)
+        tables = accepted, left_out.with_scores(why=why[out])
+        _, freq, order, damping = seen[seen[:, 0] == row].T
+        zeros, least = (order, freq, damping), SCALES[0][2][0]
+        diagrams.append(of_zeros(zeros, least, *tables, ONE_CANDIDATE, lines.freq_hz, background, band_hz))
     return diagrams
 
 
@@ -399,12 +380,10 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
 def false_values(share: FloatArray, on_average: float, places: float) -> FloatArray:
     """Bound on how many values of a response with at least this share are false, on average, (n,).
 
-    A perturbed fit sees a value at ``on_average`` of so many ``places``, q of p: of what is false, and seen
-    no oftener than what is false elsewhere, at most q^2 / p / (2 share - 1) values reach a share (Meinshausen
-    and Buehlmann 2010, theorem 1); values of a share are at most q / share in any case. What is wrong in
-    every half, as by leakage, is not in it. The bound of Shah and Samworth for shares of one peak, half as
-    large, held on 36 of 40 simulated hits of structures kept back, this one on 39
-    (``benchmarks/simulated_reality.py``; of those of a truss on 7 and 16 of 20).
+    A perturbed fit sees a value at ``on_average`` of so many ``places``, q of p: at most
+    q^2 / p / (2 share - 1) false values reach a share (Meinshausen and Buehlmann 2010, theorem 1), at most
+    q / share in any case. What is wrong in every half, as by leakage, is not in it. The smaller bound of Shah
+    and Samworth held on 36 of 40 simulated hits, this one on 39 (``benchmarks/simulated_reality.py``).
     """
     chance = on_average**2 / places / np.maximum(2.0 * share - 1.0, 1e-9)
     return np.asarray(np.minimum(chance, on_average / share))

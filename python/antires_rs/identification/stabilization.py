@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from statistics import median
 from typing import Any, Protocol
 
 import numpy as np
@@ -57,35 +58,40 @@ def physical(
 
 def link(rows: list[ComplexArray], rule: FitOptions) -> tuple[list[list[tuple[int, int]]], list[Any]]:
     """Chains of (row, index) over consecutive orders, one to one, best pairs first; and the stable marks."""
+    counts = np.array([s.size for s in rows])
+    s = np.concatenate([np.empty(0, dtype=np.complex128), *rows])
+    at = np.repeat(np.arange(counts.size), counts), np.concatenate([np.arange(n) for n in counts])
+    number = np.full((counts.size, counts.max(initial=0)), -1)
+    number[at] = np.arange(s.size)
+    size, damping = np.full((2, *number.shape), np.nan)
+    size[at] = np.abs(s)
+    damping[at] = -s.real / size[at]
+    # Every root of an order, in rows, beside every one of the order before, in columns.
+    d_freq = np.abs(size[1:, :, None] / size[:-1, None] - 1.0) / rule.freq_tol
+    row, new, before = near = np.nonzero(d_freq <= 1.0)
+    old = damping[row, before]
+    # About zero damping a relative change says nothing.
+    scale = np.maximum(np.abs(old), SMALL_DAMPING if rule.both_sides else 0.0)
+    d_damping = np.abs(damping[row + 1, new] - old) / scale / rule.damping_tol
+    best_first = np.lexsort((d_freq[near] + d_damping, row))
+    best_first = best_first[d_damping[best_first] <= 1.0]
+    pairs = np.stack([number[row + 1, new], number[row, before]], axis=1)[best_first]
+    linked: dict[int, int] = {}
+    taken: set[int] = set()
+    for one, other in pairs.tolist():
+        if one not in linked and other not in taken:
+            linked[one] = other
+            taken.add(other)
     chains: list[list[tuple[int, int]]] = []
-    marks: list[Any] = []
-    before: list[list[tuple[int, int]]] = []
-    for row, s in enumerate(rows):
-        own: list[list[tuple[int, int]] | None] = [None] * s.size
-        mark = np.zeros(s.size, dtype=bool)
-        if row and s.size and rows[row - 1].size:
-            size, old_size = np.abs(s), np.abs(rows[row - 1])
-            damping, old_damping = -s.real / size, -rows[row - 1].real / old_size
-            d_freq = np.abs(size[:, None] / old_size - 1.0) / rule.freq_tol
-            # About zero damping a relative change says nothing.
-            scale = np.maximum(np.abs(old_damping), SMALL_DAMPING if rule.both_sides else 0.0)
-            d_damping = np.abs(damping[:, None] - old_damping) / scale / rule.damping_tol
-            near = np.nonzero((d_freq <= 1.0) & (d_damping <= 1.0))
-            best_first = np.argsort((d_freq + d_damping)[near], kind="stable")
-            taken: set[int] = set()
-            for i, k in zip(near[0][best_first].tolist(), near[1][best_first].tolist(), strict=True):
-                if own[i] is None and k not in taken:
-                    own[i], mark[i] = before[k], True
-                    taken.add(k)
-        before = []
-        for i, chain in enumerate(own):
-            if chain is None:
-                chain = []
-                chains.append(chain)
-            chain.append((row, i))
-            before.append(chain)
-        marks.append(mark)
-    return chains, marks
+    of_root: list[list[tuple[int, int]]] = []
+    for i, place in enumerate(zip(*(part.tolist() for part in at), strict=True)):
+        if i not in linked:
+            chains.append([])
+        of_root.append(of_root[linked[i]] if i in linked else chains[-1])
+        of_root[i].append(place)
+    stable = np.zeros(s.size, dtype=bool)
+    stable[list(linked)] = True
+    return chains, np.split(stable, np.cumsum(counts)[:-1])
 
 
 @dataclass(frozen=True, repr=False)
@@ -150,6 +156,32 @@ class StabilizationDiagram(ReadOnly, Viewed):
         )
 
 
+def of_zeros(
+    zeros: tuple[Any, Any, Any],
+    least_order: int,
+    accepted: ResponseTable,
+    left_out: ResponseTable,
+    within: float,
+    lines_hz: FloatArray,
+    background: FloatArray,
+    band_hz: tuple[float, float],
+) -> StabilizationDiagram:
+    """A diagram of zeros (order, frequency, damping) that many fits see; stable are those beside a value."""
+    rank = np.lexsort((zeros[1], zeros[0]))
+    order, freq, damping = (column[rank] for column in zeros)
+    orders, first = np.unique(order, return_index=True)
+    if not rank.size:
+        orders, first = np.array([least_order]), np.array([0])
+    beside = np.abs(freq[:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf) <= within
+
+    def by_order(column: Any) -> tuple[Any, ...]:
+        return tuple(frozen(part) for part in np.split(column, first[1:]))
+
+    zeros = by_order(freq), by_order(damping), by_order(beside)
+    lines, curve = frozen(lines_hz), frozen(background)
+    return StabilizationDiagram(frozen(orders), *zeros, accepted, lines, curve, band_hz, left_out)
+
+
 @one_blas_thread
 def stabilization(
     freq_hz: Any,
@@ -198,13 +230,11 @@ def stabilization(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.identification.stabilization import stabilization
-    >>> f = np.linspace(1.0, 20.0, 400)
-    >>> rng = np.random.default_rng(1)
+    >>> import numpy as np, antires_rs as ar
+    >>> f, rng = np.linspace(1.0, 20.0, 400), np.random.default_rng(1)
     >>> t = 25 / (5**2 - f**2 + 0.1j * f) + 100 / (10**2 - f**2 + 0.2j * f)
     >>> t = t + 1e-3 * (rng.standard_normal(400) + 1j * rng.standard_normal(400))
-    >>> stabilization(f, t, max_order=30).identified.round(2).tolist()
+    >>> ar.stabilization(f, t, max_order=30).identified.round(2).tolist()
     [5.0, 10.0]
     """
     rule = FitOptions(
@@ -357,8 +387,8 @@ def _shares(sweep: Sweep, linked: list[list[tuple[int, complex]]]) -> list[float
     some = [members[:: max(1, len(members) // 5)] for members in linked]
     orders = np.array([order for members in some for order, _ in members], dtype=np.int64)
     roots = np.array([s for members in some for _, s in members], dtype=np.complex128)
-    ends = np.cumsum([len(members) for members in some])
-    return [float(np.median(own)) for own in np.split(sweep.dominances(orders, roots), ends)[: len(some)]]
+    shares = iter(sweep.dominances(orders, roots).tolist())
+    return [median([next(shares) for _ in members]) for members in some]
 
 
 def _value(
@@ -375,12 +405,9 @@ def _value(
         refined.append(near if abs(near - s) <= tol * abs(s) else s)
     roots = np.array(refined) + added
     size = np.abs(roots)
-    return (
-        float(np.median(size)) / (2 * np.pi),
-        float(np.median(-roots.real / size)),
-        len(members),
-        float(np.std(size) / np.median(size)),
-    )
+    middle = median(size.tolist())
+    damping = median((-roots.real / size).tolist())
+    return middle / (2 * np.pi), damping, len(members), float(np.std(size) / middle)
 
 
 def _merged(found: ResponseTable, rule: FitOptions) -> ResponseTable:

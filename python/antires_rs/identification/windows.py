@@ -12,12 +12,11 @@ from ..measured.response_table import ResponseTable
 from ..signals.spectra import LEAST_DIRECTION_NOISE as ROUNDING, aligned, noise_shares
 from ..support.checks import ComplexArray, FloatArray
 from ..support.progress import step
-from ..support.values import frozen
 from .lines import FORCE, SNR_CAP, Lines, unit
 from .numerators import Influence, Likeliest, combined, excess, likeliest
 from .options import FitOptions, IdentificationOptions
 from .scores import dips, scored, window_grades
-from .stabilization import StabilizationDiagram
+from .stabilization import StabilizationDiagram, of_zeros
 
 # -- Where the windows lie: on a grid that depends on the spacing of the lines, never on the band
 #
@@ -421,49 +420,20 @@ def local_diagrams(
         std = np.sqrt(combined(seen["between"], seen["within"], lines.n_tests, q))
     ends = lines.freq_hz[np.array([(cut[number].start, cut[number].stop - 1) for number in owner])]
     in_band = (seen["freq_hz"] >= band_hz[0]) & (seen["freq_hz"] <= band_hz[1])
+    low, high = ends.T
+    margin = MARGIN * (high - low)
     diagrams = []
     for row in range(n_responses):
-        own = in_band & (seen["row"] == row)
-        diagrams.append(_diagram(seen[own], std[own], ends, lines, row, fitted, band_hz, rule))
+        some_seen = in_band & (seen["row"] == row)
+        own, freq = seen[some_seen], seen["freq_hz"][some_seen, None]
+        inside = (freq > low + margin) & (freq < high - margin)
+        tables = agreed(own, std[some_seen], inside, (freq >= low) & (freq <= high), rule)
+        quotients = lines.quotients(row)[0]
+        numerator = np.where(np.abs(fitted[row]) > 0.0, fitted[row], 1e-300)
+        background = np.abs(quotients.sum(axis=0))
+        by_fit = np.delete(fitted, row, axis=0) / numerator
+        accepted = scored(tables[0], lines.freq_hz, background, quotients, by_fit)
+        zeros, within = (own["order"], own["freq_hz"], own["damping_ratio"]), CLUSTER * rule.freq_tol
+        tables = accepted, tables[1]
+        diagrams.append(of_zeros(zeros, rule.min_order, *tables, within, lines.freq_hz, background, band_hz))
     return diagrams
-
-
-def _diagram(
-    seen: Sightings,
-    std_hz: FloatArray,
-    ends_hz: FloatArray,
-    lines: Lines,
-    row: int,
-    fitted: ComplexArray,
-    band_hz: tuple[float, float],
-    rule: FitOptions,
-) -> StabilizationDiagram:
-    """What the fits agree on, with all zeros by order; ``ends_hz`` (n_fits, 2) are those of their windows."""
-    low, high = ends_hz.T
-    margin, freq = MARGIN * (high - low), seen["freq_hz"][:, None]
-    inside = (freq > low + margin) & (freq < high - margin)
-    accepted, left_out = agreed(seen, std_hz, inside, (freq >= low) & (freq <= high), rule)
-    quotients = lines.quotients(row)[0]
-    own = np.where(np.abs(fitted[row]) > 0.0, fitted[row], 1e-300)
-    background = np.abs(quotients.sum(axis=0))
-    accepted = scored(accepted, lines.freq_hz, background, quotients, np.delete(fitted, row, axis=0) / own)
-    seen = seen[np.lexsort((seen["freq_hz"], seen["order"]))]
-    orders, first = np.unique(seen["order"], return_index=True)
-    if not seen.size:
-        orders, first = np.array([rule.min_order]), np.array([0])
-    off = np.abs(seen["freq_hz"][:, None] / accepted.freq_hz - 1.0).min(axis=1, initial=np.inf)
-
-    def by_order(column: Any) -> tuple[Any, ...]:
-        return tuple(frozen(part) for part in np.split(column, first[1:]))
-
-    return StabilizationDiagram(
-        orders=frozen(orders),
-        freq_hz=by_order(seen["freq_hz"]),
-        damping_ratio=by_order(seen["damping_ratio"]),
-        stable=by_order(off <= CLUSTER * rule.freq_tol),
-        accepted=accepted,
-        background_freq_hz=frozen(lines.freq_hz),
-        background=frozen(background),
-        band_hz=band_hz,
-        left_out=left_out,
-    )

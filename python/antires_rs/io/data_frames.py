@@ -50,7 +50,7 @@ def frame_of(table: list[dict[str, Any]] | dict[str, Any], names: list[str]) -> 
 def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
     """Column names and one row an antiresonance."""
     scores = list(dict.fromkeys(name for table in found.tables.values() for name in table.scores))
-    checked, followed = found.cross_check, found.followed
+    followed = found.followed
     rows: list[dict[str, Any]] = []
     for dof, table in found.tables.items():
         for i, freq in enumerate(table.freq_hz.tolist()):
@@ -58,8 +58,6 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
             row |= {"std_hz": float(table.std_hz[i])}
             row |= {"source": BY_HAND if table.by_hand[i] else "identified"}
             row |= {name: table.scores[name][i].item() if name in table.scores else None for name in scores}
-            if checked is not None:
-                row["confirmed"] = checked.is_confirmed(dof, freq)
             if followed:
                 row["followed"] = int(followed[dof][i]) if dof in followed else -1
                 row["status"] = "new" if row["followed"] == -1 else "followed"
@@ -69,7 +67,7 @@ def rows_of(found: AntiresonanceSet) -> tuple[list[str], list[dict[str, Any]]]:
             of_which = {"followed": gone.scores["followed"][i].item(), "status": "not seen"}
             rows.append({"dof": dof, "freq_hz": np.nan, "source": "identified", **of_which})
     known = ["dof", "freq_hz", "damping_ratio", "std_hz", "source", *(["status"] if followed else [])]
-    return [*known, *scores, *([] if checked is None else ["confirmed"])], rows
+    return [*known, *scores], rows
 
 
 def to_xarray(source: Recording | FrequencyResponse | AntiresonanceSet) -> Any:

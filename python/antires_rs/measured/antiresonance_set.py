@@ -20,7 +20,7 @@ from ..support.files import write_atomically
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..views import Viewed
 from .edits import BY_HAND, Edit, added, dropped, edit_of, marked
-from .response_table import NUMBERS, CrossCheck, ResponseTable, doubts_of, frequencies_hz, label, tables_of
+from .response_table import NUMBERS, ResponseTable, doubts_of, frequencies_hz, label, tables_of
 
 if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
@@ -53,7 +53,7 @@ PLAIN, MOST = 3, 6
 _HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
 
 
-def _rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck | None) -> list[str]:
+def _rows_printed(tables: Mapping[Any, ResponseTable]) -> list[str]:
     """Lines of the table; deviations, grades and doubts only where there are any."""
     std = np.concatenate([np.empty(0), *(table.std_hz for table in tables.values())])
     known = std[std > 0.0]
@@ -61,7 +61,7 @@ def _rows_printed(tables: Mapping[Any, ResponseTable], cross_check: CrossCheck |
     digits = int(np.clip(np.ceil(-np.log10(np.median(known))) + 1, PLAIN, MOST)) if known.size else PLAIN
     rows = []
     for dof, table in tables.items():
-        words = doubts_of(dof, table, cross_check)
+        words = doubts_of(table)
         grades = table.scores.get("grade", [""] * len(table))
         for i, freq in enumerate(table.freq_hz):
             # A score of another kind stands in the place of one that is not known.
@@ -160,7 +160,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     channels : iterable of dof, optional
         All responses that were measured together, with or without antiresonances here. Default: those of
         ``freq_hz``.
-    scores, diagrams, data_check, cross_check, options : optional
+    scores, diagrams, data_check, options : optional
         See below. All arguments are attributes.
 
     Attributes
@@ -179,9 +179,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         By dof, where curves were identified: what fits saw and did not accept, with the score "why".
     unexplained_hz : dict
         By dof, where it was identified: peaks of its curve beside which nothing was seen.
-    diagrams, cross_check, data_check
-        Not saved. Where the set was identified: the stabilization diagram by dof, what another method says of
-        the antiresonances, and whether the data were fit for it.
+    diagrams, data_check
+        Not saved. Where the set was identified: the stabilization diagram by dof, and whether the data were fit
+        for it.
 
     Raises
     ------
@@ -216,7 +216,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     left_out: Mapping[Any, ResponseTable] = FrozenDict()
     unexplained_hz: Mapping[Any, FloatArray] = FrozenDict()
     data_check: DataCheck | None = None
-    cross_check: Any = None
     edits: tuple[Edit, ...] = ()
     _original: Self | None = None
 
@@ -232,7 +231,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         scores: Mapping[Any, Mapping[str, Any]] | None = None,
         diagrams: Mapping[Any, Any] | None = None,
         data_check: DataCheck | None = None,
-        cross_check: CrossCheck | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> None:
         choice("sees", sees, ("frf", "transmissibility", None))
@@ -240,7 +238,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         drawn = {dof: one for dof, one in (diagrams or {}).items() if hasattr(one, "unexplained_hz")}
         self._fill(excitation=label("excitation", excitation), tables=FrozenDict(tables), sees=sees)
         self._fill(channels=_channels_of(channels, tuple(tables)), options=FrozenDict(options or {}))
-        self._fill(diagrams=FrozenDict(diagrams or {}), data_check=data_check, cross_check=cross_check)
+        self._fill(diagrams=FrozenDict(diagrams or {}), data_check=data_check)
         for name in ("left_out", "unexplained_hz"):
             self._fill(**{name: FrozenDict({dof: getattr(one, name) for dof, one in drawn.items()})})
 
@@ -337,11 +335,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def scores(self) -> Mapping[Any, Mapping[str, NDArray[Any]]]:
         """By dof: what speaks for each, arrays by name, see :mod:`antires_rs.identification.scores`."""
         return FrozenDict({dof: table.scores for dof, table in self.tables.items() if table.scores})
-
-    @property
-    def second_opinion(self) -> Any | None:
-        """The older name of ``cross_check``."""
-        return self.cross_check
 
     def columns(self, dof: Any) -> dict[str, FloatArray]:
         """Frequency, damping ratio and standard deviation of a dof, (n,) each; NaN where not known."""
@@ -491,7 +484,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         lines = [f"antiresonances, force at {self.excitation}"]
         if self.data_check is not None:
             lines += [f"do not trust: {f.text}" for f in self.data_check.findings if f.severity == "fatal"]
-        lines += _rows_printed(self.tables, self.cross_check)
+        lines += _rows_printed(self.tables)
         count = sum(len(table) for table in self.left_out.values())
         if count:
             whys = [str(why) for table in self.left_out.values() for why in table.scores.get("why", ())]
@@ -584,8 +577,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def to_dataframe(self) -> Any:
         """One row a value: dof, freq_hz, damping_ratio, std_hz (NaN where not known), source, and the scores.
 
-        ``source`` is "by hand" or "identified"; after a cross-check ``confirmed`` follows, None where a value
-        was not judged. A ``pandas.DataFrame``; needs pandas.
+        ``source`` is "by hand" or "identified". A ``pandas.DataFrame``; needs pandas.
         """
         return self._view("to_dataframe")(self)
 

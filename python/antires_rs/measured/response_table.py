@@ -150,13 +150,6 @@ class ResponseTable(ReadOnly):
 # -- Why an antiresonance asks for a look: a few words for each
 
 
-class CrossCheck(Protocol):
-    """What another method says; identification, which makes it, stands above this room."""
-
-    def is_confirmed(self, dof: Any, freq_hz: float) -> bool | None:
-        """Whether this very antiresonance is confirmed; None if it was not judged."""
-
-
 Tests = tuple[tuple[str, Callable[[ResponseTable], NDArray[np.bool_]]], ...]
 _SECOND = ("second force or noise", lambda t: ~(t.scores.get("second", np.zeros(1)) > MOST_SECOND))
 #: What a grade's tests are called where they fail: of the sweep over orders, and of windows.
@@ -178,8 +171,8 @@ _OF_WINDOWS: Tests = (
 _HOW = {"persistent": "does not stand still", "likeliest order": "one order only"}
 
 
-def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = None) -> list[list[str]]:
-    """Words for every row: added by hand, how it was accepted, tests failed below "sure", not confirmed."""
+def doubts_of(table: ResponseTable) -> list[list[str]]:
+    """Words for every row: added by hand, how it was accepted, tests failed below "sure"."""
     found: list[list[str]] = [[] for _ in range(len(table))]
     for words, how in zip(found, table.scores.get("how", ()), strict=False):
         words += [_HOW[how]] if how in _HOW else []
@@ -188,9 +181,6 @@ def doubts_of(dof: Any, table: ResponseTable, cross_check: CrossCheck | None = N
         for word, passed in _OF_WINDOWS if "depth_db" in table.scores else _TESTS:
             for row in np.flatnonzero(~sure & ~passed(table)):
                 found[row].append(word)
-    for words, freq in zip(found, table.freq_hz.tolist(), strict=True):
-        if cross_check is not None and cross_check.is_confirmed(dof, freq) is False:
-            words.append("not confirmed")
     return [["added by hand"] if hand else words for hand, words in zip(table.by_hand, found, strict=True)]
 
 

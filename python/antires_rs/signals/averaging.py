@@ -1,4 +1,4 @@
-"""Averages of a record, made once: the options, and the value that check, fit and cross-check share."""
+"""Averages of a record, made once: the options, and the value that check and fit share."""
 
 from __future__ import annotations
 
@@ -88,9 +88,14 @@ def without_drift(x: FloatArray, fs_hz: float, low_hz: float) -> FloatArray:
     if half == 0:
         return np.asarray(x - np.median(x, axis=-1, keepdims=True))
     x = x - x.mean(axis=-1, keepdims=True)  # a running mean takes the median, which is slower, as well
-    width = [(0, 0)] * (x.ndim - 1) + [(half + 1, half)]
-    sums = np.cumsum(np.pad(x, width, mode="edge"), axis=-1)
-    return np.asarray(x - (sums[..., 2 * half + 1 :] - sums[..., :n]) / (2 * half + 1))
+    sums = np.empty((*x.shape[:-1], n + 2 * half + 1))
+    sums[..., : half + 1], sums[..., n + half + 1 :] = x[..., :1], x[..., -1:]
+    sums[..., half + 1 : n + half + 1] = x
+    np.cumsum(sums, axis=-1, out=sums)
+    mean = sums[..., 2 * half + 1 :] - sums[..., :n]
+    mean /= 2 * half + 1
+    x -= mean
+    return np.asarray(x)
 
 
 def lowest_hz(band_hz: tuple[float, float] | None) -> float:
@@ -174,12 +179,9 @@ def find_events(rec: Recording, low_hz: float) -> tuple[Event, ...]:
         # In noise, or so slowly sampled that the response builds up over several blocks.
         hits.append(int(energy.argmax()))
     if not hits:
-        raise UnsuitableDataError(
-            "responses",
-            "a record without an impact: the energy never rises from rest, as in a free decay",
-            "a record that starts before the hit",
-            "Record again with a pre-trigger: what was missed at the start cannot be recovered.",
-        )
+        got = "a record without an impact: the energy never rises from rest, as in a free decay"
+        remedy = "Record again with a pre-trigger: what was missed at the start cannot be recovered."
+        raise UnsuitableDataError("responses", got, "a record that starts before the hit", remedy)
     events = []
     for i, b in enumerate(hits):
         stop = hits[i + 1] * block if i + 1 < len(hits) else rec.n_samples

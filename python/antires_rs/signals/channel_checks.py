@@ -318,8 +318,8 @@ def drift(spectra: CrossSpectra) -> list[Finding]:
     )
     power = np.array(
         [
-            np.sum(np.mean(np.abs(segments.values[:, :, group]) ** 2, axis=2) * unit, axis=1)
-            for group in np.array_split(np.arange(segments.count), DRIFT_GROUPS)
+            np.sum(np.mean(x.real**2 + x.imag**2, axis=2) * unit, axis=1)
+            for x in np.array_split(segments.values, DRIFT_GROUPS, axis=2)
         ]
     )
     at = np.linspace(-0.5, 0.5, DRIFT_GROUPS)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import UnsuitableDataError, reject
-from ..support.checks import ComplexArray
 from ..support.progress import patient
 from ..support.values import frozen_or_none
 from . import channel_checks as channels, one_force
@@ -75,8 +74,6 @@ BY_LINE = (
 )
 SINGLE_HIT, MISSED_HIT = "single_hit", "missed_hit"
 FORCE = "force"
-# The force explains so much of a response at a resonance, or its FRF there is not believed.
-LEAST_COHERENCE = 0.8
 
 
 def of_recording(
@@ -97,7 +94,7 @@ def of_recording(
     if averages is None:
         try:
             if hits or options.nperseg is not None or longest_segments(rec, band) >= LEAST_SAMPLES:
-                averages = average(rec, band, options, include_force=rec.force is not None, hits=hits)
+                averages = average(rec, band, options, hits=hits)
         except UnsuitableDataError as exc:
             advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
             finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole impact is in the record.", advice)
@@ -130,7 +127,6 @@ def of_recording(
             "too few lines in the band"
         ), None
     moving = [rec.dofs.index(dof) for dof in live.dofs]
-    frfs = _frfs(spectra, moving) if averages.has_force and live.force is not None else None
     spectra = spectra.rows(moving)
     said += _resolution(averages, spectra, band, rec)
 
@@ -144,7 +140,6 @@ def of_recording(
     rows = [p for p, dof in enumerate(live.dofs) if dof not in lost]
     if 0 < len(rows) < len(live.dofs):
         # What holds only noise must not speak in the other tests.
-        frfs = None if frfs is None else frfs[rows]
         seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
     one = one_force.one_force(seen)
     apart = channels.clocks(first, band) if one or lost else []
@@ -156,7 +151,7 @@ def of_recording(
         *(apart or [*dead, *channels.in_phase(seen), *one]),  # without a common clock nothing is in common
         *channels.alike(seen),
         *channels.buried(seen, lost),
-        *one_force.force_location(seen, excitation, frfs),
+        *one_force.force_location(seen, excitation),
     ], seen
 
 
@@ -210,15 +205,6 @@ def _in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None
     if len(keep) == rec.n_channels and force is rec.force:
         return said, rec
     return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
-
-
-def _frfs(spectra: CrossSpectra, rows: list[int]) -> ComplexArray:
-    """FRFs of some channels to the force, which is the last; zero where it does not explain the response."""
-    auto = np.einsum("fii->if", spectra.matrix).real
-    to_force = spectra.matrix[:, -1, rows].T
-    power = np.maximum(auto[-1], 1e-300)
-    coherence = np.abs(to_force) ** 2 / np.maximum(power * auto[rows], 1e-300)
-    return np.where(coherence >= LEAST_COHERENCE, to_force / power, 0.0)
 
 
 def _resolution(
@@ -330,7 +316,7 @@ def of_response(
     power = np.abs(values[live]) ** 2
     lines = channels.sharpest_lines(np.sum(power / power.mean(axis=1, keepdims=True), axis=0), leakage=False)
     said += channels.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
-    said += one_force.force_location(seen, excitation, values[live])
+    said += one_force.force_location(seen, excitation)
     return said, seen
 
 
@@ -382,22 +368,18 @@ def check_data(
     -----
     The tests, by name:
 
-    - ``dead_channel`` (fatal): constant, or nothing in common with any other channel in the band;
-    - ``clipped_channel``, ``quantized_channel``, ``duplicated_channels``, ``dropouts``, ``spikes`` (warnings,
-      fatal where nothing else is left): in the time records;
-    - ``time_shift``, ``quadrature`` (warnings): a channel late against the others, or of another kind, which
-      brings it back into phase at several modes. Polarity cannot be seen in data, nor can two channels that
-      are exchanged, unless the driving point is one of them (``force_location``). A shift of seconds and a
-      clock that drifts are fatal;
-    - ``drift`` (warning): a resonance that is elsewhere at the end than at the beginning;
-    - ``mains_hum`` (warning): steady lines at multiples of 50 or 60 Hz, which are taken out;
-    - ``signal_to_noise`` (note): a channel under its own noise in much of the band;
+    - ``dead_channel``, ``clipped_channel``, ``quantized_channel``, ``duplicated_channels``, ``dropouts``,
+      ``spikes``, ``signal_to_noise``: of single channels;
+    - ``time_shift``, ``quadrature``: a channel late against the others, or of another kind. Polarity cannot
+      be seen in data, nor can two channels that are exchanged, unless one is the driving point;
+    - ``drift``: a resonance that is elsewhere at the end than at the beginning;
+    - ``mains_hum``: steady lines at multiples of 50 or 60 Hz, which are taken out;
     - ``resolution``, ``record_length``, ``averages``: lines per half-power bandwidth, and what limits them;
     - ``one_force``: the second eigenvalue of the spectral matrix against the first, noise and leakage. Two
       forces that move in proportion are one force in this respect;
     - ``force_location``: zeros and poles of the stated driving point alternate. A dof whose mode shapes have
       the signs of the driving point's in all modes of the band cannot be told from it;
-    - ``single_hit``, ``double_hit`` (notes), ``missed_hit`` (fatal): of hammer records.
+    - ``single_hit``, ``double_hit``, ``missed_hit``: of hammer records.
 
     Limits were set on simulated records of an 8-mass chain (0 to 10 % noise, 0.5 to 2 % damping, 60 to
     600 s), those of the phase on measured plates too.
@@ -405,23 +387,18 @@ def check_data(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from antires_rs.signals import check_data
     >>> rec = ar.cases.chain8().experiment(noise=0.01, rng=1)
-    >>> check_data(rec, excitation=0, band_hz=(3, 130)).ok
+    >>> ar.check_data(rec, excitation=0, band_hz=(3, 130)).ok
     True
-    >>> (finding,) = check_data(rec, excitation=4, band_hz=(3, 130)).findings
+    >>> (finding,) = ar.check_data(rec, excitation=4, band_hz=(3, 130)).findings
     >>> print(finding.severity, finding.name, "|", finding.advice)
     fatal force_location | Dof 0 would fit: check which dof was excited, and the order of the channels.
     """
     if excitation is not None and (
         isinstance(excitation, bool) or not isinstance(excitation, int | np.integer | str)
     ):
-        reject(
-            "excitation",
-            excitation,
-            "a dof named by an integer or a string, or None",
-            "Name the dof as the source does, or leave it out if it is not known.",
-        )
+        remedy = "Name the dof as the source does, or leave it out if it is not known."
+        reject("excitation", excitation, "a dof named by an integer or a string, or None", remedy)
     options = Averaging(nperseg, noverlap, window, method).checked()
     one: Recording | FrequencyResponse = one_source(source)
     return judged(one, excitation, band_of(one, band_hz), options)

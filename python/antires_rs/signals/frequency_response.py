@@ -65,10 +65,9 @@ class FrequencyResponse(ReadOnly, Viewed):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
+    >>> import numpy as np, antires_rs as ar
     >>> freq = np.linspace(1.0, 10.0, 19)
-    >>> FrequencyResponse(freq, [1 / (25 - freq**2 + 1j), 1 / (36 - freq**2 + 1j)], dofs=[3, 7])
+    >>> ar.FrequencyResponse(freq, [1 / (25 - freq**2 + 1j), 1 / (36 - freq**2 + 1j)], dofs=[3, 7])
     FrequencyResponse(frf, 2 outputs, 19 lines 1-10 Hz, dofs=(3, 7))
     """
 
@@ -113,12 +112,8 @@ class FrequencyResponse(ReadOnly, Viewed):
             coherence = _beside("coherence", coherence, array.shape, wanted)
             # Rounding may push an exact coherence a few ulps over one.
             if coherence.min() < 0.0 or coherence.max() > 1.0 + 1e-9:
-                reject(
-                    "coherence",
-                    f"values from {coherence.min():g} to {coherence.max():g}",
-                    wanted,
-                    "Coherence lies between 0 and 1; check that it was not exported in per cent.",
-                )
+                remedy = "Coherence lies between 0 and 1; check that it was not exported in per cent."
+                reject("coherence", f"values from {coherence.min():g} to {coherence.max():g}", wanted, remedy)
             coherence = frozen(np.minimum(coherence, 1.0))
         if n_averages is not None:
             n_averages = finite_scalar("n_averages", n_averages, low=1.0)
@@ -171,12 +166,8 @@ def _beside(name: str, value: Any, shape: tuple[int, ...], wanted: str) -> Float
     array = real_array(name, value, ndim=None, wanted=wanted)
     array = array[None, :] if array.ndim == 1 else array
     if array.shape != shape:
-        reject(
-            name,
-            f"an array of shape {array.shape}",
-            wanted,
-            "Check its axes: a row for each dof, a column for each line.",
-        )
+        got = f"an array of shape {array.shape}"
+        reject(name, got, wanted, "Check its axes: a row for each dof, a column for each line.")
     return array
 
 
@@ -191,12 +182,8 @@ def check_freq(name: str, value: Any) -> FloatArray:
     falls = np.flatnonzero(np.diff(freq) <= 0.0)
     if falls.size:
         i = int(falls[0])
-        reject(
-            name,
-            f"{freq[i]:g} Hz followed by {freq[i + 1]:g} Hz at index {i}",
-            wanted,
-            "Sort the lines and drop repeated ones.",
-        )
+        got = f"{freq[i]:g} Hz followed by {freq[i + 1]:g} Hz at index {i}"
+        reject(name, got, wanted, "Sort the lines and drop repeated ones.")
     return freq
 
 
@@ -209,12 +196,8 @@ def covered_hz(source: Any) -> tuple[float, float]:
         return 0.0, source.fs_hz / 2
     if isinstance(source, FrequencyResponse):
         return float(source.freq_hz[0]), float(source.freq_hz[-1])
-    reject(
-        "source",
-        type(source).__name__,
-        "a Recording or a FrequencyResponse",
-        "Make one of the arrays first: Recording(responses, fs_hz).",
-    )
+    remedy = "Make one of the arrays first: Recording(responses, fs_hz)."
+    reject("source", type(source).__name__, "a Recording or a FrequencyResponse", remedy)
 
 
 def band_of(source: Any, band_hz: Any) -> tuple[float, float]:

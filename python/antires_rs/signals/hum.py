@@ -19,7 +19,7 @@ IEEE Trans. Signal Process. 43 (1995) 188-195 (sine tapers).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -71,12 +71,14 @@ def without_hum(rec: Recording, band_hz: tuple[float, float]) -> tuple[Recording
     """The record less the hum in the band, and what was found; the record itself where there is none."""
     parts = parts_of(rec)
     found: dict[float, list[int]] = {}
+    highest = min(BEYOND * band_hz[1], 0.45 * rec.fs_hz)
     for base in BASES_HZ:
-        highest = min(BEYOND * band_hz[1], 0.45 * rec.fs_hz)
-        multiples = range(max(1, int(np.ceil(band_hz[0] / BEYOND / base))), int(highest / base) + 1)
-        found[base] = [k for k in multiples if _f_of_line(parts, k * base, LINE_F) >= LINE_F]
-        if found[base]:
-            found[base] = [k for k in multiples if _f_of_line(parts, k * base, ANOTHER_F) >= ANOTHER_F]
+        found[base] = list(range(max(1, int(np.ceil(band_hz[0] / BEYOND / base))), int(highest / base) + 1))
+        multiples = found[base]
+        for least in (LINE_F, ANOTHER_F):
+            # One line is enough for the second, lower bar for all of them.
+            if found[base]:
+                found[base] = [k for k in multiples if _f_of_line(parts, k * base, least) >= least]
     base = max(BASES_HZ, key=lambda each: len(found[each]))
     if not found[base]:
         return rec, None
@@ -94,53 +96,63 @@ def without_hum(rec: Recording, band_hz: tuple[float, float]) -> tuple[Recording
     return (PooledRecording(cleaned) if len(cleaned) > 1 else cleaned[0]), hum
 
 
-def _thinned(rec: Recording, freq_hz: float) -> tuple[ComplexArray, float]:
-    """Amplitude of a frequency in blocks, (n_channels, n_blocks), and the rate of the blocks."""
-    block = max(1, round(rec.fs_hz / RATE_HZ))
-    count = rec.n_samples // block - 1
+def _thinned(rec: Recording, freq_hz: float, start: int, count: int) -> ComplexArray:
+    """Amplitude of a frequency in some of the blocks of a record, (n_channels, count)."""
+    block = _block(rec)
     # Means over a block of means over a block, that is by a triangle, so that what stands near a multiple of
     # the rate does not fold into a line: its rising half over one block, its falling half over the next.
     at = np.arange(block)
     turn = np.exp(-2j * np.pi * freq_hz / rec.fs_hz * np.arange(2 * block)) / block**2
     halves = turn[:block] * at, turn[block:] * (block - at)
     columns = np.array([part for half in halves for part in (half.real, half.imag)]).T
-    sums = rec.responses[:, : (count + 1) * block].reshape(rec.n_channels, count + 1, block) @ columns
+    x = rec.responses[:, start * block : (start + count + 1) * block]
+    sums = x.reshape(rec.n_channels, count + 1, block) @ columns
     thinned = sums[:, :-1, 0] + sums[:, 1:, 2] + 1j * (sums[:, :-1, 1] + sums[:, 1:, 3])
-    return thinned * np.exp(-2j * np.pi * freq_hz / rec.fs_hz * block * np.arange(count)), rec.fs_hz / block
+    return np.asarray(
+        thinned * np.exp(-2j * np.pi * freq_hz / rec.fs_hz * block * np.arange(start, start + count))
+    )
 
 
-@cache
-def _tapers(n: int) -> FloatArray:
+def _block(rec: Recording) -> int:
+    """Samples of a block of a record that is thinned out."""
+    return max(1, round(rec.fs_hz / RATE_HZ))
+
+
+def _pieces(rec: Recording) -> list[tuple[int, int]]:
+    """First block and number of blocks of each piece, less those in which a hit may hide a line."""
+    count = rec.n_samples // _block(rec) - 1
+    n = min(round(PIECE_S * rec.fs_hz / _block(rec)), count // LEAST_PIECES)
+    if n < LEAST_SAMPLES:
+        return []
+    starts = np.linspace(0, count - n, min(count // n, PIECES)).astype(int)
+    return [(int(start), n) for start in starts[starts.size // HIDDEN :]]
+
+
+@lru_cache(maxsize=1)
+def _tapers(n: int, rate_hz: float, reach_hz: float) -> tuple[FloatArray, ComplexArray]:
+    """Tapers of a piece, (n_tapers, n), and turns by all frequencies within reach, (n, n_off)."""
     at = np.arange(1, n + 1) / (n + 1.0)
-    return np.asarray(np.sqrt(2.0 / (n + 1.0)) * np.sin(np.pi * np.arange(1, TAPERS + 1)[:, None] * at))
+    tapers = np.sqrt(2.0 / (n + 1.0)) * np.sin(np.pi * np.arange(1, TAPERS + 1)[:, None] * at)
+    off = np.linspace(-reach_hz, reach_hz, 2 * int(np.ceil(4 * reach_hz * n / rate_hz)) + 1)
+    return tapers, np.exp(-2j * np.pi * np.arange(n)[:, None] / rate_hz * off)
 
 
 def _f_of_line(parts: tuple[Recording, ...], freq_hz: float, least: float) -> float:
     """F that most of the pieces reach in a channel in which the line is steady, the largest of all channels.
 
-    0 as soon as it cannot be ``least``.
-
-    At what frequency, within what the mains may be off, all channels of a piece say together.
+    0 as soon as it cannot be ``least``. At what frequency, within what the mains may be off, all channels of
+    a piece say together.
     """
-    cut: list[tuple[ComplexArray, float]] = []
-    for part in parts:
-        z, rate = _thinned(part, freq_hz)
-        n = min(round(PIECE_S * rate), z.shape[1] // LEAST_PIECES)
-        if n >= LEAST_SAMPLES:
-            starts = np.linspace(0, z.shape[1] - n, min(z.shape[1] // n, PIECES)).astype(int)
-            cut += [(z[:, start : start + n], rate) for start in starts[starts.size // HIDDEN :]]
+    cut = [(part, *piece) for part in parts for piece in _pieces(part)]
     fits, powers = [], []
     # Once so many pieces of every channel are without it the others cannot make it a line.
     enough = int((1.0 - PIECES_WITH) * (len(cut) - 1)) + 2
     without = np.zeros(parts[0].n_channels, dtype=int)
-    for z, rate in cut:
-        n = z.shape[1]
-        tapers = _tapers(n)
+    for part, start, n in cut:
+        tapers, turns = _tapers(n, part.fs_hz / _block(part), OFF * freq_hz)
         sums = tapers.sum(axis=1)
-        reach = OFF * freq_hz
-        off = np.linspace(-reach, reach, 2 * int(np.ceil(4 * reach * n / rate)) + 1)
-        turn = np.exp(-2j * np.pi * np.arange(n)[:, None] / rate * off)
-        y = (tapers * z[:, None]) @ turn
+        tapered = tapers * _thinned(part, freq_hz, start, n)[:, None]
+        y = (tapered.reshape(-1, n) @ turns).reshape(*tapered.shape[:2], -1)
         mu = np.einsum("k,pkf->pf", sums, y) / (sums @ sums)
         rest = np.sum(np.abs(y - mu[:, None] * sums[:, None]) ** 2, axis=1)
         f = (TAPERS - 1) * np.abs(mu) ** 2 * (sums @ sums) / np.maximum(rest, 1e-300)
@@ -159,10 +171,9 @@ def _f_of_line(parts: tuple[Recording, ...], freq_hz: float, least: float) -> fl
 
 def _without(rec: Recording, base_hz: float, multiples: list[int]) -> Recording:
     """The record less the sinusoids that fit its quiet parts."""
-    thinned = [_thinned(rec, k * base_hz) for k in multiples]
-    rate = thinned[0][1]
-    count = thinned[0][0].shape[1]
-    block = round(rec.fs_hz / rate)
+    block = _block(rec)
+    rate, count = rec.fs_hz / block, rec.n_samples // block - 1
+    thinned = [_thinned(rec, k * base_hz, 0, count) for k in multiples]
     energy = np.array(
         [np.square(x[: count * block] - x.mean()).reshape(count, block).mean(axis=1) for x in rec.responses]
     )
@@ -174,7 +185,7 @@ def _without(rec: Recording, base_hz: float, multiples: list[int]) -> Recording:
     middle = (np.arange(count) + 1.0) / rate
     off = np.linspace(-OFF, OFF, 2 * int(np.ceil(8 * OFF * multiples[-1] * base_hz * count / rate)) + 1)
     fits = np.zeros(off.size)
-    for k, (z, _) in zip(multiples, thinned, strict=True):
+    for k, z in zip(multiples, thinned, strict=True):
         scale = np.mean(np.abs(z) ** 2, axis=1, keepdims=True)
         turn = np.exp(-2j * np.pi * k * base_hz * off[:, None] * middle) * weights
         fits += np.sum(np.abs(z @ turn.T) ** 2 / np.maximum(scale, 1e-300), axis=0)

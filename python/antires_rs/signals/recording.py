@@ -46,9 +46,8 @@ class Recording(ReadOnly, Viewed):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.recording import Recording
-    >>> Recording(np.zeros((2, 1024)) + 1.0, 512.0, dofs=["tip", "root"])
+    >>> import numpy as np, antires_rs as ar
+    >>> ar.Recording(np.zeros((2, 1024)) + 1.0, 512.0, dofs=["tip", "root"])
     Recording(2 channels, 2 s at 512 Hz, dofs=('tip', 'root'), no force)
     """
 
@@ -158,23 +157,15 @@ def without_force(rec: Recording) -> Recording:
 def check_recording(rec: object) -> None:
     """Refuse what is not a Recording."""
     if not isinstance(rec, Recording):
-        reject(
-            "rec",
-            type(rec).__name__,
-            "a Recording",
-            "Make one of the arrays first: Recording(responses, fs_hz).",
-        )
+        got = type(rec).__name__
+        reject("rec", got, "a Recording", "Make one of the arrays first: Recording(responses, fs_hz).")
 
 
 def force_of(rec: Recording) -> FloatArray:
     """The measured force, which this estimate needs."""
     if rec.force is None:
-        reject(
-            "rec",
-            "a Recording without force",
-            "one with the force recorded",
-            "Use transmissibilities: they need no force.",
-        )
+        got = "a Recording without force"
+        reject("rec", got, "one with the force recorded", "Use transmissibilities: they need no force.")
     return rec.force
 
 

@@ -44,12 +44,8 @@ def one_source(source: Any, name: str = "source") -> Any:
     kind = type(source[0]) if isinstance(source[0], FrequencyResponse) else Recording
     for i, one in enumerate(source):
         if not isinstance(one, kind):
-            reject(
-                Argument(name).item(i),
-                type(one).__name__,
-                "records, or responses, of one test: all of one kind",
-                "Identify them apart.",
-            )
+            wanted = "records, or responses, of one test: all of one kind"
+            reject(Argument(name).item(i), type(one).__name__, wanted, "Identify them apart.")
     return pooled(source, name) if kind is Recording else averaged(source, name)
 
 
@@ -95,12 +91,9 @@ def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
     first, same = records[0], []
     for i, rec in enumerate(records):
         if rec.fs_hz != first.fs_hz:
-            reject(
-                Argument(name).item(i),
-                f"a sampling rate of {rec.fs_hz:g} Hz",
-                f"that of the first record, {first.fs_hz:g} Hz",
-                "Resample one of them, or identify them apart.",
-            )
+            got = f"a sampling rate of {rec.fs_hz:g} Hz"
+            wanted = f"that of the first record, {first.fs_hz:g} Hz"
+            reject(Argument(name).item(i), got, wanted, "Resample one of them, or identify them apart.")
         rows = _rows(first, rec, Argument(name).item(i), "a record of", "record")
         if rec.dofs != first.dofs:
             rec = Recording(rec.responses[rows], rec.fs_hz, first.dofs, rec.force)
@@ -111,12 +104,8 @@ def pooled(records: Sequence[Recording], name: str = "source") -> Recording:
 def _rows(first: Any, one: Any, name: Argument, got: str, kind: str) -> list[int]:
     """Rows of one measurement in the order of the first one's."""
     if set(one.dofs) != set(first.dofs):
-        reject(
-            name,
-            f"{got} dofs {one.dofs}",
-            f"the dofs of the first {kind}, {first.dofs}",
-            "Identify setups with sensors at other places apart, and join the sets by merge_setups.",
-        )
+        remedy = "Identify setups with sensors at other places apart, and join the sets by merge_setups."
+        reject(name, f"{got} dofs {one.dofs}", f"the dofs of the first {kind}, {first.dofs}", remedy)
     return [one.dofs.index(dof) for dof in first.dofs]
 
 
@@ -124,12 +113,9 @@ def _as_first(first: FrequencyResponse, one: FrequencyResponse, name: Argument) 
     """Values with their rows in the order of the first response's."""
     for what in ("kind", "reference"):
         if getattr(one, what) != getattr(first, what):
-            reject(
-                name,
-                f"{what} {getattr(one, what)!r}",
-                f"that of the first response, {getattr(first, what)!r}",
-                "Average responses of one kind, to one reference.",
-            )
+            got = f"{what} {getattr(one, what)!r}"
+            wanted = f"that of the first response, {getattr(first, what)!r}"
+            reject(name, got, wanted, "Average responses of one kind, to one reference.")
     if one.freq_hz.shape != first.freq_hz.shape or not np.allclose(one.freq_hz, first.freq_hz, rtol=1e-9):
         reject(
             name,

@@ -422,20 +422,12 @@ def window_values(window: Any, n: int) -> FloatArray:
         try:
             return np.asarray(get_window(window, n), dtype=np.float64)
         except ValueError as exc:
-            reject(
-                "window",
-                window,
-                f"a window known to scipy.signal.get_window ({exc})",
-                "Leave it out for 'hann'.",
-            )
+            wanted = f"a window known to scipy.signal.get_window ({exc})"
+            reject("window", window, wanted, "Leave it out for 'hann'.")
     taper = real_array("window", window, ndim=1, wanted=f"a window name, or {n} finite values")
     if taper.shape != (n,) or not taper.any():
-        reject(
-            "window",
-            f"an array of shape {taper.shape}",
-            f"a window name, or {n} finite values",
-            "Give a value for each sample of a segment.",
-        )
+        remedy = "Give a value for each sample of a segment."
+        reject("window", f"an array of shape {taper.shape}", f"a window name, or {n} finite values", remedy)
     return taper
 
 
@@ -519,12 +511,9 @@ def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexAr
     if not s_jj[1:].all() or not auto.any(axis=1).all():
         silent = ~auto.any(axis=1)
         dead = int(np.flatnonzero(silent)[0]) if silent.any() else j
-        raise UnsuitableDataError(
-            "responses",
-            f"channel {dead} without energy at some frequencies",
-            "signals that are not zero",
-            "Leave the dead channel out.",
-        )
+        got = f"channel {dead} without energy at some frequencies"
+        wanted = "signals that are not zero"
+        raise UnsuitableDataError("responses", got, wanted, "Leave the dead channel out.")
     with np.errstate(divide="ignore", invalid="ignore"):
         coherence = np.clip(np.abs(s_jp) ** 2 / (s_jj * auto), 0.0, 1.0)
         if estimator == "h1":

@@ -52,11 +52,9 @@ def frf(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.recording import Recording
-    >>> from antires_rs.signals.transfer_functions import frf
+    >>> import numpy as np, antires_rs as ar
     >>> force = np.random.default_rng(0).standard_normal(8192)
-    >>> h = frf(Recording([2.0 * force, -force], 512.0, force=force), nperseg=1024)
+    >>> h = ar.frf(ar.Recording([2.0 * force, -force], 512.0, force=force), nperseg=1024)
     >>> h.values[:, 100].real.round(9).tolist()
     [2.0, -1.0]
     """
@@ -115,11 +113,9 @@ def transmissibility(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from antires_rs.signals.recording import Recording
-    >>> from antires_rs.signals.transfer_functions import transmissibility
+    >>> import numpy as np, antires_rs as ar
     >>> x = np.random.default_rng(0).standard_normal(8192)
-    >>> t = transmissibility(Recording([x, 3.0 * x], 512.0, dofs=["a", "b"]), "a", nperseg=1024)
+    >>> t = ar.transmissibility(ar.Recording([x, 3.0 * x], 512.0, dofs=["a", "b"]), "a", nperseg=1024)
     >>> t.values[:, 100].real.round(9).tolist()
     [1.0, 3.0]
     """
@@ -171,19 +167,16 @@ def transmissibility_sum(resp: FrequencyResponse) -> ComplexArray:
 
     Examples
     --------
-    >>> from antires_rs.signals.frequency_response import FrequencyResponse
-    >>> from antires_rs.signals.transfer_functions import transmissibility_sum
-    >>> t = FrequencyResponse([1.0, 2.0], [[1, 1], [-3 + 1j, 2 - 2j]], kind="transmissibility", reference=0)
-    >>> transmissibility_sum(t).tolist()
+    >>> import antires_rs as ar
+    >>> rows = [[1, 1], [-3 + 1j, 2 - 2j]]
+    >>> t = ar.FrequencyResponse([1.0, 2.0], rows, kind="transmissibility", reference=0)
+    >>> ar.transmissibility_sum(t).tolist()
     [(3+1j), (2+2j)]
     """
     if not isinstance(resp, FrequencyResponse) or resp.kind != "transmissibility":
-        reject(
-            "resp",
-            getattr(resp, "kind", type(resp).__name__),
-            "a FrequencyResponse of kind 'transmissibility'",
-            "Estimate it by antires_rs.transmissibility.",
-        )
+        got = getattr(resp, "kind", type(resp).__name__)
+        wanted = "a FrequencyResponse of kind 'transmissibility'"
+        reject("resp", got, wanted, "Estimate it by antires_rs.transmissibility.")
     others = np.delete(resp.values, resp.dofs.index(resp.reference), axis=0)
     return np.asarray(np.abs(others.real).sum(axis=0) + 1j * np.abs(others.imag).sum(axis=0))
 

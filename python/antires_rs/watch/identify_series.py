@@ -418,7 +418,7 @@ def _raised(exc: BaseException) -> Iterator[Source]:
 def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options of the identification that are not the default; a wrong one is not kept as a failed test."""
     for name in options:
-        if name not in {*declared(), "dofs", "fit", "second_opinion"}:
+        if name not in {*declared(), "dofs", "fit"}:
             raise TypeError(f"identify_series() got an unexpected keyword argument {name!r}")
     chosen = flat(options)
     dofs = chosen.pop("dofs", None)

@@ -33,7 +33,7 @@ from ..support.values import frozen
 # -- A set of antiresonances as plain data: facts about its tables, and columns with a row an antiresonance
 #
 # This is what a worker sends back, a database holds, and the rows of a table are made of. Nothing
-# is lost but diagrams, curves of the data check and the cross-check; floats keep every bit.
+# is lost but diagrams and curves of the data check; floats keep every bit.
 
 Plain = dict[str, Any]
 #: What a row of a set is: accepted, seen and not accepted, a peak that nothing explains.
