@@ -244,8 +244,8 @@ def write_files(story: Story, folder: Path) -> None:
     def transmissibilities(axes: Any) -> None:
         models = (case.model, updated.model)
         how: dict[str, Any] = {"excitation": case.excitation, "band_hz": case.band_hz}
-        for ax, reference, dof in zip(axes, (0, worst), (None, neighbour), strict=True):
-            plotting.plot_transmissibility(_drawn(story.record, reference), *models, dof=dof, ax=ax, **how)
+        for ax, reference, dofs in zip(axes, (0, worst), (None, [neighbour]), strict=True):
+            plotting.plot_responses(_drawn(story.record, reference), *models, dofs=dofs, ax=ax, **how)
 
     model = drawings_of(updated, _drawn(story.record, 0))
     damage = drawings_of(story.damage, None, truth, {0: story.damaged.diagrams[0]})

@@ -16,8 +16,8 @@ from ..signals.recording import Recording
 from ..signals.spectra import two_channel
 from ..support.checks import FloatArray
 from . import live_canvas as live
-from .canvas import band_shown, below, draw, draw_marks, new_axes, offer, plain_log
-from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread, turn
+from .canvas import below, draw, draw_marks, new_axes, offer, plain_log
+from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
@@ -197,59 +197,7 @@ def plot_damping_clusters(
     return ax
 
 
-# -- What stands behind an identification: coherence, and whether one force is enough
-
-FEW = 5  # with more curves than this each one is drawn thin and pale, and their median on top
-
-
-def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence[float] | None = None) -> Any:
-    """Draw the ordinary coherence of every output by frequency.
-
-    Parameters
-    ----------
-    resp : FrequencyResponse
-        With ``coherence``, e.g. from :func:`~antires_rs.frf` or :func:`~antires_rs.transmissibility`.
-    band_hz : (low, high), optional
-        Lines drawn; all of the data by default.
-
-    Raises
-    ------
-    InvalidInputError
-        Responses without coherence, or a band outside the data.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> ar.figures.plot_coherence(ar.frf(rec, nperseg=4096), ax=Figure().subplots()).get_ylabel()
-    'Coherence with the force (-)'
-    """
-    if not isinstance(resp, FrequencyResponse) or resp.coherence is None:
-        got = "responses without coherence" if isinstance(resp, FrequencyResponse) else type(resp).__name__
-        wanted = "a FrequencyResponse with coherence"
-        reject("resp", got, wanted, "Estimate it from a record with several averages.")
-    low, high = band_shown(resp.freq_hz, band_hz)
-    freq = resp.freq_hz
-    curves = {dof: row for dof, row in zip(resp.dofs, resp.coherence, strict=True) if dof != resp.reference}
-    rows = np.array(list(curves.values()))
-    if len(curves) <= FEW:
-        each = enumerate(curves.items())
-        marks: list[Mark] = [Line(freq, row, label=f"dof {dof}", **turn(i)) for i, (dof, row) in each]
-    else:
-        names = ["each dof", *[None] * (len(rows) - 1)]
-        marks = [Line(freq, row, CURVE, width=0.7, label=name) for row, name in zip(rows, names, strict=True)]
-        marks.append(Line(freq, rows.min(axis=0), "vermillion", "--", 1.0, label="lowest"))
-        marks.append(Line(freq, np.median(rows, axis=0), "blue", width=1.6, label="median"))
-    if resp.n_averages is not None and resp.n_averages > 1.0:
-        label = f"noise alone, {resp.n_averages:.0f} averages"
-        marks.append(Rules(1.0 / resp.n_averages, dash=":", width=0.9, label=label))
-    to = "the force" if resp.reference is None else f"dof {resp.reference}"
-    shown = (freq >= low) & (freq <= high)
-    table = {"freq_hz": freq[shown]} | {str(dof): row[shown] for dof, row in curves.items()}
-    x, y = Axis("Frequency (Hz)", (low, high)), Axis(f"Coherence with {to} (-)", (0.0, 1.04))
-    panel = Panel("coherence", x, y, marks, grid="both", tables={"coherence": table})
-    return draw(panel, new_axes(ax, (9.0, 4.0)))
+# -- Whether one force is enough
 
 
 def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:

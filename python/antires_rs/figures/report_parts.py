@@ -465,26 +465,22 @@ def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[st
     """Measured curves beside those of the models."""
     model, own = result.problem.model, result.problem.measured[0]
     given: dict[str, Any] = {"excitation": own.excitation, "names": names}
-    damping = "in the models follows from an assumed damping of 1 %."
-    which = f"measured, and of the model {names[0]} and {names[1]}"
     if response.kind == "frf":
         dofs = [dof for dof in response.dofs if dof in own] or list(response.dofs)
-        shown = dofs[: responses.MOST_RESPONSES]
+        given["dofs"] = shown = dofs[: responses.MOST_RESPONSES]
+        size = (9.0, 2.0 + 1.2 * len(shown))
         some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
-        draw, size = partial(responses.plot_responses, dofs=shown), (9.0, 2.0 + 1.2 * len(shown))
-        caption = (
-            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}"
-        )
-        alt = f"Curves by frequency of {len(shown)} FRFs: {which}"
+        caption = f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips"
+        what = f"{len(shown)} FRFs"
     else:
-        over = dof_name(model, response.reference)
-        draw, size = partial(responses.plot_transmissibility, dof=None), (9.0, 4.4)
+        size, what = (9.0, 4.4), f"the transmissibilities over {dof_name(model, response.reference)}"
         caption = (
-            f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
+            f"T{what.removeprefix('the t')}, summed; the peaks are the antiresonances of that dof. Their"
         )
-        caption += f"height {damping}"
-        alt = f"Curves by frequency of the transmissibilities over {over}: {which}"
-    drawn = partial(draw, response, model, result.model, **given)
+        caption += " height"
+    drawn = partial(responses.plot_responses, response, model, result.model, **given)
+    caption += " in the models follows from an assumed damping of 1 %."
+    alt = f"Curves by frequency of {what}: measured, and of the model {names[0]} and {names[1]}"
     return Figure(drawn, size, caption, alt, partial(_explored_response, result, response, names))
 
 
@@ -492,32 +488,31 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
     """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
     from bokeh.models import ColumnDataSource, Legend, LegendItem
 
-    before, after, excitation = result.problem.model, result.model, result.problem.measured[0].excitation
-    if measured.kind == "transmissibility":
-        panel = responses.transmissibilities(measured, before, after, None, excitation, names=names)
-        # Of lines that share a pixel the peak counts.
-        return explored(replace(panel, marks=[_thinned(mark, np.max) for mark in panel.marks]), height=340)
-    freq, levels = responses.curves_db(measured, (before, after), excitation)
+    models, excitation = (result.problem.model, result.model), result.problem.measured[0].excitation
+    over = measured.kind == "transmissibility"
+    freq, _, labels, levels = responses.curves_of(
+        measured, models, excitation, None if over else measured.dofs
+    )
     called = responses.curve_names(names, both=True)
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
     marks = []
     for rows in zip(*levels, strict=True):
         lines = [Line(freq, row, **look) for row, look in zip(rows, responses.LOOKS, strict=True)]
         lines[0] = replace(lines[0], says=says, more={f"level_{i}": row for i, row in enumerate(rows)})
-        marks += [_thinned(line, np.min) for line in lines]  # the dip counts
-    x, y = Axis("Frequency (Hz)", (freq[0], freq[-1])), Axis("FRF (dB re unit of the data)")
+        marks += [_thinned(line, np.max if over else np.min) for line in lines]  # the peak or dip counts
+    x = Axis("Frequency (Hz)", (freq[0], freq[-1]))
+    y = Axis(f"{labels[0]} (dB)" if over else "FRF (dB re unit of the data)")
     fig = explored(Panel("response", x, y, marks), height=380)
-    drawn = [fig.renderers[3 * row : 3 * row + 3] for row in range(len(measured.dofs))]
+    drawn = [fig.renderers[first : first + 3] for first in range(0, len(fig.renderers), 3)]
     for line in fig.renderers[3:]:
         line.visible = False
     empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
     samples = [[fig.add_glyph(empty, line.glyph.clone())] for line in drawn[0]]
-    for entries, look in (  # each may stand for several lines
+    by_response = {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"}
+    # An entry may stand for several lines.
+    for entries, look in (
         (zip(called, samples, strict=True), {"ncols": 2}),
-        (
-            zip(map(before.dof_label, measured.dofs), drawn, strict=True),
-            {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"},
-        ),
+        (zip(labels, drawn, strict=True), by_response),
     ):
         items = [LegendItem(label=name, renderers=lines) for name, lines in entries]
         fig.add_layout(Legend(items=items, **LEGEND | look), "below")
