@@ -75,7 +75,9 @@ def test_a_picture_draws_into_the_axes_given_and_offers_its_numbers_in_whole_tab
         assert not any(column.flags.writeable for column in table.values())
 
 
-@pytest.mark.parametrize("name", ["stabilization", "differences", "damage", "singular_values", "monitor", "frame"])
+@pytest.mark.parametrize(
+    "name", ["stabilization", "differences", "damage", "singular_values", "monitor", "frame"]
+)
 def test_without_axes_a_pyplot_figure_is_made(name):
     made = draw(name, None)
     assert pyplot.fignum_exists(made.figure.number)

@@ -85,8 +85,8 @@ class SensorPlan(ReadOnly, Viewed):
         Dof of the force.
     criterion : {'determinant', 'worst'}
     value, value_of_all : float
-        Of the criterion: information in nats that the test is expected to give; or the largest of
-        ``detectable`` (of parameters, of ``std`` over ``std_before``). And with a sensor on every candidate.
+        Of the criterion, with these sensors and with one on every candidate: expected information in nats; or
+        the largest of ``detectable`` (of parameters, of ``std`` over ``std_before``).
     n_values : int
         Antiresonances in the band that the test would show.
     detectable, detectable_by_all : dict of int to float
@@ -100,10 +100,9 @@ class SensorPlan(ReadOnly, Viewed):
         How the sensors were found, from the first one on.
     names, labels : dict
         What elements and dofs are called.
-    value_std : dict of int to (n,)
-        Relative standard deviation of each antiresonance of each sensor on which all this rests.
-    errors : str
-        Where these come from: given, or the Cramer-Rao bound for noise, duration and damping.
+    value_std, errors : dict of int to (n,), and str
+        Relative standard deviation of each antiresonance of each sensor on which all this rests; and whether
+        it was given, or is the Cramer-Rao bound for noise, duration and damping.
 
     Examples
     --------
@@ -298,8 +297,7 @@ def plan_test(
     dof_of: dict[int | None, int | None] = {None: None, **dict(enumerate(sensors))}
 
     def by_element(chosen: Sequence[int]) -> FrozenDict[int, float]:
-        losses = detectable(told, chosen).tolist() if elements else []
-        return FrozenDict(zip(elements, losses, strict=True))
+        return FrozenDict(zip(elements, detectable(told, chosen).tolist() if elements else (), strict=True))
 
     return SensorPlan(
         sensors=tuple(sensors[at] for at in placed.chosen),

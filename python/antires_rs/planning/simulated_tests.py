@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
 from typing import Any
@@ -43,7 +43,7 @@ class VirtualTest:
 
     def __getstate__(self) -> dict[str, Any]:
         # Without the core's objective, which each process makes again.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: held for name, held in self.__dict__.items() if name != "core"}
 
     @cached_property
     def numbers(self) -> list[int]:

@@ -112,7 +112,7 @@ def finite_scalar(
         if isinstance(value, bool | str | bytes) or shape_of(value) != ():
             raise TypeError
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         reject(name, repr(value), wanted, "Pass one number, without quotes.")
     below = number <= low if low_open else number < low
     above = number >= high if high_open else number > high
