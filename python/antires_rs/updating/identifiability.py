@@ -20,7 +20,7 @@ from ..support.values import Value
 from ..views import Viewed
 from .problem import UpdatingProblem
 from .residuals import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
-from .targets import STEP, model_dof, roots_of
+from .targets import STEP, roots_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -161,8 +161,6 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
 _NOISE = 1e-3
 #: Forces and sensors that are tried unless they are named.
 _MOST_TRIED = 12
-#: Share of its prior standard deviation below which a combination counts as told.
-TOLD = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,15 +181,12 @@ class BoxIdentifiability(Value, Viewed):
     left : ndarray, (n,)
         Standard deviation of each parameter after the test over that within the bounds, expected over the
         box: 1 where the test tells nothing.
-    combinations : ndarray, (n, n)
+    combinations, combinations_left : ndarray, (n, n) and (n,)
         Orthonormal combinations of the parameters (in logarithms where these are positive), the least told
-        first.
-    combinations_left : ndarray, (n,)
-        The same as ``left`` for these.
-    words : tuple of str
-        What is not told: one for each combination with more than 0.3 left.
-    suggestions : tuple of str
-        What would help: fix a parameter, take two as one, another force, another sensor.
+        first, and what is left of each.
+    words, suggestions : tuple of str
+        What is not told, one for each combination with more than 0.3 left; and what would help: fix a
+        parameter, take two as one, another force, another sensor.
 
     Examples
     --------
@@ -202,7 +197,7 @@ class BoxIdentifiability(Value, Viewed):
     """
 
     #: Share of a standard deviation below which a parameter or a combination counts as told.
-    TOLD: ClassVar[float] = TOLD
+    TOLD: ClassVar[float] = 0.3
 
     names: tuple[str, ...]
     noise: float
@@ -217,7 +212,7 @@ class BoxIdentifiability(Value, Viewed):
     @property
     def told(self) -> int:
         """Number of combinations that the test tells: with at most 0.3 of their standard deviation left."""
-        return int(np.sum(self.combinations_left < TOLD))
+        return int(np.sum(self.combinations_left < self.TOLD))
 
     def plot(self, ax: Any = None) -> Any:
         """What is left of each parameter; see :func:`antires_rs.figures.plot_identifiability`."""
@@ -275,15 +270,13 @@ def identifiability(
     Raises
     ------
     InvalidInputError
-        Something that is not an UpdatingProblem, a number out of range, a dof that the model does not have,
-        no parameter that may move.
+        A number out of range, a dof that the model does not have, no parameter that may move.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> before = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
-    >>> before.told, before.words[0]
-    (13, 'mass 0')
+    >>> ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[]).words[0]
+    'mass 0'
     """
     from scipy.stats.qmc import Sobol
 
@@ -296,12 +289,11 @@ def identifiability(
     stated = float(0.5 * np.median(std)) if std.size else _NOISE
     taken = stated if noise is None else finite_scalar("noise", noise, low=1e-8, high=1.0)
     box = BoxResiduals(problem, problem.bounds.mean(axis=1))
-    n = box.free.size
-    if n == 0:
+    if box.free.size == 0:
         remedy = "Give lower and upper bounds."
         reject("problem", "no parameter that may move", "bounds with a distance", remedy)
     names = tuple(problem.names[j] for j in box.free)
-    sobol = Sobol(n, seed=0).random_base2(int(np.ceil(np.log2(points))))
+    sobol = Sobol(box.free.size, seed=0).random_base2(int(np.ceil(np.log2(points))))
     x = box.vector(np.asarray(sobol[:points]))
     jacobians = []
     for nth, row in enumerate(x):
@@ -310,9 +302,13 @@ def identifiability(
     error = 2.0 * taken  # of omega squared, hence twice that of the frequency
     covariance = expected_covariance(jacobians, error)
     left, vectors = combinations(covariance)
-    words = [combination_in_words(names, v) for v, share in zip(vectors, left, strict=True) if share >= TOLD]
+    words = [
+        combination_in_words(names, v)
+        for v, share in zip(vectors, left, strict=True)
+        if share >= BoxIdentifiability.TOLD
+    ]
     helpful = _alike(names, jacobians)
-    if np.linalg.eigvalsh(covariance)[-1] >= TOLD**2:
+    if np.linalg.eigvalsh(covariance)[-1] >= BoxIdentifiability.TOLD**2:
         tried = _candidates(problem, forces, sensors)
         helpful = [*_fixed(names, covariance), *helpful, *_further(problem, x, jacobians, error, tried)]
     seen = np.array([_singular_values(j, error) for j in jacobians])
@@ -328,14 +324,12 @@ def _candidates(
     model, of_modes = problem.model, problem.noun == "mode"
 
     def dofs(name: str, labels: Any) -> list[int]:
-        return [model_dof(model, name, label) for label in labels]
+        return [model._dof(name, label) for label in labels]
 
     def tried(name: str, given: Any, default: list[int]) -> list[int]:
         """Those named, or all of a few, or some of many, evenly."""
-        if given is not None:
-            return dofs(name, given)
         some_of = np.linspace(0, len(default) - 1, min(len(default), _MOST_TRIED)).round().astype(int)
-        return [default[i] for i in some_of]
+        return [default[i] for i in some_of] if given is None else dofs(name, given)
 
     seen = {dof for s in problem.measured for dof in dofs("measured dof", s.dofs if of_modes else s)}
     found = {"sensor": tried("sensors", sensors, [d for d in model._sensor_dofs if d not in seen])}
@@ -382,8 +376,8 @@ def _zeros(
     high, low = float(problem.measured_hz.max()), _LOWEST * float(problem.measured_hz.min())
     tests: list[tuple[int, dict[int, FloatArray] | None, list[int]]] = []
     for each in problem.measured:
-        values = {model_dof(model, "measured dof", dof): each[dof] for dof in each}
-        force = model_dof(model, "excitation", each.excitation)
+        values = {model._dof("measured dof", dof): each[dof] for dof in each}
+        force = model._dof("excitation", each.excitation)
         tests.append((force, values, [*values, *(dof for dof in sensors if dof not in values)]))
     tests += [(force, None, tests[0][2]) for force in forces]
     sees = problem.measured[0].sees
@@ -484,15 +478,8 @@ def combination_in_words(names: Sequence[str], direction: FloatArray) -> str:
         return f"{named[0]} against {named[1]}; both together are"
     if len(members) == 2:
         return f"{named[0]} together with {named[1]}; their ratio is"
-    up = [name for name, sign in zip(named, signs, strict=True) if sign > 0]
-    down = [name for name, sign in zip(named, signs, strict=True) if sign < 0]
-    return f"{_listed(up)} against {_listed(down)}" if down else f"{_listed(up)} together"
-
-
-def _listed(names: Sequence[str]) -> str:
-    if len(names) > 4:
-        return some(names)
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    up, down = (some([name for name, at in zip(named, signs, strict=True) if at == sign]) for sign in (1, -1))
+    return f"{up} against {down}" if down else f"{up} together"
 
 
 # -- What would make parameters identifiable: one fixed, two taken as one, another force, another sensor
@@ -551,7 +538,7 @@ def _fixed(names: Sequence[str], covariance: FloatArray) -> list[str]:
 
 
 def _count_open(covariance: FloatArray) -> int:
-    return int(np.sum(np.linalg.eigvalsh(covariance) >= TOLD**2))
+    return int(np.sum(np.linalg.eigvalsh(covariance) >= BoxIdentifiability.TOLD**2))
 
 
 def _alike(names: Sequence[str], jacobians: Sequence[FloatArray]) -> list[str]:

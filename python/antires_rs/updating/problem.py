@@ -287,7 +287,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         """MAC of each measured mode with its partner at ``x``, (m,); NaN without one."""
         if not isinstance(self._targets, ModalTargets):
             reject("measured", "antiresonances", "modes, as a ModalSet", "Antiresonances have no shape.")
-        return self._targets.mac(self._core, self._repaired(x))
+        return self._targets.pairs(self._core, self._repaired(x))[1]
 
     def residuals(self, x: Any) -> FloatArray:
         """Signed residuals at ``x``, before any weights.

@@ -45,18 +45,18 @@ class _Differences:
 
     @property
     def after_percent(self) -> FloatArray:
-        """Difference of the updated model, ``100 (f_A / f_E - 1)``, (m,)."""
+        """The same of the updated model, (m,)."""
         return 100.0 * (self.after_hz / self.measured_hz - 1.0)
 
     @property
     def largest_before_percent(self) -> float:
         """Largest absolute difference before; NaN if nothing has a partner."""
-        return _largest(self.before_percent)
+        return float(np.fmax.reduce(np.abs(self.before_percent), initial=np.nan))
 
     @property
     def largest_after_percent(self) -> float:
         """Largest absolute difference after; NaN if nothing has a partner."""
-        return _largest(self.after_percent)
+        return float(np.fmax.reduce(np.abs(self.after_percent), initial=np.nan))
 
     @property
     def _closing(self) -> str:
@@ -159,10 +159,6 @@ class ModalTable(_Differences, Value):
         return self._text(head, [f"{mode:4d}" for mode in self.mode], self.before_mac, self.after_mac)
 
 
-def _largest(percent: FloatArray) -> float:
-    return float(np.fmax.reduce(np.abs(percent), initial=np.nan))
-
-
 # -- Measured values that are no antiresonances: halves of complex zeros (see the page on theory)
 #
 # A value is left out, and named, if the nominal model has a complex zero nearer to it than any real root, its
@@ -237,8 +233,7 @@ def usual_damping(found: AntiresonanceSet) -> float | None:
 def sorted_out(
     label: object, table: Any, usual: float, roots: FloatArray, series: Series, keep: NDArray[np.bool_]
 ) -> list[str]:
-    """Sentences on the values of a response that are no antiresonances, which ``keep`` then tells; ``roots``
-    (Hz) are the model's real ones, ``series`` computes the complex ones."""
+    """Sentences on the values that are no antiresonances, as ``keep`` then says; ``roots``: the real ones."""
     excess = np.abs(table.damping_ratio - usual)
     to_real = np.abs(table.freq_hz[:, None] - roots).min(axis=1, initial=np.inf)
     odd = ((excess > _LEAST / 2.0) | (to_real > _FAR * table.freq_hz)) & ~table.by_hand
@@ -247,8 +242,7 @@ def sorted_out(
     zeros, notes = series(), []
     for at in np.flatnonzero(odd & np.isfinite(excess)):
         freq = float(table.freq_hz[at])
-        why = _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros)
-        if why:
+        if why := _complex(freq, float(excess[at]), usual, float(to_real[at]), *zeros):
             keep[at] = False
             damped = f"damped by {100 * table.damping_ratio[at]:.1f} % (usual: {100 * usual:.1f} %)"
             notes.append(f"Left out: {freq:.2f} Hz at dof {label}, {damped}: {why}.")
@@ -381,11 +375,6 @@ Part = tuple[int, int, FloatArray, str | None, int]
 Exact = Callable[["StructuralModel"], tuple[list[Any], FloatArray | None] | None]
 
 
-def model_dof(model: StructuralModel, name: str, label: Any) -> int:
-    """A dof of the model that a measured set names, by its number or its name."""
-    return model._dof(name, label)
-
-
 def by_rows(model: StructuralModel, parts: Sequence[Part]) -> tuple[_core.Model, list[Part]]:
     """The core's model in which all measured dofs are dofs, and the parts by its rows."""
     core, rows = model._core_for([dof for part in parts for dof in part[:2]])
@@ -408,8 +397,8 @@ class AntiresonanceTargets:
 
     def __init__(self, model: StructuralModel, sets: tuple[AntiresonanceSet, ...]) -> None:
         self.sets = sets
-        self.forces = [model_dof(model, "excitation", s.excitation) for s in sets]
-        self.dofs_of = [[model_dof(model, "measured dof", dof) for dof in s] for s in sets]
+        self.forces = [model._dof("excitation", s.excitation) for s in sets]
+        self.dofs_of = [[model._dof("measured dof", dof) for dof in s] for s in sets]
         self._channels = [_channels(model, s) for s in sets]
         self.parts: list[Part] = []
         self.single: list[bool] = []  # whether each is of one curve, without averages that tell its scatter
@@ -459,11 +448,8 @@ class AntiresonanceTargets:
             return _given_weights(given, self.hz.size, self._kept, wanted, _ALIKE)
         spread = self.relative_std
         if not np.isfinite(spread).any():
-            got = "'std' for values without standard deviations"
-            remedy = (
-                "Identify an averaged record with formulation='numerators' (its default), or give std_hz."
-            )
-            reject("weights", got, "sets with std_hz", remedy)
+            remedy = "Identify an averaged record with formulation='numerators', or give std_hz."
+            reject("weights", "'std' for values without standard deviations", "sets with std_hz", remedy)
         spread = np.where(np.isfinite(spread), spread, np.nanmedian(spread))
         made = 1.0 / np.hypot(spread, MODEL_ERROR)
         return np.asarray(made / made.mean(), dtype=np.float64)
@@ -478,8 +464,7 @@ class AntiresonanceTargets:
         assert found is not None  # an objective of antiresonances has them
         return found
 
-    #: Differences that a Gaussian likelihood is of, row by row.
-    errors = residuals
+    errors = residuals  # differences that a Gaussian likelihood is of, row by row
 
     def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
         """Measured value, kind (0 for frequencies, 1 for entries of shapes) and stated error of each row."""
@@ -550,7 +535,7 @@ class ModalTargets:
 
     def __init__(self, model: StructuralModel, sets: tuple[ModalSet, ...]) -> None:
         self.sets = sets
-        self._dofs = [[model_dof(model, "measured dof", dof) for dof in each.dofs] for each in sets]
+        self._dofs = [[model._dof("measured dof", dof) for dof in each.dofs] for each in sets]
         rows = model._core_for([dof for dofs in self._dofs for dof in dofs])[1]
         ends = np.cumsum([0, *map(len, self._dofs)])
         #: Frequencies, rows of the core's matrices, and shapes of each set.
@@ -573,25 +558,21 @@ class ModalTargets:
         return _core.Objective.modal(core, parameters, self._parts, *rest)
 
     @staticmethod
-    def _pairs(core: _core.Objective, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Frequency, MAC and shape of the partners."""
+    def pairs(core: _core.Objective, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Frequency, MAC and shape of the partners, NaN without one."""
         freq, shapes = core.pairs(x)
         assert shapes is not None  # a modal objective has them
         return freq, *shapes
 
-    def mac(self, core: _core.Objective, x: FloatArray) -> FloatArray:
-        """MAC of each measured mode with its partner, NaN without one."""
-        return self._pairs(core, x)[1]
-
     def residuals(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """The m of the frequencies, then the m of the shapes, 1 - MAC."""
-        paired, mac, _ = self._pairs(core, x)
+        paired, mac, _ = self.pairs(core, x)
         both = np.concatenate([(paired / self.hz) ** 2 - 1.0, 1.0 - mac])
         return np.where(np.isnan(both), 1.0, both)
 
     def errors(self, core: _core.Objective, x: FloatArray) -> FloatArray:
         """As of antiresonances; of shapes at unit length, for 1 - MAC has no slope at a perfect fit."""
-        paired, _, shapes = self._pairs(core, x)
+        paired, _, shapes = self.pairs(core, x)
         found = [np.where(np.isnan(paired), 1.0, (paired / self.hz) ** 2 - 1.0)]
         partners = iter(np.nan_to_num(shapes))
         for freq, rows, measured in self._parts:
@@ -610,7 +591,7 @@ class ModalTargets:
 
     def table(self, core: _core.Objective, before: FloatArray, after: FloatArray) -> ModalTable:
         """Measured, before and after."""
-        (hz, mac, _), (hz_after, mac_after, _) = self._pairs(core, before), self._pairs(core, after)
+        (hz, mac, _), (hz_after, mac_after, _) = self.pairs(core, before), self.pairs(core, after)
         return ModalTable(self.numbers, self.hz, hz, hz_after, mac, mac_after)
 
     def exact(self, nominal: StructuralModel, nominal_hz: FloatArray, _: Sequence[StructuralModel]) -> Exact:
