@@ -7,20 +7,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, islice
 from math import comb
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
 from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
+from ..models.parameters import Parameter
+from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray, finite_scalar
 from ..updating.targets import antiresonance_objective
-
-if TYPE_CHECKING:
-    from ..models.parameters import Parameter
-    from ..models.structural_model import StructuralModel
-
 
 #: The core looks so far beyond the highest measured value.
 _MARGIN = 1.5

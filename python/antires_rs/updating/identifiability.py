@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
+from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray, finite_scalar, integer
 from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
@@ -21,10 +22,6 @@ from ..views import Viewed
 from .problem import UpdatingProblem
 from .residuals import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
 from .targets import STEP, roots_of
-
-if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
-
 
 #: A value whose standard deviation exceeds this share of the bounds' distance is hardly determined.
 _WEAK = 0.1

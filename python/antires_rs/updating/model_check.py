@@ -9,20 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
-from .targets import AntiresonanceTargets
-
-if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
-    from .problem import UpdatingProblem
-    from .targets import Targets
-
+from .problem import UpdatingProblem
+from .targets import AntiresonanceTargets, Targets
 
 # -- A mistake of units that would account for a model which does not explain the values: one ratio for all
 # frequencies; exchanged matrices turn each root into its inverse

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,8 @@ from ..support.checks import FloatArray
 from ..support.progress import step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
+from .problem import UpdatingProblem
 from .residuals import FAR, SAME, UNSEEN, Fit, drawn, fitted, normalized
-
-if TYPE_CHECKING:
-    from .problem import UpdatingProblem
-
 
 Method = Literal["laplace", "ensemble"]
 

@@ -6,25 +6,22 @@ from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._core import Model as CoreModel
 from ..exceptions import NumericalError, reject
 from ..models.matrices import Entries, as_sparse
+from ..models.parameters import Parameter
+from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, OptimizeResult
 from ..support.checks import FloatArray, finite_scalar, integer
 from ..support.progress import one_blas_thread
+from .problem import UpdatingProblem
 from .targets import AntiresonanceTargets, Part, by_rows
-
-if TYPE_CHECKING:
-    from .._core import Model as CoreModel
-    from ..models.parameters import Parameter
-    from ..models.structural_model import StructuralModel
-    from .problem import UpdatingProblem
-
 
 # -- K(x) = K + sum (s_j(x_j) - 1) K_j with s_j the factor of a parameter, and so M: true of factors and
 # reductions that do not share a term; sections, angles and positions bend it.

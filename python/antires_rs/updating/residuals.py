@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import FloatArray
 from ..support.progress import step
+from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
-
-if TYPE_CHECKING:
-    from .problem import UpdatingProblem
-
 
 #: Step of the central differences, relative to the range of a parameter: the residuals carry rounding of
 #: about 1e-13, so this leaves some 1e-8 of error.

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import Any, Self, cast
 
 import numpy as np
 
 from ..exceptions import reject
-from ..optimize.island_ga import seed_of, thread_count
+from ..models.structural_model import StructuralModel
+from ..optimize.island_ga import History, OptimizeResult, seed_of, thread_count
 from ..support.checks import FloatArray, choice, finite_scalar, integer
 from ..support.progress import one_blas_thread, patient
 from ..support.values import FrozenDict, ReadOnly
@@ -16,18 +19,10 @@ from ..views import Viewed
 from .identifiability import Identifiability, at_solution
 from .model_check import Explained, explained
 from .posterior import Method, ParameterIntervals, ProfileLikelihood, intervals, profile
+from .problem import UpdatingProblem
+from .reduced_model import ReductionReport
 from .residuals import fitted
 from .targets import FrequencyTable, ModalTable
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Mapping
-
-    from ..models.structural_model import StructuralModel
-    from ..optimize.island_ga import History, OptimizeResult
-    from .problem import UpdatingProblem
-    from .reduced_model import ReductionReport
-
 
 #: What a result has of its search.
 _OF_SEARCH = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,9 @@ from .. import _core
 from ..exceptions import InvalidInputError, reject
 from ..measured.antiresonance_set import AntiresonanceSet, number
 from ..measured.modal_set import ModalSet
+from ..models.structural_model import StructuralModel
 from ..support.checks import ComplexArray, FloatArray, real_array
 from ..support.values import Value
-
-if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
-
 
 # -- Measured frequencies beside those of a model, before and after updating
 
