@@ -266,10 +266,9 @@ def data_of(ax: Any) -> dict[str, Table]:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ax = ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots())
+    >>> ax = ar.assess_damage(intact, measured, rng=0).plot()
     >>> list(ar.figures.data_of(ax)["bars"])
     ['element', 'name', 'loss_percent', 'smallest_seen_percent']
     """

@@ -44,10 +44,9 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots()).get_ylabel()
+    >>> ar.assess_damage(intact, measured, rng=0).plot().get_ylabel()
     'Stiffness loss (%)'
     """
     if truth is not None and not isinstance(truth, Mapping):
@@ -215,11 +214,10 @@ def plot_damages(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> case = ar.cases.chain8()
     >>> both = {"antiresonances": case.exact(1), "resonances and shapes": case.exact_modes(1)}
     >>> found = {name: ar.assess_damage(case.model, exact, rng=0) for name, exact in both.items()}
-    >>> ax = ar.figures.plot_damages(found, ax=Figure().subplots(), truth={4: 0.55})
+    >>> ax = ar.figures.plot_damages(found, truth={4: 0.55})
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['antiresonances', 'resonances and shapes', 'truth']
     """
@@ -282,12 +280,11 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> before, now = (ar.MassSpringChain([1.0] * 4, [500.0, k, 500.0]) for k in (500.0, 300.0))
     >>> exact = (dict(enumerate(model.antiresonances([0, 1, 2, 3], 0))) for model in (before, now))
     >>> intact, damaged = (ar.AntiresonanceSet(0, each) for each in exact)
     >>> found = ar.assess_damage(before, damaged, baseline=intact)
-    >>> found.hypotheses.plot(ax=Figure().subplots()).get_xlabel()
+    >>> found.hypotheses.plot().get_xlabel()
     'Probability'
     """
     integer("most", most, low=1)

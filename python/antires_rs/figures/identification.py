@@ -51,11 +51,10 @@ def plot_stabilization(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> f = np.linspace(1.0, 20.0, 200)
     >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
     >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=20)
-    >>> diagram.plot(ax=Figure().subplots()).get_xlabel()
+    >>> diagram.plot().get_xlabel()
     'Frequency (Hz)'
     """
     ax = new_axes(ax, (9.0, 5.2))
@@ -167,11 +166,10 @@ def plot_damping_clusters(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> f = np.linspace(1.0, 20.0, 200)
     >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
     >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=20)
-    >>> ar.figures.plot_damping_clusters(diagram, ax=Figure().subplots()).get_ylabel()
+    >>> ar.figures.plot_damping_clusters(diagram).get_ylabel()
     'Damping ratio (%)'
     """
     _, freq, damping, stable = pole_table(diagram)
@@ -220,9 +218,8 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> ar.signals.check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
+    >>> ar.signals.check_data(rec, band_hz=(3, 130)).plot().get_ylabel()
     'Singular value (dB re noise power)'
     """
     if getattr(check, "eigenvalues", None) is None:

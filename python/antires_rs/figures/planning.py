@@ -31,9 +31,8 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0)
-    >>> plan.plot(ax=Figure().subplots()).get_ylabel()
+    >>> plan.plot().get_ylabel()
     'Smallest stiffness loss seen (%)'
     """
     severities = bool(plan.detectable)
@@ -95,10 +94,9 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> model = ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0])
     >>> curves = ar.detectability(model, excitation=0, std=5e-4, n_tests=1, rng=0)
-    >>> curves.plot(ax=Figure().subplots()).get_xlabel()
+    >>> curves.plot().get_xlabel()
     'Stiffness loss (%)'
     """
     elements = list(curves.pod)

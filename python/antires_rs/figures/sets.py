@@ -33,9 +33,8 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> a, b = (ar.AntiresonanceSet(0, {0: f}, std_hz={0: [0.01, 0.01]}) for f in ([8.7, 23.9], [8.6, 23.9]))
-    >>> ax = ar.figures.plot_comparison(ar.compare(a, b), ax=Figure().subplots())
+    >>> ax = ar.figures.plot_comparison(ar.compare(a, b))
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['no change seen', 'changed']
     """
@@ -97,9 +96,8 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> tests = [ar.AntiresonanceSet(0, {0: values}) for values in ([8.7, 23.9], [8.6, 23.8])]
-    >>> ar.figures.plot_tracks(ar.track(tests), ax=Figure().subplots()).get_xlabel()
+    >>> ar.figures.plot_tracks(ar.track(tests)).get_xlabel()
     'Test'
     """
     choice("kind", kind, KINDS)
@@ -190,10 +188,9 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
     Examples
     --------
     >>> import antires_rs as ar, numpy as np
-    >>> from matplotlib.figure import Figure
     >>> rng = np.random.default_rng(0)
     >>> sets = [ar.AntiresonanceSet(0, {0: rng.normal([8.7, 23.9], 0.01)}) for _ in range(60)]
-    >>> ar.monitor(sets, baseline=50).plot(ax=Figure().subplots()).get_ylabel()
+    >>> ar.monitor(sets, baseline=50).plot().get_ylabel()
     'Single tests / limit'
     """
     choice("panel", panel, PANELS)

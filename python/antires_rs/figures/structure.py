@@ -83,8 +83,7 @@ def plot_chain(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> ax = ar.figures.plot_chain(ar.cases.chain8().model, {4: 55.0}, ax=Figure().subplots(), excitation=0)
+    >>> ax = ar.figures.plot_chain(ar.cases.chain8().model, {4: 55.0}, excitation=0)
     >>> ax.get_xlabel()
     'Mass (number of each spring above it)'
     """
@@ -205,10 +204,9 @@ def plot_frame(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
     >>> frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], pipe, fixed=[0])
-    >>> frame.plot({1: 0.4}, ax=Figure().subplots(), excitation=frame.dof(2, "u")).get_xlabel()
+    >>> frame.plot({1: 0.4}, excitation=frame.dof(2, "u")).get_xlabel()
     'x (m)'
     """
     ax = new_axes(ax, (9.0, 4.6))

@@ -49,9 +49,8 @@ def plot_differences(
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> columns = [0, 0], [0, 0], [10.0, 20.0], [10.4, 19.0], [10.01, 20.0]
-    >>> ax = ar.figures.plot_differences(ar.FrequencyTable(*map(np.array, columns)), ax=Figure().subplots())
+    >>> ax = ar.figures.plot_differences(ar.FrequencyTable(*map(np.array, columns)))
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['before updating, largest 5.00 %', 'after updating, largest 0.10 %']
     """
@@ -195,9 +194,8 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> found = ar.IslandGA(max_evaluations=2000).minimize(lambda x: x @ x + 1.0, [(-1, 1)] * 2, rng=0)
-    >>> ar.figures.plot_convergence(found, ax=Figure().subplots()).get_xlabel()
+    >>> ar.figures.plot_convergence(found).get_xlabel()
     'Evaluations of all islands (-)'
     """
     if not np.size(result.history.cost):
@@ -257,9 +255,8 @@ def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> found = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
-    >>> ax = ar.figures.plot_identifiability(found, ax=Figure().subplots())
+    >>> ax = ar.figures.plot_identifiability(found)
     >>> round(max(bar.get_width() for bar in ax.patches))
     100
     """
