@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
 
 Edited = Sequence[float] | FloatArray  # values in Hz
-#: Lighter than every mark, also where colours are lost.
-CURVE = "#B8B8B8"
+CURVE = "#B8B8B8"  # lighter than every mark, also where colours are lost
 #: Colour and dash of each kind of value.
 LOOKS: dict[str, tuple[str, Any]] = {
     "accepted": (COLOURS["vermillion"], "--"),

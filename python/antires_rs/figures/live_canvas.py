@@ -18,8 +18,7 @@ import numpy as np
 from ..exceptions import MissingDependencyError
 from . import marks
 
-#: Ink of text and axes, grid lines.
-INK, GRID = "#222222", "#E3E3E3"
+INK, GRID = "#222222", "#E3E3E3"  # ink of text and axes, grid lines
 FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
 LEGEND: dict[str, Any] = {"location": "left", "border_line_color": None, "padding": 0, "margin": 0}
 LEGEND |= {"spacing": 5, "label_text_font": FONT, "label_text_font_size": "12px"}

@@ -19,8 +19,7 @@ from ..support.checks import FloatArray
 #: on white, is left out.
 COLOURS = {"blue": "#0072B2", "vermillion": "#D55E00", "green": "#009E73", "purple": "#CC79A7"}
 COLOURS |= {"orange": "#E69F00", "sky": "#56B4E9", "black": "#000000"}
-#: Names by which marks may say a colour.
-INKS = COLOURS | {"grey": "#8C8C8C", "pale": "#BFBFBF"}
+INKS = COLOURS | {"grey": "#8C8C8C", "pale": "#BFBFBF"}  # names by which marks may say a colour
 #: Dash patterns to go with the colours: by name, or points drawn and left out.
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (5, 1, 1, 1, 1, 1), (1, 3), (8, 3))
 #: From nothing, which is to be quiet, to much; lightness falls evenly, so that it reads in grey as well.

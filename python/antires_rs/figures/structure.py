@@ -166,8 +166,7 @@ ARROW, MARGIN = 26.0, 0.08
 #: Looks of sections; vermillion and black are those of the arrows. Dashes are close: a section may be short.
 SHADES = ("blue", "orange", "sky", "purple", "green")
 DASHES: tuple[Any, ...] = ("-", (4, 1), (2, 1), (4, 1, 1, 1), (1, 1), (6, 1, 1, 1, 1, 1))
-#: Ink of the numbers of nodes: paler than that of elements in grey too.
-NODES = "#7A3E9D"
+NODES = "#7A3E9D"  # ink of the numbers of nodes: paler than that of elements in grey too
 ROTATIONS = ("theta", "rx", "ry", "rz")
 
 

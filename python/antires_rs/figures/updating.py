@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 MOST_LABELS = 64  # above this many antiresonances their frequencies no longer fit under the bars
 GAP = 0.8  # space between two responses, in widths of an antiresonance
 LEAST_WIDTH = 8.0  # a picture has room for so many at least: a single bar is a bar, not a block
-#: Vermillion, pale.
-PALE_VERMILLION = "#F2B48A"
+PALE_VERMILLION = "#F2B48A"  # vermillion, pale
 #: What is offered, as far as the table has it.
 COLUMNS: tuple[str, ...] = ("excitation", "dof", "mode", "measured_hz")
 COLUMNS += tuple(f"{state}_{name}" for state in ("before", "after") for name in ("hz", "percent", "mac"))

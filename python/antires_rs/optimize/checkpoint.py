@@ -19,8 +19,7 @@ from ..support.messages import warn
 #: Name and version of the layout. Version 2 counts the linearizations.
 _NAME, _VERSION = b"antires_rs search ", 2
 _MAGIC = _NAME + b"%d\n" % _VERSION
-#: Seed, fingerprint of the problem, checksum and length of what follows.
-_HEADER = struct.Struct("<Q32s32sQ")
+_HEADER = struct.Struct("<Q32s32sQ")  # seed, fingerprint of the problem, checksum and length of what follows
 
 
 class Checkpoint:

@@ -121,8 +121,7 @@ class OptimizeResult(Value):
 
 # -- Arguments of a search, checked: seed, threads, bounds, guesses and the types of options
 
-#: Largest count that the core can hold.
-_MOST = 2**63 - 1
+_MOST = 2**63 - 1  # largest count that the core can hold
 
 
 def seed_of(rng: int | np.random.Generator | None) -> int:
@@ -195,8 +194,7 @@ def _check_type(name: str, value: Any) -> Any:
 # -- The user's function as the core calls it: all candidates of a generation, or as many as time allows
 
 _RETURN = "Return a float for each candidate: an array (m,) of them with vectorized=True."
-#: Candidates go to workers in chunks of about so long: an interrupted chunk is lost.
-_CHUNK_S = 0.25
+_CHUNK_S = 0.25  # candidates go to workers in chunks of about so long: an interrupted chunk is lost
 
 
 class _Late(Exception):

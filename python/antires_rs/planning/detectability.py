@@ -29,8 +29,7 @@ _UNITS, _LARGE = np.geomspace(0.25, 6.0, 14), np.array([0.1, 0.2, 0.3, 0.45, 0.6
 #: Structures of a prediction that only finds the range of severities for simulated tests, and that range.
 _SCOUTS, _RANGE = 4, (0.35, 2.5)
 _HIGH = 0.97
-#: Points of a fitted curve.
-_CURVE = 40
+_CURVE = 40  # points of a fitted curve
 
 
 @one_blas_thread

@@ -98,8 +98,7 @@ def percent(loss: float) -> str:
 
 #: Logit of 0.9, and half the 90 % quantile of chi-square with one degree of freedom.
 _LN9, _DROP = float(np.log(9.0)), 1.3528
-#: A grid, and one of so many points between its neighbours.
-_SLOPES, _STEPS = np.geomspace(0.3, 60.0, 26), 160
+_SLOPES, _STEPS = np.geomspace(0.3, 60.0, 26), 160  # a grid, and one of so many points between its neighbours
 _FINE = 31
 
 

@@ -18,8 +18,7 @@ from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
-#: The core looks so far beyond the highest measured value.
-_MARGIN = 1.5
+_MARGIN = 1.5  # the core looks so far beyond the highest measured value
 
 
 @dataclass(frozen=True)
@@ -170,10 +169,8 @@ def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:
 # between equals. Reference: K. Chaloner and I. Verdinelli, Statistical Science 10 (1995) 273-304.
 
 CRITERIA = ("determinant", "worst")
-#: Share of the mean in the criterion of the worst.
-_MEAN = 0.01
-#: Numbers of the sets that are judged together.
-_AT_ONCE = 2_000_000
+_MEAN = 0.01  # share of the mean in the criterion of the worst
+_AT_ONCE = 2_000_000  # numbers of the sets that are judged together
 
 
 @dataclass(frozen=True)
@@ -261,12 +258,9 @@ def information(roots: VirtualRoots, n_candidates: int, spread: FloatArray, test
 # References: V. V. Fedorov, Theory of Optimal Experiments, 1972 (exchange); D. C. Kammer, Sensor placement
 # for on-orbit modal identification, J. Guidance 14 (1991) 251-259 (backwards).
 
-#: An exchange must add at least this share.
-_LEAST = 1e-10
-#: So many exchanges or sets are tried at once.
-_MOST_EXCHANGES = 20_000
-#: Above so many candidates the search goes forwards only.
-_MOST_BACKWARDS = 150
+_LEAST = 1e-10  # an exchange must add at least this share
+_MOST_EXCHANGES = 20_000  # so many exchanges or sets are tried at once
+_MOST_BACKWARDS = 150  # above so many candidates the search goes forwards only
 
 
 @dataclass(frozen=True)

@@ -25,12 +25,9 @@ from . import placement
 from .detection_curves import percent
 
 Sees = Literal["transmissibility", "frf"]
-#: By default the band ends above so many elastic resonances, by this factor.
-_RESONANCES, _HEADROOM = 12, 1.13
-#: Below this share of the highest frequency a mode is a rigid motion.
-_RIGID = 1e-4
-#: Standard deviation of what is uniform between 0 and 1.
-UNIFORM = 1.0 / float(np.sqrt(12.0))
+_RESONANCES, _HEADROOM = 12, 1.13  # by default the band ends above so many elastic resonances, by this factor
+_RIGID = 1e-4  # below this share of the highest frequency a mode is a rigid motion
+UNIFORM = 1.0 / float(np.sqrt(12.0))  # standard deviation of what is uniform between 0 and 1
 
 
 def _unknowns_of(
@@ -69,8 +66,7 @@ def band_of(model: StructuralModel, band_hz: Any) -> tuple[float, float]:
 
 # -- A planned test: its sensors and force, and what it would show
 
-#: Positions of the force that are printed.
-_FORCES = 5
+_FORCES = 5  # positions of the force that are printed
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -27,8 +27,7 @@ from ..updating.posterior import log_between
 from .detection_curves import rising
 from .placement import Layout
 
-#: Roots are followed so far beyond the band: damage may bring them in.
-_MARGIN = 1.5
+_MARGIN = 1.5  # roots are followed so far beyond the band: damage may bring them in
 
 
 @dataclass(frozen=True)
@@ -273,8 +272,7 @@ def _too_far(best: FloatArray, beta: FloatArray) -> FloatArray:
 
 # -- Probability of detection by linear algebra: some structures with their baselines, many tests of each
 
-#: Tests of each structure and damage.
-_DRAWS = 64
+_DRAWS = 64  # tests of each structure and damage
 
 
 def predicted(

@@ -25,8 +25,7 @@ from .targets import STEP, roots_of
 
 #: A value whose standard deviation exceeds this share of the bounds' distance is hardly determined.
 _WEAK = 0.1
-#: A parameter takes part in an unseen direction from this share of it on.
-_SHARE = 0.15
+_SHARE = 0.15  # a parameter takes part in an unseen direction from this share of it on
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,10 +153,8 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
 
 # -- What a test could tell about the parameters, wherever they are within their bounds: asked before the test
 
-#: Relative error of a measured frequency where none is stated and none given.
-_NOISE = 1e-3
-#: Forces and sensors that are tried unless they are named.
-_MOST_TRIED = 12
+_NOISE = 1e-3  # relative error of a measured frequency where none is stated and none given
+_MOST_TRIED = 12  # forces and sensors that are tried unless they are named
 
 
 @dataclass(frozen=True, eq=False)
@@ -343,10 +340,8 @@ def _candidates(
 #: Roots are followed by their numbers between these multiples of the lowest and highest measured frequency:
 #: one on its way to zero would count without bound.
 _LOWEST, _BEYOND = 0.5, 2.0
-#: Error of an entry of a shape over that of omega squared: ten times that of the frequency.
-_SHAPES = 5.0
-#: A value that the model at x itself does not meet is paired with another.
-_MET = 1e-6
+_SHAPES = 5.0  # error of an entry of a shape over that of omega squared: ten times that of the frequency
+_MET = 1e-6  # a value that the model at x itself does not meet is paired with another
 
 
 def sensitivities(
@@ -425,10 +420,8 @@ def _singular_values(jacobian: FloatArray, noise: float) -> FloatArray:
 
 # -- Combinations of parameters that the data do not tell, in words
 
-#: Members of a combination have at least this share of its largest coefficient.
-_MEMBER = 0.3
-#: From this share of all parameters on, all of one sign, it is the common scale.
-_COMMON = 0.7
+_MEMBER = 0.3  # members of a combination have at least this share of its largest coefficient
+_COMMON = 0.7  # from this share of all parameters on, all of one sign, it is the common scale
 #: Combinations with at least this share left are as good as not seen, and may be turned into simpler ones.
 _UNSEEN = 0.95
 
@@ -481,14 +474,10 @@ def combination_in_words(names: Sequence[str], direction: FloatArray) -> str:
 
 # -- What would make parameters identifiable: one fixed, two taken as one, another force, another sensor
 
-#: Cosine from which two columns of sensitivities count as one, all over the box.
-_ALIKE = 0.99
-#: A suggestion must take away this share of what is left open.
-_WORTH = 0.2
-#: Points at which candidates for forces and sensors are tried.
-_TRIED = 4
-#: A smallest singular value below it is that of a combination that is not seen at all.
-_SEEN = 1e-3
+_ALIKE = 0.99  # cosine from which two columns of sensitivities count as one, all over the box
+_WORTH = 0.2  # a suggestion must take away this share of what is left open
+_TRIED = 4  # points at which candidates for forces and sensors are tried
+_SEEN = 1e-3  # a smallest singular value below it is that of a combination that is not seen at all
 
 
 def _further(

@@ -62,10 +62,8 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
 )
 #: Under a ratio so many of values and roots have a partner, and so many more than without.
 _SHARE, _BETTER = 0.7, 1.3
-#: Nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for.
-_ORDINARY = 0.1
-#: Larger models take too long to be asked for all their roots.
-_MOST_DOFS = 600
+_ORDINARY = 0.1  # nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for
+_MOST_DOFS = 600  # larger models take too long to be asked for all their roots
 
 
 def hint_of(model: StructuralModel, targets: Targets) -> str:
@@ -122,8 +120,7 @@ def _share(values: Pairs, roots: Pairs, shift: float) -> float:
     return 2.0 * found.n_paired / both if both else 0.0
 
 
-#: Largest difference in ln f of partners: right models after their search leave less (3 %).
-NEAR = 0.06
+NEAR = 0.06  # largest difference in ln f of partners: right models after their search leave less (3 %)
 #: Least share of values and roots with a partner. Right models: above 0.95; sets without a fifth of the
 #: values: 0.89; models with a wrong unit, dof or force: below 0.7.
 LEAST_SHARE = 0.75
@@ -131,8 +128,7 @@ LEAST_SHARE = 0.75
 LEAST_PAIRED = 0.85
 #: Why, a hint, and what to check.
 NOT_EXPLAINED = "The model does not explain the measurement: {}. {}Check {}."
-#: Shapes of one mode agree so well at least.
-_SAME_SHAPE = 0.5
+_SAME_SHAPE = 0.5  # shapes of one mode agree so well at least
 
 
 @dataclass(frozen=True)

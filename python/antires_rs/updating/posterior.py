@@ -132,10 +132,8 @@ def _on_negative_side(low: FloatArray, high: Any) -> tuple[Any, FloatArray, Floa
 # draw. Within the box they move by hit-and-run along the principal axes of the Gaussian and along the edges:
 # on any line the cut Gaussian is a normal distribution between two ends, drawn exactly.
 
-#: Sweeps of every chain, along all axes, and the error of the model after each.
-_SWEEPS = 10
-#: A normal distribution this much wider than the line is as good as uniform.
-_WIDE = 1e4
+_SWEEPS = 10  # sweeps of every chain, along all axes, and the error of the model after each
+_WIDE = 1e4  # a normal distribution this much wider than the line is as good as uniform
 
 
 class Linear:
@@ -218,8 +216,7 @@ Guide = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 _COUNTING, _ACCEPTED = 0.5, 0.3
 #: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
 _MOVES, _LAST, _MOST = 1.0, 3.0, 30
-#: Where moves are proposed, so many more are asked for, and a walk is a short way.
-_GUIDED, _SHORT = 1.8, 0.2
+_GUIDED, _SHORT = 1.8, 0.2  # where moves are proposed, so many more are asked for, and a walk is a short way
 
 
 def stepwise(
@@ -413,10 +410,8 @@ def _rise_at(fit: Fit, j: int, bound: float, refit: bool) -> float:
     return fit.held(j, u)[0]
 
 
-#: This near to a bound, as a share of the bounds' distance, a parameter is on it.
-_ON_BOUND = 1e-6
-#: Standard deviations within which most points of a profile lie.
-_REACH = 4.0
+_ON_BOUND = 1e-6  # this near to a bound, as a share of the bounds' distance, a parameter is on it
+_REACH = 4.0  # standard deviations within which most points of a profile lie
 #: Points that are added on each side, until those around the end differ by this share of the limit's root.
 _REFINED, _NEAR = 8, 0.25
 
@@ -568,8 +563,7 @@ def profile(
 
 # -- Intervals: draws by either method, and the sides that the profile leaves open
 
-#: Residuals beyond this many standard deviations are named.
-_ODD = 4.0
+_ODD = 4.0  # residuals beyond this many standard deviations are named
 
 
 def intervals(

@@ -24,10 +24,8 @@ from .targets import FrequencyTable, ModalTable, ModalTargets, Targets, targets_
 
 Misfit = Literal["absolute", "squared", "largest"]
 
-#: The paper's factors, and the number of antiresonances of its chain.
-_PAPER, _PAPER_VALUES = 0.1, 28
-#: Severities below it count as exactly 0.
-_SNAP = 1e-3
+_PAPER, _PAPER_VALUES = 0.1, 28  # the paper's factors, and the number of antiresonances of its chain
+_SNAP = 1e-3  # severities below it count as exactly 0
 
 
 @dataclass(frozen=True)

@@ -51,8 +51,7 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
 
 #: The model is asked for modes, and followed in its roots, up to this multiple of the highest measured one.
 _BAND = 1.25
-#: Terms of more dofs stay sparse.
-_DENSE = 256
+_DENSE = 256  # terms of more dofs stay sparse
 
 
 class Term(NamedTuple):
@@ -129,16 +128,12 @@ class Affine(Large):
 # References: Ericsson & Ruhe, Math. Comp. 35 (1980) 1251-1268; Balmes, Mech. Syst. Signal Process. 10 (1996)
 # 381-394 (bases of a parametric family); Benner, Gugercin & Willcox, SIAM Review 57 (2015) 483-531.
 
-#: Shift, as a share of the limit in omega squared: small keeps digits of the lowest modes.
-_SHIFT = 0.1
+_SHIFT = 0.1  # shift, as a share of the limit in omega squared: small keeps digits of the lowest modes
 #: So many vectors more for a force than for a sensor: its error is a factor in that of all roots.
 _MORE_OF_FORCE = 4
-#: A direction this small beside the others is rounding.
-_ROUNDING = 1e-7
-#: Directions of one parameter are left out below this part of the least size.
-_PART = 0.2
-#: So many right-hand sides are solved for at once.
-_AT_ONCE = 256
+_ROUNDING = 1e-7  # a direction this small beside the others is rounding
+_PART = 0.2  # directions of one parameter are left out below this part of the least size
+_AT_ONCE = 256  # so many right-hand sides are solved for at once
 
 
 @dataclass(frozen=True)
@@ -319,8 +314,7 @@ _STD, _SHRINK, _LEAST_STD = 0.1, 0.75, 0.02
 _ALONE, _ALONE_ROOT, _ALONE_ABOVE = 3.0, 2.0, 0.3
 #: Trust region, as a share of the bounds' distance; most steps; a step that ends the descent.
 _FIRST_TRUST, _TRUST, _STEPS, _SMALL_STEP = 0.35, 0.25, 12, 0.02
-#: Reweightings of a step, and the weight of a step's own length.
-_REWEIGHTINGS, _DAMPING = 3, 1e-3
+_REWEIGHTINGS, _DAMPING = 3, 1e-3  # reweightings of a step, and the weight of a step's own length
 
 
 def aligned_descent(
@@ -370,16 +364,12 @@ def _least_absolute(apart: FloatArray, slopes: FloatArray, room: tuple[FloatArra
     return np.asarray(step)
 
 
-#: Measured dofs whose least motion apart is below this part of the largest move as one.
-_INDEPENDENT = 1e-6
-#: Most starts of a descent.
-_STARTS = 8
+_INDEPENDENT = 1e-6  # measured dofs whose least motion apart is below this part of the largest move as one
+_STARTS = 8  # most starts of a descent
 #: A descent is judged by this quantile of the residuals, and explains the values up to so much.
 _SHARE, _EXPLAINED = 0.8, 1e-3
-#: Two descents ended at one place within this part of the box.
-_SAME = 0.02
-#: A ratio of full to reduced frequency further from one than this is that of another root.
-_FARTHEST = 0.05
+_SAME = 0.02  # two descents ended at one place within this part of the box
+_FARTHEST = 0.05  # a ratio of full to reduced frequency further from one than this is that of another root
 
 
 class ReducedProblem:
@@ -618,17 +608,13 @@ _DEPTH, _DEPTH_THERE, _FINER = 2, 3, 0.4
 #: Below this difference of full and reduced frequencies the basis stays, and is corrected, again where that
 #: has left no more than the second part of it.
 _CLOSE, _CORRECTS = 1e-4, 0.1
-#: Largest share of the box that a basis around a place serves.
-_WIDEST = 0.5
-#: Most searches from elsewhere, until two end within this part of the box.
-_ATTEMPTS, _AT_ONE_PLACE = 4, 0.02
+_WIDEST = 0.5  # largest share of the box that a basis around a place serves
+_ATTEMPTS, _AT_ONE_PLACE = 4, 0.02  # most searches from elsewhere, until two end within this part of the box
 #: A mean residual of nothing but rounding; else a search looks around its answer within this part of the box,
 #: and goes on from a cost lower than this part of what it was.
 _EXACT, _AROUND, _BETTER = 1e-6, 0.2, 0.95
-#: A cost above another by less than this factor is as good, where full and reduced model agree.
-_EQUAL = 1.001
-#: What ends a search at once.
-_STOPPED = ("interrupted", "callback")
+_EQUAL = 1.001  # a cost above another by less than this factor is as good, where full and reduced model agree
+_STOPPED = ("interrupted", "callback")  # what ends a search at once
 _INTERRUPTED = ("interrupted", "Interrupted by the user; this is the best found until then.")
 _NO_TIME = ("budget", "The time limit was reached before searches on reduced models agreed.")
 

@@ -17,8 +17,7 @@ from .targets import MODEL_ERROR
 #: Step of the central differences, relative to the range of a parameter: the residuals carry rounding of
 #: about 1e-13, so this leaves some 1e-8 of error.
 STEP_OF_SLOPES = 1e-5
-#: Candidates that a thread evaluates at a time.
-_PIECE = 64
+_PIECE = 64  # candidates that a thread evaluates at a time
 
 
 class BoxResiduals:
@@ -40,8 +39,7 @@ class BoxResiduals:
         weights = np.ones(len(problem.measured_hz)) if problem.weights is None else problem.weights
         paired = np.isfinite(problem._core.pairs(x)[0])
         self.kept = (paired & (weights > 0.0))[value]
-        #: Measured frequency that each residual belongs to.
-        self.hz = problem.measured_hz[value][self.kept]
+        self.hz = problem.measured_hz[value][self.kept]  # measured frequency that each residual belongs to
         #: 0 for frequencies, 1 for entries of shapes.
         self.kind, std, weights = kind[self.kept], std[self.kept], weights[value][self.kept]
         known, noun = np.isfinite(std), f"{problem.noun}s"
@@ -113,12 +111,10 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
 # size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
 # log-uniform; where none are, tau stands for both.
 
-#: No test and no model agrees better than this in omega squared: no interval has the width 0.
-FLOOR = 1e-5
+FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
 #: Largest error of the model that is considered, in omega squared, and the step of its grid in ln(tau).
 _MOST, _STEP_ERROR_MODEL = 0.3, 0.05
-#: Errors of the model below this share of the stated ones make no difference.
-_LEAST = 0.2
+_LEAST = 0.2  # errors of the model below this share of the stated ones make no difference
 #: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
 #: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
 _BELOW, _ABOVE, _TAIL = 6.0, 4.0, 100.0
@@ -183,15 +179,12 @@ def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
 
 # -- The weighted least-squares solution near the parameters found: where the posterior is expanded
 
-#: A combination whose residuals move less than this over the bounds' distance is not seen.
-UNSEEN = 1e-5
-#: Rounds of weights from residuals and residuals from weights, and steps of each.
-_ROUNDS, _STEPS = 3, 20
+UNSEEN = 1e-5  # a combination whose residuals move less than this over the bounds' distance is not seen
+_ROUNDS, _STEPS = 3, 20  # rounds of weights from residuals and residuals from weights, and steps of each
 #: A solution is another than the one found if a value differs by more standard deviations than this, and by
 #: more than this share of omega squared.
 FAR, SAME = 4.0, 2e-3
-#: Share of the steepest column that a step costs: what no value sees stays where it is.
-_DAMPED = 1e-6
+_DAMPED = 1e-6  # share of the steepest column that a step costs: what no value sees stays where it is
 
 
 @dataclass(frozen=True, eq=False)

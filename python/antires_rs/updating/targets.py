@@ -162,20 +162,16 @@ class ModalTable(_Differences, Value):
 # damping being nearer to a half of that than to the median of the set; or one so much nearer that damping
 # need not tell; or if its damping is far from the median.
 
-#: Damping ratios whose median says what is usual.
-_LEAST_KNOWN = 4
+_LEAST_KNOWN = 4  # damping ratios whose median says what is usual
 #: Zeros less complex than this lie beside a double antiresonance; more complex ones are no dips.
 _LEAST, _MOST = 0.005, 0.15
-#: Imaginary parts up to this share are rounding.
-_REAL = 1e-6
-#: A model is right to this share in frequency.
-_REACH = 0.10
+_REAL = 1e-6  # imaginary parts up to this share are rounding
+_REACH = 0.10  # a model is right to this share in frequency
 #: A complex zero within the first share of the value, with no real root within the second, tells by itself.
 _CLEAR, _FAR = 0.01, 0.05
 #: Differences from the median that no antiresonance has: absolute, and as a multiple of it.
 _ODD, _ODD_TIMES = 0.02, 2.0
-#: Modes up to this multiple of the band make the series.
-_MODES = 6.0
+_MODES = 6.0  # modes up to this multiple of the band make the series
 #: Computes complex zeros, as :func:`complex_zeros` gives them.
 Series = Callable[[], tuple[FloatArray, FloatArray]]
 
@@ -271,13 +267,11 @@ def _complex(
 #: Roots of all responses within this share are one, a hidden mode; and a root is one with a resonance in an
 #: FRF.
 _SHARED, _ON_POLE = 0.02, 0.005
-#: Loss of stiffness by which a root is tried.
-STEP = 0.005
+STEP = 0.005  # loss of stiffness by which a root is tried
 #: Sum of the sensitivities of omega squared up to which a root counts in full, and from which on it does not
 #: count: by far most have 1 to 3, those of a broken symmetry, or all but double ones, 10 to 10000.
 _ORDINARY, _UNSTEADY = 3.0, 6.0
-#: Intact roots are as good as one if they lie within this share.
-_TWIN = 0.01
+_TWIN = 0.01  # intact roots are as good as one if they lie within this share
 #: Complex zeros with such shares of imaginary part may become antiresonances by a small change.
 _COMPLEX = (1e-6, 0.3)
 
