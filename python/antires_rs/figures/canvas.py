@@ -250,11 +250,9 @@ def data_of(ax: Any) -> dict[str, Table]:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ax = ar.assess_damage(intact, measured, rng=0).plot()
-    >>> list(ar.figures.data_of(ax)["bars"])
-    ['element', 'name', 'loss_percent', 'smallest_seen_percent']
+    >>> ax = ar.figures.plot_chain(ar.MassSpringChain([1.0, 1.0], [500.0]), [10.0])
+    >>> list(ar.figures.data_of(ax)["springs"])
+    ['element', 'name', 'value']
     """
     try:
         return {name: dict(table) for name, table in _offered[ax].items()}

@@ -32,7 +32,6 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
 
     Parameters
     ----------
-    result : DamageResult
     truth : mapping of int to float, optional
         True loss by zero-based element, where it is known; drawn as diamonds.
 
@@ -44,9 +43,8 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     Examples
     --------
     >>> import antires_rs as ar
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ar.assess_damage(intact, measured, rng=0).plot().get_ylabel()
+    >>> case = ar.cases.chain8()
+    >>> ar.assess_damage(case.model, case.exact(1), rng=0).plot(truth={4: 0.55}).get_ylabel()
     'Stiffness loss (%)'
     """
     if truth is not None and not isinstance(truth, Mapping):
@@ -267,8 +265,6 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
 
     Parameters
     ----------
-    hypotheses : Hypotheses
-        ``result.hypotheses`` of :func:`~antires_rs.assess_damage`.
     most : int
         Bars at most: of the first three hypotheses, and of those above 0.005. The others share one.
 

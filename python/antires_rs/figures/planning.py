@@ -23,16 +23,10 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     background marks elements whose damage the planned sensors do not show. Of parameters: standard
     deviations after the test in % of those before.
 
-    Parameters
-    ----------
-    plan : SensorPlan
-        From :func:`~antires_rs.plan_test`.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0)
-    >>> plan.plot().get_ylabel()
+    >>> ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0).plot().get_ylabel()
     'Smallest stiffness loss seen (%)'
     """
     severities = bool(plan.detectable)
@@ -86,17 +80,11 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     Of more than seven elements all are in grey but those seen best, worst and in between. Simulated tests
     are ticks, above the curves where the damage was found, below where not.
 
-    Parameters
-    ----------
-    curves : DetectionCurves
-        From :func:`~antires_rs.detectability`.
-
     Examples
     --------
     >>> import antires_rs as ar
     >>> model = ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0])
-    >>> curves = ar.detectability(model, excitation=0, std=5e-4, n_tests=1, rng=0)
-    >>> curves.plot().get_xlabel()
+    >>> ar.detectability(model, excitation=0, std=5e-4, n_tests=1, rng=0).plot().get_xlabel()
     'Stiffness loss (%)'
     """
     elements = list(curves.pod)

@@ -25,11 +25,6 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
 
     Filled: changed at the rate of false alarms of the comparison; open: not.
 
-    Parameters
-    ----------
-    compared : Comparison
-        Made by :func:`~antires_rs.compare`.
-
     Examples
     --------
     >>> import antires_rs as ar
@@ -81,8 +76,6 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
 
     Parameters
     ----------
-    tracks : Tracks
-        Made by :func:`~antires_rs.track`.
     dof : int or str, optional
         The response; by default the first that has any antiresonance.
     kind : {"change", "frequency"}
@@ -173,8 +166,6 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
 
     Parameters
     ----------
-    watched : Watched
-        From :func:`~antires_rs.monitor`.
     panel : {"charts", "T2", "EWMA", "events", "condition"}
         All below one another, or one of them.
     ax : matplotlib.axes.Axes, optional
@@ -187,9 +178,8 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
 
     Examples
     --------
-    >>> import antires_rs as ar, numpy as np
-    >>> rng = np.random.default_rng(0)
-    >>> sets = [ar.AntiresonanceSet(0, {0: rng.normal([8.7, 23.9], 0.01)}) for _ in range(60)]
+    >>> import antires_rs as ar
+    >>> sets = [ar.AntiresonanceSet(0, {0: [8.7 + 0.001 * (test % 7)]}) for test in range(60)]
     >>> ar.monitor(sets, baseline=50).plot().get_ylabel()
     'Single tests / limit'
     """
@@ -222,12 +212,8 @@ def draw_monitor(axes: Any, watched: Watched) -> None:
 
 
 def _one(ax: Any, watched: Watched, name: str, *, last: bool) -> Any:
-    draw(
-        _chart(watched, name, np.arange(len(watched))),
-        ax,
-        drop_pt=34.0 if last else 8.0,
-        legend=last or name == "T2",
-    )
+    chart = _chart(watched, name, np.arange(len(watched)))
+    draw(chart, ax, drop_pt=34.0 if last else 8.0, legend=last or name == "T2")
     ax.margins(x=0.01)
     ax.spines[["top", "right"]].set_visible(False)
     ax.tick_params(labelbottom=last)

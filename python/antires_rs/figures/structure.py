@@ -35,10 +35,8 @@ def _value_by_element(values: Any, count: int) -> FloatArray | None:
 
 def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dict[str, Any]:
     """What hovering over elements tells."""
-    says, more = (
-        {"": "@name"} | {name.capitalize(): f"@{name}" for name in columns},
-        {"name": names} | columns,
-    )
+    says = {"": "@name"} | {name.capitalize(): f"@{name}" for name in columns}
+    more = {"name": names} | columns
     if values is not None:
         says |= {"Stiffness loss": "@loss"}
         more["loss"] = ["no candidate" if np.isnan(v) else f"{v:.1f} %" for v in values]
@@ -64,7 +62,6 @@ def plot_chain(
 
     Parameters
     ----------
-    model : MassSpringChain
     values : array_like, (n_masses - 1,), or mapping of int to float, optional
         Value of each spring between masses, for example ``DamageResult.severity``: light grey at 0, dark blue
         at the largest; springs without one are thin. Those to ground have theirs in a mapping.
@@ -186,7 +183,6 @@ def plot_frame(
 
     Parameters
     ----------
-    model : FrameModel
     values : array_like, (n_elements,), or mapping of int to float, optional
         As in :func:`plot_chain`, of each element. By default the colours tell the sections apart.
     sensors, excitation, label

@@ -36,14 +36,8 @@ def plot_differences(
 
     Bars grouped by response and force, in the order of the table; a cross where the model has no partner.
     Where few values stand apart the axis is made for the others, and theirs are written at its edge.
-    Of modes, one group for those measured together, with the MAC before and after above each.
-
-    Parameters
-    ----------
-    table : FrequencyTable or ModalTable
-        ``UpdateResult.table``.
-    names : (str, str), optional
-        What the two states of the model are called in the legend.
+    Of modes, one group for those measured together, with the MAC before and after above each. ``names`` are
+    those of the two states in the legend.
 
     Examples
     --------
@@ -181,10 +175,6 @@ MOST_POINTS = 1500  # points that a curve is drawn with at most
 def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> Any:
     """Draw the best J of each island against the evaluations of all, with the migrations.
 
-    Parameters
-    ----------
-    result : UpdateResult, DamageResult or OptimizeResult
-
     Raises
     ------
     InvalidInputError
@@ -245,11 +235,6 @@ def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
 
     Bars in %, the first parameter on top: 100 is a test that tells nothing. Beyond the line a
     parameter counts as not told.
-
-    Parameters
-    ----------
-    found : BoxIdentifiability
-        Of :func:`antires_rs.identifiability`.
 
     Examples
     --------

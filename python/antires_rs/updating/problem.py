@@ -62,7 +62,7 @@ class DamagePenalty:
 
     @property
     def text(self) -> str:
-        """The two prices by name."""
+        """The prices by name."""
         return f"gamma1 = {self.gamma1:.3g} and gamma2 = {self.gamma2:.3g}"
 
     @classmethod
@@ -80,20 +80,8 @@ class DamagePenalty:
         Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, which an element has to
         explain on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1 on its chain of 28 values;
         ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. A mode counts as two values.
-
-        Parameters
-        ----------
-        weights : int or array_like (m,)
-            Number of values, or their weights.
-        misfit : {'absolute', 'squared', 'largest'}
-        gamma1, gamma2 : float, optional
-            Numbers that are not to be scaled.
-        snap : float
-
-        Raises
-        ------
-        InvalidInputError
-            No value, a weight below 0, or a penalty out of range.
+        ``weights`` are theirs (m,), or their number; ``gamma1`` and ``gamma2`` are taken as given. A weight
+        below 0, or none above it, is an ``InvalidInputError``.
 
         Examples
         --------
@@ -162,8 +150,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
 
     Attributes
     ----------
-    bounds : ndarray, (n, 2)
-    names : list of str
+    bounds, names : ndarray, (n, 2), and list of str
     measured_hz, weights : ndarray, (m,)
         Measured values, dof by dof, and their factors, None where these are all one.
     measured_dofs, measured_excitations : ndarray of int, (m,), or None
@@ -193,8 +180,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     >>> chain = ar.MassSpringChain([1.0, 1.0, 2.0], [500.0, 500.0])
     >>> measured = ar.AntiresonanceSet(0, {0: [1.6, 5.2], 1: [2.6]})
     >>> problem = ar.UpdatingProblem(chain, ar.stiffness_factor([0, 1], bounds=(0.8, 1.2)), measured)
-    >>> round(problem.cost([1.0, 1.0]), 3), problem.paired_hz([1.0, 1.0]).round(2)
-    (0.216, array([1.67, 5.37, 2.52]))
+    >>> problem.paired_hz([1.0, 1.0]).round(2)
+    array([1.67, 5.37, 2.52])
     """
 
     model: StructuralModel
@@ -298,10 +285,10 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     def evaluate_many(self, candidates: Any, workers: int | None = None) -> FloatArray:
         """Objective of each row of ``candidates`` (m, n), (m,), in parallel, the GIL released."""
         n = len(self.parameters)
-        rows = real_array("candidates", candidates, ndim=2, wanted=f"an array (m, {n}), one candidate a row")
+        wanted = f"an array (m, {n}), one candidate a row"
+        rows = real_array("candidates", candidates, ndim=2, wanted=wanted)
         if rows.shape[1] != n:
-            remedy = "Give a row for each candidate, a column for each parameter."
-            reject("candidates", f"shape {rows.shape}", f"(m, {n})", remedy)
+            reject("candidates", f"shape {rows.shape}", wanted, "Give a column for each parameter.")
         return self._core.evaluate_many(rows, thread_count(workers))
 
     def model_at(self, x: Any) -> StructuralModel:

@@ -492,21 +492,14 @@ class Reduction:
 
     Parameters
     ----------
-    size : int, default 160
-        Most vectors; at least as many as modes (to 1.25 times the highest measured frequency), forces and
-        sensors.
+    size, rounds : int, default 160 and 8
+        Most vectors, at least as many as modes (to 1.25 times the highest measured frequency), forces and
+        sensors; and most bases.
     least : float, default 0.05
         A direction that parameters move the basis by less than this, relatively, over half of their ranges,
         is left out. With less the model is larger, slower and better.
     tolerance : float, default 1e-6
         Largest relative difference, at the answer, of a frequency of the reduced model from the full one's.
-    rounds : int, default 8
-        Most bases.
-
-    Raises
-    ------
-    InvalidInputError
-        A value out of range.
 
     Examples
     --------
@@ -550,9 +543,8 @@ class ReductionReport:
     >>> springs = ar.stiffness_factor(range(30), bounds=(0.8, 1.2), together=True)
     >>> tested = chain.with_parameters(springs, 1.1)
     >>> zeros = ar.AntiresonanceSet(59, {30: tested.antiresonances(30, 59, f_max_hz=10.0)})
-    >>> found = ar.update(ar.UpdatingProblem(chain, springs, zeros), rng=0, reduction=True)
-    >>> found.x.round(4), found.reduction.agreed, found.reduction.size < 30
-    (array([1.1]), True, True)
+    >>> ar.update(ar.UpdatingProblem(chain, springs, zeros), rng=0, reduction=True).reduction.agreed
+    True
     """
 
     n_dof: int
@@ -566,9 +558,7 @@ class ReductionReport:
     @property
     def note(self) -> str:
         """A sentence for the reader."""
-        return self.note_with(
-            "The basis is too small; give reduction=Reduction(size=...), or reduction=False."
-        )
+        return self.note_with("Give reduction=Reduction(size=...) a larger size, or reduction=False.")
 
     def note_with(self, remedy: str) -> str:
         """The same, with what to do where the models differ."""

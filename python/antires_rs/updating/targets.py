@@ -95,10 +95,9 @@ class FrequencyTable(_Differences, Value):
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> table = ar.FrequencyTable(np.array([0, 1]), np.array([0, 0]), np.array([10.0, 20.0]),
-    ...                           np.array([10.4, 19.0]), np.array([10.1, 20.0]))
-    >>> table.before_percent.round(2), round(table.largest_after_percent, 2)
-    (array([ 4., -5.]), 1.0)
+    >>> columns = [0, 1], [0, 0], [10.0, 20.0], [10.4, 19.0], [10.1, 20.0]
+    >>> ar.FrequencyTable(*map(np.array, columns)).before_percent.round(2)
+    array([ 4., -5.])
     """
 
     dof: FloatArray
@@ -127,18 +126,15 @@ class ModalTable(_Differences, Value):
     ----------
     mode : ndarray of int, (m,)
         Number of the mode among those measured together, from 0.
-    measured_hz, before_hz, after_hz : ndarray, (m,)
-        Resonances; NaN where the model has no partner.
-    before_mac, after_mac : ndarray, (m,)
-        MAC of the measured shape with the partner's; NaN where there is none.
+    measured_hz, before_hz, after_hz, before_mac, after_mac : ndarray, (m,)
+        Resonances, and MAC of the measured shape with the partner's; NaN where the model has none.
 
     Examples
     --------
     >>> import antires_rs as ar
     >>> case = ar.cases.chain8(perturbation=0.05, rng=3)
-    >>> found = ar.update(case.updating_problem(case.exact_modes()), rng=0).table
-    >>> found.mode.tolist(), found.largest_before_percent < 5.0, bool((found.after_mac > 0.99).all())
-    ([0, 1, 2, 3, 4, 5, 6], True, True)
+    >>> bool((ar.update(case.updating_problem(case.exact_modes()), rng=0).table.after_mac > 0.99).all())
+    True
     """
 
     mode: FloatArray

@@ -58,7 +58,7 @@ def update(
     Raises
     ------
     InvalidInputError
-        Something that is not an UpdatingProblem, a guess outside the bounds, a checkpoint of another search.
+        A guess outside the bounds, a checkpoint of another search.
     UnsuitableDataError
         A damaged checkpoint.
     NumericalError
@@ -175,13 +175,7 @@ class UpdateEnsemble:
 
     @property
     def x(self) -> FloatArray:
-        """Parameters of every result, (n_problems, n_parameters); NaN where it failed.
-
-        Raises
-        ------
-        InvalidInputError
-            The problems have different numbers of parameters.
-        """
+        """Parameters of every result, (n_problems, n_parameters), of one number; NaN where it failed."""
         sizes = {result.x.size for result in self.results if result is not None}
         if len(sizes) > 1:
             got = f"problems of {', '.join(map(str, sorted(sizes)))} parameters"
@@ -245,18 +239,14 @@ def update_ensemble(
     Raises
     ------
     InvalidInputError
-        Something that is not an UpdatingProblem; ``count`` beside several problems, or none beside one.
+        ``count`` beside several problems, or none beside one.
 
     Examples
     --------
-    >>> import numpy as np, antires_rs as ar
-    >>> case, rng = ar.cases.chain8(), np.random.default_rng(0)
-    >>> def drawn():  # measured values drawn anew tell how far parameters scatter
-    ...     for _ in range(4):
-    ...         noisy = {dof: hz * rng.normal(1, 0.001, hz.size) for dof, hz in case.exact().items()}
-    ...         yield case.damage_problem(ar.AntiresonanceSet(0, noisy))
-    >>> ar.update_ensemble(drawn(), rng=0).x.shape
-    (4, 7)
+    >>> import antires_rs as ar
+    >>> problems = (ar.cases.chain8(perturbation=0.05, rng=seed).updating_problem() for seed in range(2))
+    >>> ar.update_ensemble(problems, rng=0).x.shape
+    (2, 15)
     """
     alone = isinstance(problems, UpdatingProblem)
     if alone == (count is None):
