@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import gcd
 from typing import Any, Literal
 
 import numpy as np
@@ -146,7 +145,8 @@ def detectability(
             ranges = [_range(a, b) for a, b in zip(grid, shares, strict=True)]
         losses = [np.geomspace(low, high, count) for low, high in ranges]
         cases: list[tuple[int | None, float]] = []
-        for nth in _turn(count):  # of each element, and an intact one, so that Ctrl-C leaves something of all
+        # Low and high losses of each element and intact tests by turns: Ctrl-C leaves something of all.
+        for nth in np.argsort(np.argsort(0.618034 * np.arange(count) % 1.0)):
             cases += [*((at, float(each[nth])) for at, each in enumerate(losses)), (None, 0.0)]
         tasks = [
             Task(at, loss, *judging, each, 1 if spread else threads)
@@ -215,9 +215,3 @@ def _range(severity: FloatArray, share: FloatArray) -> tuple[float, float]:
     low = _RANGE[0] * (a50 if np.isfinite(a50) else severity[0] / _RANGE[0])
     high = min(_RANGE[1] * a90, _HIGH)
     return float(min(low, 0.5 * high)), float(high)
-
-
-def _turn(count: int) -> list[int]:
-    """0 to count - 1, in strides of about 0.62 count, each once: low and high losses take turns."""
-    stride = next(s for s in range(round(0.62 * count), 2 * count) if gcd(s, count) == 1)
-    return [(nth * stride) % count for nth in range(count)]

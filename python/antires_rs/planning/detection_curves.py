@@ -96,10 +96,9 @@ def percent(loss: float) -> str:
 # at all. Reference: MIL-HDBK-1823A, Nondestructive evaluation system reliability assessment, 2009, appendix
 # G.
 
-#: Logit of 0.9, and half the 90 % quantile of chi-square with one degree of freedom.
+#: Logit of 0.9, half the 90 % quantile of chi-square with one degree of freedom, and the grid.
 _LN9, _DROP = float(np.log(9.0)), 1.3528
-_SLOPES, _STEPS = np.geomspace(0.3, 60.0, 26), 160  # a grid, and one of so many points between its neighbours
-_FINE = 31
+_SLOPES, _STEPS = np.geomspace(0.3, 60.0, 80), 1500
 
 
 class Logit(NamedTuple):
@@ -124,32 +123,14 @@ def fit_logit(severity: FloatArray, found: NDArray[np.bool_], most: float = HIGH
     log_a, sign = np.log(severity), np.where(found, 1.0, -1.0)
     # Beyond the largest severity a90 is only a way to say that the curve stays below.
     at = np.linspace(log_a.min() - 1.0, np.log(most) + 4.0, _STEPS)
-    best, slope, profile = _likeliest(log_a, sign, at, _SLOPES)
-    near = np.linspace(-1.0, 1.0, _FINE) * (at[1] - at[0])
-    finer = np.geomspace(_SLOPES[0] / _SLOPES[1], _SLOPES[1] / _SLOPES[0], _FINE)
-    exact, slope, top = _likeliest(log_a, sign, best + near, slope * finer)
-    # The last a90 that is not rejected, between two of both grids.
-    order = np.argsort(np.concatenate([at, best + near]), kind="stable")
-    at, profile = np.concatenate([at, best + near])[order], np.concatenate([profile, top])[order]
-    last = int(np.flatnonzero(profile >= top.max() - _DROP)[-1])
-    if last == at.size - 1:
-        return Logit(float(np.exp(exact)), slope, np.inf)
-    share = (profile[last] - top.max() + _DROP) / (profile[last] - profile[last + 1])
-    bound = float(np.exp(at[last] + share * (at[last + 1] - at[last])))
-    return Logit(float(np.exp(exact)), slope, reached(bound, most))
-
-
-def _likeliest(
-    log_a: FloatArray, sign: FloatArray, at: FloatArray, slopes: FloatArray
-) -> tuple[float, float, FloatArray]:
-    """ln a90, slope, and the log likelihood of each a90 with its best slope."""
     margin = sign * (log_a - at[:, None])
-    table = np.stack([-np.logaddexp(0.0, -sign * _LN9 - b * margin).sum(axis=1) for b in slopes], axis=1)
+    table = np.stack([-np.logaddexp(0.0, -sign * _LN9 - b * margin).sum(axis=1) for b in _SLOPES], axis=1)
     profile = table.max(axis=1)
     # A gap between found and missed leaves a range of equally likely a90: its middle.
     top = np.flatnonzero(profile >= profile.max() - 1e-6)
-    best = int(top[top.size // 2])
-    return float(at[best]), float(slopes[int(table[best].argmax())]), profile
+    best, last = int(top[top.size // 2]), int(np.flatnonzero(profile >= profile.max() - _DROP)[-1])
+    bound = reached(float(np.exp(at[last])), most) if last < at.size - 1 else np.inf
+    return Logit(float(np.exp(at[best])), float(_SLOPES[int(table[best].argmax())]), bound)
 
 
 def reached(a: float, most: float = HIGHEST) -> float:

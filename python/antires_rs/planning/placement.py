@@ -209,6 +209,10 @@ class Information:
         shown = member @ (self.share > 0.0).T.astype(np.float64) > 0.0
         return np.asarray((member[:, self.owner] > 0.0) & ~(shown | alone))
 
+    def n_hidden(self, chosen: Sequence[int]) -> int:
+        """How many roots of a set of candidates all of these share."""
+        return int(self._hidden(self._members(np.array([chosen], dtype=np.intp))).sum())
+
     def worth(self, chosen: Sequence[int], criterion: str) -> float:
         """Worth of a set of candidates; the larger the better."""
         return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])

@@ -269,7 +269,13 @@ def plan_test(
             # Severities come from the difference of two tests, parameters from one.
             told = placement.information(roots, len(sensors), spread, 1 if numbers is None else 2)
             plans[force] = find(told, n, criterion), told
-    if not any(_shown(found[force], placed.chosen) for force, (placed, _) in plans.items()):
+
+    def shown(force: int) -> int:
+        """Antiresonances of the chosen that not all of them share."""
+        placed, told = plans[force]
+        return int(np.isin(found[force].sensor, placed.chosen).sum()) - told.n_hidden(placed.chosen)
+
+    if not any(map(shown, plans)):
         reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
 
     def detectable(told: placement.Information, chosen: Sequence[int]) -> FloatArray:
@@ -301,7 +307,7 @@ def plan_test(
         criterion=criterion,
         value=value(told, placed.chosen),
         value_of_all=value(told, everywhere),
-        n_values=_shown(roots, placed.chosen),
+        n_values=shown(order[0]),
         detectable=by_element(placed.chosen),
         detectable_by_all=by_element(everywhere),
         std=FrozenDict(zip(names, after.tolist(), strict=True)),
@@ -314,11 +320,3 @@ def plan_test(
         value_std=FrozenDict({sensors[at]: frozen(roots.std[roots.sensor == at]) for at in placed.chosen}),
         errors=str(errors),
     )
-
-
-def _shown(roots: placement.VirtualRoots, chosen: tuple[int, ...]) -> int:
-    """Antiresonances of the chosen that at least one other of them does not share."""
-    mine = np.flatnonzero(np.isin(roots.sensor, chosen)).tolist()
-    others = {root: [c for c in chosen if c != roots.sensor[root]] for root in mine if root in roots.common}
-    hidden = sum(bool(rest) and roots.common[root][rest].max() < 0.5 for root, rest in others.items())
-    return len(mine) - int(hidden)
