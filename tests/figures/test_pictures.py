@@ -24,7 +24,6 @@ PICTURES = {
     "responses": (["responses"], "(Hz)", "(dB)"),
     "differences": (["bars"], "(Hz)", "(%)"),
     "damage": (["bars"], "", "(%)"),
-    "damages": (["bars"], "", "(%)"),
     "hypotheses": (["hypotheses"], "Probability", ""),
     "frame": (["elements"], "(m)", "(m)"),
     "chain": (["springs"], "", ""),

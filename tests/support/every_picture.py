@@ -44,7 +44,6 @@ def given():
         "responses": (ar.frf(record(), nperseg=512), chain(), {"excitation": 0}),
         "differences": (updated().table, {}),
         **dict.fromkeys(("damage", "convergence"), (found, {})),
-        "damages": ({"one": found, "other": found}, {}),
         "hypotheses": (found.hypotheses, {}),
         "frame": (frame, {1: 0.4}, {}),
         "chain": (chain(), found.severity, {}),

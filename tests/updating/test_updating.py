@@ -146,12 +146,8 @@ def test_a_parameter_on_its_bound_is_named():
 def test_pictures_and_report_of_modes(modal_damage, tmp_path):
     figure = pytest.importorskip("matplotlib.figure")
     pytest.importorskip("jinja2")
-    from antires_rs.figures.damage import plot_damages
-
-    beside = ar.assess_damage(CASE.model, CASE.exact(1), rng=0)
-    ax = plot_damages({"zeros": beside, "modes": modal_damage}, ax=figure.Figure().subplots())
-    heights = [bar.get_height() for bars in ax.containers for bar in bars]
-    np.testing.assert_allclose(heights, 100 * np.concatenate([beside.x, modal_damage.x]))
+    ax = modal_damage.plot(ax=figure.Figure().subplots())
+    np.testing.assert_allclose([bar.get_height() for bar in ax.containers[0]], 100 * modal_damage.x)
     record = CASE.experiment(level=1, noise=0.01, rng=6, duration_s=64.0)
     identified = ar.identify_modes(record, band_hz=CASE.band_hz, route="responses")
     result = ar.update(CASE.damage_problem(identified), rng=0)

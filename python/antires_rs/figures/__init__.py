@@ -7,7 +7,7 @@ or mark is told from another by colour alone. :func:`data_of` gives the numbers 
 """
 
 from .canvas import data_of
-from .damage import plot_damage, plot_damages, plot_hypotheses
+from .damage import plot_damage, plot_hypotheses
 from .identification import plot_damping_clusters, plot_singular_values, plot_stabilization
 from .planning import plot_detectability, plot_plan
 from .responses import plot_responses
@@ -21,7 +21,6 @@ __all__ = [
     "plot_comparison",
     "plot_convergence",
     "plot_damage",
-    "plot_damages",
     "plot_damping_clusters",
     "plot_detectability",
     "plot_differences",
