@@ -181,8 +181,7 @@ def _element_axis(names: list[str], upright: bool) -> Axis:
 
 # -- Hypotheses: bars of their probabilities
 
-#: Hypotheses that have a bar in any case, those above this probability, and how many of a page at most.
-_LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
+_LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12  # bars in any case, those above this probability, most
 
 
 def worth_a_row(hypotheses: Hypotheses, most: int = MOST_ROWS) -> list[Hypothesis]:

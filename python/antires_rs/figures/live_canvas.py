@@ -23,8 +23,7 @@ LEGEND: dict[str, Any] = {"location": "left", "border_line_color": None, "paddin
 LEGEND |= {"spacing": 5, "label_text_font": FONT, "label_text_font_size": "12px"}
 PX_A_LETTER = 6  # along an upright axis
 MOST_LETTERS = 40  # of a text above a figure
-#: Room left of and right of the plotted area in pixels, the same for figures that stand on each other.
-LEFT_PX, RIGHT_PX = 64, 58
+LEFT_PX, RIGHT_PX = 64, 58  # room beside the plotted area, the same for figures that stand on each other
 
 
 def require_bokeh() -> None:

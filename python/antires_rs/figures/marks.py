@@ -221,8 +221,7 @@ class Panel:
 # -- Where an axis ends when a few values are so far off that they would flatten all others
 
 APART = 2.5  # a value this many times the next smaller one stands apart
-#: At most this share of the values is cut off, one in any case, unless the others are next to nothing.
-MOST_CUT, LEAST = 0.15, 0.01
+MOST_CUT, LEAST = 0.15, 0.01  # share cut off at most, one in any case; none where the others are nearly nothing
 
 
 def reach(values: Any) -> float:
@@ -251,8 +250,7 @@ def spread(positions: Sequence[float] | FloatArray, least: float, low: float, hi
 
 # -- Where the numbers of elements go: beside the element, clear of arrows, markers and each other
 
-#: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
-AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
+AWAY, ROOM = (7.0, 11.0, 15.0), 7.0  # distances that are tried, and how clear a number is to be, points
 ALONG = (0.5, 0.3, 0.7)  # shares of the element's length at which a number may stand
 
 

@@ -31,8 +31,7 @@ Work = Callable[[], dict[str, Any]]
 
 ADDRESS = "127.0.0.1"  # where the page is served; no other computer reaches it
 BYTES = 24  # of the token
-#: A page of this computer may frame ours: notebooks do.
-FRAMED_BY = "http://127.0.0.1:* http://localhost:* vscode-webview:"
+FRAMED_BY = "http://127.0.0.1:* http://localhost:* vscode-webview:"  # notebooks of this computer do
 
 
 class Guard:

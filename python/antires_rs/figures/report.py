@@ -29,8 +29,7 @@ from .report_parts import Drawings, Facts
 from .responses import dof_name
 from .sets import draw_monitor, panels, size_in, watched_figure
 
-#: What one measured set may be described by.
-Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]
+Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]  # what describes a set
 
 
 def write_report(

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
 MOST_RESPONSES = 6  # responses that a picture has room for
-#: FRFs that accelerance, mobility and receptance are taken for, by how often they were integrated.
-_INTEGRATED = range(3)
+_INTEGRATED = range(3)  # times that accelerance, mobility and receptance were integrated
 #: Of the measured curve, and of the model before and after.
 LOOKS: tuple[dict[str, Any], ...] = ({"colour": "#BDBDBD", "width": 3.2},)
 LOOKS += ({"colour": "vermillion", "dash": "--"}, {"colour": "blue"})

@@ -158,8 +158,7 @@ def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
 MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many elements are numbered unless told otherwise
-#: Length of an arrow in points, and the room around the frame as a share of its extent.
-ARROW, MARGIN = 26.0, 0.08
+ARROW, MARGIN = 26.0, 0.08  # length in points; room around the frame as a share of its extent
 #: Looks of sections; vermillion and black are those of the arrows. Dashes are close: a section may be short.
 SHADES = ("blue", "orange", "sky", "purple", "green")
 DASHES: tuple[Any, ...] = ("-", (4, 1), (2, 1), (4, 1, 1, 1), (1, 1), (6, 1, 1, 1, 1, 1))

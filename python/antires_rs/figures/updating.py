@@ -22,8 +22,7 @@ MOST_LABELS = 64  # above this many antiresonances their frequencies no longer f
 GAP = 0.8  # space between two responses, in widths of an antiresonance
 LEAST_WIDTH = 8.0  # a picture has room for so many at least: a single bar is a bar, not a block
 PALE_VERMILLION = "#F2B48A"  # vermillion, pale
-#: What is offered, as far as the table has it.
-COLUMNS: tuple[str, ...] = ("excitation", "dof", "mode", "measured_hz")
+COLUMNS: tuple[str, ...] = ("excitation", "dof", "mode", "measured_hz")  # as far as the table has them
 COLUMNS += tuple(f"{state}_{name}" for state in ("before", "after") for name in ("hz", "percent", "mac"))
 
 

@@ -16,8 +16,7 @@ from ..exceptions import UnsuitableDataError, reject
 from ..support.files import put_in_place
 from ..support.messages import warn
 
-#: Name and version of the layout. Version 2 counts the linearizations.
-_NAME, _VERSION = b"antires_rs search ", 2
+_NAME, _VERSION = b"antires_rs search ", 2  # of the layout; version 2 counts the linearizations
 _MAGIC = _NAME + b"%d\n" % _VERSION
 _HEADER = struct.Struct("<Q32s32sQ")  # seed, fingerprint of the problem, checksum and length of what follows
 

@@ -113,8 +113,7 @@ class ExpectedErrors:
 #: Relative distance up to which roots of two responses are one, and from which on transmissibilities show
 #: both in full, as in the core (update/sight.rs).
 ONE, APART = 1e-6, 1e-3
-#: A change of 1 % that moves a root by more than 3 % does so for a moment only: two roots are about to merge.
-_STEEPEST = 3.0
+_STEEPEST = 3.0  # roots that move more, relatively to the change, are about to merge
 
 
 @dataclass(frozen=True)

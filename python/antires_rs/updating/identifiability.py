@@ -23,8 +23,7 @@ from .problem import UpdatingProblem
 from .residuals import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
 from .targets import STEP, roots_of
 
-#: A value whose standard deviation exceeds this share of the bounds' distance is hardly determined.
-_WEAK = 0.1
+_WEAK = 0.1  # standard deviation over the bounds' distance from which a value is hardly determined
 _SHARE = 0.15  # a parameter takes part in an unseen direction from this share of it on
 
 
@@ -190,8 +189,7 @@ class BoxIdentifiability(Value, Viewed):
     (13, 15)
     """
 
-    #: Share of a standard deviation below which a parameter or a combination counts as told.
-    TOLD: ClassVar[float] = 0.3
+    TOLD: ClassVar[float] = 0.3  # share of a standard deviation below which a combination counts as told
 
     names: tuple[str, ...]
     noise: float
@@ -422,8 +420,7 @@ def _singular_values(jacobian: FloatArray, noise: float) -> FloatArray:
 
 _MEMBER = 0.3  # members of a combination have at least this share of its largest coefficient
 _COMMON = 0.7  # from this share of all parameters on, all of one sign, it is the common scale
-#: Combinations with at least this share left are as good as not seen, and may be turned into simpler ones.
-_UNSEEN = 0.95
+_UNSEEN = 0.95  # combinations with so much left are not seen, and may be turned into simpler ones
 
 
 def combinations(covariance: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -22,8 +22,7 @@ from .targets import AntiresonanceTargets, Targets
 # -- A mistake of units that would account for a model which does not explain the values: one ratio for all
 # frequencies; exchanged matrices turn each root into its inverse
 
-#: Response of each value, and ln f, ascending within each response.
-Pairs = tuple[NDArray[np.intp], FloatArray]
+Pairs = tuple[NDArray[np.intp], FloatArray]  # response of each value, and ln f, ascending within each
 
 #: Measured over model, and which mistakes make it so.
 _RATIOS: tuple[tuple[float, str], ...] = (
@@ -57,8 +56,7 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
     (2.0, "is their sampling rate given twice the true one?"),
     (0.5, "is their sampling rate given half the true one?"),
 )
-#: Under a ratio so many of values and roots have a partner, and so many more than without.
-_SHARE, _BETTER = 0.7, 1.3
+_SHARE, _BETTER = 0.7, 1.3  # so many of values and roots have a partner, so many more than without
 _ORDINARY = 0.1  # nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for
 _MOST_DOFS = 600  # larger models take too long to be asked for all their roots
 
@@ -120,10 +118,8 @@ NEAR = 0.06  # largest difference in ln f of partners: right models after their 
 #: Least share of values and roots with a partner. Right models: above 0.95; sets without a fifth of the
 #: values: 0.89; models with a wrong unit, dof or force: below 0.7.
 LEAST_SHARE = 0.75
-#: Least share of the values alone: two sensors of ten exchanged leave 0.83, a tenth of the values false 0.9.
-LEAST_PAIRED = 0.85
-#: Why, a hint, and what to check.
-NOT_EXPLAINED = "The model does not explain the measurement: {}. {}Check {}."
+LEAST_PAIRED = 0.85  # of the values: two sensors of ten exchanged leave 0.83, a tenth false 0.9
+NOT_EXPLAINED = "The model does not explain the measurement: {}. {}Check {}."  # why, hint, what to check
 _SAME_SHAPE = 0.5  # shapes of one mode agree so well at least
 
 

@@ -210,10 +210,8 @@ def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatA
 Density = Callable[[FloatArray], FloatArray]
 #: Moves of all particles, and what they add to the log odds of being accepted.
 Guide = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-#: Share of the particles that must count after a step; share of walks that should be accepted.
-_COUNTING, _ACCEPTED = 0.5, 0.3
-#: Accepted moves of a particle, on average, that a step and the last one end with; and rounds at most.
-_MOVES, _LAST, _MOST = 1.0, 3.0, 30
+_COUNTING, _ACCEPTED = 0.5, 0.3  # share of particles that count after a step; of walks to be accepted
+_MOVES, _LAST, _MOST = 1.0, 3.0, 30  # accepted moves of a particle in a step and the last one; rounds
 _GUIDED, _SHORT = 1.8, 0.2  # where moves are proposed, so many more are asked for, and a walk is a short way
 
 
@@ -285,8 +283,7 @@ def evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> N
     return np.minimum(np.searchsorted(np.cumsum(weight), places), weight.size - 1)
 
 
-#: How much wider than the linear posterior the particles set out, and the proposals are.
-_START, _WIDER = 2.0, 1.1
+_START, _WIDER = 2.0, 1.1  # times wider than the linear posterior: the particles at first, the proposals
 
 
 def ensemble_draws(
@@ -339,8 +336,7 @@ def ensemble_draws(
 
 Kind = Literal["two-sided", "one-sided", "flat", "fixed"]
 
-#: A combination that is seen this little, relative to the best seen, has no covariance of its own.
-_RIDGE = 1e-12
+_RIDGE = 1e-12  # a combination seen this little, relative to the best, has no covariance of its own
 
 
 def threshold(level: float) -> float:

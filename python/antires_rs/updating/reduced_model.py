@@ -49,8 +49,7 @@ def matrices(core: CoreModel) -> tuple[Any, Any]:
     return as_sparse(core.stiffness()), as_sparse(core.mass())
 
 
-#: The model is asked for modes, and followed in its roots, up to this multiple of the highest measured one.
-_BAND = 1.25
+_BAND = 1.25  # modes and roots are followed up to this multiple of the highest measured frequency
 _DENSE = 256  # terms of more dofs stay sparse
 
 
@@ -129,8 +128,7 @@ class Affine(Large):
 # 381-394 (bases of a parametric family); Benner, Gugercin & Willcox, SIAM Review 57 (2015) 483-531.
 
 _SHIFT = 0.1  # shift, as a share of the limit in omega squared: small keeps digits of the lowest modes
-#: So many vectors more for a force than for a sensor: its error is a factor in that of all roots.
-_MORE_OF_FORCE = 4
+_MORE_OF_FORCE = 4  # vectors more than for a sensor: its error is a factor in that of all roots
 _ROUNDING = 1e-7  # a direction this small beside the others is rounding
 _PART = 0.2  # directions of one parameter are left out below this part of the least size
 _AT_ONCE = 256  # so many right-hand sides are solved for at once
@@ -308,8 +306,7 @@ def expected_errors(
 # whole, with gaps on both sides, and :math:`\sum |\ln f_A - \ln f_E|` is brought down by linear steps within
 # the bounds (iteratively reweighted least squares).
 
-#: Standard deviation of ln f in the alignment at the beginning, its decrease a step, and the least.
-_STD, _SHRINK, _LEAST_STD = 0.1, 0.75, 0.02
+_STD, _SHRINK, _LEAST_STD = 0.1, 0.75, 0.02  # of ln f in the alignment, its decrease a step, the least
 #: Standard deviations at which a value stays alone, or a root, or one above the highest value.
 _ALONE, _ALONE_ROOT, _ALONE_ABOVE = 3.0, 2.0, 0.3
 #: Trust region, as a share of the bounds' distance; most steps; a step that ends the descent.
@@ -366,8 +363,7 @@ def _least_absolute(apart: FloatArray, slopes: FloatArray, room: tuple[FloatArra
 
 _INDEPENDENT = 1e-6  # measured dofs whose least motion apart is below this part of the largest move as one
 _STARTS = 8  # most starts of a descent
-#: A descent is judged by this quantile of the residuals, and explains the values up to so much.
-_SHARE, _EXPLAINED = 0.8, 1e-3
+_SHARE, _EXPLAINED = 0.8, 1e-3  # quantile of the residuals that judges a descent, and up to what it explains
 _SAME = 0.02  # two descents ended at one place within this part of the box
 _FARTHEST = 0.05  # a ratio of full to reduced frequency further from one than this is that of another root
 
@@ -478,8 +474,7 @@ def coordinates(rows: FloatArray) -> FloatArray:
 # others begin elsewhere until two agree.
 
 
-#: More dofs than these are reduced unless told otherwise, if no more parameters want vectors.
-LARGE, _MOST_PARAMETERS = 2000, 60
+LARGE, _MOST_PARAMETERS = 2000, 60  # more dofs than these are reduced, with no more parameters
 
 
 @dataclass(frozen=True)
@@ -588,11 +583,8 @@ def wanted_reduction(problem: UpdatingProblem, given: Any, checkpoint: Any) -> R
     return Reduction() if given is True else given
 
 
-#: Half-widths of the first trust region and the least, as shares of the bounds' distance.
-_WIDE_TRUST, _LEAST_TRUST = 0.25, 1e-3
-#: It shrinks where the cost falls by less than the first part of what the reduced model promised, and grows
-#: from the second on.
-_POOR, _GOOD = 0.25, 0.75
+_WIDE_TRUST, _LEAST_TRUST = 0.25, 1e-3  # half-widths of the trust region, as shares of the bounds' distance
+_POOR, _GOOD = 0.25, 0.75  # parts of the promised fall of the cost below and above which it shrinks and grows
 #: Krylov vectors of a sensor in the first basis and in others; part of the least size in the first.
 _DEPTH, _DEPTH_THERE, _FINER = 2, 3, 0.4
 #: Below this difference of full and reduced frequencies the basis stays, and is corrected, again where that

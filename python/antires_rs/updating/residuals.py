@@ -14,9 +14,7 @@ from ..support.progress import step
 from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
 
-#: Step of the central differences, relative to the range of a parameter: the residuals carry rounding of
-#: about 1e-13, so this leaves some 1e-8 of error.
-STEP_OF_SLOPES = 1e-5
+STEP_OF_SLOPES = 1e-5  # of the range: the residuals carry rounding of 1e-13, so this leaves 1e-8 of error
 _PIECE = 64  # candidates that a thread evaluates at a time
 
 
@@ -26,8 +24,7 @@ class BoxResiduals:
     def __init__(self, problem: UpdatingProblem, x: FloatArray) -> None:
         self.problem, self.x = problem, x
         low, high = problem.bounds.T
-        #: Numbers of the parameters that u holds.
-        self.free = np.flatnonzero((high > low) & ~decided(problem, x))
+        self.free = np.flatnonzero((high > low) & ~decided(problem, x))  # parameters that u holds
         self.low, self.high = low[self.free], high[self.free]
         # With the logarithm of the parameter: antiresonances hang on ratios of stiffness to mass, and a
         # common scale of all is then a straight line along which nothing changes.
@@ -112,8 +109,7 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
 # log-uniform; where none are, tau stands for both.
 
 FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
-#: Largest error of the model that is considered, in omega squared, and the step of its grid in ln(tau).
-_MOST, _STEP_ERROR_MODEL = 0.3, 0.05
+_MOST, _STEP_ERROR_MODEL = 0.3, 0.05  # largest error of the model, in omega squared, and the step of ln(tau)
 _LEAST = 0.2  # errors of the model below this share of the stated ones make no difference
 #: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
 #: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
@@ -181,9 +177,7 @@ def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
 
 UNSEEN = 1e-5  # a combination whose residuals move less than this over the bounds' distance is not seen
 _ROUNDS, _STEPS = 3, 20  # rounds of weights from residuals and residuals from weights, and steps of each
-#: A solution is another than the one found if a value differs by more standard deviations than this, and by
-#: more than this share of omega squared.
-FAR, SAME = 4.0, 2e-3
+FAR, SAME = 4.0, 2e-3  # another solution differs by more standard deviations and share of omega squared
 _DAMPED = 1e-6  # share of the steepest column that a step costs: what no value sees stays where it is
 
 

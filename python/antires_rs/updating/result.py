@@ -26,8 +26,7 @@ from .targets import FrequencyTable, ModalTable
 
 #: What a result has of its search.
 _OF_SEARCH = ("x", "fun", "success", "status", "message", "nfev", "njev", "nit", "migrations")
-#: What ends this close to a bound, as a share of the bounds' distance, is on it: a polish leaves some 1e-12.
-_ON_BOUND = 1e-6
+_ON_BOUND = 1e-6  # this near, as a share of the bounds' distance: a polish leaves some 1e-12
 #: A largest difference that stays above half of what it was is not explained, unless it is that of an
 #: identified value: below 1 % in all simulated records of the README's tables.
 _EXPLAINED, _NOISE_PERCENT = 0.5, 1.0

@@ -159,17 +159,13 @@ class ModalTable(_Differences, Value):
 # need not tell; or if its damping is far from the median.
 
 _LEAST_KNOWN = 4  # damping ratios whose median says what is usual
-#: Zeros less complex than this lie beside a double antiresonance; more complex ones are no dips.
-_LEAST, _MOST = 0.005, 0.15
+_LEAST, _MOST = 0.005, 0.15  # imaginary share: less is beside a double antiresonance, more is no dip
 _REAL = 1e-6  # imaginary parts up to this share are rounding
 _REACH = 0.10  # a model is right to this share in frequency
-#: A complex zero within the first share of the value, with no real root within the second, tells by itself.
-_CLEAR, _FAR = 0.01, 0.05
-#: Differences from the median that no antiresonance has: absolute, and as a multiple of it.
-_ODD, _ODD_TIMES = 0.02, 2.0
+_CLEAR, _FAR = 0.01, 0.05  # a complex zero within the first, no real one within the second, tells by itself
+_ODD, _ODD_TIMES = 0.02, 2.0  # differences from the median that no antiresonance has, absolute and times it
 _MODES = 6.0  # modes up to this multiple of the band make the series
-#: Computes complex zeros, as :func:`complex_zeros` gives them.
-Series = Callable[[], tuple[FloatArray, FloatArray]]
+Series = Callable[[], tuple[FloatArray, FloatArray]]  # complex zeros, as below
 
 
 def complex_zeros(
@@ -268,8 +264,7 @@ STEP = 0.005  # loss of stiffness by which a root is tried
 #: count: by far most have 1 to 3, those of a broken symmetry, or all but double ones, 10 to 10000.
 _ORDINARY, _UNSTEADY = 3.0, 6.0
 _TWIN = 0.01  # intact roots are as good as one if they lie within this share
-#: Complex zeros with such shares of imaginary part may become antiresonances by a small change.
-_COMPLEX = (1e-6, 0.3)
+_COMPLEX = (1e-6, 0.3)  # shares of imaginary part of zeros that a small change may make antiresonances
 
 
 def roots_of(
@@ -352,12 +347,10 @@ def _near(freq: FloatArray, others: FloatArray, within: float) -> NDArray[np.boo
 # -- Measured antiresonances, as an updating problem sees them: what a set was identified from (``sees``)
 # decides which roots of the model may be partners
 
-#: Relative error of omega^2 that a model has anyway: values known better than this get no more weight.
-MODEL_ERROR = 2e-3
+MODEL_ERROR = 2e-3  # of omega^2, which a model has anyway: values known better get no more weight
 _ALIKE = "Leave them out to count all values alike."
 
-#: Response, force, values (Hz), what the set can see, number of the set.
-Part = tuple[int, int, FloatArray, str | None, int]
+Part = tuple[int, int, FloatArray, str | None, int]  # response, force, values (Hz), sees, number of the set
 #: What a model would have given if measured exactly, with weights; None if nothing.
 Exact = Callable[["StructuralModel"], tuple[list[Any], FloatArray | None] | None]
 
@@ -510,8 +503,7 @@ def _given_weights(
     return found
 
 
-#: A shape smaller than this at the measured dofs, relative to its largest entry, cannot be measured there.
-_AT_REST = 1e-9
+_AT_REST = 1e-9  # smaller than this, relative to its largest entry, a shape cannot be measured at its dofs
 
 
 class ModalTargets:
