@@ -10,7 +10,7 @@ import numpy as np
 from ..exceptions import reject
 from ..support.checks import FloatArray, integer, real_array
 from .canvas import draw, fit_across, new_axes, width_pt
-from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, around, beside, xy
+from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, xy
 
 if TYPE_CHECKING:
     from ..models.chain import MassSpringChain
@@ -239,7 +239,6 @@ def frame(
     marks.append(Points(*xy(points), size=3.0, face="white", only="page", says=says, more=more))
     dofs, names = [model._dof("sensors", dof) for dof in sensors], model._frame.dof_names()
     force = [] if excitation is None else [model._dof("excitation", excitation)]
-    lines = np.empty((0, 2, 2))
     for found, colour, length, name in (
         (dofs, "vermillion", 0.7, "accelerometer"),
         (force, "black", 1.3, "force"),
@@ -254,10 +253,9 @@ def frame(
             tails = heads - ARROW * length / scale * np.array([_seen(way, space) for _, way in along])
             says, more = {name.capitalize(): "@dof"}, {"dof": [f"node {node} {way}" for node, way in along]}
             marks.append(Arrows(tails, heads, colour, 1.6 * length, label=name, says=says, more=more))
-            lines = np.concatenate([lines, np.stack([heads, tails], axis=1)])
     if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
         nodes = numbers or len(points) <= MOST_NODES
-        marks += _numbers(scale * points, scale * ends, scale * lines, scale, nodes)
+        marks += _numbers(model.elements, scale * points, scale, nodes)
     table: dict[str, Any] = {"element": np.arange(len(ends))}
     table |= dict(zip(("start_node", "end_node"), model.elements.T, strict=True))
     table["section"] = [str(name) for name in model.element_sections]
@@ -317,19 +315,20 @@ def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
     return marks
 
 
-def _numbers(
-    points: FloatArray, ends: FloatArray, arrows: FloatArray, scale: float, nodes: bool
-) -> list[Mark]:
-    """Numbers from 0 beside elements and nodes, out of the way of arrows and each other; all in points."""
-    taken = beside(ends, arrows)
-    size = 7.5 if len(ends) <= 30 else 6.5
-    marks: list[Mark] = [Words(*xy(taken / scale), list(map(str, range(len(ends)))), "centre", size=size)]
+def _numbers(elements: Any, points: FloatArray, scale: float, nodes: bool) -> list[Mark]:
+    """Numbers from 0, those of elements left of their middles, those of nodes at the right; in points."""
+    ends = points[elements]
+    along = ends[:, 1] - ends[:, 0]
+    along *= 7.0 / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    places, size = ends.mean(axis=1) + across, 7.5 if len(ends) <= 30 else 6.5
+    marks: list[Mark] = [Words(*xy(places / scale), list(map(str, range(len(ends)))), "centre", size=size)]
     if nodes:
-        lines = np.concatenate([arrows, ends, np.stack([taken, taken], axis=1)])
-        size = 6.5 if len(points) <= 30 else 5.5
-        texts = list(map(str, range(len(points))))
-        places = around(points, lines) / scale
-        marks.append(Words(*xy(places), texts, "centre", size=size, colour=NODES, slanted=True))
+        places, size = points.copy(), 6.5 if len(points) <= 30 else 5.5
+        for end in (1, 0):
+            places[elements[:, end]] = ends[:, end] + 0.75 * (along - across)
+        look: dict[str, Any] = {"size": size, "colour": NODES, "slanted": True}
+        marks.append(Words(*xy(places / scale), list(map(str, range(len(points)))), "centre", **look))
         marks.append(Points([], [], "$0$", 5.0, only="picture", label="number of an element"))
         marks.append(Points([], [], "$\\it{0}$", 5.0, NODES, only="picture", label="number of a node"))
     return marks
