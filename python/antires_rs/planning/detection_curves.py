@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..damage.evidence import HIGHEST
 from ..measured.antiresonance_set import aligned, number
-from ..support.checks import FloatArray
+from ..support.checks import BoolArray, FloatArray
 from ..support.values import ReadOnly
 from ..views import Viewed
 
@@ -118,7 +117,7 @@ class Logit(NamedTuple):
         return float(self.a90 * np.exp(-_LN9 / self.slope))
 
 
-def fit_logit(severity: FloatArray, found: NDArray[np.bool_], most: float = HIGHEST) -> Logit:
+def fit_logit(severity: FloatArray, found: BoolArray, most: float = HIGHEST) -> Logit:
     """The curve of tests (n,) with these severities, found or not; none is larger than ``most``."""
     log_a, sign = np.log(severity), np.where(found, 1.0, -1.0)
     # Beyond the largest severity a90 is only a way to say that the curve stays below.

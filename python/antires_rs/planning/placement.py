@@ -9,13 +9,12 @@ from itertools import combinations, islice
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
 from ..models.parameters import Parameter
 from ..models.structural_model import StructuralModel
-from ..support.checks import FloatArray, finite_scalar
+from ..support.checks import BoolArray, FloatArray, IntArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
 _MARGIN = 1.5  # the core looks so far beyond the highest measured value
@@ -39,7 +38,7 @@ class Layout:
         core = self.model.description.core_parameters(parameters)
         return antiresonance_objective(self.model, core, parts, "squared", None, 0.0, None)
 
-    def inside(self, roots: Roots) -> NDArray[np.bool_]:
+    def inside(self, roots: Roots) -> BoolArray:
         """Which roots lie in the band."""
         low, high = np.log(np.maximum(self.band_hz, 1e-300))
         return np.asarray((roots.log_f >= low) & (roots.log_f <= high))
@@ -120,7 +119,7 @@ _STEEPEST = 3.0  # roots that move more, relatively to the change, are about to 
 class VirtualRoots:
     """Roots (n,) in the band for one force."""
 
-    sensor: NDArray[np.intp]  # number of the candidate
+    sensor: IntArray  # number of the candidate
     slopes: FloatArray  # d ln f / dp, (n, p)
     std: FloatArray  # relative, of a value
     common: dict[int, FloatArray]  # of roots that some share: whether each candidate shows it, 0 or 1
@@ -177,7 +176,7 @@ class Information:
     """Information of every candidate, (c, p, p), and of roots (s,) that some of them share."""
 
     own: FloatArray
-    owner: NDArray[np.intp]  # candidate of such a root, (s,)
+    owner: IntArray  # candidate of such a root, (s,)
     rows: FloatArray  # its slopes over its error, (s, p)
     share: FloatArray  # whether each other candidate shows it, (s, c) of 0 or 1
 
@@ -196,13 +195,13 @@ class Information:
         rows = self.rows[np.isin(self.owner, at) & ~self._hidden(self._members(at[None]))[0]]
         return np.asarray(self.own[at].sum(axis=0) + rows.T @ rows)
 
-    def _members(self, sets: NDArray[np.intp]) -> FloatArray:
+    def _members(self, sets: IntArray) -> FloatArray:
         """Whether each candidate is in each set, 0 or 1, (sets, c)."""
         member = np.zeros((len(sets), self.own.shape[0]))
         np.put_along_axis(member, sets, 1.0, axis=1)
         return member
 
-    def _hidden(self, member: FloatArray) -> NDArray[np.bool_]:
+    def _hidden(self, member: FloatArray) -> BoolArray:
         """Roots of members that all other members share, (sets, s): these do not show them."""
         alone = member.sum(axis=1, keepdims=True) < 2.0  # there is nothing to share with
         shown = member @ (self.share > 0.0).T.astype(np.float64) > 0.0
@@ -216,7 +215,7 @@ class Information:
         """Worth of a set of candidates; the larger the better."""
         return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
 
-    def worths(self, sets: NDArray[np.intp], criterion: str, *, all_shown: bool = False) -> FloatArray:
+    def worths(self, sets: IntArray, criterion: str, *, all_shown: bool = False) -> FloatArray:
         """Worth of each of several sets (sets, n) of candidates; ``all_shown``: no root is hidden."""
         size = self.own.shape[1]
         each = size**2 if criterion == "determinant" else size
@@ -224,7 +223,7 @@ class Information:
         parts = [self._worths(sets[at : at + step], criterion, all_shown) for at in range(0, len(sets), step)]
         return np.concatenate([np.empty(0), *parts])
 
-    def _worths(self, sets: NDArray[np.intp], criterion: str, all_shown: bool) -> FloatArray:
+    def _worths(self, sets: IntArray, criterion: str, all_shown: bool) -> FloatArray:
         member = self._members(sets)
         hidden = self._hidden(member) & (not all_shown)
         some = np.flatnonzero(hidden.any(axis=1))

@@ -14,6 +14,8 @@ from ..exceptions import InvalidInputError, reject
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.intp]
+BoolArray = NDArray[np.bool_]
 T = TypeVar("T")
 
 _LABELS = "List a label for each channel, or leave them out to number the channels from 0."

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.structural_model import StructuralModel
-from ..support.checks import FloatArray, finite_scalar, integer
+from ..support.checks import BoolArray, FloatArray, finite_scalar, integer
 from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
@@ -39,7 +38,7 @@ class Identifiability(Value):
     #: Of each value to first order, by the scatter of the residuals, (n,); infinity where not determined, NaN
     #: where it cannot be said: a damage that rests at 0, or no more residuals than parameters.
     std: FloatArray
-    weak: NDArray[np.bool_]  # whether it is above a tenth of the bounds' distance
+    weak: BoolArray  # whether it is above a tenth of the bounds' distance
     noun: str = "antiresonance"
 
     @property
@@ -68,12 +67,12 @@ class Identifiability(Value):
             notes.append(f"{said} within these standard deviations.")
         return notes
 
-    def _named(self, which: NDArray[np.bool_], endings: Iterable[str] | None = None) -> str:
+    def _named(self, which: BoolArray, endings: Iterable[str] | None = None) -> str:
         labels = zip(self.names, endings or [""] * len(self.names), which, strict=True)
         return ", ".join(name + ending for name, ending, chosen in labels if chosen)
 
     @property
-    def blind(self) -> NDArray[np.bool_]:
+    def blind(self) -> BoolArray:
         """Whether nothing measured sees the parameter, (n,)."""
         return self.sensitivity <= UNSEEN
 

@@ -11,18 +11,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..models.structural_model import StructuralModel
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, IntArray
 from .problem import UpdatingProblem
 from .targets import AntiresonanceTargets, Targets
 
 # -- A mistake of units that would account for a model which does not explain the values: one ratio for all
 # frequencies; exchanged matrices turn each root into its inverse
 
-Pairs = tuple[NDArray[np.intp], FloatArray]  # response of each value, and ln f, ascending within each
+Pairs = tuple[IntArray, FloatArray]  # response of each value, and ln f, ascending within each
 
 #: Measured over model, and which mistakes make it so.
 _RATIOS: tuple[tuple[float, str], ...] = (
@@ -202,9 +201,7 @@ def _paired(values: Pairs, roots: Pairs) -> Explained:
     return Explained(values[1].size, roots_between(*values, *roots), int((partner >= 0).sum()))
 
 
-def roots_between(
-    response: NDArray[np.intp], values: FloatArray, of_root: NDArray[np.intp], roots: FloatArray
-) -> int:
+def roots_between(response: IntArray, values: FloatArray, of_root: IntArray, roots: FloatArray) -> int:
     """How many roots there are from the lowest to the highest value of each response, in ln f."""
     between = 0
     for number in np.unique(response):

@@ -8,10 +8,9 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..exceptions import reject
-from ..support.checks import FloatArray
+from ..support.checks import FloatArray, IntArray
 from ..support.progress import step
 from ..support.values import FrozenDict, Value
 from ..views import Viewed
@@ -150,9 +149,7 @@ class Linear:
         """Linear residuals at every row, (k, m)."""
         return np.asarray(self.fit.e + (u - self.fit.u) @ self.fit.jacobian.T)
 
-    def swept(
-        self, u: FloatArray, which: NDArray[np.intp], rng: np.random.Generator, axes: FloatArray
-    ) -> FloatArray:
+    def swept(self, u: FloatArray, which: IntArray, rng: np.random.Generator, axes: FloatArray) -> FloatArray:
         """Every chain ``u`` (k, n) moved once along each axis within the Gaussian that ``which`` names."""
         # Chain c has the density exp(-v' P v / 2 - b' v), v = u - center, P and b those number which[c].
         center = self.fit.u
@@ -185,7 +182,7 @@ class Linear:
         return np.asarray(np.clip(self.fit.u + noise @ axes.T, 0.0, 1.0))
 
 
-def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatArray, NDArray[np.intp]]:
+def linear_draws(fit: Fit, count: int, rng: np.random.Generator) -> tuple[FloatArray, IntArray]:
     """Draws of the free parameters in the unit box, (count, n), and the number of the error, (count,)."""
     which = drawn(fit.chances, rng.random(count))
     if fit.u.size == 0:
@@ -277,7 +274,7 @@ def _longest_step(gain: FloatArray, most: float) -> float:
     return max(float(brentq(lambda share: counting(share) - _COUNTING, 0.0, most)), 1e-6)
 
 
-def evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> NDArray[np.intp]:
+def evenly_chosen(weight: FloatArray, count: int, rng: np.random.Generator) -> IntArray:
     """Numbers of points that have equal weights then, as evenly as can be."""
     places = (np.arange(count) + rng.random()) / count
     return np.minimum(np.searchsorted(np.cumsum(weight), places), weight.size - 1)
@@ -288,7 +285,7 @@ _START, _WIDER = 2.0, 1.1  # times wider than the linear posterior: the particle
 
 def ensemble_draws(
     fit: Fit, count: int, rng: np.random.Generator, workers: int
-) -> tuple[FloatArray, NDArray[np.intp], float]:
+) -> tuple[FloatArray, IntArray, float]:
     """As :func:`linear_draws`, with the residuals that the model has; and the share of moves accepted."""
     if fit.u.size == 0:
         return np.empty((count, 0)), drawn(fit.chances, rng.random(count)), 1.0

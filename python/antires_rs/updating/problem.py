@@ -7,7 +7,6 @@ from dataclasses import astuple, dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from .._core import __version__
@@ -18,7 +17,7 @@ from ..models.parameters import Parameter, parameter_name, parameter_tuple, warn
 from ..models.structural_model import StructuralModel, checked_model
 from ..optimize.checkpoint import digest_of
 from ..optimize.island_ga import thread_count
-from ..support.checks import FloatArray, choice, finite_scalar, integer, real_array, shape_of
+from ..support.checks import FloatArray, IntArray, choice, finite_scalar, integer, real_array, shape_of
 from ..support.values import AroundCore, ReadOnly, frozen, frozen_or_none
 from .targets import FrequencyTable, ModalTable, ModalTargets, Targets, targets_of
 
@@ -192,8 +191,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     penalty: DamagePenalty | None
     bounds: FloatArray
     measured_hz: FloatArray
-    measured_dofs: NDArray[np.intp] | None
-    measured_excitations: NDArray[np.intp] | None
+    measured_dofs: IntArray | None
+    measured_excitations: IntArray | None
     weights: FloatArray | None
     left_out: tuple[str, ...]
     _targets: Targets

@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from .._core import Model as CoreModel
@@ -18,7 +17,7 @@ from ..models.matrices import Entries, as_sparse
 from ..models.parameters import Parameter
 from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, OptimizeResult
-from ..support.checks import FloatArray, finite_scalar, integer
+from ..support.checks import FloatArray, IntArray, finite_scalar, integer
 from ..support.progress import one_blas_thread
 from .problem import UpdatingProblem
 from .targets import AntiresonanceTargets, Part, by_rows
@@ -56,7 +55,7 @@ _DENSE = 256  # terms of more dofs stay sparse
 class Term(NamedTuple):
     """The dofs that a term joins, and its matrix (d, d) there."""
 
-    dofs: NDArray[np.intp]
+    dofs: IntArray
     matrix: Any
 
     @classmethod

@@ -7,9 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..support.checks import FloatArray
+from ..support.checks import BoolArray, FloatArray, IntArray
 from ..support.progress import step
 from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
@@ -95,7 +94,7 @@ class BoxResiduals:
         return np.stack(columns, axis=1) if columns else np.empty((self.size.size, 0))
 
 
-def decided(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
+def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
     """Damage at exactly 0: with penalties it is decided, not estimated."""
     reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
     return np.asarray(reductions & (x == 0.0) & (problem.penalty is not None))
@@ -167,7 +166,7 @@ def normalized(log_weights: FloatArray) -> FloatArray:
     return np.asarray(p / p.sum(axis=-1, keepdims=True))
 
 
-def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
+def drawn(probabilities: FloatArray, uniform: FloatArray) -> IntArray:
     """Index of one outcome for each row of ``probabilities`` (k, G) or (G,), by uniform numbers (k,)."""
     cumulative = np.cumsum(np.atleast_2d(probabilities), axis=1)
     return np.asarray(np.minimum((uniform[:, None] > cumulative).sum(axis=1), cumulative.shape[1] - 1))

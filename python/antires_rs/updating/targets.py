@@ -9,14 +9,13 @@ from itertools import islice
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..exceptions import InvalidInputError, reject
 from ..measured.antiresonance_set import AntiresonanceSet, number
 from ..measured.modal_set import ModalSet
 from ..models.structural_model import StructuralModel
-from ..support.checks import ComplexArray, FloatArray, real_array
+from ..support.checks import BoolArray, ComplexArray, FloatArray, IntArray, real_array
 from ..support.values import Value
 
 # -- Measured frequencies beside those of a model, before and after updating
@@ -216,7 +215,7 @@ def usual_damping(found: AntiresonanceSet) -> float | None:
 
 
 def sorted_out(
-    label: object, table: Any, usual: float, roots: FloatArray, series: Series, keep: NDArray[np.bool_]
+    label: object, table: Any, usual: float, roots: FloatArray, series: Series, keep: BoolArray
 ) -> list[str]:
     """Sentences on the values that are no antiresonances, as ``keep`` then says; ``roots``: the real ones."""
     excess = np.abs(table.damping_ratio - usual)
@@ -330,7 +329,7 @@ def followed(own: tuple[FloatArray, FloatArray], now: FloatArray | None) -> tupl
 
 def _shared_by_all(
     dof: int, every: dict[int, tuple[FloatArray, FloatArray] | None], channels: list[int]
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Which roots of a response all others share, also where theirs have just become complex."""
     freq = (every[dof] or (np.empty(0),))[0]
     others = [every[other] for other in channels if other != dof]
@@ -338,7 +337,7 @@ def _shared_by_all(
     return np.asarray(np.logical_and.reduce(shared or [np.zeros(freq.size, dtype=bool)]))
 
 
-def _near(freq: FloatArray, others: FloatArray, within: float) -> NDArray[np.bool_]:
+def _near(freq: FloatArray, others: FloatArray, within: float) -> BoolArray:
     """Whether one of the others is this near."""
     apart = np.abs(freq[:, None] - others)
     return np.asarray(apart.min(axis=1, initial=np.inf) <= within * freq)
@@ -446,7 +445,7 @@ class AntiresonanceTargets:
 
     errors = residuals  # differences that a Gaussian likelihood is of, row by row
 
-    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+    def error_rows(self) -> tuple[IntArray, IntArray, FloatArray]:
         """Measured value, kind (0 for frequencies, 1 for entries of shapes) and stated error of each row."""
         return np.arange(self.hz.size), np.zeros(self.hz.size, dtype=np.intp), self.relative_std
 
@@ -486,7 +485,7 @@ def _channels(model: StructuralModel, found: AntiresonanceSet) -> list[int]:
 
 
 def _given_weights(
-    given: Any, count: int, kept: NDArray[np.bool_] | None, wanted: str, remedy: str
+    given: Any, count: int, kept: BoolArray | None, wanted: str, remedy: str
 ) -> FloatArray | None:
     """Weights as they were given, for the values compared or, by ``kept``, for all that were measured."""
     if given is None:
@@ -561,7 +560,7 @@ class ModalTargets:
             found.append(_apart(_unit((measured * turned).real), own))
         return np.concatenate(found)
 
-    def error_rows(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+    def error_rows(self) -> tuple[IntArray, IntArray, FloatArray]:
         """As of antiresonances; no errors are stated."""
         number = np.arange(self.hz.size)
         entries = np.repeat(number, [len(rows) for freq, rows, _ in self._parts for _ in freq])
