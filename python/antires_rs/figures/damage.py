@@ -86,9 +86,8 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
         more["interval"] = [f"{span(a, b)} %" if b > 0.0 else "-" for a, b in result.interval.values()]
         more["probability"] = [percent(p) for p in result.probability.values()]
     says |= {"Smallest that would be seen": "@seen"} | ({"Truth": "@truth{0.0} %"} if truth else {})
-    marks: list[Mark] = [
-        Bars(x, np.full(x.size, top), 1.0, face="none", edge=None, only="page", says=says, more=more)
-    ]
+    whole = np.full(x.size, top)  # what a page hovers over
+    marks: list[Mark] = [Bars(x, whole, 1.0, "none", None, only="page", says=says, more=more)]
     if (some := np.isfinite(instead)).any():
         marks.append(Bars(x[some], instead[some], face="none", dash="--", label="what else it may be"))
     marks += [Bars(x, found, label="found"), *_smallest_seen(x, visible, top)]
@@ -116,12 +115,10 @@ def _alternatives(found: Assessment, elements: list[int]) -> FloatArray:
     """Losses in % of elements that may be the damaged ones instead, NaN elsewhere."""
     losses = np.full(len(elements), np.nan)
     likely = [one for one in found.hypotheses if one.candidate and one.probability >= _WORTH_A_BAR]
-    for element, severity in (
-        each for one in likely for each in zip(one.elements, one.severities, strict=True)
-    ):
-        at = elements.index(element)
-        if element not in found.declared and np.isnan(losses[at]):
-            losses[at] = 100.0 * severity
+    for one in reversed(likely):  # the likeliest last, which counts
+        for element, severity in zip(one.elements, one.severities, strict=True):
+            if element not in found.declared:
+                losses[elements.index(element)] = 100.0 * severity
     return losses
 
 

@@ -92,9 +92,7 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     return Panel("stabilization", x, y, marks, behind=behind, tables={"curve": table})
 
 
-def _diagram_tables(
-    diagram: StabilizationDiagram, dropped: Edited, added: Edited
-) -> dict[str, dict[str, Any]]:
+def _diagram_tables(diagram: StabilizationDiagram, dropped: Edited, added: Edited) -> dict[str, Any]:
     """The poles and the values of a diagram, as pictures of it offer them."""
     order, freq, damping, stable = pole_table(diagram)
     found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
@@ -244,9 +242,7 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
 
 # -- The values of a response as marks in its figures: found, added and dropped
 
-ENTRY = (
-    "entry of "  # before the name of a kind: its entry in a legend, which a page shows while there are any
-)
+ENTRY = "entry of "  # before the name of a kind: its entry in a legend, shown while there are any
 LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and table have them
 Marks = dict[str, dict[str, list[Any]]]
 
@@ -363,13 +359,7 @@ def evidence_figure(
     figures: list[Any] = []
 
     def curve_figure(
-        name: str,
-        freq_hz: FloatArray,
-        y: FloatArray,
-        axis: Axis,
-        says: dict[str, str],
-        height: int,
-        **look: Any,
+        name: str, freq_hz: FloatArray, y: FloatArray, axis: Axis, says: Any, height: int, **look: Any
     ) -> None:
         shown = (freq_hz >= band[0]) & (freq_hz <= band[1])
         line = Line(freq_hz[shown], y[shown], says={"Frequency": "@x{0.000} Hz"} | says, **look)
@@ -385,9 +375,9 @@ def evidence_figure(
         _mark_lines(figures[-1], marks, every_kind=every_kind)
         figures[-1].legend.visible = diagram is None
         if curve.coherence is not None:
-            axis, says = (
-                Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04)),
+            says, axis = (
                 {"Coherence": "@y{0.000}"},
+                Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04)),
             )
             curve_figure("coherence", curve.freq_hz, curve.coherence, axis, says, 180, width=0.9)
     if not figures:  # the set was made by hand or loaded

@@ -247,9 +247,8 @@ class _Drawn:
         ends = {"x_start": "x0", "y_start": "y0", "x_end": "x1", "y_end": "y1"}
         table = columns(x0=x0, y0=y0, x1=x1, y1=y1, **mark.more)
         width = LINE_PX * mark.width
-        shaft = self.fig.segment(
-            "x0", "y0", "x1", "y1", source=table, color=mark.colour, line_width=width, **label
-        )
+        look = {"source": table, "color": mark.colour, "line_width": width} | label
+        shaft = self.fig.segment("x0", "y0", "x1", "y1", **look)
         head = NormalHead(size=9, fill_color=mark.colour, line_color=mark.colour)
         self.fig.add_layout(Arrow(end=head, source=table, line_alpha=0.0, **ends))
         return [shaft]

@@ -307,9 +307,9 @@ class Session:
             return None
         if pick.action == "add":
             return self.add(dof, pick.freq_hz, reason, pick.damping_ratio, pick.std_hz)
-        return (
-            self.drop(dof, pick.freq_hz, reason) if pick.action == "drop" else self.restore(dof, pick.freq_hz)
-        )
+        if pick.action == "drop":
+            return self.drop(dof, pick.freq_hz, reason)
+        return self.restore(dof, pick.freq_hz)
 
     def drop(self, dof: Any, freq_hz: float, reason: str = "") -> str:
         """Drop a value; one that was added by hand is taken back instead."""

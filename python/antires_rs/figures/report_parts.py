@@ -89,17 +89,13 @@ def of_identification(signal: Recording | FrequencyResponse, found: Antiresonanc
     hidden = (*(OF_SWEEP if windows else OF_WINDOWS), "min_order")
     kinds = {name: one.kind for name, one in FitOptions.declared().items() if name not in hidden}
     thresholds = [] if used["preset"] is None else [f"preset {used['preset']}"]
-    thresholds += [
-        f"{name} {used[name]}" for name, kind in kinds.items() if kind in ("number", "whole", "switch")
-    ]
+    thresholds += [f"{n} {used[n]}" for n, kind in kinds.items() if kind in ("number", "whole", "switch")]
     low, high = used["band_hz"]
     method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
     facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
     if isinstance(signal, Recording):
-        spectra, length = (
-            f"method {used['method']}",
-            used["nperseg"] or (None if checked is None else checked.nperseg),
-        )
+        spectra = f"method {used['method']}"
+        length = used["nperseg"] or (None if checked is None else checked.nperseg)
         if length is not None:
             overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
             spectra = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
@@ -118,9 +114,8 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     facts = {"Force": [dof_name(model, found.excitation)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    how = Counter(
-        way for scores in found.scores.values() for way in np.asarray(scores.get("how", ())).tolist()
-    )
+    ways = [np.asarray(scores.get("how", ())).tolist() for scores in found.scores.values()]
+    how = Counter(way for each in ways for way in each)
     if how["windows"] or how["directions"] or how["followed"]:
         words = {
             "windows": "seen by most fits over windows",
@@ -390,16 +385,14 @@ def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure,
 def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
     """Losses by element, and where they were judged the hypotheses."""
     label, judged = result.problem.model.element_label, result.has_baseline
-    more = (
-        ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead" * judged
-    )
+    more = ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead"
     found = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
     upright = len(result.elements) > UPRIGHT
     figures = {
         "damage": Figure(
             partial(plot_damage, result, truth=truth),
             (max(7.0, 0.32 * len(result.x) + 1.5), 4.7 if judged else 4.4),
-            f"Stiffness loss by element{more}. Ticks: the smallest that would be seen.",
+            f"Stiffness loss by element{more * judged}. Ticks: the smallest that would be seen.",
             f"Bar chart: {found or 'no damage in any element'}",
             lambda: explored(losses(result, truth, upright), height=400 if upright else 360),
         )
@@ -437,10 +430,8 @@ def _model(result: UpdateResult) -> dict[str, Figure]:
         size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
         height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
         caption += ". Numbers upright are of elements, slanted ones of nodes"
-        alt, draw = (
-            f"Drawing of a frame of {len(model.elements)} elements",
-            partial(plot_frame, model, loss, **at),
-        )
+        alt = f"Drawing of a frame of {len(model.elements)} elements"
+        draw = partial(plot_frame, model, loss, **at)
         panel = partial(frame, model, loss, **at, room_pt=np.array([WIDE_PT, 0.7 * height]))
     else:
         return {}
@@ -474,10 +465,7 @@ def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[st
         what = f"{len(shown)} FRFs"
     else:
         size, what = (9.0, 4.4), f"the transmissibilities over {dof_name(model, response.reference)}"
-        caption = (
-            f"T{what.removeprefix('the t')}, summed; the peaks are the antiresonances of that dof. Their"
-        )
-        caption += " height"
+        caption = f"T{what[5:]}, summed; the peaks are the antiresonances of that dof. Their height"
     drawn = partial(responses.plot_responses, response, model, result.model, **given)
     caption += " in the models follows from an assumed damping of 1 %."
     alt = f"Curves by frequency of {what}: measured, and of the model {names[0]} and {names[1]}"
@@ -490,9 +478,8 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
 
     models, excitation = (result.problem.model, result.model), result.problem.measured[0].excitation
     over = measured.kind == "transmissibility"
-    freq, _, labels, levels = responses.curves_of(
-        measured, models, excitation, None if over else measured.dofs
-    )
+    shown = None if over else measured.dofs
+    freq, _, labels, levels = responses.curves_of(measured, models, excitation, shown)
     called = responses.curve_names(names, both=True)
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
     marks = []
@@ -646,13 +633,9 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
         if not one.candidate and one.elements and not one.unknown and one.probability >= WORTH_A_ROW:
             e = one.elements[0]
             row = {"name": f"{label(e)}, no candidate", "value": percent(one.severities[0]), "std": ""}
-            row |= {
-                "interval": _interval(one.low[0], one.high[0]),
-                "truth": percent(truth.get(e)),
-                "visible": "",
-            }
+            row |= {"interval": _interval(one.low[0], one.high[0]), "truth": percent(truth.get(e))}
             row |= {"probability": _probability(one.probability), "damaged": one is result.hypotheses[0]}
-            rows.append(row | {"bounds": "", "on_bound": False})
+            rows.append(row | {"visible": "", "bounds": "", "on_bound": False})
     return rows
 
 
@@ -685,9 +668,8 @@ def _frequency_rows(result: UpdateResult, names: list[str]) -> list[dict[str, An
         if name not in ("mode", "dof", "force")
     }
     cells = {name: [cell(name, one) for one in column] for name, column in columns.items()}
-    rows: list[dict[str, Any]] = [
-        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
-    ]
+    every = zip(*cells.values(), strict=True)
+    rows: list[dict[str, Any]] = [dict(zip(cells, row, strict=True)) for row in every]
     if isinstance(table, ModalTable):
         for row, mode in zip(rows, table.mode, strict=True):
             row.update(mode=mode, group=mode == table.mode[0])

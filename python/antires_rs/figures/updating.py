@@ -53,9 +53,7 @@ def plot_differences(
     return ax
 
 
-def differences(
-    table: FrequencyTable | ModalTable, names: tuple[str, str], wide_pt: float | None = None
-) -> Panel:
+def differences(table: Any, names: tuple[str, str], wide_pt: float | None = None) -> Panel:
     """Bars before and after, of a picture ``wide_pt`` points wide or of a page, where hovering tells more."""
     modal = hasattr(table, "before_mac")
     count = table.measured_hz.size

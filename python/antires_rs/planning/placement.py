@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, islice
 from math import comb
+from typing import Any
 
 import numpy as np
 
@@ -30,9 +31,7 @@ class Layout:
     band_hz: tuple[float, float]
     sees: str
 
-    def roots(
-        self, parameters: Sequence[Parameter], high_hz: float, sees: str | None = None
-    ) -> _core.Objective:
+    def roots(self, parameters: Sequence[Parameter], high_hz: float, sees: Any = None) -> _core.Objective:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""
         parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.sensors]
         core = self.model.description.core_parameters(parameters)

@@ -593,9 +593,7 @@ def _doubts(fit: Fit, x: FloatArray) -> list[str]:
     odd = fit.residuals.hz[np.abs(fit.e) > _ODD * fit.sigma]
     named = ", ".join(f"{hz:.4g} Hz" for hz in odd[:4])
     notes = {
-        "As many parameters as values: nothing is left over to tell the error of the model from.": (
-            not fit.errors.learned
-        ),
+        "As many parameters as values: nothing is left to tell the model's error by.": not fit.errors.learned,
         "Least squares lead far from the solution of the search: some values contradict the others.": (
             np.any(apart > np.maximum(FAR * fit.sigma, SAME))
         ),

@@ -46,9 +46,7 @@ class BoxResiduals:
         assumed = {
             f"{alone} measured {noun} without a partner in the model are left out.": alone,
             f"No errors of the measured {noun} are stated: the residuals tell them.": not stated,
-            "Values without a standard deviation are given the median of the others.": (
-                stated and not known.all()
-            ),
+            "Values without a standard deviation are given the median of others.": stated and not known.all(),
         }
         self.assumed = tuple(sentence for sentence, holds in assumed.items() if holds)
 
