@@ -208,8 +208,8 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
     """
     if getattr(check, "eigenvalues", None) is None:
         got = "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__
-        wanted = "the DataCheck of a Recording with several averages"
-        reject("check", got, wanted, "Single impacts and measured responses have no spectral matrix.")
+        remedy = "Single impacts and measured responses have no spectral matrix."
+        reject("check", got, "the DataCheck of a Recording with several averages", remedy)
     return draw(singular_values(check), new_axes(ax, (9.0, 4.5)))
 
 
@@ -375,10 +375,8 @@ def evidence_figure(
         _mark_lines(figures[-1], marks, every_kind=every_kind)
         figures[-1].legend.visible = diagram is None
         if curve.coherence is not None:
-            says, axis = (
-                {"Coherence": "@y{0.000}"},
-                Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04)),
-            )
+            axis = Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04))
+            says = {"Coherence": "@y{0.000}"}
             curve_figure("coherence", curve.freq_hz, curve.coherence, axis, says, 180, width=0.9)
     if not figures:  # the set was made by hand or loaded
         alone = Panel("values_alone", Axis("Frequency (Hz)"), Axis("", (0.0, 1.0), at=[]), [])

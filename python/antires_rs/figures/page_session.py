@@ -330,8 +330,7 @@ class Session:
         added = self.zeros.add(dof, freq_hz, reason=reason, damping_ratio=damping_ratio, std_hz=std_hz)
         low, high = (0.0, math.inf) if self.source is None else self.source.covered_hz
         if not low <= freq_hz <= high:
-            wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
-            reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")
+            reject("freq_hz", f"{freq_hz:g} Hz", f"{low:g} to {high:g} Hz, as the data reach", "Correct it.")
         band, said = self.now.band_hz, self._edited(added)
         if band is None or band[0] <= freq_hz <= band[1]:
             return said
@@ -435,8 +434,9 @@ class Session:
     def _edits(self, number: int) -> tuple[Asked, ...]:
         asked = self.now.asked
         if not 0 <= number < len(asked):
-            wanted = f"an edit from 0 to {len(asked) - 1}"
-            reject("number", number, wanted, "Look again: the list has changed.")
+            reject(
+                "number", number, f"an edit from 0 to {len(asked) - 1}", "The list has changed: look again."
+            )
         return asked
 
     def _edited(self, zeros: AntiresonanceSet) -> str:

@@ -56,8 +56,8 @@ def write_report(
     out, and it says how many.
     """
     if not isinstance(result, UpdateResult):
-        wanted = "an UpdateResult or a DamageResult"
-        reject("result", type(result).__name__, wanted, "Pass what update or assess_damage returned.")
+        remedy = "Pass what update or assess_damage returned."
+        reject("result", type(result).__name__, "an UpdateResult or a DamageResult", remedy)
     try:
         import matplotlib  # noqa: F401 - only asked whether it is there
         from jinja2 import Environment, StrictUndefined
@@ -143,8 +143,7 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     given = list(measurement or [None] * len(sets))
     if len(given) != len(sets):
         wanted = f"{len(sets)}, one for each measured set"
-        remedy = "Pass a list with one for each, None where there is none."
-        reject("measurement", f"{len(given)} of them", wanted, remedy)
+        reject("measurement", f"{len(given)} of them", wanted, "Pass None where there is none.")
     facts: list[Facts] = []
     for one, found in zip(given, sets, strict=True):
         if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):

@@ -26,8 +26,7 @@ class Checkpoint:
 
     def __init__(self, path: str | os.PathLike[str], every_s: float = 2.0) -> None:
         if not isinstance(path, str | os.PathLike):
-            remedy = "Pass a text or a pathlib.Path, or None to keep no checkpoint."
-            reject("checkpoint", path, "a path", remedy)
+            reject("checkpoint", path, "a path", "Pass a text or a Path, or None to keep no checkpoint.")
         self.path, self.every_s = Path(path), every_s
         if not self.path.parent.is_dir():
             remedy = f"Make the folder {str(self.path.parent)!r} first."

@@ -165,8 +165,7 @@ def guesses(x0: Any, n: int) -> list[list[float]]:
     wanted = f"an array ({n},) or (m, {n})"
     rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=wanted))
     if rows.ndim != 2 or rows.shape[1] != n:
-        remedy = "Give a value for each parameter, in the order of the bounds."
-        reject("x0", f"shape {np.shape(x0)}", wanted, remedy)
+        reject("x0", f"shape {np.shape(x0)}", wanted, "Give a value for each parameter, in their order.")
     listed: list[list[float]] = rows.tolist()
     return listed
 
@@ -178,8 +177,9 @@ def _check_type(name: str, value: Any) -> Any:
         several = name == "crossovers" and isinstance(value, Iterable) and not isinstance(value, str)
         texts = list(value) if several else [value]
         if not all(isinstance(each, str) for each in texts):
-            wanted = "text, or a list of texts where several are possible"
-            reject(name, value, wanted, "Put it in quotes; see the docstring for the names.")
+            reject(
+                name, value, "text, or a list of texts", "Put it in quotes; see the docstring for the names."
+            )
         return texts if name == "crossovers" else value
     if name == "polish":
         if value is not None and not isinstance(value, bool):

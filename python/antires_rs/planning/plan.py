@@ -49,8 +49,7 @@ def dofs_of(name: str, model: StructuralModel, dofs: Any, default: list[int] | N
     listed = [dofs] if shape_of(dofs) == () else list(dofs)
     chosen = [model._dof(name, dof) for dof in listed]
     if not chosen or len(set(chosen)) < len(chosen):
-        wanted = "dofs of the model, at least one and each once"
-        reject(name, dofs, wanted, "Look them up by model.dof_label.")
+        reject(name, dofs, "dofs of the model, each once", "Look them up by model.dof_label.")
     return chosen
 
 
@@ -276,7 +275,7 @@ def plan_test(
         return int(np.isin(found[force].sensor, placed.chosen).sum()) - told.n_hidden(placed.chosen)
 
     if not any(map(shown, plans)):
-        reject("band_hz", f"{band[0]:g} to {band[1]:g} Hz", "a band with antiresonances", "Widen it.")
+        reject("band_hz", band, "a band with antiresonances", "Widen it.")
 
     def detectable(told: placement.Information, chosen: Sequence[int]) -> FloatArray:
         """Of each element alone, as :func:`assess_damage` tells it after a test."""

@@ -272,8 +272,7 @@ def identifiability(
     from scipy.stats.qmc import Sobol
 
     if not isinstance(problem, UpdatingProblem):
-        remedy = "Join model, parameters and a measured or virtual set."
-        reject("problem", problem, "an UpdatingProblem", remedy)
+        reject("problem", problem, "an UpdatingProblem", "Make one, with a measured or virtual set.")
     integer("points", points, low=4, high=4096)
     std = problem._targets.error_rows()[2]  # of omega squared
     std = std[np.isfinite(std) & (std > 0.0)]
@@ -281,8 +280,7 @@ def identifiability(
     taken = stated if noise is None else finite_scalar("noise", noise, low=1e-8, high=1.0)
     box = BoxResiduals(problem, problem.bounds.mean(axis=1))
     if box.free.size == 0:
-        remedy = "Give lower and upper bounds."
-        reject("problem", "no parameter that may move", "bounds with a distance", remedy)
+        reject("problem", "no parameter that may move", "bounds with a distance", "Widen the bounds.")
     names = tuple(problem.names[j] for j in box.free)
     sobol = Sobol(box.free.size, seed=0).random_base2(int(np.ceil(np.log2(points))))
     x = box.vector(np.asarray(sobol[:points]))

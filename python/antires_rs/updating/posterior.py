@@ -532,8 +532,7 @@ def profile(
     fit = fitted(problem, x)
     where = np.flatnonzero(fit.residuals.free == problem.names.index(name))
     if where.size == 0:
-        remedy = "Its bounds are equal, or it was decided to be 0."
-        reject("name", repr(name), "a parameter that may move", remedy)
+        reject("name", repr(name), "a parameter that may move", "Its bounds are equal, or it is exactly 0.")
     j, free = int(where[0]), fit.residuals.free
     seen = np.linalg.norm(fit.jacobian, axis=0) > UNSEEN  # where an unseen parameter rests means nothing
 

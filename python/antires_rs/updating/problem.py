@@ -304,8 +304,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         n = len(self.parameters)
         vector = real_array("x", x, ndim=1, wanted=f"an array ({n},), one value for each parameter")
         if vector.size != n:
-            remedy = "Give them in the order of the parameters; problem.names lists them."
-            reject("x", f"{vector.size} values", f"{n}, one for each parameter", remedy)
+            reject("x", f"{vector.size} values", f"{n}, one for each parameter", "See problem.names.")
         return vector
 
     def __repr__(self) -> str:

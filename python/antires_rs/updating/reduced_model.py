@@ -575,8 +575,7 @@ def wanted_reduction(problem: UpdatingProblem, given: Any, checkpoint: Any) -> R
         large = problem.model.n_dof > LARGE and len(problem.parameters) <= _MOST_PARAMETERS
         return Reduction() if large and unfit is None else None
     if given is not True and not isinstance(given, Reduction):
-        remedy = "Leave it out: large models are reduced where that is sound."
-        reject("reduction", given, "'auto', True, False or a Reduction", remedy)
+        reject("reduction", given, "'auto', True, False or a Reduction", "Leave it out: that is 'auto'.")
     if unfit is not None:
         reject("reduction", f"a reduced model, but {unfit}", "a problem that can be reduced", "Leave it out.")
     return Reduction() if given is True else given

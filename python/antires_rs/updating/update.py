@@ -75,8 +75,7 @@ def update(
     array([1.1 , 0.96])
     """
     if not isinstance(problem, UpdatingProblem):
-        remedy = "Join model, parameters and measurement by UpdatingProblem first."
-        reject("problem", problem, "an UpdatingProblem", remedy)
+        reject("problem", problem, "an UpdatingProblem", "Join model, parameters and measurement by it.")
     wanted = wanted_reduction(problem, reduction, checkpoint)
     asked = (optimizer, rng, workers, callback, x0, progress, checkpoint)
     if wanted is not None:
@@ -178,8 +177,7 @@ class UpdateEnsemble:
         """Parameters of every result, (n_problems, n_parameters), of one number; NaN where it failed."""
         sizes = {result.x.size for result in self.results if result is not None}
         if len(sizes) > 1:
-            got = f"problems of {', '.join(map(str, sorted(sizes)))} parameters"
-            reject("x", got, "problems of one number of parameters", "Take .x of each result.")
+            reject("x", f"numbers of parameters {sorted(sizes)}", "one number", "Take .x of each result.")
         size = sizes.pop() if sizes else 0
         return np.array([np.full(size, np.nan) if r is None else r.x for r in self.results]).reshape(-1, size)
 
