@@ -16,21 +16,8 @@ from .structure import plot_chain, plot_frame
 from .updating import plot_convergence, plot_differences, plot_identifiability
 
 __all__ = [
-    "data_of",
-    "plot_chain",
-    "plot_comparison",
-    "plot_convergence",
-    "plot_damage",
-    "plot_damping_clusters",
-    "plot_detectability",
-    "plot_differences",
-    "plot_singular_values",
-    "plot_frame",
-    "plot_hypotheses",
-    "plot_identifiability",
-    "plot_monitor",
-    "plot_plan",
-    "plot_stabilization",
+    "data_of", "plot_chain", "plot_comparison", "plot_convergence", "plot_damage", "plot_damping_clusters",
+    "plot_detectability", "plot_differences", "plot_frame", "plot_hypotheses", "plot_identifiability",
+    "plot_monitor", "plot_plan", "plot_responses", "plot_singular_values", "plot_stabilization",
     "plot_tracks",
-    "plot_responses",
-]
+]  # fmt: skip

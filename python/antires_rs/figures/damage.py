@@ -128,7 +128,6 @@ def _percent(p: float) -> str:
 
 
 def _truths(result: DamageResult, truth: Mapping[int, float] | None) -> FloatArray:
-    """True losses in %, NaN where there is none."""
     return 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
 
 

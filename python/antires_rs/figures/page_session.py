@@ -463,7 +463,6 @@ class Session:
 
 
 def _inside(source: Source, band_hz: Any) -> Band:
-    """A band inside what the source covers."""
     low, high = source.covered_hz
     return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
 

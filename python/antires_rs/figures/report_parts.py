@@ -453,7 +453,6 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
 
 
 def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
-    """Measured curves beside those of the models."""
     model, own = result.problem.model, result.problem.measured[0]
     given: dict[str, Any] = {"excitation": own.excitation, "names": names}
     if response.kind == "frf":

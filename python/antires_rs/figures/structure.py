@@ -34,7 +34,6 @@ def _value_by_element(values: Any, count: int) -> FloatArray | None:
 
 
 def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dict[str, Any]:
-    """What hovering over elements tells."""
     says = {"": "@name"} | {name.capitalize(): f"@{name}" for name in columns}
     more = {"name": names} | columns
     if values is not None:

@@ -183,7 +183,6 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
 
 
 def _listed(frequencies: Iterable[FloatArray]) -> Pairs:
-    """Frequencies (Hz) by response."""
     logs = [np.sort(np.log(freq[freq > 0.0])) for freq in frequencies]
     number = np.repeat(np.arange(len(logs)), [each.size for each in logs]).astype(np.intp)
     return number, np.concatenate([np.empty(0), *logs])

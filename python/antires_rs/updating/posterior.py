@@ -587,7 +587,6 @@ def intervals(
 
 
 def _doubts(fit: Fit, x: FloatArray) -> list[str]:
-    """What speaks against a Gaussian around the solution found."""
     apart = np.abs(fit.jacobian @ (fit.residuals.place(x) - fit.u))
     odd = fit.residuals.hz[np.abs(fit.e) > _ODD * fit.sigma]
     named = ", ".join(f"{hz:.4g} Hz" for hz in odd[:4])

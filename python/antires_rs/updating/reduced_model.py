@@ -734,7 +734,6 @@ class _Search:
         return found.reduced.is_corrected and found.difference <= self.reduction.tolerance
 
     def _around(self, x: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
-        """A part of the box."""
         low, high = self.problem.bounds.T
         reach = share * (high - low)
         return np.maximum(low, x - reach), np.minimum(high, x + reach)

@@ -338,7 +338,6 @@ def _shared_by_all(
 
 
 def _near(freq: FloatArray, others: FloatArray, within: float) -> BoolArray:
-    """Whether one of the others is this near."""
     apart = np.abs(freq[:, None] - others)
     return np.asarray(apart.min(axis=1, initial=np.inf) <= within * freq)
 
