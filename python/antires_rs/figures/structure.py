@@ -79,8 +79,7 @@ def plot_chain(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> ax = ar.figures.plot_chain(ar.cases.chain8().model, {4: 55.0}, excitation=0)
-    >>> ax.get_xlabel()
+    >>> ar.figures.plot_chain(ar.cases.chain8().model, {4: 55.0}, excitation=0).get_xlabel()
     'Mass (number of each spring above it)'
     """
     n = model.n_dof

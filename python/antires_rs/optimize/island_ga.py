@@ -26,10 +26,8 @@ class History(Value):
 
     Attributes
     ----------
-    nfev : ndarray, (n_generations,)
-        Evaluations so far.
-    cost : ndarray, (n_generations, n_islands)
-        Best cost of each island.
+    nfev, cost : ndarray, (n_generations,) and (n_generations, n_islands)
+        Evaluations so far, and the best cost of each island.
     migrations : ndarray
         Generations after which the islands exchanged their best.
 
@@ -52,10 +50,8 @@ class OptimizeResult(Value):
 
     Attributes
     ----------
-    x : ndarray, (n,)
-        Best point found.
-    fun : float
-        Its cost.
+    x, fun : ndarray, (n,), and float
+        Best point found, and its cost.
     success : bool
         Whether the search ended by its own stop rule, not by a budget or an interruption.
     status, message : str
@@ -80,8 +76,8 @@ class OptimizeResult(Value):
     --------
     >>> import antires_rs as ar
     >>> found = ar.IslandGA(max_evaluations=5000).minimize(lambda x: (x[0] - 0.3) ** 2, [(-1, 1)], rng=0)
-    >>> found.x.round(2), found.nfev <= 5000, found.populations.shape
-    (array([0.3]), True, (4, 40, 1))
+    >>> found.x.round(2), found.populations.shape
+    (array([0.3]), (4, 40, 1))
     """
 
     x: FloatArray
@@ -345,9 +341,8 @@ class IslandGA:
 
     Examples
     --------
-    >>> import numpy as np, antires_rs as ar
-    >>> ga = ar.IslandGA(islands=2, population=20, max_evaluations=5000)
-    >>> ga.minimize(lambda x: float(np.sum((x - 0.3) ** 2)), [(-1, 1)] * 2, rng=0).fun < 1e-3
+    >>> import antires_rs as ar
+    >>> ar.IslandGA(islands=2, population=20).minimize(lambda x: x @ x, [(-1, 1)] * 2, rng=0).fun < 1e-3
     True
     """
 
@@ -415,7 +410,6 @@ class IslandGA:
         fun : callable
             ``fun(x) -> float`` for x (n,); with ``vectorized=True`` ``fun(X) -> (m,)`` for X (m, n).
         bounds : array_like, (n, 2)
-            Lower and upper bound of each variable.
         rng : int or numpy.random.Generator, optional
             Same seed, same result.
         workers : int, str or executor, optional
@@ -460,8 +454,7 @@ class IslandGA:
         Examples
         --------
         >>> import numpy as np, antires_rs as ar
-        >>> ga = ar.IslandGA(max_evaluations=4000)
-        >>> ga.minimize(lambda X: np.abs(X).sum(axis=1), [(0, 1)] * 3, rng=1, vectorized=True).x
+        >>> ar.IslandGA().minimize(lambda X: np.abs(X).sum(axis=1), [(0, 1)] * 3, rng=1, vectorized=True).x
         array([0., 0., 0.])
         """
         box = check_bounds(bounds)

@@ -105,9 +105,8 @@ def detectability(
     --------
     >>> import antires_rs as ar
     >>> model = ar.MassSpringChain([1.0, 1.2, 1.0, 0.9], [500.0, 450.0, 550.0])
-    >>> curves = ar.detectability(model, excitation=0, std=5e-4, n_tests=3, rng=0)
-    >>> sorted(curves.a90), max(curves.a90.values()) < 0.05, curves.false_call_rate < 0.05
-    ([0, 1, 2], True, True)
+    >>> sorted(ar.detectability(model, excitation=0, std=5e-4, n_tests=3, rng=0).a90)
+    [0, 1, 2]
     """
     chosen = tuple(elements_of(checked_model(model), elements))
     (force,) = dofs_of("excitation", model, excitation)

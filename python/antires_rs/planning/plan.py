@@ -102,9 +102,8 @@ class SensorPlan(ReadOnly, Viewed):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0, std=5e-4)
-    >>> plan.sensors, plan.excitation, plan.n_values
-    ((0, 3, 1), 0, 17)
+    >>> ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0, std=5e-4).sensors
+    (0, 3, 1)
     """
 
     sensors: tuple[int, ...]
@@ -237,9 +236,8 @@ def plan_test(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=[0, 3], criterion="worst")
-    >>> plan.excitation, len(plan.sensors), max(plan.detectable.values()) < 0.01
-    (3, 3, True)
+    >>> ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=[0, 3], criterion="worst").excitation
+    3
     """
     parameters, names, numbers = _unknowns_of(checked_model(model), elements)
     nominal = _core.nominal_values(model._core, model.description.core_parameters(parameters))

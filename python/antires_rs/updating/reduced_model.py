@@ -520,10 +520,8 @@ class ReductionReport:
 
     Attributes
     ----------
-    n_dof, size : int
-        Dofs of the full model, and of the last reduced one.
-    rounds, full_evaluations : int
-        Bases made, and evaluations of the full model.
+    n_dof, size, rounds, full_evaluations : int
+        Dofs of the full model and of the last reduced one, bases made, evaluations of the full model.
     estimate, difference : float
         Largest relative error of a frequency of the reduced model at the answer: as expected of the last one,
         uncorrected; and as it was, corrected at the place before.

@@ -141,21 +141,18 @@ class UpdateEnsemble:
 
     Attributes
     ----------
-    results : tuple of UpdateResult or None
-        None where an updating failed.
+    results, failed : tuple of UpdateResult or None, and dict of int to str
+        None where an updating failed, and why, by the number of the problem.
     seeds : tuple of int
         ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
-    failed : mapping of int to str
-        Why, by the number of the problem.
     interrupted : bool
         Whether Ctrl-C ended it; the results are those that were there.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> found = ar.update_ensemble(ar.cases.chain8().damage_problem(), count=3, rng=0)
-    >>> len(found), found.x[:, 4].round(2).tolist()
-    (3, [0.55, 0.55, 0.55])
+    >>> ar.update_ensemble(ar.cases.chain8().damage_problem(), count=3, rng=0).x[:, 4].round(2).tolist()
+    [0.55, 0.55, 0.55]
     """
 
     results: tuple[UpdateResult | None, ...]
