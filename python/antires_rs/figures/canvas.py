@@ -306,10 +306,12 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
     ax.legend(handles, labels, ncols=columns, **place, **look)
 
 
-def plain_log(axis: Any, *, narrow: bool) -> None:
-    """Plain numbers on a logarithmic axis; on a narrow one between the decades too."""
+def plain_log(axis: Any) -> None:
+    """Plain numbers on a logarithmic axis; on one of less than two decades between these too."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+    low, high = axis.get_view_interval()
+    narrow = high < 80.0 * low
     plain = FuncFormatter(lambda value, _: f"{value:g}")
     axis.set_major_formatter(plain)
     if narrow:

@@ -179,7 +179,7 @@ def plot_damping_clusters(
     panel = Panel("damping_clusters", x, y, marks, grid="y", tables=_diagram_tables(diagram, dropped, added))
     ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
     _mark_values(ax, diagram, dropped, added)
-    plain_log(ax.yaxis, narrow=False)
+    plain_log(ax.yaxis)
     below(ax)
     return ax
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from ..planning.detection_curves import DetectionCurves
     from ..planning.plan import SensorPlan
 
-_NARROW = 30.0  # data of less than this ratio have numbers between the decades too
-
 
 def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     """Draw the smallest stiffness loss that each element must have to be seen, in %.
@@ -63,7 +61,7 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     panel = Panel("plan", x_axis, y_axis, marks, title=title, grid="y", first=first, tables=tables)
     draw(panel, ax, drop_pt=None if upright else 30.0)
     if shown.size:
-        plain_log(ax.yaxis, narrow=bool(shown.max() < _NARROW * shown.min()))
+        plain_log(ax.yaxis)
     return ax
 
 
@@ -115,7 +113,7 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     y_axis = Axis("Probability of detection (%)", (-6.0, 106.0), at=range(0, 101, 20))
     panel = Panel("detectability", x_axis, y_axis, marks, grid="both", tables=tables)
     ax = draw(panel, new_axes(ax, (7.5, 4.6)))
-    plain_log(ax.xaxis, narrow=bool(shown.max() < _NARROW * shown.min()))
+    plain_log(ax.xaxis)
     look = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": "small"}
     ax.annotate("90 %", (1.0, _LEVEL), xycoords=ax.get_yaxis_transform(), **look)
     return ax

@@ -188,9 +188,8 @@ def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> A
         reject("result", got, "the result of a search", "See result.hypotheses.plot() instead.")
     panel = convergence(result)
     ax = draw(panel, new_axes(ax, (9.0, 4.4)))
-    cost = np.asarray(result.history.cost)
-    if panel.y.log and cost.min() > 1e-4:
-        plain_log(ax.yaxis, narrow=bool(cost.max() < 30.0 * cost.min()))
+    if panel.y.log and np.min(result.history.cost) > 1e-4:
+        plain_log(ax.yaxis)
     ax.xaxis.set_major_formatter("{x:,.0f}")
     ax.set_title(f"{result.status}: {result.message}", fontsize="small")
     return ax

@@ -100,17 +100,16 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     if not data.startswith(_MAGIC):
         number = data[:40].partition(b"\n")[0].removeprefix(_NAME)
         if data.startswith(_NAME) and number.isdigit():
-            version = int(number)
-            maker = "an older" if version < _VERSION else "a newer"
             # A whole file of another version: no older one beside it will do either.
-            got = f"{file.name}, the search of {maker} antires_rs (layout {version})"
+            maker = "an older" if int(number) < _VERSION else "a newer"
+            got = f"{file.name}, the search of {maker} antires_rs (layout {int(number)})"
             remedy = "End that search with the version that began it, or remove the file to begin anew."
             raise UnsuitableDataError("checkpoint", got, f"layout {_VERSION}", remedy)
         raise ValueError("no checkpoint")
-    if len(data) < len(_MAGIC) + _HEADER.size:
+    begin = len(_MAGIC) + _HEADER.size
+    if len(data) < begin:
         raise ValueError("cut short")
-    seed, problem, digest, length = _HEADER.unpack_from(data, len(_MAGIC))
-    payload = data[len(_MAGIC) + _HEADER.size :]
+    (seed, problem, digest, length), payload = _HEADER.unpack_from(data, len(_MAGIC)), data[begin:]
     if len(payload) != length:
         raise ValueError(f"{len(payload)} of {length} bytes")
     if hashlib.sha256(payload).digest() != digest:

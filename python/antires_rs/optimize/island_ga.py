@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 
@@ -142,15 +142,11 @@ def thread_count(workers: int | None) -> int:
 
 
 def check_bounds(bounds: Any) -> FloatArray:
-    """Bounds as an (n, 2) array; order and finiteness are checked in the core, by gene."""
+    """Bounds as an (n, 2) array; their order is checked in the core, by gene."""
     wanted = "an array (n, 2) of lower and upper bounds, n >= 1"
-    remedy = "Write them as in [(0.0, 1.0), (0.9, 1.1)]."
-    try:
-        box = np.asarray(bounds, dtype=np.float64)
-    except (TypeError, ValueError) as exc:
-        reject("bounds", f"{type(bounds).__name__} that does not convert ({exc})", wanted, remedy)
-    if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
-        reject("bounds", f"shape {box.shape}", wanted, remedy)
+    box = real_array("bounds", bounds, ndim=2, wanted=wanted)
+    if box.shape[1] != 2:
+        reject("bounds", f"shape {box.shape}", wanted, "Write them as in [(0.0, 1.0), (0.9, 1.1)].")
     return box
 
 
@@ -162,8 +158,7 @@ def guesses(x0: Any, n: int) -> list[list[float]]:
     rows = np.atleast_2d(real_array("x0", x0, ndim=None, wanted=wanted))
     if rows.ndim != 2 or rows.shape[1] != n:
         reject("x0", f"shape {np.shape(x0)}", wanted, "Give a value for each parameter, in their order.")
-    listed: list[list[float]] = rows.tolist()
-    return listed
+    return cast("list[list[float]]", rows.tolist())
 
 
 def _check_type(name: str, value: Any) -> Any:
