@@ -204,7 +204,6 @@ def roots_between(response: IntArray, values: FloatArray, of_root: IntArray, roo
     """How many roots there are from the lowest to the highest value of each response, in ln f."""
     between = 0
     for number in np.unique(response):
-        own = values[response == number]
-        there = roots[of_root == number]
+        own, there = values[response == number], roots[of_root == number]
         between += int(((there >= own.min() - NEAR) & (there <= own.max() + NEAR)).sum())
     return between

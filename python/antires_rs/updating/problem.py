@@ -240,9 +240,8 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     @property
     def _weighing(self) -> tuple[Misfit, tuple[float, float] | None, float, FloatArray | None]:
         """How the core weighs residuals and damage: misfit, prices, snap, weights."""
-        if self.penalty is None:
-            return self.misfit, None, 0.0, self.weights
-        return self.misfit, self.penalty.prices, self.penalty.snap, self.weights
+        prices, snap = (None, 0.0) if self.penalty is None else (self.penalty.prices, self.penalty.snap)
+        return self.misfit, prices, snap, self.weights
 
     @property
     def names(self) -> list[str]:

@@ -350,9 +350,8 @@ def _least_absolute(apart: FloatArray, slopes: FloatArray, room: tuple[FloatArra
     from scipy.optimize import lsq_linear
 
     n = slopes.shape[1]
-    low, high = np.minimum(room[0], -1e-9), np.maximum(room[1], 1e-9)
+    low, high, step = np.minimum(room[0], -1e-9), np.maximum(room[1], 1e-9), np.zeros(n)
     floor = max(1e-5, 0.3 * float(np.median(np.abs(apart))))
-    step = np.zeros(n)
     for _ in range(_REWEIGHTINGS):
         weight = 1.0 / np.sqrt(np.maximum(np.abs(apart + slopes @ step), floor))
         rows = np.vstack([slopes * weight[:, None], _DAMPING * np.eye(n)])
@@ -432,13 +431,6 @@ class ReducedProblem:
         responses, forces = asked[:2].astype(int)
         full = matrices(affine.at(x))
         return float(np.max(expected_errors(full, self._basis, (responses, forces), asked[2])))
-
-
-def largest_difference(one: FloatArray, other: FloatArray) -> float:
-    """Largest relative difference of paired frequencies; infinity where only one has a partner."""
-    if np.any(np.isnan(one) != np.isnan(other)):
-        return float("inf")
-    return float(np.nanmax(np.abs(one / other - 1.0), initial=0.0))
 
 
 def projected(
@@ -645,8 +637,11 @@ class _Answer:
     ) -> None:
         self.x, self.reduced, self.promised = x, reduced, promised
         self.cost, self.full_hz = problem._core.cost_and_pairs(x)
-        self.difference = largest_difference(reduced.paired_hz(x), self.full_hz)
-        residuals = np.where(np.isnan(self.full_hz), 1.0, (self.full_hz / problem.measured_hz) ** 2 - 1.0)
+        own_hz, alone = reduced.paired_hz(x), np.isnan(self.full_hz)
+        apart = float(np.nanmax(np.abs(own_hz / self.full_hz - 1.0), initial=0.0))
+        #: Largest relative difference of paired frequencies; infinity where only one has a partner.
+        self.difference = apart if np.array_equal(np.isnan(own_hz), alone) else float("inf")
+        residuals = np.where(alone, 1.0, (self.full_hz / problem.measured_hz) ** 2 - 1.0)
         self.unexplained = float(np.abs(residuals).mean())
 
 
