@@ -35,11 +35,6 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
     truth : mapping of int to float, optional
         True loss by zero-based element, where it is known; drawn as diamonds.
 
-    Raises
-    ------
-    InvalidInputError
-        A truth that is no mapping.
-
     Examples
     --------
     >>> import antires_rs as ar
@@ -195,21 +190,13 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
     Parameters
     ----------
     most : int
-        Bars at most: of the first three hypotheses, and of those above 0.005. The others share one.
-
-    Raises
-    ------
-    InvalidInputError
-        ``most`` below 1.
+        Bars at most, from 1 on: the first three hypotheses, and those above 0.005. The others share one.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> before, now = (ar.MassSpringChain([1.0] * 4, [500.0, k, 500.0]) for k in (500.0, 300.0))
-    >>> exact = (dict(enumerate(model.antiresonances([0, 1, 2, 3], 0))) for model in (before, now))
-    >>> intact, damaged = (ar.AntiresonanceSet(0, each) for each in exact)
-    >>> found = ar.assess_damage(before, damaged, baseline=intact)
-    >>> found.hypotheses.plot().get_xlabel()
+    >>> case = ar.cases.chain8()
+    >>> ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)).hypotheses.plot().get_xlabel()
     'Probability'
     """
     integer("most", most, low=1)

@@ -48,8 +48,6 @@ def write_report(
 ) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
 
-    Notes
-    -----
     The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
     figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
     pictures stand there. Where all stabilization diagrams together would make it larger, the last are left

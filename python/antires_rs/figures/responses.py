@@ -69,10 +69,9 @@ def plot_responses(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> chain = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> rec = chain.simulate(excitation=0, fs_hz=20.0, duration_s=60.0, damping_ratio=0.01, rng=0)
-    >>> t = ar.transmissibility(rec, 0, nperseg=256)
-    >>> ar.figures.plot_responses(t, chain, dofs=[2], excitation=0).get_ylabel()
+    >>> case = ar.cases.chain8()
+    >>> t = ar.transmissibility(case.experiment(duration_s=60.0, rng=0), 0, nperseg=4096)
+    >>> ar.figures.plot_responses(t, case.model, dofs=[2], excitation=0).get_ylabel()
     'dof 2 over dof 0 (dB)'
     """
     models = [before] + ([] if after is None else [after])

@@ -76,14 +76,9 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     Parameters
     ----------
     dof : int or str, optional
-        The response; by default the first that has any antiresonance.
+        A response that has antiresonances; by default the first.
     kind : {"change", "frequency"}
         Change since the first test of each in %, or the frequencies in Hz.
-
-    Raises
-    ------
-    InvalidInputError
-        A dof without antiresonances, or an unknown kind.
 
     Examples
     --------
@@ -169,11 +164,6 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
         All below one another, or one of them.
     ax : matplotlib.axes.Axes, optional
         With it "charts" is "T2".
-
-    Raises
-    ------
-    InvalidInputError
-        An unknown panel.
 
     Examples
     --------

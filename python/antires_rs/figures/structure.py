@@ -71,11 +71,6 @@ def plot_chain(
     label : str
         Name of the values, with their unit.
 
-    Raises
-    ------
-    InvalidInputError
-        Values that do not fit the springs, dofs outside the model.
-
     Examples
     --------
     >>> import antires_rs as ar
@@ -188,17 +183,10 @@ def plot_frame(
         Whether to number elements and nodes, from 0 as tables do; those of nodes are slanted, in grey. By
         default elements up to 120 and nodes up to 60.
 
-    Raises
-    ------
-    InvalidInputError
-        Values that do not fit the elements, dofs outside the model.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
-    >>> frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], pipe, fixed=[0])
-    >>> frame.plot({1: 0.4}, excitation=frame.dof(2, "u")).get_xlabel()
+    >>> ar.cases.exhaust().model.plot({1: 0.4}).get_xlabel()
     'x (m)'
     """
     ax = new_axes(ax, (9.0, 4.6))

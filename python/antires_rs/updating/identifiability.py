@@ -255,11 +255,6 @@ def identifiability(
     -------
     BoxIdentifiability
 
-    Raises
-    ------
-    InvalidInputError
-        A number out of range, a dof that the model does not have, no parameter that may move.
-
     Examples
     --------
     >>> import antires_rs as ar

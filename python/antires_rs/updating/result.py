@@ -201,8 +201,8 @@ class UpdateResult(ReadOnly, Viewed):
         """Profile likelihood of one parameter: the others are fitted again at ``points`` of its values.
 
         For parameters on a bound, and those that the data hardly tell; ``kind`` says whether both sides
-        close. An unknown name is an ``InvalidInputError``. Of damage against a baseline the others of the set
-        declared damaged are fitted, by the likelihood of the assessment; other elements have no profile.
+        close. Of damage against a baseline the others of the set declared damaged are fitted, by the
+        likelihood of the assessment; other elements, and unknown names, are an ``InvalidInputError``.
         """
         finite_scalar("level", level, low=0.5, high=0.999)
         integer("points", points, low=5, high=1001)

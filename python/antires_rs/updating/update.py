@@ -67,12 +67,11 @@ def update(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
-    >>> true = nominal.with_parameters(springs, [1.1, 0.96])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
-    >>> ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0).x.round(2)
-    array([1.1 , 0.96])
+    >>> nominal = ar.MassSpringChain([1.0, 1.0], [500.0], ground_first_n_per_m=500.0)
+    >>> measured = ar.AntiresonanceSet(0, {0: [3.4]})  # sqrt(k / m) / 2 pi
+    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0], bounds=(0.8, 1.2)), measured)
+    >>> ar.update(problem, rng=0).x.round(3)
+    array([0.913])
     """
     if not isinstance(problem, UpdatingProblem):
         reject("problem", problem, "an UpdatingProblem", "Join model, parameters and measurement by it.")
