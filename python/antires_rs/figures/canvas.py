@@ -230,10 +230,7 @@ def offer(ax: Any, **tables: Mapping[str, Any]) -> None:
 def data_of(ax: Any) -> dict[str, Table]:
     """Return the numbers behind a picture, for a table, a file or a picture of your own.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Returned by any function of this module.
+    ``ax`` is what any function of this module has returned; other axes are an ``InvalidInputError``.
 
     Returns
     -------
@@ -241,11 +238,6 @@ def data_of(ax: Any) -> dict[str, Table]:
         Tables by name and their columns, all of one length, read-only. The names of columns end in their unit
         (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or ratios.
         ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
-
-    Raises
-    ------
-    InvalidInputError
-        Axes that none of these functions has drawn into.
 
     Examples
     --------

@@ -192,18 +192,14 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
 
     Under one force the first stands out, and the second lies where noise and leakage put it; a second force
     lifts it everywhere but at the resonances. Channels are scaled to equal noise, so 0 dB is the noise (on
-    exact data: 60 dB below the mean power).
-
-    Raises
-    ------
-    InvalidInputError
-        A check of data without averages, which has no spectral matrix.
+    exact data: 60 dB below the mean power). A check of data without averages, which has no spectral matrix,
+    is refused.
 
     Examples
     --------
     >>> import antires_rs as ar
     >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> ar.signals.check_data(rec, band_hz=(3, 130)).plot().get_ylabel()
+    >>> ar.check_data(rec, band_hz=(3, 130)).plot().get_ylabel()
     'Singular value (dB re noise power)'
     """
     if getattr(check, "eigenvalues", None) is None:

@@ -171,10 +171,7 @@ MOST_POINTS = 1500  # points that a curve is drawn with at most
 def plot_convergence(result: UpdateResult | OptimizeResult, ax: Any = None) -> Any:
     """Draw the best J of each island against the evaluations of all, with the migrations.
 
-    Raises
-    ------
-    InvalidInputError
-        A result without a search: one against a baseline.
+    A result against a baseline, which has no search, is refused.
 
     Examples
     --------

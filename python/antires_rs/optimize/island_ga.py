@@ -324,11 +324,6 @@ class IslandGA:
     max_generations, max_seconds : int and float, optional
         Budgets of generations and of time. A run that time ends is not reproducible.
 
-    Raises
-    ------
-    InvalidInputError
-        An unknown option or a value out of range.
-
     References
     ----------
     Joines & Houck, Proc. IEEE ICEC (1994); Michalewicz, Genetic Algorithms + Data Structures =

@@ -216,7 +216,7 @@ def update_ensemble(
     problems : UpdatingProblem, or an iterable of them
         A generator is read a few ahead only. One problem alone is updated ``count`` times, with other seeds.
     count : int, optional
-        How many seeds one problem gets.
+        How many seeds one problem gets; None for several problems.
     optimizer, progress
         As of :func:`update`.
     rng : int or numpy.random.Generator, optional
@@ -229,11 +229,6 @@ def update_ensemble(
     -------
     UpdateEnsemble
         Also after Ctrl-C: what was there.
-
-    Raises
-    ------
-    InvalidInputError
-        ``count`` beside several problems, or none beside one.
 
     Examples
     --------
