@@ -91,15 +91,10 @@ def detectability(
     -------
     DetectionCurves
 
-    Raises
-    ------
-    InvalidInputError
-        Elements or dofs outside the model, a band without antiresonances, numbers out of range.
-
     Notes
     -----
     Every antiresonance in the band counts as identified, with Gaussian errors; clutter and lost values are
-    not simulated. MIL-HDBK-1823A has the terms.
+    not simulated. MIL-HDBK-1823A has the terms. A band without any is an ``InvalidInputError``.
 
     Examples
     --------

@@ -223,15 +223,10 @@ def plan_test(
     -------
     SensorPlan
 
-    Raises
-    ------
-    InvalidInputError
-        Elements or dofs outside the model, too few or too many sensors, nothing in the band.
-
     Notes
     -----
     Information of small changes, at the model as it is (D-optimality: Kammer 1991, Papadimitriou 2004); of
-    larger damage see :func:`detectability`.
+    larger damage see :func:`detectability`. A band without antiresonances is an ``InvalidInputError``.
 
     Examples
     --------

@@ -163,8 +163,7 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
     Raises
     ------
     InvalidInputError
-        Dofs outside the model, nothing measured, a parameter that changes nothing, bounds within which
-        stiffness or mass becomes indefinite.
+        Dofs outside the model, a parameter that changes nothing, bounds at which K or M becomes indefinite.
 
     Notes
     -----

@@ -14,7 +14,6 @@ from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
 
 STEP_OF_SLOPES = 1e-5  # of the range: the residuals carry rounding of 1e-13, so this leaves 1e-8 of error
-_PIECE = 64  # candidates that a thread evaluates at a time
 
 
 class BoxResiduals:
@@ -72,16 +71,11 @@ class BoxResiduals:
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
-        pieces = [u[first : first + _PIECE] for first in range(0, len(u), _PIECE)]
-
-        def rows(piece: FloatArray) -> FloatArray:
-            return np.stack([self.at(row) for row in piece])
-
-        if workers == 1 or len(pieces) == 1:
-            return np.concatenate([rows(piece) for piece in pieces])
+        if workers == 1:
+            return np.stack([self.at(row) for row in u])
         pool = ThreadPoolExecutor(workers)
         try:
-            return np.concatenate(list(pool.map(rows, pieces)))
+            return np.stack(list(pool.map(self.at, u)))
         finally:  # after Ctrl-C what has not begun is not begun
             pool.shutdown(wait=False, cancel_futures=True)
 
