@@ -142,11 +142,14 @@ def thread_count(workers: int | None) -> int:
 
 
 def check_bounds(bounds: Any) -> FloatArray:
-    """Bounds as an (n, 2) array; their order is checked in the core, by gene."""
-    wanted = "an array (n, 2) of lower and upper bounds, n >= 1"
-    box = real_array("bounds", bounds, ndim=2, wanted=wanted)
-    if box.shape[1] != 2:
-        reject("bounds", f"shape {box.shape}", wanted, "Write them as in [(0.0, 1.0), (0.9, 1.1)].")
+    """Bounds as an (n, 2) array; order and finiteness are checked in the core, by gene."""
+    wanted, remedy = "an array (n, 2) of lower and upper bounds", "Write them as in [(0.0, 1.0), (0.9, 1.1)]."
+    try:
+        box = np.asarray(bounds, dtype=np.float64)
+    except (TypeError, ValueError) as exc:
+        reject("bounds", f"{type(bounds).__name__} that does not convert ({exc})", wanted, remedy)
+    if box.ndim != 2 or box.shape[1] != 2 or box.size == 0:
+        reject("bounds", f"shape {box.shape}", wanted, remedy)
     return box
 
 

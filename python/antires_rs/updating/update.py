@@ -173,7 +173,8 @@ class UpdateEnsemble:
         """Parameters of every result, (n_problems, n_parameters), of one number; NaN where it failed."""
         sizes = {result.x.size for result in self.results if result is not None}
         if len(sizes) > 1:
-            reject("x", f"numbers of parameters {sorted(sizes)}", "one number", "Take .x of each result.")
+            got = f"problems of {', '.join(map(str, sorted(sizes)))} parameters"
+            reject("x", got, "problems of one number of parameters", "Take .x of each result.")
         size = sizes.pop() if sizes else 0
         return np.array([np.full(size, np.nan) if r is None else r.x for r in self.results]).reshape(-1, size)
 
