@@ -28,7 +28,6 @@ import numpy as np
 
 import antires_rs as ar
 from antires_rs.figures.canvas import picture
-from antires_rs.figures.damage import plot_damages
 from benchmarks.study_tools import add_options, print_table
 
 DAMAGED, NOISE = 4, 0.01
@@ -131,9 +130,12 @@ def main():
             + " %"
         )
     if options.picture:
-        found = {name: result for name, (result, _) in zip(APPROACHES, runs[0], strict=True)}
-        found.pop(APPROACHES[2])
-        options.picture.write_bytes(picture(lambda ax: plot_damages(found, ax=ax, truth=truth), (7.0, 4.2)))
+
+        def draw(axes):
+            for ax, name, (result, _) in zip(axes, APPROACHES[:2], runs[0], strict=False):
+                result.plot(ax=ax, truth=truth).set_title(name)
+
+        options.picture.write_bytes(picture(draw, (7.0, 8.0), rows=2))
         print(f"picture of seed {seeds[0]}: {options.picture}", file=sys.stderr)
 
 

@@ -9,7 +9,6 @@ same record, with the same search and penalties.
 import matplotlib.pyplot as plt
 
 import antires_rs as ar
-from antires_rs import figures as plotting
 
 case = ar.cases.chain8()
 record = case.experiment(level=1, noise=0.05, duration_s=128.0, rng=5)
@@ -23,9 +22,10 @@ damages = {
     "antiresonances": ar.assess_damage(case.model, zeros, **penalties, rng=0),
     "resonances, shapes": ar.assess_damage(case.model, modes, **penalties, rng=0),
 }
-fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
-plotting.plot_damages(damages, ax=ax, truth=case.truth(level=1)["severity"])
-for name, damage in damages.items():
+fig, axes = plt.subplots(2, 1, figsize=(9, 7), layout="constrained")
+for ax, (name, damage) in zip(axes, damages.items(), strict=True):
+    damage.plot(ax=ax, truth=case.truth(level=1)["severity"])
+    ax.set_title(name)
     print(f"{name:20s} spring {damage.damaged[0]}: {100 * damage.severity[4]:.2f} % (true: 55 %)")
 
 # %%

@@ -103,7 +103,7 @@ WRONG = [
     ("add", {"dof": 0, "freq_hz": 3.0, "reason": "x" * 1001}, "at most 1,000"),
     ("take_back", {"number": 0}, "an edit"),
     ("add", {"dof": 0, "freq_hz": 10**400}, "a finite number"),
-    ("drop", {"dof": 10**400, "freq_hz": 3.0}, "a whole number"),
+    ("drop", {"dof": 10**400, "freq_hz": 3.0}, "an integer in 0"),
     ("identify", {"low_hz": 5.0, "high_hz": 2.0}, "low < high"),
     ("identify", {"low_hz": 5.0, "high_hz": 2000.0}, "low < high"),
     ("identify", {"low_hz": 1.0, "high_hz": 9.0, "max_order": 1}, "at least 2"),

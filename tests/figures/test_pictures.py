@@ -20,13 +20,10 @@ from tests.support.four_masses import BAND, DOFS, SPRINGS, chain, exact
 PICTURES = {
     "stabilization": (["poles", "values", "curve"], "(Hz)", "(-)"),
     "damping_clusters": (["poles", "values"], "(Hz)", "(%)"),
-    "coherence": (["coherence"], "(Hz)", "(-)"),
     "singular_values": (["singular_values"], "(Hz)", "(dB re noise power)"),
-    "transmissibility": (["transmissibility"], "(Hz)", "(dB re 1)"),
     "responses": (["responses"], "(Hz)", "(dB)"),
     "differences": (["bars"], "(Hz)", "(%)"),
     "damage": (["bars"], "", "(%)"),
-    "damages": (["bars"], "", "(%)"),
     "hypotheses": (["hypotheses"], "Probability", ""),
     "frame": (["elements"], "(m)", "(m)"),
     "chain": (["springs"], "", ""),
@@ -77,7 +74,9 @@ def test_a_picture_draws_into_the_axes_given_and_offers_its_numbers_in_whole_tab
         assert not any(column.flags.writeable for column in table.values())
 
 
-@pytest.mark.parametrize("name", ["stabilization", "differences", "damage", "coherence", "monitor", "frame"])
+@pytest.mark.parametrize(
+    "name", ["stabilization", "differences", "damage", "singular_values", "monitor", "frame"]
+)
 def test_without_axes_a_pyplot_figure_is_made(name):
     made = draw(name, None)
     assert pyplot.fignum_exists(made.figure.number)
@@ -153,14 +152,6 @@ def test_a_set_draws_what_was_edited_by_hand(unsteady, ax, kind):
     assert texts(ax) == [f"{first:.2f} Hz", "3.30 Hz", f"({second:.2f} Hz)", f"{third:.2f} Hz"]
 
 
-def test_many_coherences_are_summed_up(ax):
-    resp = ar.frf(ar.cases.chain8().experiment(noise=0.02, duration_s=40.0, rng=60), nperseg=2048)
-    figures.plot_coherence(resp, ax=ax)
-    assert set(labels(ax)) >= {"each dof", "lowest", "median"}
-    np.testing.assert_array_equal(line_of(ax, "lowest").get_ydata(), resp.coherence.min(axis=0))
-    np.testing.assert_array_equal(line_of(ax, "median").get_ydata(), np.median(resp.coherence, axis=0))
-
-
 def test_singular_values_are_in_decibels_over_the_noise(record, ax):
     check = check_data(record, excitation=0, band_hz=BAND)
     assert check.plot(ax=ax) is ax
@@ -178,16 +169,14 @@ def test_singular_values_are_in_decibels_over_the_noise(record, ax):
 
 def test_what_cannot_be_drawn_is_refused(record, judged):
     alone = ar.FrequencyResponse(np.linspace(0.5, 9.0, 300), np.ones((2, 300)))
-    h, t = ar.frf(record, nperseg=512), ar.transmissibility(record, 0, nperseg=512)
+    t = ar.transmissibility(record, 0, nperseg=512)
     force = {"excitation": 0}
     for name, given, more, said in (
-        ("coherence", [alone], {}, "several averages"),
-        ("coherence", [record], {}, "got Recording"),
         ("singular_values", [check_data(alone, band_hz=BAND)], {}, "no spectral matrix"),
         ("singular_values", [record], {}, "got Recording"),
-        ("transmissibility", [t, chain()], {"dof": 0, **force}, "reference"),
-        ("transmissibility", [t, chain()], {"dof": 9, **force}, r"\[1, 2, 3\]"),
-        ("transmissibility", [h, chain()], {"dof": 1, **force}, "transmissibility"),
+        ("responses", [t, chain()], {"dofs": [0], **force}, "reference"),
+        ("responses", [t, chain()], {"dofs": [9], **force}, r"\[1, 2, 3\]"),
+        ("responses", [record, chain()], force, "FrequencyResponse"),
         ("convergence", [judged], {}, "without a search; wanted the result of a search. See result.hy"),
         ("hypotheses", [judged.hypotheses], {"most": 0}, "^most: got 0"),
         ("chain", [chain(), [1.0, 2.0]], {}, r"an array \(3,\)"),
@@ -203,7 +192,7 @@ def test_transmissibility_of_the_very_model_lies_on_the_measurement(ax):
     freq = np.linspace(0.5, 9.0, 300)
     h = chain().frf(DOFS, 0, freq, damping_ratio=0.01)
     t = ar.FrequencyResponse(freq, h / h[1], DOFS, "transmissibility", 1)
-    figures.plot_transmissibility(t, chain(1.1 * SPRINGS), chain(), dof=3, excitation=0, ax=ax)
+    figures.plot_responses(t, chain(1.1 * SPRINGS), chain(), dofs=[3], excitation=0, ax=ax)
     measured, before, after = (line.get_ydata() for line in ax.lines)
     np.testing.assert_allclose(after, measured, atol=1e-9)
     assert np.abs(before - measured).max() > 1.0
@@ -214,7 +203,7 @@ def test_transmissibility_sum_peaks_at_the_antiresonances_and_leaves_out_0_hz(ax
     freq = np.linspace(0.0, 9.0, 9001)
     h = chain().frf(DOFS, 0, freq[1:], damping_ratio=0.002)
     t = ar.FrequencyResponse(freq, np.hstack([np.ones((4, 1)), h / h[0]]), DOFS, "transmissibility", 0)
-    figures.plot_transmissibility(t, chain(), dof=None, excitation=0, damping_ratio=0.002, ax=ax)
+    figures.plot_responses(t, chain(), excitation=0, damping_ratio=0.002, ax=ax)
     x, y = ax.lines[0].get_data()
     assert x[0] > 0.0
     peaks = x[1:-1][(y[1:-1] > y[:-2]) & (y[1:-1] > y[2:])]

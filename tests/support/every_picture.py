@@ -36,18 +36,14 @@ def given():
     pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
     frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], pipe, fixed=[0])
     known = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
-    h, t = ar.frf(record(), nperseg=512), ar.transmissibility(record(), 0, nperseg=512)
     scattered = 1.0 + 1e-3 * np.random.default_rng(0).standard_normal(60)
     diagram, found = identified().diagrams[1], damage()
     return {
         **dict.fromkeys(("stabilization", "damping_clusters"), (diagram, {})),
-        "coherence": (h, {}),
         "singular_values": (check_data(record(), band_hz=BAND), {}),
-        "transmissibility": (t, chain(), {"dof": 2, "excitation": 0}),
-        "responses": (h, chain(), {"excitation": 0}),
+        "responses": (ar.frf(record(), nperseg=512), chain(), {"excitation": 0}),
         "differences": (updated().table, {}),
         **dict.fromkeys(("damage", "convergence"), (found, {})),
-        "damages": ({"one": found, "other": found}, {}),
         "hypotheses": (found.hypotheses, {}),
         "frame": (frame, {1: 0.4}, {}),
         "chain": (chain(), found.severity, {}),

@@ -289,7 +289,7 @@ def test_modes_and_the_same_answer_twice():
 def test_combinations_in_words():
     together, against = np.array([[0.7, 0.6, 0.0, 0.0], [0.7, -0.5, -0.4, 0.0]])
     assert combination_in_words("abcd", together) == "a together with b; their ratio is"
-    assert combination_in_words("abcd", against) == "a against b and c"
+    assert combination_in_words("abcd", against) == "a against b, c"
 
 
 def test_wrong_arguments_are_refused():

@@ -19,7 +19,7 @@ from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
-from ..updating.targets import Series, model_dof, sorted_out, usual_damping, zeros_beside
+from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
 from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
 from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
 from .likelihood import (
@@ -281,8 +281,8 @@ class Plan:
         assert isinstance(responses, Responses)
         for each, labels in zip(self.question.measured, responses.labels, strict=True):
             assert isinstance(each, AntiresonanceSet)
-            force = model_dof(model, "excitation", each.excitation)
-            dofs = [model_dof(model, "measured dof", label) for label in labels]
+            force = model._dof("excitation", each.excitation)
+            dofs = [model._dof("measured dof", label) for label in labels]
             highest_hz = _BEYOND * max(each[dof].max(initial=0.0) for dof in each)
             every = zip(labels, zeros_beside(model, dofs, force, highest_hz), strict=True)
             zeros: dict[Any, tuple[FloatArray, Series]] = {

@@ -14,7 +14,6 @@ from .. import _core
 from ..exceptions import reject
 from ..measured.modal_set import ModalSet
 from ..support.checks import FloatArray
-from ..updating.targets import model_dof
 from .measured_states import ASSUMED_STD, LEAST_STD, Column, Roots, Values, note_of_same_data, same_data
 
 if TYPE_CHECKING:
@@ -330,7 +329,7 @@ def measured_modes(
     """The sensors of all sets, the intact modes and those of now."""
 
     def dofs_of(each: ModalSet) -> _Dofs:
-        return tuple(model_dof(model, "measured dof", dof) for dof in each.dofs)
+        return tuple(model._dof("measured dof", dof) for dof in each.dofs)
 
     listed = [[*map(dofs_of, baseline)], [*map(dofs_of, measured)]]
     before, after = ([tuple(sorted(dofs)) for dofs in each] for each in listed)

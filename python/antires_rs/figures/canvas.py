@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache, singledispatch
+from functools import lru_cache
 from io import BytesIO
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -97,7 +97,7 @@ def draw_marks(ax: Any, drawn: Sequence[marks.Mark], zorder: float = 2.0) -> Non
     """Draw marks on each other, from ``zorder`` on."""
     for nth, mark in enumerate(drawn):
         if mark.only != "page":
-            _draw(mark, ax, zorder + 0.05 * nth)
+            getattr(_Drawn(ax), type(mark).__name__.lower())(mark, zorder + 0.05 * nth)
 
 
 def dash_of(dash: Any) -> Any:
@@ -105,93 +105,85 @@ def dash_of(dash: Any) -> Any:
     return dash if isinstance(dash, str) else (0, dash)
 
 
-@singledispatch
-def _draw(mark: marks.Mark, ax: Any, zorder: float) -> None:
-    raise TypeError(type(mark).__name__)
+class _Drawn:
+    """How each mark is drawn, by its name."""
 
+    def __init__(self, ax: Any) -> None:
+        self.ax = ax
 
-@_draw.register
-def _points(mark: marks.Points, ax: Any, zorder: float) -> None:
-    look: dict[str, Any] = {"marker": mark.marker, "ms": mark.size, "color": mark.colour, "mew": mark.stroke}
-    look |= {} if mark.face is None else {"mfc": mark.face}
-    look |= {"ls": dash_of(mark.link), "clip_on": not mark.spill, "zorder": zorder, "label": mark.label}
-    if mark.error is None:
-        ax.plot(mark.x, mark.y, **look)
-    else:
-        ax.errorbar(mark.x, mark.y, mark.error, elinewidth=1.0, capsize=2.5, **look)
+    def points(self, mark: marks.Points, zorder: float) -> None:
+        look: dict[str, Any] = {} if mark.face is None else {"mfc": mark.face}
+        look |= {"marker": mark.marker, "ms": mark.size, "color": mark.colour, "mew": mark.stroke}
+        look |= {"ls": dash_of(mark.link), "clip_on": not mark.spill, "zorder": zorder, "label": mark.label}
+        if mark.error is None:
+            self.ax.plot(mark.x, mark.y, **look)
+        else:
+            self.ax.errorbar(mark.x, mark.y, mark.error, elinewidth=1.0, capsize=2.5, **look)
 
+    def line(self, mark: marks.Line, zorder: float) -> None:
+        look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": mark.label}
+        look |= {"drawstyle": "steps-post"} if mark.steps else {}
+        self.ax.plot(mark.x, mark.y, zorder=zorder, **look)
 
-@_draw.register
-def _line(mark: marks.Line, ax: Any, zorder: float) -> None:
-    look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": mark.label}
-    look |= {"drawstyle": "steps-post"} if mark.steps else {}
-    ax.plot(mark.x, mark.y, zorder=zorder, **look)
+    def bars(self, mark: marks.Bars, zorder: float) -> None:
+        look = {"facecolor": mark.face, "edgecolor": mark.edge, "hatch": mark.hatch, "ls": dash_of(mark.dash)}
+        draw_bars = self.ax.barh if mark.sideways else self.ax.bar
+        draw_bars(mark.at, mark.length, mark.width, linewidth=0.8, zorder=zorder, label=mark.label, **look)
 
+    def whiskers(self, mark: marks.Whiskers, zorder: float) -> None:
+        half = 0.5 * (np.asarray(mark.high) - mark.low)
+        look = {"fmt": "none", "ecolor": "black", "elinewidth": 1.4, "capsize": 5, "capthick": 1.4}
+        self.ax.errorbar(mark.x, mark.low + half, half, zorder=zorder, label=mark.label, **look)
 
-@_draw.register
-def _bars(mark: marks.Bars, ax: Any, zorder: float) -> None:
-    look = {"facecolor": mark.face, "edgecolor": mark.edge, "hatch": mark.hatch, "ls": dash_of(mark.dash)}
-    draw_bars = ax.barh if mark.sideways else ax.bar
-    draw_bars(mark.at, mark.length, mark.width, linewidth=0.8, zorder=zorder, label=mark.label, **look)
+    def rules(self, mark: marks.Rules, zorder: float) -> None:
+        for nth, at in enumerate(np.atleast_1d(mark.at)):
+            label = mark.label if nth == 0 else None
+            look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": label}
+            (self.ax.axvline if mark.upright else self.ax.axhline)(at, zorder=zorder, **look)
 
+    def bands(self, mark: marks.Bands, zorder: float) -> None:
+        look = {"facecolor": mark.face, "edgecolor": "#BFBFBF", "hatch": mark.hatch, "lw": 0.0, "zorder": 0}
+        for nth, (low, high) in enumerate(zip(mark.low, mark.high, strict=True)):
+            self.ax.axvspan(low, high, label=mark.label if nth == 0 else f"_{mark.label}", **look)
 
-@_draw.register
-def _whiskers(mark: marks.Whiskers, ax: Any, zorder: float) -> None:
-    half = 0.5 * (np.asarray(mark.high) - mark.low)
-    look = {"fmt": "none", "ecolor": "black", "elinewidth": 1.4, "capsize": 5, "capthick": 1.4}
-    ax.errorbar(mark.x, mark.low + half, half, zorder=zorder, label=mark.label, **look)
+    def words(self, mark: marks.Words, zorder: float) -> None:
+        way, across, along = marks.BESIDE[mark.where]
+        look = {"fontsize": mark.size, "color": mark.colour, "ha": across, "va": along, "zorder": zorder}
+        look |= {"fontstyle": "italic" if mark.slanted else "normal", "rotation": 90 if mark.turned else 0}
+        look |= {"bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.6}} if mark.boxed else {}
+        for x, y, text in zip(mark.x, mark.y, mark.texts, strict=True):
+            offset = (mark.away * way[0], mark.away * way[1])
+            self.ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", **look)
 
+    def heads(self, mark: marks.Heads, zorder: float) -> None:
+        look: dict[str, Any] = {"xytext": (0, 4), "textcoords": "offset points", "fontsize": "small"}
+        look |= {"ha": "center", "va": "bottom", "xycoords": self.ax.get_xaxis_transform()}
+        for nth, (x, text) in enumerate(zip(mark.x, mark.texts, strict=True)):
+            look["fontweight"] = "bold" if nth < len(mark.bold) and mark.bold[nth] else "normal"
+            self.ax.annotate(text, (x, 1.0), **look)
 
-@_draw.register
-def _rules(mark: marks.Rules, ax: Any, zorder: float) -> None:
-    for nth, at in enumerate(np.atleast_1d(mark.at)):
-        label = mark.label if nth == 0 else None
-        look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": label}
-        (ax.axvline if mark.upright else ax.axhline)(at, zorder=zorder, **look)
+    def paths(self, mark: marks.Paths, zorder: float) -> None:
+        if mark.values is not None:
+            _coloured(self.ax, mark, zorder)
+            return
+        # One line with gaps, so that dashes go on over elements that follow each other.
+        points: list[FloatArray] = []
+        for path in mark.paths:
+            if not points or np.any(points[-1] != path[0]):
+                points += [np.full(2, np.nan), path[0]]
+            points += list(path[1:])
+        whole = np.array(points[1:]).reshape(-1, 2).T
+        look = {"lw": mark.width, "solid_capstyle": "round", "dash_capstyle": "butt"}
+        if mark.dash != "-":  # what is pale underneath keeps the structure in one piece
+            self.ax.plot(*whole, color="#D5D5D5", zorder=zorder - 0.1, **look)
+        look |= {"color": mark.colour, "ls": dash_of(mark.dash)}
+        self.ax.plot(*whole, zorder=zorder, label=mark.label, **look)
 
-
-@_draw.register
-def _bands(mark: marks.Bands, ax: Any, zorder: float) -> None:
-    look = {"facecolor": mark.face, "edgecolor": "#BFBFBF", "hatch": mark.hatch, "lw": 0.0, "zorder": 0}
-    for nth, (low, high) in enumerate(zip(mark.low, mark.high, strict=True)):
-        ax.axvspan(low, high, label=mark.label if nth == 0 else f"_{mark.label}", **look)
-
-
-@_draw.register
-def _words(mark: marks.Words, ax: Any, zorder: float) -> None:
-    way, across, along = marks.BESIDE[mark.where]
-    look = {"fontsize": mark.size, "color": mark.colour, "fontstyle": "italic" if mark.slanted else "normal"}
-    look |= {"ha": across, "va": along, "rotation": 90 if mark.turned else 0, "zorder": zorder}
-    look |= {"bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.6}} if mark.boxed else {}
-    for x, y, text in zip(mark.x, mark.y, mark.texts, strict=True):
-        offset = (mark.away * way[0], mark.away * way[1])
-        ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", **look)
-
-
-@_draw.register
-def _heads(mark: marks.Heads, ax: Any, zorder: float) -> None:
-    look: dict[str, Any] = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center", "va": "bottom"}
-    for nth, (x, text) in enumerate(zip(mark.x, mark.texts, strict=True)):
-        look["fontweight"] = "bold" if nth < len(mark.bold) and mark.bold[nth] else "normal"
-        ax.annotate(text, (x, 1.0), xycoords=ax.get_xaxis_transform(), fontsize="small", **look)
-
-
-@_draw.register
-def _paths(mark: marks.Paths, ax: Any, zorder: float) -> None:
-    if mark.values is not None:
-        _coloured(ax, mark, zorder)
-        return
-    # One line with gaps, so that dashes go on over elements that follow each other.
-    points: list[FloatArray] = []
-    for path in mark.paths:
-        if not points or np.any(points[-1] != path[0]):
-            points += [np.full(2, np.nan), path[0]]
-        points += list(path[1:])
-    whole = np.array(points[1:]).reshape(-1, 2).T
-    look = {"lw": mark.width, "solid_capstyle": "round", "dash_capstyle": "butt"}
-    if mark.dash != "-":  # what is pale underneath keeps the structure in one piece
-        ax.plot(*whole, color="#D5D5D5", zorder=zorder - 0.1, **look)
-    ax.plot(*whole, color=mark.colour, zorder=zorder, ls=dash_of(mark.dash), label=mark.label, **look)
+    def arrows(self, mark: marks.Arrows, zorder: float) -> None:
+        look = {"arrowstyle": "-|>", "color": mark.colour, "lw": mark.width, "shrinkA": 0, "shrinkB": 2}
+        for tail, head in zip(mark.tails, mark.heads, strict=True):
+            self.ax.annotate("", head, xytext=tail, arrowprops=look, zorder=zorder)
+        self.ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=13, color=mark.colour, label=mark.label)
 
 
 def _coloured(ax: Any, mark: marks.Paths, zorder: float) -> None:
@@ -221,14 +213,6 @@ def _coloured(ax: Any, mark: marks.Paths, zorder: float) -> None:
     ax.figure.colorbar(lines, ax=ax, label=mark.scale, shrink=0.8)
 
 
-@_draw.register
-def _arrows(mark: marks.Arrows, ax: Any, zorder: float) -> None:
-    look = {"arrowstyle": "-|>", "color": mark.colour, "lw": mark.width, "shrinkA": 0, "shrinkB": 2}
-    for tail, head in zip(mark.tails, mark.heads, strict=True):
-        ax.annotate("", head, xytext=tail, arrowprops=look, zorder=zorder)
-    ax.plot([], [], ls="", marker=r"$\rightarrow$", ms=13, color=mark.colour, label=mark.label)
-
-
 # -- The numbers behind a picture
 
 _offered: WeakKeyDictionary[Any, dict[str, Table]] = WeakKeyDictionary()
@@ -246,10 +230,7 @@ def offer(ax: Any, **tables: Mapping[str, Any]) -> None:
 def data_of(ax: Any) -> dict[str, Table]:
     """Return the numbers behind a picture, for a table, a file or a picture of your own.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Returned by any function of this module.
+    ``ax`` is what any function of this module has returned; other axes are an ``InvalidInputError``.
 
     Returns
     -------
@@ -258,20 +239,12 @@ def data_of(ax: Any) -> dict[str, Table]:
         (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or ratios.
         ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
 
-    Raises
-    ------
-    InvalidInputError
-        Axes that none of these functions has drawn into.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ax = ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots())
-    >>> list(ar.figures.data_of(ax)["bars"])
-    ['element', 'name', 'loss_percent', 'smallest_seen_percent']
+    >>> ax = ar.figures.plot_chain(ar.MassSpringChain([1.0, 1.0], [500.0]), [10.0])
+    >>> list(ar.figures.data_of(ax)["springs"])
+    ['element', 'name', 'value']
     """
     try:
         return {name: dict(table) for name, table in _offered[ax].items()}
@@ -325,10 +298,12 @@ def below(ax: Any, *, drop_pt: float = 40.0, first: Sequence[str] = ()) -> None:
     ax.legend(handles, labels, ncols=columns, **place, **look)
 
 
-def plain_log(axis: Any, *, narrow: bool) -> None:
-    """Plain numbers on a logarithmic axis; on a narrow one between the decades too."""
+def plain_log(axis: Any) -> None:
+    """Plain numbers on a logarithmic axis; on one of less than two decades between these too."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+    low, high = axis.get_view_interval()
+    narrow = high < 80.0 * low
     plain = FuncFormatter(lambda value, _: f"{value:g}")
     axis.set_major_formatter(plain)
     if narrow:

@@ -32,22 +32,14 @@ def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float]
 
     Parameters
     ----------
-    result : DamageResult
     truth : mapping of int to float, optional
         True loss by zero-based element, where it is known; drawn as diamonds.
-
-    Raises
-    ------
-    InvalidInputError
-        A truth that is no mapping.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> intact = ar.MassSpringChain([1.0, 1.0, 1.0], [500.0, 500.0])
-    >>> measured = ar.AntiresonanceSet(0, {0: [1.9, 5.2], 1: [3.1]})
-    >>> ar.assess_damage(intact, measured, rng=0).plot(ax=Figure().subplots()).get_ylabel()
+    >>> case = ar.cases.chain8()
+    >>> ar.assess_damage(case.model, case.exact(1), rng=0).plot(truth={4: 0.55}).get_ylabel()
     'Stiffness loss (%)'
     """
     if truth is not None and not isinstance(truth, Mapping):
@@ -89,9 +81,8 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
         more["interval"] = [f"{span(a, b)} %" if b > 0.0 else "-" for a, b in result.interval.values()]
         more["probability"] = [percent(p) for p in result.probability.values()]
     says |= {"Smallest that would be seen": "@seen"} | ({"Truth": "@truth{0.0} %"} if truth else {})
-    marks: list[Mark] = [
-        Bars(x, np.full(x.size, top), 1.0, face="none", edge=None, only="page", says=says, more=more)
-    ]
+    whole = np.full(x.size, top)  # what a page hovers over
+    marks: list[Mark] = [Bars(x, whole, 1.0, "none", None, only="page", says=says, more=more)]
     if (some := np.isfinite(instead)).any():
         marks.append(Bars(x[some], instead[some], face="none", dash="--", label="what else it may be"))
     marks += [Bars(x, found, label="found"), *_smallest_seen(x, visible, top)]
@@ -119,12 +110,10 @@ def _alternatives(found: Assessment, elements: list[int]) -> FloatArray:
     """Losses in % of elements that may be the damaged ones instead, NaN elsewhere."""
     losses = np.full(len(elements), np.nan)
     likely = [one for one in found.hypotheses if one.candidate and one.probability >= _WORTH_A_BAR]
-    for element, severity in (
-        each for one in likely for each in zip(one.elements, one.severities, strict=True)
-    ):
-        at = elements.index(element)
-        if element not in found.declared and np.isnan(losses[at]):
-            losses[at] = 100.0 * severity
+    for one in reversed(likely):  # the likeliest last, which counts
+        for element, severity in zip(one.elements, one.severities, strict=True):
+            if element not in found.declared:
+                losses[elements.index(element)] = 100.0 * severity
     return losses
 
 
@@ -134,7 +123,6 @@ def _percent(p: float) -> str:
 
 
 def _truths(result: DamageResult, truth: Mapping[int, float] | None) -> FloatArray:
-    """True losses in %, NaN where there is none."""
     return 100.0 * np.array([(truth or {}).get(e, np.nan) for e in result.elements])
 
 
@@ -182,77 +170,9 @@ def _element_axis(names: list[str], upright: bool) -> Axis:
     return Axis(label, (-spare, len(names) - 1 + spare), names=names, upright=upright)
 
 
-# -- Damage as several measurements see it, side by side
-
-#: Looks of the bars, told apart in grey too.
-LOOKS: tuple[dict[str, Any], ...] = (
-    {"face": "blue"},
-    {"face": "white", "edge": "vermillion", "hatch": "/////"},
-    {"face": "#D9D9D9", "hatch": "..."},
-    {"face": "white", "edge": "green", "hatch": "xxxx"},
-)
-
-
-def plot_damages(
-    results: Mapping[str, DamageResult], ax: Any = None, truth: Mapping[int, float] | None = None
-) -> Any:
-    """Draw the stiffness loss of each candidate element in % as found by several approaches.
-
-    As Fig. 8 of V. Meruane, J. Sound Vib. 332 (2013) 807-820.
-
-    Parameters
-    ----------
-    results : mapping of str to DamageResult
-        By the name of the approach, two to four, all with the same candidate elements.
-    truth : mapping of int to float, optional
-        As in :func:`plot_damage`.
-
-    Raises
-    ------
-    InvalidInputError
-        Fewer than two results or more than four, or different candidate elements.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> case = ar.cases.chain8()
-    >>> both = {"antiresonances": case.exact(1), "resonances and shapes": case.exact_modes(1)}
-    >>> found = {name: ar.assess_damage(case.model, exact, rng=0) for name, exact in both.items()}
-    >>> ax = ar.figures.plot_damages(found, ax=Figure().subplots(), truth={4: 0.55})
-    >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['antiresonances', 'resonances and shapes', 'truth']
-    """
-    if not 2 <= len(results) <= len(LOOKS):
-        reject("results", f"{len(results)} results", f"two to {len(LOOKS)}", "Pass a dict of name to result.")
-    first, *others = results.values()
-    if any(other.elements != first.elements for other in others):
-        reject("results", "different candidate elements", "the same in all", "Pass a dict of name to result.")
-    names, truths = element_names(first), _truths(first, truth)
-    ax = new_axes(ax, (max(7.0, 0.4 * len(names) + 1.5), 4.4))
-    x, width = np.arange(len(names)), 0.8 / len(results)
-    upright = not fit_across(ax, names)
-    bars: dict[str, Any] = {"element": first.elements, "name": names}
-    marks: list[Mark] = []
-    for k, (name, result) in enumerate(results.items()):
-        bars[f"{name}_percent"] = percents = 100.0 * np.asarray(result.x)
-        at, some = x + (k - 0.5 * (len(results) - 1)) * width, percents > 0.0
-        marks.append(Bars(at, percents, 0.92 * width, label=name, **LOOKS[k]))
-        # A number beside its bar's middle: the diamond of the truth stands between the bars.
-        look: dict[str, Any] = {"away": 4.0, "size": 6.94, "turned": len(names) * len(results) > 24}
-        marks.append(Words(at[some], percents[some], [f"{value:.1f}" for value in percents[some]], **look))
-    y_axis = _percent_axis([truths, *list(bars.values())[2:]], upright)
-    if truth is not None:
-        marks.append(_diamonds(x, truths))
-        bars["truth_percent"] = truths
-    look = {"grid": "y", "first": tuple(results), "tables": {"bars": bars}}
-    return draw(Panel("damages", _element_axis(names, upright), y_axis, marks, **look), ax)
-
-
 # -- Hypotheses: bars of their probabilities
 
-#: Hypotheses that have a bar in any case, those above this probability, and how many of a page at most.
-_LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12
+_LEAST_ROWS, WORTH_A_ROW, MOST_ROWS = 3, 0.005, 12  # bars in any case, those above this probability, most
 
 
 def worth_a_row(hypotheses: Hypotheses, most: int = MOST_ROWS) -> list[Hypothesis]:
@@ -269,25 +189,14 @@ def plot_hypotheses(hypotheses: Hypotheses, ax: Any = None, most: int = 8) -> An
 
     Parameters
     ----------
-    hypotheses : Hypotheses
-        ``result.hypotheses`` of :func:`~antires_rs.assess_damage`.
     most : int
-        Bars at most: of the first three hypotheses, and of those above 0.005. The others share one.
-
-    Raises
-    ------
-    InvalidInputError
-        ``most`` below 1.
+        Bars at most, from 1 on: the first three hypotheses, and those above 0.005. The others share one.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> before, now = (ar.MassSpringChain([1.0] * 4, [500.0, k, 500.0]) for k in (500.0, 300.0))
-    >>> exact = (dict(enumerate(model.antiresonances([0, 1, 2, 3], 0))) for model in (before, now))
-    >>> intact, damaged = (ar.AntiresonanceSet(0, each) for each in exact)
-    >>> found = ar.assess_damage(before, damaged, baseline=intact)
-    >>> found.hypotheses.plot(ax=Figure().subplots()).get_xlabel()
+    >>> case = ar.cases.chain8()
+    >>> ar.assess_damage(case.model, case.exact(1), baseline=case.exact(0)).hypotheses.plot().get_xlabel()
     'Probability'
     """
     integer("most", most, low=1)

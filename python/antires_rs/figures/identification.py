@@ -16,16 +16,15 @@ from ..signals.recording import Recording
 from ..signals.spectra import two_channel
 from ..support.checks import FloatArray
 from . import live_canvas as live
-from .canvas import band_shown, below, draw, draw_marks, new_axes, offer, plain_log
-from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread, turn
+from .canvas import below, draw, draw_marks, new_axes, offer, plain_log
+from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..signals.one_force import DataCheck
 
 Edited = Sequence[float] | FloatArray  # values in Hz
-#: Lighter than every mark, also where colours are lost.
-CURVE = "#B8B8B8"
+CURVE = "#B8B8B8"  # lighter than every mark, also where colours are lost
 #: Colour and dash of each kind of value.
 LOOKS: dict[str, tuple[str, Any]] = {
     "accepted": (COLOURS["vermillion"], "--"),
@@ -43,19 +42,14 @@ def plot_stabilization(
 
     Parameters
     ----------
-    diagram : StabilizationDiagram
-        From :func:`~antires_rs.stabilization`, or ``AntiresonanceSet.diagrams[dof]``.
     dropped, added : sequence of float, optional
         Values in Hz taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows them.
 
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> f = np.linspace(1.0, 20.0, 200)
-    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
-    >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=20)
-    >>> diagram.plot(ax=Figure().subplots()).get_xlabel()
+    >>> ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f), max_order=20).plot().get_xlabel()
     'Frequency (Hz)'
     """
     ax = new_axes(ax, (9.0, 5.2))
@@ -98,9 +92,7 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     return Panel("stabilization", x, y, marks, behind=behind, tables={"curve": table})
 
 
-def _diagram_tables(
-    diagram: StabilizationDiagram, dropped: Edited, added: Edited
-) -> dict[str, dict[str, Any]]:
+def _diagram_tables(diagram: StabilizationDiagram, dropped: Edited, added: Edited) -> dict[str, Any]:
     """The poles and the values of a diagram, as pictures of it offer them."""
     order, freq, damping, stable = pole_table(diagram)
     found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
@@ -159,19 +151,14 @@ def plot_damping_clusters(
     their cluster. The damping axis is logarithmic; poles with less than 0.01 %, or right of the imaginary
     axis, stand as triangles on its foot.
 
-    Parameters
-    ----------
-    diagram, dropped, added
-        As in :func:`plot_stabilization`.
+    ``dropped`` and ``added`` are those of :func:`plot_stabilization`.
 
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> f = np.linspace(1.0, 20.0, 200)
-    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(200)
-    >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f) + noise, max_order=20)
-    >>> ar.figures.plot_damping_clusters(diagram, ax=Figure().subplots()).get_ylabel()
+    >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f), max_order=20)
+    >>> ar.figures.plot_damping_clusters(diagram).get_ylabel()
     'Damping ratio (%)'
     """
     _, freq, damping, stable = pole_table(diagram)
@@ -192,64 +179,12 @@ def plot_damping_clusters(
     panel = Panel("damping_clusters", x, y, marks, grid="y", tables=_diagram_tables(diagram, dropped, added))
     ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
     _mark_values(ax, diagram, dropped, added)
-    plain_log(ax.yaxis, narrow=False)
+    plain_log(ax.yaxis)
     below(ax)
     return ax
 
 
-# -- What stands behind an identification: coherence, and whether one force is enough
-
-FEW = 5  # with more curves than this each one is drawn thin and pale, and their median on top
-
-
-def plot_coherence(resp: FrequencyResponse, ax: Any = None, *, band_hz: Sequence[float] | None = None) -> Any:
-    """Draw the ordinary coherence of every output by frequency.
-
-    Parameters
-    ----------
-    resp : FrequencyResponse
-        With ``coherence``, e.g. from :func:`~antires_rs.frf` or :func:`~antires_rs.transmissibility`.
-    band_hz : (low, high), optional
-        Lines drawn; all of the data by default.
-
-    Raises
-    ------
-    InvalidInputError
-        Responses without coherence, or a band outside the data.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> ar.figures.plot_coherence(ar.frf(rec, nperseg=4096), ax=Figure().subplots()).get_ylabel()
-    'Coherence with the force (-)'
-    """
-    if not isinstance(resp, FrequencyResponse) or resp.coherence is None:
-        got = "responses without coherence" if isinstance(resp, FrequencyResponse) else type(resp).__name__
-        wanted = "a FrequencyResponse with coherence"
-        reject("resp", got, wanted, "Estimate it from a record with several averages.")
-    low, high = band_shown(resp.freq_hz, band_hz)
-    freq = resp.freq_hz
-    curves = {dof: row for dof, row in zip(resp.dofs, resp.coherence, strict=True) if dof != resp.reference}
-    rows = np.array(list(curves.values()))
-    if len(curves) <= FEW:
-        each = enumerate(curves.items())
-        marks: list[Mark] = [Line(freq, row, label=f"dof {dof}", **turn(i)) for i, (dof, row) in each]
-    else:
-        names = ["each dof", *[None] * (len(rows) - 1)]
-        marks = [Line(freq, row, CURVE, width=0.7, label=name) for row, name in zip(rows, names, strict=True)]
-        marks.append(Line(freq, rows.min(axis=0), "vermillion", "--", 1.0, label="lowest"))
-        marks.append(Line(freq, np.median(rows, axis=0), "blue", width=1.6, label="median"))
-    if resp.n_averages is not None and resp.n_averages > 1.0:
-        label = f"noise alone, {resp.n_averages:.0f} averages"
-        marks.append(Rules(1.0 / resp.n_averages, dash=":", width=0.9, label=label))
-    to = "the force" if resp.reference is None else f"dof {resp.reference}"
-    shown = (freq >= low) & (freq <= high)
-    table = {"freq_hz": freq[shown]} | {str(dof): row[shown] for dof, row in curves.items()}
-    x, y = Axis("Frequency (Hz)", (low, high)), Axis(f"Coherence with {to} (-)", (0.0, 1.04))
-    panel = Panel("coherence", x, y, marks, grid="both", tables={"coherence": table})
-    return draw(panel, new_axes(ax, (9.0, 4.0)))
+# -- Whether one force is enough
 
 
 def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
@@ -257,30 +192,20 @@ def plot_singular_values(check: DataCheck, ax: Any = None) -> Any:
 
     Under one force the first stands out, and the second lies where noise and leakage put it; a second force
     lifts it everywhere but at the resonances. Channels are scaled to equal noise, so 0 dB is the noise (on
-    exact data: 60 dB below the mean power).
-
-    Parameters
-    ----------
-    check : DataCheck
-        Of a Recording, from :func:`~antires_rs.check_data`.
-
-    Raises
-    ------
-    InvalidInputError
-        A check of data without averages, which has no spectral matrix.
+    exact data: 60 dB below the mean power). A check of data without averages, which has no spectral matrix,
+    is refused.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> rec = ar.cases.chain8().experiment(noise=0.02, duration_s=60.0, rng=0)
-    >>> ar.signals.check_data(rec, band_hz=(3, 130)).plot(ax=Figure().subplots()).get_ylabel()
+    >>> ar.check_data(rec, band_hz=(3, 130)).plot().get_ylabel()
     'Singular value (dB re noise power)'
     """
     if getattr(check, "eigenvalues", None) is None:
         got = "a check without eigenvalues" if hasattr(check, "findings") else type(check).__name__
-        wanted = "the DataCheck of a Recording with several averages"
-        reject("check", got, wanted, "Single impacts and measured responses have no spectral matrix.")
+        remedy = "Single impacts and measured responses have no spectral matrix."
+        reject("check", got, "the DataCheck of a Recording with several averages", remedy)
     return draw(singular_values(check), new_axes(ax, (9.0, 4.5)))
 
 
@@ -313,9 +238,7 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
 
 # -- The values of a response as marks in its figures: found, added and dropped
 
-ENTRY = (
-    "entry of "  # before the name of a kind: its entry in a legend, which a page shows while there are any
-)
+ENTRY = "entry of "  # before the name of a kind: its entry in a legend, shown while there are any
 LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and table have them
 Marks = dict[str, dict[str, list[Any]]]
 
@@ -432,13 +355,7 @@ def evidence_figure(
     figures: list[Any] = []
 
     def curve_figure(
-        name: str,
-        freq_hz: FloatArray,
-        y: FloatArray,
-        axis: Axis,
-        says: dict[str, str],
-        height: int,
-        **look: Any,
+        name: str, freq_hz: FloatArray, y: FloatArray, axis: Axis, says: Any, height: int, **look: Any
     ) -> None:
         shown = (freq_hz >= band[0]) & (freq_hz <= band[1])
         line = Line(freq_hz[shown], y[shown], says={"Frequency": "@x{0.000} Hz"} | says, **look)
@@ -454,10 +371,8 @@ def evidence_figure(
         _mark_lines(figures[-1], marks, every_kind=every_kind)
         figures[-1].legend.visible = diagram is None
         if curve.coherence is not None:
-            axis, says = (
-                Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04)),
-                {"Coherence": "@y{0.000}"},
-            )
+            axis = Axis(f"Coherence with {curve.coherence_with} (-)", (0.0, 1.04))
+            says = {"Coherence": "@y{0.000}"}
             curve_figure("coherence", curve.freq_hz, curve.coherence, axis, says, 180, width=0.9)
     if not figures:  # the set was made by hand or loaded
         alone = Panel("values_alone", Axis("Frequency (Hz)"), Axis("", (0.0, 1.0), at=[]), [])

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from functools import singledispatch
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -18,15 +17,13 @@ import numpy as np
 from ..exceptions import MissingDependencyError
 from . import marks
 
-#: Ink of text and axes, grid lines.
-INK, GRID = "#222222", "#E3E3E3"
+INK, GRID = "#222222", "#E3E3E3"  # ink of text and axes, grid lines
 FONT = "system-ui, 'Segoe UI', 'Liberation Sans', Arial, sans-serif"
 LEGEND: dict[str, Any] = {"location": "left", "border_line_color": None, "padding": 0, "margin": 0}
 LEGEND |= {"spacing": 5, "label_text_font": FONT, "label_text_font_size": "12px"}
 PX_A_LETTER = 6  # along an upright axis
 MOST_LETTERS = 40  # of a text above a figure
-#: Room left of and right of the plotted area in pixels, the same for figures that stand on each other.
-LEFT_PX, RIGHT_PX = 64, 58
+LEFT_PX, RIGHT_PX = 64, 58  # room beside the plotted area, the same for figures that stand on each other
 
 
 def require_bokeh() -> None:
@@ -110,7 +107,8 @@ def explored(panel: marks.Panel, *, height: int = 320, x_range: Any = None, side
     curves = sum(isinstance(mark, marks.Line) and bool(mark.says) for mark in panel.marks)
     for mark in panel.marks:
         if mark.only != "picture":
-            drawn = _draw(mark, fig, {} if mark.label is None else {"legend_label": mark.label})
+            draw = getattr(_Drawn(fig), type(mark).__name__.lower())
+            drawn = draw(mark, {} if mark.label is None else {"legend_label": mark.label})
             if mark.says:
                 mode = "vline" if isinstance(mark, marks.Line) and curves == 1 else "mouse"
                 hover(fig, drawn, mark.says, mode=mode)
@@ -138,7 +136,7 @@ def _draw_behind(fig: Any, axis: marks.Axis, curve: marks.Line) -> None:
     look = {"axis_label_text_font_style": "normal", "axis_label_text_font_size": "12px"}
     grey = {"axis_label_text_color": "#595959", "major_label_text_color": "#595959"}
     fig.add_layout(LogAxis(y_range_name="behind", axis_label=axis.label, **look, **grey), "right")
-    _draw(curve, fig, {"legend_label": curve.label, "y_range_name": "behind"})
+    _Drawn(fig).line(curve, {"legend_label": curve.label, "y_range_name": "behind"})
 
 
 def dash_of(dash: Any) -> Any:
@@ -146,84 +144,114 @@ def dash_of(dash: Any) -> Any:
     return _DASHES[dash] if isinstance(dash, str) else [2 * length for length in dash]
 
 
-@singledispatch
-def _draw(mark: marks.Mark, fig: Any, label: dict[str, Any]) -> list[Any]:
-    """Draw a mark; what there is to hover over."""
-    raise TypeError(type(mark).__name__)
+def _stroke(mark: marks.Line | marks.Rules | marks.Paths) -> dict[str, Any]:
+    width = LINE_PX * mark.width
+    return {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": width}
 
 
-@_draw.register
-def _points(mark: marks.Points, fig: Any, label: dict[str, Any]) -> list[Any]:
-    table = columns(x=mark.x, y=mark.y, **mark.more)
-    share = 0.8 if mark.marker == "." else 1.0
-    look = {"size": share * MARKER_PX * mark.size, "line_color": mark.colour, "line_width": mark.stroke}
-    look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face or mark.colour}
-    stroke = (2, 2, 0.0) if mark.marker == "|" else mark.marker
-    look |= {"angle": np.pi / 2 + np.radians(stroke[2])} if isinstance(stroke, tuple) else {}
-    marker = "dash" if isinstance(stroke, tuple) else _MARKERS.get(stroke, "circle_dot")
-    return [fig.scatter("x", "y", source=table, marker=marker, **look, **label)]
+def _fill(mark: marks.Bars | marks.Bands, ink: str | None) -> dict[str, Any]:
+    face = {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
+    return face | {"hatch_pattern": _HATCHES[mark.hatch[:1]], "hatch_color": ink, "hatch_scale": 8}
 
 
-@_draw.register
-def _line(mark: marks.Line, fig: Any, label: dict[str, Any]) -> list[Any]:
-    table = columns(x=mark.x, y=mark.y, **mark.more)
-    look = {"color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
-    draw, how = (fig.step, {"mode": "after"}) if mark.steps else (fig.line, {})
-    return [draw("x", "y", source=table, **how, **look, **label)]
+class _Drawn:
+    """How each mark is drawn, by its name; what there is to hover over."""
 
+    def __init__(self, fig: Any) -> None:
+        self.fig = fig
 
-@_draw.register
-def _bars(mark: marks.Bars, fig: Any, label: dict[str, Any]) -> list[Any]:
-    table = columns(x=mark.at, y=mark.length, **mark.more)
-    look = {"line_color": mark.edge, "line_dash": dash_of(mark.dash), "hatch_scale": 8}
-    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]], "hatch_color": mark.edge}
-    look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
-    if mark.sideways:
-        return [fig.hbar(y="x", right="y", height=mark.width, source=table, **look, **label)]
-    return [fig.vbar(x="x", top="y", width=mark.width, source=table, **look, **label)]
+    def points(self, mark: marks.Points, label: dict[str, Any]) -> list[Any]:
+        table = columns(x=mark.x, y=mark.y, **mark.more)
+        share = 0.8 if mark.marker == "." else 1.0
+        look = {"size": share * MARKER_PX * mark.size, "line_color": mark.colour, "line_width": mark.stroke}
+        look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face or mark.colour}
+        stroke = (2, 2, 0.0) if mark.marker == "|" else mark.marker
+        look |= {"angle": np.pi / 2 + np.radians(stroke[2])} if isinstance(stroke, tuple) else {}
+        marker = "dash" if isinstance(stroke, tuple) else _MARKERS.get(stroke, "circle_dot")
+        return [self.fig.scatter("x", "y", source=table, marker=marker, **look, **label)]
 
+    def line(self, mark: marks.Line, label: dict[str, Any]) -> list[Any]:
+        table = columns(x=mark.x, y=mark.y, **mark.more)
+        draw, how = (self.fig.step, {"mode": "after"}) if mark.steps else (self.fig.line, {})
+        return [draw("x", "y", source=table, **how, **_stroke(mark), **label)]
 
-@_draw.register
-def _whiskers(mark: marks.Whiskers, fig: Any, label: dict[str, Any]) -> list[Any]:
-    look = {"source": columns(x=mark.x, low=mark.low, high=mark.high), "color": "black", "line_width": 1.6}
-    ends = [fig.scatter("x", end, marker="dash", size=13, **look, **label) for end in ("low", "high")]
-    return [fig.segment("x", "low", "x", "high", **look, **label), *ends]
+    def bars(self, mark: marks.Bars, label: dict[str, Any]) -> list[Any]:
+        table = columns(x=mark.at, y=mark.length, **mark.more)
+        look = _fill(mark, mark.edge) | {"line_color": mark.edge, "line_dash": dash_of(mark.dash)}
+        if mark.sideways:
+            return [self.fig.hbar(y="x", right="y", height=mark.width, source=table, **look, **label)]
+        return [self.fig.vbar(x="x", top="y", width=mark.width, source=table, **look, **label)]
 
+    def whiskers(self, mark: marks.Whiskers, label: dict[str, Any]) -> list[Any]:
+        look: dict[str, Any] = {"source": columns(x=mark.x, low=mark.low, high=mark.high)} | label
+        look |= {"color": "black", "line_width": 1.6}
+        ends = [self.fig.scatter("x", end, marker="dash", size=13, **look) for end in ("low", "high")]
+        return [self.fig.segment("x", "low", "x", "high", **look), *ends]
 
-@_draw.register
-def _rules(mark: marks.Rules, fig: Any, label: dict[str, Any]) -> list[Any]:
-    table = columns(at=np.atleast_1d(mark.at), **mark.more)
-    look = {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": LINE_PX * mark.width}
-    draw, which = (fig.vspan, "x") if mark.upright else (fig.hspan, "y")
-    return [draw(**{which: "at"}, source=table, **look, **label)]
+    def rules(self, mark: marks.Rules, label: dict[str, Any]) -> list[Any]:
+        table = columns(at=np.atleast_1d(mark.at), **mark.more)
+        draw, which = (self.fig.vspan, "x") if mark.upright else (self.fig.hspan, "y")
+        return [draw(**{which: "at"}, source=table, **_stroke(mark), **label)]
 
+    def bands(self, mark: marks.Bands, label: dict[str, Any]) -> list[Any]:
+        table = columns(low=mark.low, high=mark.high, **mark.more)
+        look = _fill(mark, marks.INKS["pale"]) | label
+        return [self.fig.vstrip(x0="low", x1="high", source=table, line_alpha=0.0, **look)]
 
-@_draw.register
-def _bands(mark: marks.Bands, fig: Any, label: dict[str, Any]) -> list[Any]:
-    table = columns(low=mark.low, high=mark.high, **mark.more)
-    look: dict[str, Any] = {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face}
-    look |= {"hatch_pattern": _HATCHES[mark.hatch[:1]], "hatch_color": marks.INKS["pale"], "hatch_scale": 8}
-    return [fig.vstrip(x0="low", x1="high", source=table, line_alpha=0.0, **look, **label)]
+    def words(self, mark: marks.Words, label: dict[str, Any]) -> list[Any]:
+        (x, y), across, along = marks.BESIDE[mark.where]
+        look = {"x_offset": 1.3 * x * mark.away, "y_offset": -1.3 * y * mark.away, "text_color": mark.colour}
+        look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across}
+        look |= {"text_baseline": along.replace("center", "middle")}
+        if mark.turned:  # along the text is across the figure now
+            up = {"above": "left", "below": "right"}.get(mark.where, "center")
+            look |= {"angle": np.pi / 2, "text_align": up, "text_baseline": "middle"}
+        look |= {"text_font_style": "italic"} if mark.slanted else {}
+        look |= {"background_fill_color": "white"} if mark.boxed else {}
+        table = columns(x=mark.x, y=mark.y, text=list(mark.texts))
+        return [self.fig.text("x", "y", "text", source=table, **look)]
 
+    def heads(self, mark: marks.Heads, label: dict[str, Any]) -> list[Any]:
+        table = columns(x=mark.x, label=list(mark.texts))
+        edge_labels(self.fig, table, text_font_size="10px", text_color="#444444")
+        return []
 
-@_draw.register
-def _words(mark: marks.Words, fig: Any, label: dict[str, Any]) -> list[Any]:
-    (x, y), across, along = marks.BESIDE[mark.where]
-    look = {"x_offset": 1.3 * x * mark.away, "y_offset": -1.3 * y * mark.away, "text_color": mark.colour}
-    look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across}
-    look |= {"text_baseline": along.replace("center", "middle")}
-    if mark.turned:  # along the text is across the figure now
-        up = {"above": "left", "below": "right"}.get(mark.where, "center")
-        look |= {"angle": np.pi / 2, "text_align": up, "text_baseline": "middle"}
-    look |= {"text_font_style": "italic"} if mark.slanted else {}
-    look |= {"background_fill_color": "white"} if mark.boxed else {}
-    return [fig.text("x", "y", "text", source=columns(x=mark.x, y=mark.y, text=list(mark.texts)), **look)]
+    def paths(self, mark: marks.Paths, label: dict[str, Any]) -> list[Any]:
+        from bokeh.models import ColorBar, LinearColorMapper
+        from bokeh.palettes import interp_palette
 
+        table = columns(**mark.more)
+        for name, column in (("xs", 0), ("ys", 1)):
+            table.data[name] = [path[:, column].tolist() for path in mark.paths]
+        if mark.values is None:
+            return [self.fig.multi_line("xs", "ys", source=table, **_stroke(mark), **label)]
+        value = np.asarray(mark.values)
+        known = np.isfinite(value)
+        table.data["value"] = np.where(known, value, 0.0).astype(np.float32)
+        table.data["width"] = np.where(known, LINE_PX * mark.width, 1.5).astype(np.float32)
+        top = float(value[known].max(initial=0.0))
+        mapper = LinearColorMapper(palette=interp_palette(marks.SCALE, 64), low=0.0, high=top or 1.0)
+        colour = {"field": "value", "transform": mapper}
+        if top > 0.0:
+            look = {"width": 10, "title": mark.scale.rpartition("(")[2].rstrip(")"), "padding": 2}
+            look |= {"major_label_text_font_size": "11px"}
+            self.fig.add_layout(ColorBar(color_mapper=mapper, **look), "right")
+        else:
+            self.fig.title.update(text=f"{mark.scale}: 0 in every element", text_font_style="normal")
+        return [self.fig.multi_line("xs", "ys", source=table, line_width="width", line_color=colour)]
 
-@_draw.register
-def _heads(mark: marks.Heads, fig: Any, label: dict[str, Any]) -> list[Any]:
-    edge_labels(fig, columns(x=mark.x, label=list(mark.texts)), text_font_size="10px", text_color="#444444")
-    return []
+    def arrows(self, mark: marks.Arrows, label: dict[str, Any]) -> list[Any]:
+        from bokeh.models import Arrow, NormalHead
+
+        (x0, y0), (x1, y1) = np.transpose(mark.tails), np.transpose(mark.heads)
+        ends = {"x_start": "x0", "y_start": "y0", "x_end": "x1", "y_end": "y1"}
+        table = columns(x0=x0, y0=y0, x1=x1, y1=y1, **mark.more)
+        width = LINE_PX * mark.width
+        look = {"source": table, "color": mark.colour, "line_width": width} | label
+        shaft = self.fig.segment("x0", "y0", "x1", "y1", **look)
+        head = NormalHead(size=9, fill_color=mark.colour, line_color=mark.colour)
+        self.fig.add_layout(Arrow(end=head, source=table, line_alpha=0.0, **ends))
+        return [shaft]
 
 
 def edge_labels(fig: Any, table: Any, **look: Any) -> None:
@@ -234,48 +262,6 @@ def edge_labels(fig: Any, table: Any, **look: Any) -> None:
     given = {name: value(one) for name, one in {"text_font": FONT, **look}.items()}
     upright = {"angle": np.pi / 2, "text_baseline": "bottom", "x_offset": -3, "y_units": "screen"}
     fig.add_layout(LabelSet(x="x", y=value(5), text="label", source=table, **upright, **given))
-
-
-@_draw.register
-def _paths(mark: marks.Paths, fig: Any, label: dict[str, Any]) -> list[Any]:
-    from bokeh.models import ColorBar, LinearColorMapper
-    from bokeh.palettes import interp_palette
-
-    table = columns(**mark.more)
-    for name, column in (("xs", 0), ("ys", 1)):
-        table.data[name] = [path[:, column].tolist() for path in mark.paths]
-    width = LINE_PX * mark.width
-    if mark.values is None:
-        look = {"line_color": mark.colour, "line_dash": dash_of(mark.dash), "line_width": width}
-        return [fig.multi_line("xs", "ys", source=table, **look, **label)]
-    value = np.asarray(mark.values)
-    known = np.isfinite(value)
-    table.data["value"] = np.where(known, value, 0.0).astype(np.float32)
-    table.data["width"] = np.where(known, width, 1.5).astype(np.float32)
-    top = float(value[known].max(initial=0.0))
-    mapper = LinearColorMapper(palette=interp_palette(marks.SCALE, 64), low=0.0, high=top or 1.0)
-    colour = {"field": "value", "transform": mapper}
-    if top > 0.0:
-        look = {"width": 10, "title": mark.scale.rpartition("(")[2].rstrip(")"), "padding": 2}
-        look |= {"major_label_text_font_size": "11px"}
-        fig.add_layout(ColorBar(color_mapper=mapper, **look), "right")
-    else:
-        fig.title.text, fig.title.text_font_style = f"{mark.scale}: 0 in every element", "normal"
-    return [fig.multi_line("xs", "ys", source=table, line_width="width", line_color=colour)]
-
-
-@_draw.register
-def _arrows(mark: marks.Arrows, fig: Any, label: dict[str, Any]) -> list[Any]:
-    from bokeh.models import Arrow, NormalHead
-
-    (x0, y0), (x1, y1) = np.transpose(mark.tails), np.transpose(mark.heads)
-    ends = {"x_start": "x0", "y_start": "y0", "x_end": "x1", "y_end": "y1"}
-    table = columns(x0=x0, y0=y0, x1=x1, y1=y1, **mark.more)
-    width = LINE_PX * mark.width
-    shaft = fig.segment("x0", "y0", "x1", "y1", source=table, color=mark.colour, line_width=width, **label)
-    head = NormalHead(size=9, fill_color=mark.colour, line_color=mark.colour)
-    fig.add_layout(Arrow(end=head, source=table, line_alpha=0.0, **ends))
-    return [shaft]
 
 
 def stacked(figures: Sequence[Any]) -> Any:

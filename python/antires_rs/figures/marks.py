@@ -7,7 +7,7 @@ Kinds of things differ by marker, dash or hatch as well as by colour, so that th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,8 +19,7 @@ from ..support.checks import FloatArray
 #: on white, is left out.
 COLOURS = {"blue": "#0072B2", "vermillion": "#D55E00", "green": "#009E73", "purple": "#CC79A7"}
 COLOURS |= {"orange": "#E69F00", "sky": "#56B4E9", "black": "#000000"}
-#: Names by which marks may say a colour.
-INKS = COLOURS | {"grey": "#8C8C8C", "pale": "#BFBFBF"}
+INKS = COLOURS | {"grey": "#8C8C8C", "pale": "#BFBFBF"}  # names by which marks may say a colour
 #: Dash patterns to go with the colours: by name, or points drawn and left out.
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (5, 1, 1, 1, 1, 1), (1, 3), (8, 3))
 #: From nothing, which is to be quiet, to much; lightness falls evenly, so that it reads in grey as well.
@@ -222,8 +221,7 @@ class Panel:
 # -- Where an axis ends when a few values are so far off that they would flatten all others
 
 APART = 2.5  # a value this many times the next smaller one stands apart
-#: At most this share of the values is cut off, one in any case, unless the others are next to nothing.
-MOST_CUT, LEAST = 0.15, 0.01
+MOST_CUT, LEAST = 0.15, 0.01  # share cut off at most, or one; none where the others are nearly nothing
 
 
 def reach(values: Any) -> float:
@@ -248,44 +246,3 @@ def spread(positions: Sequence[float] | FloatArray, least: float, low: float, hi
     level = isotonic_regression(where - shift).x
     top = high - shift[-1]
     return np.asarray((np.clip(level, low, top) if top > low else level) + shift)
-
-
-# -- Where the numbers of elements go: beside the element, clear of arrows, markers and each other
-
-#: Distances from the element that are tried, the room that a number needs to be clear of things, in points.
-AWAY, ROOM = (7.0, 11.0, 15.0), 7.0
-ALONG = (0.5, 0.3, 0.7)  # shares of the element's length at which a number may stand
-
-
-def beside(ends: FloatArray, lines: FloatArray) -> FloatArray:
-    """Places of the numbers, (n, 2), of elements (n, 2, 2), by default left of the middle; all in points."""
-    sides = [(share, side * away) for share in ALONG for away in AWAY for side in (1.0, -1.0)]
-    options = []
-    for a, b in ends:
-        across = np.array([a[1] - b[1], b[0] - a[0]])
-        across = across / max(float(np.linalg.norm(across)), 1e-300)
-        options.append(np.array([a + share * (b - a) + away * across for share, away in sides]))
-    others = (np.concatenate([lines, np.delete(ends, i, axis=0)]) for i in range(len(ends)))
-    return _clearest(zip(options, others, strict=True), ROOM)
-
-
-def around(points: FloatArray, lines: FloatArray) -> FloatArray:
-    """Places of the numbers of points (n, 2), by default below to the right; all in points."""
-    angles = np.radians([-45.0, 135.0, 45.0, -135.0, -90.0, 90.0, 180.0, 0.0])
-    ways = np.column_stack([np.cos(angles), np.sin(angles)])
-    places = np.concatenate([away * ways for away in (8.0, 11.0, 15.0)])
-    return _clearest(((point + places, lines) for point in points), 0.8 * ROOM)
-
-
-def _clearest(choices: Iterable[tuple[FloatArray, FloatArray]], room: float) -> FloatArray:
-    """Of each choice the first place that is clear of its lines and of those before, or else the clearest."""
-    placed = np.empty((0, 2))
-    for options, lines in choices:
-        others = np.concatenate([lines, np.stack([placed, placed], axis=1)])
-        start, span = others[:, 0], others[:, 1] - others[:, 0]
-        square = np.maximum(np.sum(span**2, axis=1), 1e-300)
-        off = options[:, None] - start
-        share = np.clip(np.sum(off * span, axis=2) / square, 0.0, 1.0)
-        clear = np.linalg.norm(off - share[:, :, None] * span, axis=2).min(axis=1, initial=np.inf)
-        placed = np.vstack([placed, options[int(np.argmax(np.minimum(clear, room)))]])
-    return placed

@@ -31,8 +31,7 @@ Work = Callable[[], dict[str, Any]]
 
 ADDRESS = "127.0.0.1"  # where the page is served; no other computer reaches it
 BYTES = 24  # of the token
-#: A page of this computer may frame ours: notebooks do.
-FRAMED_BY = "http://127.0.0.1:* http://localhost:* vscode-webview:"
+FRAMED_BY = "http://127.0.0.1:* http://localhost:* vscode-webview:"  # notebooks of this computer do
 
 
 class Guard:
@@ -138,9 +137,8 @@ class _Page(_Guarded):
 
     async def get(self, path: str) -> None:
         if not path:
-            self.send(
-                asset("page.html").decode().replace("{{token}}", self.settings["guard"].token), "text/html"
-            )
+            html = asset("page.html").decode()
+            self.send(html.replace("{{token}}", self.settings["guard"].token), "text/html")
         elif path in FILES:
             self.send(asset(path), FILES[path])
         elif path == "state":
@@ -162,10 +160,9 @@ class _Page(_Guarded):
         if place != "do" or not command.isidentifier():
             raise HTTPError(404)
         shown, view = await self.shown()
-        try:
+        sent = None
+        with suppress(ValueError, RecursionError):
             sent = json.loads(self.request.body or b"{}")
-        except (ValueError, RecursionError):
-            sent = None
         if not isinstance(sent, dict):
             raise HTTPError(400, log_message="that is no JSON object")
 

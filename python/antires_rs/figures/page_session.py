@@ -26,7 +26,7 @@ from ..measured.response_table import doubts_of
 from ..signals.averaging import Averages, Averaging, average
 from ..signals.frequency_response import FrequencyResponse, covered_hz
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, frequency_band, integer
+from ..support.checks import FloatArray, finite_scalar, frequency_band, integer
 from ..support.files import write_atomically
 from .identification import SEEN_ABOVE, Curve, curve_of, evidence_figure, mark_columns, pole_table
 from .live_canvas import item
@@ -44,15 +44,14 @@ class Sight:
     warned: tuple[str, ...] = ()
 
     def on(self, base: AntiresonanceSet, asked: Sequence[Asked]) -> Sight:
-        """The same edits, or others, on a set without any."""
+        """With these edits on a set without any."""
         zeros, waits = replayed(base, asked)
         return replace(self, zeros=zeros, asked=tuple(asked), waits=tuple(waits))
 
 
 # -- The file of a session: nothing of others is replaced unasked, and what was not saved finds a place
 
-#: What the error is about where there is a file that this session has not written, or has changed since.
-TAKEN = "file"
+TAKEN = "file"  # what the error is about where a file is not as this session left it
 
 
 class SessionFile:
@@ -63,7 +62,7 @@ class SessionFile:
         self._own: tuple[int, int, int] | None = None
 
     def opened(self) -> None:
-        """Say that what stands in the file now is known to the session, which may replace it."""
+        """Say that the session knows what stands in the file now, and may replace it."""
         self._own = self._there()
 
     def write(self, text: str, *, replace_file: bool = False) -> str:
@@ -84,10 +83,8 @@ class SessionFile:
         if self.path is None:
             return None
         for folder in (self.path.parent, Path(tempfile.gettempdir())):
+            names = (folder / f"{self.path.stem}_unsaved{f'_{i}' * (i > 1)}.json" for i in range(1, 1000))
             with suppress(AntiresError):
-                # An earlier one is not replaced.
-                ends = ("", *(f"_{i}" for i in range(2, 1000)))
-                names = (folder / f"{self.path.stem}_unsaved{end}.json" for end in ends)
                 free = next(path for path in names if not path.exists())
                 _write(free, text)
                 return free
@@ -125,10 +122,10 @@ class OneMeasurement:
         self.dofs: tuple[Any, ...] = signal.dofs
         self.covered_hz = covered_hz(signal)
         self.response = signal if isinstance(signal, FrequencyResponse) else None
-        if isinstance(signal, FrequencyResponse):
-            self.whole_band = float(signal.freq_hz[signal.freq_hz > 0.0][0]), float(signal.freq_hz[-1])
-        else:
+        if isinstance(signal, Recording):
             self.whole_band = 0.005 * signal.fs_hz, 0.4 * signal.fs_hz
+        else:
+            self.whole_band = float(signal.freq_hz[signal.freq_hz > 0.0][0]), float(signal.freq_hz[-1])
 
     def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
         """As :func:`~antires_rs.identify_antiresonances`."""
@@ -150,6 +147,8 @@ class RovingHammer:
     """A measurement for each place that was hit, and the sensor that stayed: by reciprocity its responses."""
 
     response: None = None
+    covered_hz: Band
+    whole_band: Band
 
     def __init__(self, hits: Sequence[Hit], sensor: Any) -> None:
         self._hits, self._sensor = tuple(hits), sensor
@@ -161,9 +160,9 @@ class RovingHammer:
             for dof, channel in own.items():
                 self._places.setdefault(dof, (one, channel))
         self.dofs = tuple(self._places)
-        measured = [one for one, _ in self._places.values()]
-        self.covered_hz = _common([one.covered_hz for one in measured])
-        self.whole_band = _common([one.whole_band for one in measured])
+        for name in ("covered_hz", "whole_band"):
+            low, high = zip(*(getattr(one, name) for one, _ in self._places.values()), strict=True)
+            setattr(self, name, (max(low), min(high)))
 
     def identify(self, excitation: Any, band_hz: Band, options: Mapping[str, Any]) -> AntiresonanceSet:
         """Each by itself, joined."""
@@ -173,10 +172,6 @@ class RovingHammer:
         """That of the sensor under the hit there."""
         one, channel = self._places.get(dof, (None, None))
         return None if one is None else one.curve(channel, band_hz, options)
-
-
-def _common(bands: Sequence[Band]) -> Band:
-    return max(low for low, _ in bands), min(high for _, high in bands)
 
 
 Source = OneMeasurement | RovingHammer
@@ -230,9 +225,7 @@ def _pole(diagram: StabilizationDiagram, click: Click) -> Pick | None:
     table, at = diagram.left_out, click.nearest(diagram.left_out.freq_hz)
     above = float(diagram.orders[-1]) + SEEN_ABOVE - REACH_PX * click.y_per_px
     if at is not None and click.y >= above:
-        return Pick(
-            "add", float(table.freq_hz[at]), _known(table.damping_ratio[at]), _known(table.std_hz[at])
-        )
+        return Pick("add", float(table.freq_hz[at]), *_known(table.damping_ratio[at], table.std_hz[at]))
     order, freq, damping, stable = pole_table(diagram)
     off = np.hypot((freq - click.x) / click.x_per_px, (order - click.y) / click.y_per_px)
     # Of two that are nearly as near, the stable one is meant.
@@ -249,9 +242,9 @@ def _dip(curve: Curve, click: Click) -> Pick | None:
     return Pick("add", float(curve.freq_hz[at])) if dip else None
 
 
-def _known(value: Any) -> float | None:
-    """A number; None for NaN."""
-    return None if np.isnan(value) else float(value)
+def _known(*values: Any) -> list[float | None]:
+    """Numbers, None for NaN."""
+    return [None if np.isnan(value) else float(value) for value in values]
 
 
 class Session:
@@ -276,13 +269,12 @@ class Session:
             assert self.source is not None
             dofs = self.source.dofs
             zeros = AntiresonanceSet(excitation, {dof: [] for dof in dofs}, channels=dofs)
-        if self.source is not None:
-            diagram = next(iter(zeros.diagrams.values()), None)
-            if band_hz is None:
-                band_hz = self.source.whole_band if diagram is None else diagram.band_hz
-            band_hz = _inside(self.source, band_hz)
         asked = asked_of(zeros)
         band = None if band_hz is None else (band_hz[0], band_hz[1])
+        if self.source is not None:
+            diagram = next(iter(zeros.diagrams.values()), None)
+            own_hz = self.source.whole_band if diagram is None else diagram.band_hz
+            band = _inside(self.source, band or own_hz)
         self.now = Sight(zeros, asked, (None,) * len(asked), band, max_order)
         self.past: list[Sight] = []  # what undo and redo go to
         self.future: list[Sight] = []
@@ -314,16 +306,16 @@ class Session:
         pick = picked(self.zeros, dof, click, self.curve(dof))
         if pick is None:
             return None
-        if pick.action == "restore":
-            return self.restore(dof, pick.freq_hz)
+        if pick.action == "add":
+            return self.add(dof, pick.freq_hz, reason, pick.damping_ratio, pick.std_hz)
         if pick.action == "drop":
             return self.drop(dof, pick.freq_hz, reason)
-        return self.add(dof, pick.freq_hz, reason, pick.damping_ratio, pick.std_hz)
+        return self.restore(dof, pick.freq_hz)
 
     def drop(self, dof: Any, freq_hz: float, reason: str = "") -> str:
         """Drop a value; one that was added by hand is taken back instead."""
-        for i in self._made("add", dof):
-            if self.now.asked[i].edit.freq_hz == freq_hz:
+        for i, added_hz in self._made("add", dof).items():
+            if added_hz == freq_hz:
                 return self.take_back(i)
         return self._edited(self.zeros.drop(dof, freq_hz, reason=reason))
 
@@ -339,8 +331,7 @@ class Session:
         added = self.zeros.add(dof, freq_hz, reason=reason, damping_ratio=damping_ratio, std_hz=std_hz)
         low, high = (0.0, math.inf) if self.source is None else self.source.covered_hz
         if not low <= freq_hz <= high:
-            wanted = f"a frequency from {low:g} to {high:g} Hz, as the data reach"
-            reject("freq_hz", f"{freq_hz:g} Hz", wanted, "Correct it.")
+            reject("freq_hz", f"{freq_hz:g} Hz", f"{low:g} to {high:g} Hz, as the data reach", "Correct it.")
         band, said = self.now.band_hz, self._edited(added)
         if band is None or band[0] <= freq_hz <= band[1]:
             return said
@@ -348,7 +339,7 @@ class Session:
 
     def restore(self, dof: Any, freq_hz: float) -> str:
         """Bring back a value that was dropped, as it was."""
-        off = {i: abs(self.now.asked[i].edit.freq_hz / freq_hz - 1.0) for i in self._made("drop", dof)}
+        off = {i: abs(dropped_hz / freq_hz - 1.0) for i, dropped_hz in self._made("drop", dof).items()}
         nearest = min(off, key=off.__getitem__, default=None)
         if nearest is None or off[nearest] >= NAMED_WITHIN:
             reject("freq_hz", f"{freq_hz:g} Hz at dof {dof!r}", "a value that was dropped", "Name another.")
@@ -417,9 +408,8 @@ class Session:
     def opened(self, asked: Sequence[Asked], path: Path | None = None) -> None:
         """Say that the set came from a file with these edits: ``path``, where it may be written back."""
         self.now = self.now.on(self.zeros.original(), asked)
-        self._saved = (None, self.now.asked)
+        self._saved = (None if path is None else self.zeros, self.now.asked)
         if path is not None:
-            self._saved = (self.zeros, self.now.asked)
             self.file = SessionFile(path)
             self.file.opened()
 
@@ -436,16 +426,18 @@ class Session:
         source, band = self.source, self.now.band_hz
         return None if source is None or band is None else source.curve(dof, band, self.options)
 
-    def _made(self, action: str, dof: Any) -> list[int]:
-        """Numbers of the edits of a kind that were made at a response."""
+    def _made(self, action: str, dof: Any) -> dict[int, float]:
+        """Numbers and frequencies of the edits of a kind that were made at a response."""
         each = enumerate(zip(self.now.asked, self.now.waits, strict=True))
-        return [i for i, (one, why) in each if (one.edit.action, one.edit.dof, why) == (action, dof, None)]
+        made = {i: one.edit for i, (one, why) in each if why is None}
+        return {i: edit.freq_hz for i, edit in made.items() if (edit.action, edit.dof) == (action, dof)}
 
     def _edits(self, number: int) -> tuple[Asked, ...]:
         asked = self.now.asked
         if not 0 <= number < len(asked):
-            wanted = f"an edit from 0 to {len(asked) - 1}"
-            reject("number", number, wanted, "Look again: the list has changed.")
+            reject(
+                "number", number, f"an edit from 0 to {len(asked) - 1}", "The list has changed: look again."
+            )
         return asked
 
     def _edited(self, zeros: AntiresonanceSet) -> str:
@@ -472,27 +464,22 @@ class Session:
 
 
 def _inside(source: Source, band_hz: Any) -> Band:
-    """A band inside what the source covers."""
     low, high = source.covered_hz
     return frequency_band("band_hz", band_hz, low_hz=low, high_hz=high)
 
 
 def rows_of(zeros: AntiresonanceSet) -> list[dict[str, Any]]:
     """One row a value: what the table of the page says."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     for at, (dof, table) in enumerate(zeros.tables.items()):
         words = doubts_of(table)
         grades = table.scores.get("grade", np.full(len(table), ""))
         shares = [f", {share:.0%}" if share == share else "" for share in zeros.share[dof].tolist()]
         for i, by_hand in enumerate(table.by_hand):
-            row: dict[str, Any] = {
-                "dof": at,
-                "freq_hz": float(table.freq_hz[i]),
-                "std_hz": _known(table.std_hz[i]),
-            }
-            row |= {"damping_percent": _known(100.0 * table.damping_ratio[i])}
-            row |= {"grade": "by hand" if by_hand else f"{grades[i]}{shares[i]}"}
-            rows.append(row | {"doubts": "" if by_hand else ", ".join(words[i])})
+            std, damping = _known(table.std_hz[i], 100.0 * table.damping_ratio[i])
+            row = {"dof": at, "freq_hz": float(table.freq_hz[i]), "std_hz": std, "damping_percent": damping}
+            grade, doubts = ("by hand", "") if by_hand else (f"{grades[i]}{shares[i]}", ", ".join(words[i]))
+            rows.append(row | {"grade": grade, "doubts": doubts})
     return rows
 
 
@@ -519,9 +506,9 @@ class View:
 
     def do(self, command: str, arguments: Arguments) -> str:
         """Carry out a command; what was done, in words."""
-        if self._why is not None:
-            raise self._why
-        reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
+        if self._why is None:
+            reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
+        raise self._why
 
     def file(self) -> tuple[str, str] | None:
         """Name and text of what can be downloaded, where there is more than the folder of a result has."""
@@ -543,7 +530,7 @@ class SetView(View):
         self.session = session
         self._drawing = Lock()
         self._drawn: tuple[Sight, int, dict[str, Any]] | None = None
-        self._commands: dict[str, Callable[[Arguments], str | None]] = {
+        self._commands: dict[str, Callable[[Arguments], str]] = {
             "click": self._click,
             "drop": lambda a: session.drop(self._dof(a), _number(a, "freq_hz"), _text(a, "reason")),
             "add": lambda a: session.add(self._dof(a), _number(a, "freq_hz"), _text(a, "reason")),
@@ -604,10 +591,10 @@ class SetView(View):
         if command not in self._commands:
             reject("command", command, f"one of {', '.join(self._commands)}", "Load the page again.")
         with nullcontext() if command in self.slow else self.session.lock:
-            return self._commands[command](arguments) or ""
+            return self._commands[command](arguments)
 
     def file(self) -> tuple[str, str]:
-        """What :meth:`~antires_rs.figures.page_session.Session.save` writes."""
+        """What saving writes."""
         path = self.session.file.path
         return "antiresonances.json" if path is None else path.name, self.session.text
 
@@ -632,20 +619,11 @@ class SetView(View):
 
 
 def _number(a: Arguments, name: str) -> float:
-    value = a.get(name)
-    try:
-        if not isinstance(value, bool) and isinstance(value, int | float) and math.isfinite(value):
-            return float(value)
-    except OverflowError:  # a whole number beyond all floats
-        value = "a number of hundreds of digits"
-    reject(name, value, "a finite number", "Type a number.")
+    return finite_scalar(name, a.get(name))
 
 
 def _whole(a: Arguments, name: str) -> int:
-    value = a.get(name)
-    if isinstance(value, bool) or not isinstance(value, int) or abs(value) > MOST:
-        reject(name, value, f"a whole number of at most {MOST:,}", "Type a smaller one.")
-    return value
+    return integer(name, a.get(name), low=0, high=MOST)
 
 
 def _text(a: Arguments, name: str) -> str:

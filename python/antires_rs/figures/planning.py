@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from ..planning.detection_curves import DetectionCurves
     from ..planning.plan import SensorPlan
 
-_NARROW = 30.0  # data of less than this ratio have numbers between the decades too
-
 
 def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     """Draw the smallest stiffness loss that each element must have to be seen, in %.
@@ -23,17 +21,10 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     background marks elements whose damage the planned sensors do not show. Of parameters: standard
     deviations after the test in % of those before.
 
-    Parameters
-    ----------
-    plan : SensorPlan
-        From :func:`~antires_rs.plan_test`.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0)
-    >>> plan.plot(ax=Figure().subplots()).get_ylabel()
+    >>> ar.plan_test(ar.cases.chain8().model, n_sensors=3, excitations=0).plot().get_ylabel()
     'Smallest stiffness loss seen (%)'
     """
     severities = bool(plan.detectable)
@@ -70,7 +61,7 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     panel = Panel("plan", x_axis, y_axis, marks, title=title, grid="y", first=first, tables=tables)
     draw(panel, ax, drop_pt=None if upright else 30.0)
     if shown.size:
-        plain_log(ax.yaxis, narrow=bool(shown.max() < _NARROW * shown.min()))
+        plain_log(ax.yaxis)
     return ax
 
 
@@ -87,18 +78,11 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     Of more than seven elements all are in grey but those seen best, worst and in between. Simulated tests
     are ticks, above the curves where the damage was found, below where not.
 
-    Parameters
-    ----------
-    curves : DetectionCurves
-        From :func:`~antires_rs.detectability`.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
     >>> model = ar.MassSpringChain([1.0, 1.2, 1.0], [500.0, 450.0])
-    >>> curves = ar.detectability(model, excitation=0, std=5e-4, n_tests=1, rng=0)
-    >>> curves.plot(ax=Figure().subplots()).get_xlabel()
+    >>> ar.detectability(model, excitation=0, std=5e-4, n_tests=1, rng=0).plot().get_xlabel()
     'Stiffness loss (%)'
     """
     elements = list(curves.pod)
@@ -129,7 +113,7 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
     y_axis = Axis("Probability of detection (%)", (-6.0, 106.0), at=range(0, 101, 20))
     panel = Panel("detectability", x_axis, y_axis, marks, grid="both", tables=tables)
     ax = draw(panel, new_axes(ax, (7.5, 4.6)))
-    plain_log(ax.xaxis, narrow=bool(shown.max() < _NARROW * shown.min()))
+    plain_log(ax.xaxis)
     look = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": "small"}
     ax.annotate("90 %", (1.0, _LEVEL), xycoords=ax.get_yaxis_transform(), **look)
     return ax

@@ -29,8 +29,7 @@ from .report_parts import Drawings, Facts
 from .responses import dof_name
 from .sets import draw_monitor, panels, size_in, watched_figure
 
-#: What one measured set may be described by.
-Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]
+Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]  # what describes a set
 
 
 def write_report(
@@ -49,16 +48,14 @@ def write_report(
 ) -> Path:
     """Write a result with its tables, pictures and caveats into one HTML file below 3 MB.
 
-    Notes
-    -----
     The file asks nothing of any network. Where bokeh is installed (``pip install "antires-rs[look]"``), its
     figures can be zoomed, hovered and their lines switched off; printed, without scripts, or without bokeh
     pictures stand there. Where all stabilization diagrams together would make it larger, the last are left
     out, and it says how many.
     """
     if not isinstance(result, UpdateResult):
-        wanted = "an UpdateResult or a DamageResult"
-        reject("result", type(result).__name__, wanted, "Pass what update or assess_damage returned.")
+        remedy = "Pass what update or assess_damage returned."
+        reject("result", type(result).__name__, "an UpdateResult or a DamageResult", remedy)
     try:
         import matplotlib  # noqa: F401 - only asked whether it is there
         from jinja2 import Environment, StrictUndefined
@@ -144,8 +141,7 @@ def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     given = list(measurement or [None] * len(sets))
     if len(given) != len(sets):
         wanted = f"{len(sets)}, one for each measured set"
-        remedy = "Pass a list with one for each, None where there is none."
-        reject("measurement", f"{len(given)} of them", wanted, remedy)
+        reject("measurement", f"{len(given)} of them", wanted, "Pass None where there is none.")
     facts: list[Facts] = []
     for one, found in zip(given, sets, strict=True):
         if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):

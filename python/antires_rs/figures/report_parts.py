@@ -89,17 +89,13 @@ def of_identification(signal: Recording | FrequencyResponse, found: Antiresonanc
     hidden = (*(OF_SWEEP if windows else OF_WINDOWS), "min_order")
     kinds = {name: one.kind for name, one in FitOptions.declared().items() if name not in hidden}
     thresholds = [] if used["preset"] is None else [f"preset {used['preset']}"]
-    thresholds += [
-        f"{name} {used[name]}" for name, kind in kinds.items() if kind in ("number", "whole", "switch")
-    ]
+    thresholds += [f"{n} {used[n]}" for n, kind in kinds.items() if kind in ("number", "whole", "switch")]
     low, high = used["band_hz"]
     method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
     facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
     if isinstance(signal, Recording):
-        spectra, length = (
-            f"method {used['method']}",
-            used["nperseg"] or (None if checked is None else checked.nperseg),
-        )
+        spectra = f"method {used['method']}"
+        length = used["nperseg"] or (None if checked is None else checked.nperseg)
         if length is not None:
             overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
             spectra = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
@@ -118,9 +114,8 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     facts = {"Force": [dof_name(model, found.excitation)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    how = Counter(
-        way for scores in found.scores.values() for way in np.asarray(scores.get("how", ())).tolist()
-    )
+    ways = [np.asarray(scores.get("how", ())).tolist() for scores in found.scores.values()]
+    how = Counter(way for each in ways for way in each)
     if how["windows"] or how["directions"] or how["followed"]:
         words = {
             "windows": "seen by most fits over windows",
@@ -390,16 +385,14 @@ def fitting(drawn: Drawings, room: int = MOST_BYTES) -> tuple[list[tuple[Figure,
 def _damage(result: DamageResult, truth: Mapping[int, float] | None) -> dict[str, Figure]:
     """Losses by element, and where they were judged the hypotheses."""
     label, judged = result.problem.model.element_label, result.has_baseline
-    more = (
-        ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead" * judged
-    )
+    more = ", with 90 % intervals; above, the probability of each; empty bars, what may have it instead"
     found = ", ".join(f"{label(e)} {100 * result.severity[e]:.1f} %" for e in result.damaged)
     upright = len(result.elements) > UPRIGHT
     figures = {
         "damage": Figure(
             partial(plot_damage, result, truth=truth),
             (max(7.0, 0.32 * len(result.x) + 1.5), 4.7 if judged else 4.4),
-            f"Stiffness loss by element{more}. Ticks: the smallest that would be seen.",
+            f"Stiffness loss by element{more * judged}. Ticks: the smallest that would be seen.",
             f"Bar chart: {found or 'no damage in any element'}",
             lambda: explored(losses(result, truth, upright), height=400 if upright else 360),
         )
@@ -437,10 +430,8 @@ def _model(result: UpdateResult) -> dict[str, Figure]:
         size = (9.0, 6.5 if extent[1:].max() > 0.6 * extent[0] else 4.6)
         height = int(np.clip(700.0 * high / max(wide, 1e-300), 320, 620))
         caption += ". Numbers upright are of elements, slanted ones of nodes"
-        alt, draw = (
-            f"Drawing of a frame of {len(model.elements)} elements",
-            partial(plot_frame, model, loss, **at),
-        )
+        alt = f"Drawing of a frame of {len(model.elements)} elements"
+        draw = partial(plot_frame, model, loss, **at)
         panel = partial(frame, model, loss, **at, room_pt=np.array([WIDE_PT, 0.7 * height]))
     else:
         return {}
@@ -462,29 +453,21 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
 
 
 def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
-    """Measured curves beside those of the models."""
     model, own = result.problem.model, result.problem.measured[0]
     given: dict[str, Any] = {"excitation": own.excitation, "names": names}
-    damping = "in the models follows from an assumed damping of 1 %."
-    which = f"measured, and of the model {names[0]} and {names[1]}"
     if response.kind == "frf":
         dofs = [dof for dof in response.dofs if dof in own] or list(response.dofs)
-        shown = dofs[: responses.MOST_RESPONSES]
+        given["dofs"] = shown = dofs[: responses.MOST_RESPONSES]
+        size = (9.0, 2.0 + 1.2 * len(shown))
         some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
-        draw, size = partial(responses.plot_responses, dofs=shown), (9.0, 2.0 + 1.2 * len(shown))
-        caption = (
-            f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips {damping}"
-        )
-        alt = f"Curves by frequency of {len(shown)} FRFs: {which}"
+        caption = f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips"
+        what = f"{len(shown)} FRFs"
     else:
-        over = dof_name(model, response.reference)
-        draw, size = partial(responses.plot_transmissibility, dof=None), (9.0, 4.4)
-        caption = (
-            f"Transmissibilities over {over}, summed; the peaks are the antiresonances of that dof. Their "
-        )
-        caption += f"height {damping}"
-        alt = f"Curves by frequency of the transmissibilities over {over}: {which}"
-    drawn = partial(draw, response, model, result.model, **given)
+        size, what = (9.0, 4.4), f"the transmissibilities over {dof_name(model, response.reference)}"
+        caption = f"T{what[5:]}, summed; the peaks are the antiresonances of that dof. Their height"
+    drawn = partial(responses.plot_responses, response, model, result.model, **given)
+    caption += " in the models follows from an assumed damping of 1 %."
+    alt = f"Curves by frequency of {what}: measured, and of the model {names[0]} and {names[1]}"
     return Figure(drawn, size, caption, alt, partial(_explored_response, result, response, names))
 
 
@@ -492,32 +475,30 @@ def _explored_response(result: UpdateResult, measured: FrequencyResponse, names:
     """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
     from bokeh.models import ColumnDataSource, Legend, LegendItem
 
-    before, after, excitation = result.problem.model, result.model, result.problem.measured[0].excitation
-    if measured.kind == "transmissibility":
-        panel = responses.transmissibilities(measured, before, after, None, excitation, names=names)
-        # Of lines that share a pixel the peak counts.
-        return explored(replace(panel, marks=[_thinned(mark, np.max) for mark in panel.marks]), height=340)
-    freq, levels = responses.curves_db(measured, (before, after), excitation)
+    models, excitation = (result.problem.model, result.model), result.problem.measured[0].excitation
+    over = measured.kind == "transmissibility"
+    shown = None if over else measured.dofs
+    freq, _, labels, levels = responses.curves_of(measured, models, excitation, shown)
     called = responses.curve_names(names, both=True)
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
     marks = []
     for rows in zip(*levels, strict=True):
         lines = [Line(freq, row, **look) for row, look in zip(rows, responses.LOOKS, strict=True)]
         lines[0] = replace(lines[0], says=says, more={f"level_{i}": row for i, row in enumerate(rows)})
-        marks += [_thinned(line, np.min) for line in lines]  # the dip counts
-    x, y = Axis("Frequency (Hz)", (freq[0], freq[-1])), Axis("FRF (dB re unit of the data)")
+        marks += [_thinned(line, np.max if over else np.min) for line in lines]  # the peak or dip counts
+    x = Axis("Frequency (Hz)", (freq[0], freq[-1]))
+    y = Axis(f"{labels[0]} (dB)" if over else "FRF (dB re unit of the data)")
     fig = explored(Panel("response", x, y, marks), height=380)
-    drawn = [fig.renderers[3 * row : 3 * row + 3] for row in range(len(measured.dofs))]
+    drawn = [fig.renderers[first : first + 3] for first in range(0, len(fig.renderers), 3)]
     for line in fig.renderers[3:]:
         line.visible = False
     empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
     samples = [[fig.add_glyph(empty, line.glyph.clone())] for line in drawn[0]]
-    for entries, look in (  # each may stand for several lines
+    by_response = {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"}
+    # An entry may stand for several lines.
+    for entries, look in (
         (zip(called, samples, strict=True), {"ncols": 2}),
-        (
-            zip(map(before.dof_label, measured.dofs), drawn, strict=True),
-            {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"},
-        ),
+        (zip(labels, drawn, strict=True), by_response),
     ):
         items = [LegendItem(label=name, renderers=lines) for name, lines in entries]
         fig.add_layout(Legend(items=items, **LEGEND | look), "below")
@@ -651,13 +632,9 @@ def damage_rows(result: DamageResult, truth: Mapping[int, float] | None) -> list
         if not one.candidate and one.elements and not one.unknown and one.probability >= WORTH_A_ROW:
             e = one.elements[0]
             row = {"name": f"{label(e)}, no candidate", "value": percent(one.severities[0]), "std": ""}
-            row |= {
-                "interval": _interval(one.low[0], one.high[0]),
-                "truth": percent(truth.get(e)),
-                "visible": "",
-            }
+            row |= {"interval": _interval(one.low[0], one.high[0]), "truth": percent(truth.get(e))}
             row |= {"probability": _probability(one.probability), "damaged": one is result.hypotheses[0]}
-            rows.append(row | {"bounds": "", "on_bound": False})
+            rows.append(row | {"visible": "", "bounds": "", "on_bound": False})
     return rows
 
 
@@ -690,9 +667,8 @@ def _frequency_rows(result: UpdateResult, names: list[str]) -> list[dict[str, An
         if name not in ("mode", "dof", "force")
     }
     cells = {name: [cell(name, one) for one in column] for name, column in columns.items()}
-    rows: list[dict[str, Any]] = [
-        dict(zip(cells, row, strict=True)) for row in zip(*cells.values(), strict=True)
-    ]
+    every = zip(*cells.values(), strict=True)
+    rows: list[dict[str, Any]] = [dict(zip(cells, row, strict=True)) for row in every]
     if isinstance(table, ModalTable):
         for row, mode in zip(rows, table.mode, strict=True):
             row.update(mode=mode, group=mode == table.mode[0])

@@ -10,7 +10,7 @@ import numpy as np
 from ..exceptions import reject
 from ..support.checks import FloatArray, integer, real_array
 from .canvas import draw, fit_across, new_axes, width_pt
-from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, around, beside, xy
+from .marks import Arrows, Axis, Line, Mark, Panel, Paths, Points, Words, xy
 
 if TYPE_CHECKING:
     from ..models.chain import MassSpringChain
@@ -34,11 +34,8 @@ def _value_by_element(values: Any, count: int) -> FloatArray | None:
 
 
 def _hovered(names: list[str], values: FloatArray | None, **columns: Any) -> dict[str, Any]:
-    """What hovering over elements tells."""
-    says, more = (
-        {"": "@name"} | {name.capitalize(): f"@{name}" for name in columns},
-        {"name": names} | columns,
-    )
+    says = {"": "@name"} | {name.capitalize(): f"@{name}" for name in columns}
+    more = {"name": names} | columns
     if values is not None:
         says |= {"Stiffness loss": "@loss"}
         more["loss"] = ["no candidate" if np.isnan(v) else f"{v:.1f} %" for v in values]
@@ -64,7 +61,6 @@ def plot_chain(
 
     Parameters
     ----------
-    model : MassSpringChain
     values : array_like, (n_masses - 1,), or mapping of int to float, optional
         Value of each spring between masses, for example ``DamageResult.severity``: light grey at 0, dark blue
         at the largest; springs without one are thin. Those to ground have theirs in a mapping.
@@ -75,17 +71,10 @@ def plot_chain(
     label : str
         Name of the values, with their unit.
 
-    Raises
-    ------
-    InvalidInputError
-        Values that do not fit the springs, dofs outside the model.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> ax = ar.figures.plot_chain(ar.cases.chain8().model, {4: 55.0}, ax=Figure().subplots(), excitation=0)
-    >>> ax.get_xlabel()
+    >>> ar.figures.plot_chain(ar.cases.chain8().model, {4: 55.0}, excitation=0).get_xlabel()
     'Mass (number of each spring above it)'
     """
     n = model.n_dof
@@ -162,13 +151,11 @@ def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
 MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many elements are numbered unless told otherwise
-#: Length of an arrow in points, and the room around the frame as a share of its extent.
-ARROW, MARGIN = 26.0, 0.08
+ARROW, MARGIN = 26.0, 0.08  # length in points; room around the frame as a share of its extent
 #: Looks of sections; vermillion and black are those of the arrows. Dashes are close: a section may be short.
 SHADES = ("blue", "orange", "sky", "purple", "green")
 DASHES: tuple[Any, ...] = ("-", (4, 1), (2, 1), (4, 1, 1, 1), (1, 1), (6, 1, 1, 1, 1, 1))
-#: Ink of the numbers of nodes: paler than that of elements in grey too.
-NODES = "#7A3E9D"
+NODES = "#7A3E9D"  # ink of the numbers of nodes: paler than that of elements in grey too
 ROTATIONS = ("theta", "rx", "ry", "rz")
 
 
@@ -188,7 +175,6 @@ def plot_frame(
 
     Parameters
     ----------
-    model : FrameModel
     values : array_like, (n_elements,), or mapping of int to float, optional
         As in :func:`plot_chain`, of each element. By default the colours tell the sections apart.
     sensors, excitation, label
@@ -197,18 +183,10 @@ def plot_frame(
         Whether to number elements and nodes, from 0 as tables do; those of nodes are slanted, in grey. By
         default elements up to 120 and nodes up to 60.
 
-    Raises
-    ------
-    InvalidInputError
-        Values that do not fit the elements, dofs outside the model.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> from matplotlib.figure import Figure
-    >>> pipe = ar.Tube(0.038, 0.0015, 2.1e11, 7850.0)
-    >>> frame = ar.FrameModel([(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2)], pipe, fixed=[0])
-    >>> frame.plot({1: 0.4}, ax=Figure().subplots(), excitation=frame.dof(2, "u")).get_xlabel()
+    >>> ar.cases.exhaust().model.plot({1: 0.4}).get_xlabel()
     'x (m)'
     """
     ax = new_axes(ax, (9.0, 4.6))
@@ -247,7 +225,6 @@ def frame(
     marks.append(Points(*xy(points), size=3.0, face="white", only="page", says=says, more=more))
     dofs, names = [model._dof("sensors", dof) for dof in sensors], model._frame.dof_names()
     force = [] if excitation is None else [model._dof("excitation", excitation)]
-    lines = np.empty((0, 2, 2))
     for found, colour, length, name in (
         (dofs, "vermillion", 0.7, "accelerometer"),
         (force, "black", 1.3, "force"),
@@ -262,10 +239,9 @@ def frame(
             tails = heads - ARROW * length / scale * np.array([_seen(way, space) for _, way in along])
             says, more = {name.capitalize(): "@dof"}, {"dof": [f"node {node} {way}" for node, way in along]}
             marks.append(Arrows(tails, heads, colour, 1.6 * length, label=name, says=says, more=more))
-            lines = np.concatenate([lines, np.stack([heads, tails], axis=1)])
     if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
         nodes = numbers or len(points) <= MOST_NODES
-        marks += _numbers(scale * points, scale * ends, scale * lines, scale, nodes)
+        marks += _numbers(model.elements, scale * points, scale, nodes)
     table: dict[str, Any] = {"element": np.arange(len(ends))}
     table |= dict(zip(("start_node", "end_node"), model.elements.T, strict=True))
     table["section"] = [str(name) for name in model.element_sections]
@@ -325,19 +301,20 @@ def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
     return marks
 
 
-def _numbers(
-    points: FloatArray, ends: FloatArray, arrows: FloatArray, scale: float, nodes: bool
-) -> list[Mark]:
-    """Numbers from 0 beside elements and nodes, out of the way of arrows and each other; all in points."""
-    taken = beside(ends, arrows)
-    size = 7.5 if len(ends) <= 30 else 6.5
-    marks: list[Mark] = [Words(*xy(taken / scale), list(map(str, range(len(ends)))), "centre", size=size)]
+def _numbers(elements: Any, points: FloatArray, scale: float, nodes: bool) -> list[Mark]:
+    """Numbers from 0, those of elements left of their middles, those of nodes at the right; in points."""
+    ends = points[elements]
+    along = ends[:, 1] - ends[:, 0]
+    along *= 7.0 / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    places, size = ends.mean(axis=1) + across, 7.5 if len(ends) <= 30 else 6.5
+    marks: list[Mark] = [Words(*xy(places / scale), list(map(str, range(len(ends)))), "centre", size=size)]
     if nodes:
-        lines = np.concatenate([arrows, ends, np.stack([taken, taken], axis=1)])
-        size = 6.5 if len(points) <= 30 else 5.5
-        texts = list(map(str, range(len(points))))
-        places = around(points, lines) / scale
-        marks.append(Words(*xy(places), texts, "centre", size=size, colour=NODES, slanted=True))
+        places, size = points.copy(), 6.5 if len(points) <= 30 else 5.5
+        for end in (1, 0):
+            places[elements[:, end]] = ends[:, end] + 0.75 * (along - across)
+        look: dict[str, Any] = {"size": size, "colour": NODES, "slanted": True}
+        marks.append(Words(*xy(places / scale), list(map(str, range(len(points)))), "centre", **look))
         marks.append(Points([], [], "$0$", 5.0, only="picture", label="number of an element"))
         marks.append(Points([], [], "$\\it{0}$", 5.0, NODES, only="picture", label="number of a node"))
     return marks

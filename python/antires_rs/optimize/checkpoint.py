@@ -16,11 +16,9 @@ from ..exceptions import UnsuitableDataError, reject
 from ..support.files import put_in_place
 from ..support.messages import warn
 
-#: Name and version of the layout. Version 2 counts the linearizations.
-_NAME, _VERSION = b"antires_rs search ", 2
+_NAME, _VERSION = b"antires_rs search ", 2  # of the layout; version 2 counts the linearizations
 _MAGIC = _NAME + b"%d\n" % _VERSION
-#: Seed, fingerprint of the problem, checksum and length of what follows.
-_HEADER = struct.Struct("<Q32s32sQ")
+_HEADER = struct.Struct("<Q32s32sQ")  # seed, fingerprint of the problem, checksum and length of what follows
 
 
 class Checkpoint:
@@ -28,8 +26,7 @@ class Checkpoint:
 
     def __init__(self, path: str | os.PathLike[str], every_s: float = 2.0) -> None:
         if not isinstance(path, str | os.PathLike):
-            remedy = "Pass a text or a pathlib.Path, or None to keep no checkpoint."
-            reject("checkpoint", path, "a path", remedy)
+            reject("checkpoint", path, "a path", "Pass a text or a Path, or None to keep no checkpoint.")
         self.path, self.every_s = Path(path), every_s
         if not self.path.parent.is_dir():
             remedy = f"Make the folder {str(self.path.parent)!r} first."
@@ -103,17 +100,16 @@ def _read(file: Path) -> tuple[int, bytes, bytes]:
     if not data.startswith(_MAGIC):
         number = data[:40].partition(b"\n")[0].removeprefix(_NAME)
         if data.startswith(_NAME) and number.isdigit():
-            version = int(number)
-            maker = "an older" if version < _VERSION else "a newer"
             # A whole file of another version: no older one beside it will do either.
-            got = f"{file.name}, the search of {maker} antires_rs (layout {version})"
+            maker = "an older" if int(number) < _VERSION else "a newer"
+            got = f"{file.name}, the search of {maker} antires_rs (layout {int(number)})"
             remedy = "End that search with the version that began it, or remove the file to begin anew."
             raise UnsuitableDataError("checkpoint", got, f"layout {_VERSION}", remedy)
         raise ValueError("no checkpoint")
-    if len(data) < len(_MAGIC) + _HEADER.size:
+    begin = len(_MAGIC) + _HEADER.size
+    if len(data) < begin:
         raise ValueError("cut short")
-    seed, problem, digest, length = _HEADER.unpack_from(data, len(_MAGIC))
-    payload = data[len(_MAGIC) + _HEADER.size :]
+    (seed, problem, digest, length), payload = _HEADER.unpack_from(data, len(_MAGIC)), data[begin:]
     if len(payload) != length:
         raise ValueError(f"{len(payload)} of {length} bytes")
     if hashlib.sha256(payload).digest() != digest:

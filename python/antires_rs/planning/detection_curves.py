@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..damage.evidence import HIGHEST
 from ..measured.antiresonance_set import aligned, number
-from ..support.checks import FloatArray
+from ..support.checks import BoolArray, FloatArray
 from ..support.values import ReadOnly
 from ..views import Viewed
 
@@ -24,24 +23,19 @@ class DetectionCurves(ReadOnly, Viewed):
 
     Attributes
     ----------
-    method : str
-        ``'predicted'`` or ``'simulated'``.
-    severity : dict of int to (n,)
-        Stiffness losses of each element, ascending.
-    pod : dict of int to (n,)
-        Probability of detection there, 0 to 1; of simulated tests the fitted curve.
-    a50, a90 : dict of int to float
-        Loss that is found in 50 and 90 % of the tests; infinity ("never") where the curve does not reach it.
-    a90_95 : dict of int to float
-        Upper 95 % confidence bound of a90 from the simulated tests (a90/95); empty for predicted ones.
+    method : {'predicted', 'simulated'}
+    severity, pod : dict of int to (n,)
+        Stiffness losses of each element, ascending, and the probability of detection there, 0 to 1; of
+        simulated tests the fitted curve.
+    a50, a90, a90_95 : dict of int to float
+        Loss that is found in 50 and 90 % of the tests; infinity ("never") where the curve does not reach it;
+        and the upper 95 % confidence bound of a90 from simulated tests (a90/95), empty for predicted ones.
     false_call_rate : float
         Share of intact tests that declare any damage.
     tests : dict of int to (2, m)
         Simulated tests of each element: their losses, and 1 where found, else 0. Empty for predicted ones.
-    n_tests : int
-        Damaged and intact tests, or structures of a prediction.
-    interrupted : bool
-        Whether Ctrl-C ended it before all were there.
+    n_tests, interrupted : int and bool
+        Damaged and intact tests, or structures of a prediction; and whether Ctrl-C ended it before all.
     names : dict
         What the elements are called.
 
@@ -49,8 +43,7 @@ class DetectionCurves(ReadOnly, Viewed):
     --------
     >>> import antires_rs as ar
     >>> model = ar.MassSpringChain([1.0, 1.2, 1.0, 0.9], [500.0, 450.0, 550.0])
-    >>> curves = ar.detectability(model, [1], excitation=0, std=5e-4, n_tests=2, rng=0)
-    >>> curves.a50[1] < curves.a90[1] < 0.05
+    >>> ar.detectability(model, [1], excitation=0, std=5e-4, n_tests=2, rng=0).a90[1] < 0.05
     True
     """
 
@@ -96,11 +89,9 @@ def percent(loss: float) -> str:
 # at all. Reference: MIL-HDBK-1823A, Nondestructive evaluation system reliability assessment, 2009, appendix
 # G.
 
-#: Logit of 0.9, and half the 90 % quantile of chi-square with one degree of freedom.
+#: Logit of 0.9, half the 90 % quantile of chi-square with one degree of freedom, and the grid.
 _LN9, _DROP = float(np.log(9.0)), 1.3528
-#: A grid, and one of so many points between its neighbours.
-_SLOPES, _STEPS = np.geomspace(0.3, 60.0, 26), 160
-_FINE = 31
+_SLOPES, _STEPS = np.geomspace(0.3, 60.0, 80), 1500
 
 
 class Logit(NamedTuple):
@@ -120,37 +111,19 @@ class Logit(NamedTuple):
         return float(self.a90 * np.exp(-_LN9 / self.slope))
 
 
-def fit_logit(severity: FloatArray, found: NDArray[np.bool_], most: float = HIGHEST) -> Logit:
+def fit_logit(severity: FloatArray, found: BoolArray, most: float = HIGHEST) -> Logit:
     """The curve of tests (n,) with these severities, found or not; none is larger than ``most``."""
     log_a, sign = np.log(severity), np.where(found, 1.0, -1.0)
     # Beyond the largest severity a90 is only a way to say that the curve stays below.
     at = np.linspace(log_a.min() - 1.0, np.log(most) + 4.0, _STEPS)
-    best, slope, profile = _likeliest(log_a, sign, at, _SLOPES)
-    near = np.linspace(-1.0, 1.0, _FINE) * (at[1] - at[0])
-    finer = np.geomspace(_SLOPES[0] / _SLOPES[1], _SLOPES[1] / _SLOPES[0], _FINE)
-    exact, slope, top = _likeliest(log_a, sign, best + near, slope * finer)
-    # The last a90 that is not rejected, between two of both grids.
-    order = np.argsort(np.concatenate([at, best + near]), kind="stable")
-    at, profile = np.concatenate([at, best + near])[order], np.concatenate([profile, top])[order]
-    last = int(np.flatnonzero(profile >= top.max() - _DROP)[-1])
-    if last == at.size - 1:
-        return Logit(float(np.exp(exact)), slope, np.inf)
-    share = (profile[last] - top.max() + _DROP) / (profile[last] - profile[last + 1])
-    bound = float(np.exp(at[last] + share * (at[last + 1] - at[last])))
-    return Logit(float(np.exp(exact)), slope, reached(bound, most))
-
-
-def _likeliest(
-    log_a: FloatArray, sign: FloatArray, at: FloatArray, slopes: FloatArray
-) -> tuple[float, float, FloatArray]:
-    """ln a90, slope, and the log likelihood of each a90 with its best slope."""
     margin = sign * (log_a - at[:, None])
-    table = np.stack([-np.logaddexp(0.0, -sign * _LN9 - b * margin).sum(axis=1) for b in slopes], axis=1)
+    table = np.stack([-np.logaddexp(0.0, -sign * _LN9 - b * margin).sum(axis=1) for b in _SLOPES], axis=1)
     profile = table.max(axis=1)
     # A gap between found and missed leaves a range of equally likely a90: its middle.
     top = np.flatnonzero(profile >= profile.max() - 1e-6)
-    best = int(top[top.size // 2])
-    return float(at[best]), float(slopes[int(table[best].argmax())]), profile
+    best, last = int(top[top.size // 2]), int(np.flatnonzero(profile >= profile.max() - _DROP)[-1])
+    bound = reached(float(np.exp(at[last])), most) if last < at.size - 1 else np.inf
+    return Logit(float(np.exp(at[best])), float(_SLOPES[int(table[best].argmax())]), bound)
 
 
 def reached(a: float, most: float = HIGHEST) -> float:

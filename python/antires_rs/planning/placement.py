@@ -7,23 +7,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, islice
 from math import comb
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..damage.measured_states import LEAST_STD, SHOWN, Roots, roots_at
-from ..support.checks import FloatArray, finite_scalar
+from ..models.parameters import Parameter
+from ..models.structural_model import StructuralModel
+from ..support.checks import BoolArray, FloatArray, IntArray, finite_scalar
 from ..updating.targets import antiresonance_objective
 
-if TYPE_CHECKING:
-    from ..models.parameters import Parameter
-    from ..models.structural_model import StructuralModel
-
-
-#: The core looks so far beyond the highest measured value.
-_MARGIN = 1.5
+_MARGIN = 1.5  # the core looks so far beyond the highest measured value
 
 
 @dataclass(frozen=True)
@@ -36,15 +31,13 @@ class Layout:
     band_hz: tuple[float, float]
     sees: str
 
-    def roots(
-        self, parameters: Sequence[Parameter], high_hz: float, sees: str | None = None
-    ) -> _core.Objective:
+    def roots(self, parameters: Sequence[Parameter], high_hz: float, sees: Any = None) -> _core.Objective:
         """The core's objective of the responses, for its roots up to ``high_hz`` (and none of its values)."""
         parts = [(dof, self.force, np.array([high_hz / _MARGIN]), sees, 0) for dof in self.sensors]
         core = self.model.description.core_parameters(parameters)
         return antiresonance_objective(self.model, core, parts, "squared", None, 0.0, None)
 
-    def inside(self, roots: Roots) -> NDArray[np.bool_]:
+    def inside(self, roots: Roots) -> BoolArray:
         """Which roots lie in the band."""
         low, high = np.log(np.maximum(self.band_hz, 1e-300))
         return np.asarray((roots.log_f >= low) & (roots.log_f <= high))
@@ -118,15 +111,14 @@ class ExpectedErrors:
 #: Relative distance up to which roots of two responses are one, and from which on transmissibilities show
 #: both in full, as in the core (update/sight.rs).
 ONE, APART = 1e-6, 1e-3
-#: A change of 1 % that moves a root by more than 3 % does so for a moment only: two roots are about to merge.
-_STEEPEST = 3.0
+_STEEPEST = 3.0  # roots that move more, relatively to the change, are about to merge
 
 
 @dataclass(frozen=True)
 class VirtualRoots:
     """Roots (n,) in the band for one force."""
 
-    sensor: NDArray[np.intp]  # number of the candidate
+    sensor: IntArray  # number of the candidate
     slopes: FloatArray  # d ln f / dp, (n, p)
     std: FloatArray  # relative, of a value
     common: dict[int, FloatArray]  # of roots that some share: whether each candidate shows it, 0 or 1
@@ -174,10 +166,8 @@ def _common(log_f: list[FloatArray]) -> dict[int, FloatArray]:
 # between equals. Reference: K. Chaloner and I. Verdinelli, Statistical Science 10 (1995) 273-304.
 
 CRITERIA = ("determinant", "worst")
-#: Share of the mean in the criterion of the worst.
-_MEAN = 0.01
-#: Numbers of the sets that are judged together.
-_AT_ONCE = 2_000_000
+_MEAN = 0.01  # share of the mean in the criterion of the worst
+_AT_ONCE = 2_000_000  # numbers of the sets that are judged together
 
 
 @dataclass(frozen=True)
@@ -185,7 +175,7 @@ class Information:
     """Information of every candidate, (c, p, p), and of roots (s,) that some of them share."""
 
     own: FloatArray
-    owner: NDArray[np.intp]  # candidate of such a root, (s,)
+    owner: IntArray  # candidate of such a root, (s,)
     rows: FloatArray  # its slopes over its error, (s, p)
     share: FloatArray  # whether each other candidate shows it, (s, c) of 0 or 1
 
@@ -201,23 +191,30 @@ class Information:
     def of(self, chosen: Sequence[int]) -> FloatArray:
         """Information of a set of candidates, (p, p)."""
         at = np.array(chosen, dtype=np.intp)
-        rows = self.rows[np.isin(self.owner, at) & ~self._hidden(at[None])[0]]
+        rows = self.rows[np.isin(self.owner, at) & ~self._hidden(self._members(at[None]))[0]]
         return np.asarray(self.own[at].sum(axis=0) + rows.T @ rows)
 
-    def _hidden(self, sets: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Roots of members that all other members share, (sets, s): these do not show them."""
-        if not self.owner.size or sets.shape[1] < 2:  # alone, there is nothing to share with
-            return np.zeros((len(sets), self.owner.size), dtype=bool)
+    def _members(self, sets: IntArray) -> FloatArray:
+        """Whether each candidate is in each set, 0 or 1, (sets, c)."""
         member = np.zeros((len(sets), self.own.shape[0]))
         np.put_along_axis(member, sets, 1.0, axis=1)
+        return member
+
+    def _hidden(self, member: FloatArray) -> BoolArray:
+        """Roots of members that all other members share, (sets, s): these do not show them."""
+        alone = member.sum(axis=1, keepdims=True) < 2.0  # there is nothing to share with
         shown = member @ (self.share > 0.0).T.astype(np.float64) > 0.0
-        return np.asarray((member[:, self.owner] > 0.0) & ~shown)
+        return np.asarray((member[:, self.owner] > 0.0) & ~(shown | alone))
+
+    def n_hidden(self, chosen: Sequence[int]) -> int:
+        """How many roots of a set of candidates all of these share."""
+        return int(self._hidden(self._members(np.array([chosen], dtype=np.intp))).sum())
 
     def worth(self, chosen: Sequence[int], criterion: str) -> float:
         """Worth of a set of candidates; the larger the better."""
         return float(self.worths(np.array([chosen], dtype=np.intp), criterion)[0])
 
-    def worths(self, sets: NDArray[np.intp], criterion: str, *, all_shown: bool = False) -> FloatArray:
+    def worths(self, sets: IntArray, criterion: str, *, all_shown: bool = False) -> FloatArray:
         """Worth of each of several sets (sets, n) of candidates; ``all_shown``: no root is hidden."""
         size = self.own.shape[1]
         each = size**2 if criterion == "determinant" else size
@@ -225,33 +222,21 @@ class Information:
         parts = [self._worths(sets[at : at + step], criterion, all_shown) for at in range(0, len(sets), step)]
         return np.concatenate([np.empty(0), *parts])
 
-    def _worths(self, sets: NDArray[np.intp], criterion: str, all_shown: bool) -> FloatArray:
-        hidden = self._hidden(sets) & (not all_shown)
+    def _worths(self, sets: IntArray, criterion: str, all_shown: bool) -> FloatArray:
+        member = self._members(sets)
+        hidden = self._hidden(member) & (not all_shown)
         some = np.flatnonzero(hidden.any(axis=1))
         if criterion == "determinant":
-            found = _summed(self._full, sets)
+            found = np.tensordot(member, self._full, 1)
             for nth in some.tolist():
                 rows = self.rows[hidden[nth]]
                 found[nth] -= rows.T @ rows
             found += np.eye(self.own.shape[1])
             return np.asarray(0.5 * np.linalg.slogdet(found)[1])
-        diagonal = _summed(np.ascontiguousarray(np.diagonal(self._full, axis1=1, axis2=2)), sets)
+        diagonal = member @ np.diagonal(self._full, axis1=1, axis2=2)
         diagonal[some] -= hidden[some] @ self.rows**2
         each = 0.5 * np.log1p(np.maximum(diagonal, 0.0))
         return np.asarray(each.min(axis=1) + _MEAN * each.mean(axis=1))
-
-
-def _summed(parts: FloatArray, sets: NDArray[np.intp]) -> FloatArray:
-    """Sum of the parts of each set; of large sets by what they lack."""
-    count, n = parts.shape[0], sets.shape[1]
-    if 2 * n <= count:
-        return np.asarray(sum(parts[column] for column in sets.T))
-    lacks = np.ones((len(sets), count), dtype=bool)
-    np.put_along_axis(lacks, sets, False, axis=1)
-    found = np.repeat(parts.sum(axis=0)[None], len(sets), axis=0)
-    for column in np.nonzero(lacks)[1].reshape(len(sets), count - n).T:
-        found -= parts[column]
-    return found
 
 
 def information(roots: VirtualRoots, n_candidates: int, spread: FloatArray, tests: int) -> Information:
@@ -274,12 +259,9 @@ def information(roots: VirtualRoots, n_candidates: int, spread: FloatArray, test
 # References: V. V. Fedorov, Theory of Optimal Experiments, 1972 (exchange); D. C. Kammer, Sensor placement
 # for on-orbit modal identification, J. Guidance 14 (1991) 251-259 (backwards).
 
-#: An exchange must add at least this share.
-_LEAST = 1e-10
-#: So many exchanges or sets are tried at once.
-_MOST_EXCHANGES = 20_000
-#: Above so many candidates the search goes forwards only.
-_MOST_BACKWARDS = 150
+_LEAST = 1e-10  # an exchange must add at least this share
+_MOST_EXCHANGES = 20_000  # so many exchanges or sets are tried at once
+_MOST_BACKWARDS = 150  # above so many candidates the search goes forwards only
 
 
 @dataclass(frozen=True)
@@ -296,9 +278,8 @@ class Round:
     Examples
     --------
     >>> import antires_rs as ar
-    >>> plan = ar.plan_test(ar.cases.chain8().model, n_sensors=2, excitations=0)
-    >>> [(one.added, one.removed) for one in plan.rounds]
-    [(0, None), (2, None)]
+    >>> ar.plan_test(ar.cases.chain8().model, n_sensors=2, excitations=0).rounds[0].added
+    0
     """
 
     added: int | None

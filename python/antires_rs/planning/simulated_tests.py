@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..damage.assess import assess_damage
@@ -20,15 +19,14 @@ from ..damage.measured_states import FALSE, FOUND, Roots, Values, follow, roots_
 from ..damage.options import DamagePrior, SearchOptions
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models.parameters import stiffness_reduction
-from ..support.checks import FloatArray
+from ..support.checks import BoolArray, FloatArray, IntArray
 from ..support.progress import step
 from ..support.workers import in_order
 from ..updating.posterior import log_between
 from .detection_curves import rising
 from .placement import Layout
 
-#: Roots are followed so far beyond the band: damage may bring them in.
-_MARGIN = 1.5
+_MARGIN = 1.5  # roots are followed so far beyond the band: damage may bring them in
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,7 @@ class VirtualTest:
 
     def __getstate__(self) -> dict[str, Any]:
         # Without the core's objective, which each process makes again.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: held for name, held in self.__dict__.items() if name != "core"}
 
     @cached_property
     def numbers(self) -> list[int]:
@@ -91,7 +89,7 @@ class VirtualTest:
         return AntiresonanceSet(layout.force, freq, std_hz=std, **seen)
 
 
-def along(intact: Roots, states: Sequence[Roots]) -> list[NDArray[np.intp]]:
+def along(intact: Roots, states: Sequence[Roots]) -> list[IntArray]:
     """Number of the intact root that each root of each state has been, -1 for new ones; step by step."""
     found, identity = [], np.arange(intact.size)
     for before, state in zip([intact, *states], states, strict=False):
@@ -182,7 +180,7 @@ class Judge:
             self.raw[h, has] = roots.slopes[root, own[h]]
             self.scale[h, has] = np.sqrt(np.diag(spread))
 
-    def found(self, log_f: FloatArray, there: NDArray[np.bool_], draws: int) -> tuple[FloatArray, float]:
+    def found(self, log_f: FloatArray, there: BoolArray, draws: int) -> tuple[FloatArray, float]:
         """Share of tests in which each candidate is declared damaged, and in which any is."""
         values = log_f[:, None] + self.baseline.std[:, None] * self.rng.standard_normal((log_f.size, draws))
         paired = self._paired(log_f, there)
@@ -204,7 +202,7 @@ class Judge:
         share = np.bincount(best[declared], minlength=self.n)[:count] / draws
         return share, float(declared.mean())
 
-    def _paired(self, log_f: FloatArray, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _paired(self, log_f: FloatArray, there: BoolArray) -> BoolArray:
         """Values that each hypothesis explains, (hypotheses, m), at the severity that most ask for."""
         both = self.present & there
         residual = np.where(both, log_f - self.place, 0.0)
@@ -219,7 +217,7 @@ class Judge:
         along = self.raw * step
         return np.asarray(both & (np.abs(residual - along) < _OUTSIDE * self.scale + _LINEAR * np.abs(along)))
 
-    def _near(self, log_f: FloatArray, paired: NDArray[np.bool_]) -> NDArray[np.intp]:
+    def _near(self, log_f: FloatArray, paired: BoolArray) -> IntArray:
         """Points of each element's grid that explain the true values best, (n, points); -1: hopeless."""
         residual = np.where(paired, log_f - self.place, 0.0)
         raw = np.where(paired, self.raw, 0.0)
@@ -244,16 +242,14 @@ class Judge:
         worth = -0.5 * (left**2).sum(axis=1) + gain * step - 0.5 * curvature * step**2
         return np.asarray(worth - _FAR * _too_far(self.beta[at] + step, self.beta[at]))
 
-    def _plain(
-        self, at: NDArray[np.intp], values: FloatArray, paired: NDArray[np.bool_]
-    ) -> tuple[FloatArray, FloatArray]:
+    def _plain(self, at: IntArray, values: FloatArray, paired: BoolArray) -> tuple[FloatArray, FloatArray]:
         """Whitened residuals at these points (points, m, draws), and log likelihood there (points, draws)."""
         residual = np.where(paired[at][:, :, None], values - self.place[at][:, :, None], 0.0)
         left = self.white[at] @ residual
         likelihood = -0.5 * (left**2).sum(axis=1) - (self.log_det[at] + self.missed[at])[:, None]
         return left, likelihood
 
-    def _evidence(self, at: NDArray[np.intp], values: FloatArray, paired: NDArray[np.bool_]) -> FloatArray:
+    def _evidence(self, at: IntArray, values: FloatArray, paired: BoolArray) -> FloatArray:
         """Log evidence at these points, (points, draws); where the best severity is too far, very little."""
         left, likelihood = self._plain(at, values, paired)
         slope = (self.white[at] @ np.where(paired[at], self.raw[at], 0.0)[:, :, None])[:, :, 0]
@@ -273,8 +269,7 @@ def _too_far(best: FloatArray, beta: FloatArray) -> FloatArray:
 
 # -- Probability of detection by linear algebra: some structures with their baselines, many tests of each
 
-#: Tests of each structure and damage.
-_DRAWS = 64
+_DRAWS = 64  # tests of each structure and damage
 
 
 def predicted(

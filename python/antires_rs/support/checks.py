@@ -14,6 +14,8 @@ from ..exceptions import InvalidInputError, Name, reject
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.intp]
+BoolArray = NDArray[np.bool_]
 T = TypeVar("T")
 
 _LABELS = "List a label for each channel, or leave them out to number the channels from 0."
@@ -112,7 +114,7 @@ def finite_scalar(
         if isinstance(value, bool | str | bytes) or shape_of(value) != ():
             raise TypeError
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         reject(name, repr(value), wanted, "Pass one number, without quotes.")
     below = number <= low if low_open else number < low
     above = number >= high if high_open else number > high

@@ -5,31 +5,25 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..exceptions import reject
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
-from ..support.checks import FloatArray, finite_scalar, integer
+from ..models.structural_model import StructuralModel
+from ..support.checks import BoolArray, FloatArray, finite_scalar, integer
 from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
 from ..views import Viewed
 from .problem import UpdatingProblem
 from .residuals import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
-from .targets import STEP, model_dof, roots_of
+from .targets import STEP, roots_of
 
-if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
-
-
-#: A value whose standard deviation exceeds this share of the bounds' distance is hardly determined.
-_WEAK = 0.1
-#: A parameter takes part in an unseen direction from this share of it on.
-_SHARE = 0.15
+_WEAK = 0.1  # standard deviation over the bounds' distance from which a value is hardly determined
+_SHARE = 0.15  # a parameter takes part in an unseen direction from this share of it on
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +38,7 @@ class Identifiability(Value):
     #: Of each value to first order, by the scatter of the residuals, (n,); infinity where not determined, NaN
     #: where it cannot be said: a damage that rests at 0, or no more residuals than parameters.
     std: FloatArray
-    weak: NDArray[np.bool_]  # whether it is above a tenth of the bounds' distance
+    weak: BoolArray  # whether it is above a tenth of the bounds' distance
     noun: str = "antiresonance"
 
     @property
@@ -73,12 +67,12 @@ class Identifiability(Value):
             notes.append(f"{said} within these standard deviations.")
         return notes
 
-    def _named(self, which: NDArray[np.bool_], endings: Iterable[str] | None = None) -> str:
+    def _named(self, which: BoolArray, endings: Iterable[str] | None = None) -> str:
         labels = zip(self.names, endings or [""] * len(self.names), which, strict=True)
         return ", ".join(name + ending for name, ending, chosen in labels if chosen)
 
     @property
-    def blind(self) -> NDArray[np.bool_]:
+    def blind(self) -> BoolArray:
         """Whether nothing measured sees the parameter, (n,)."""
         return self.sensitivity <= UNSEEN
 
@@ -157,12 +151,8 @@ def smallest_visible(problem: UpdatingProblem) -> list[float]:
 
 # -- What a test could tell about the parameters, wherever they are within their bounds: asked before the test
 
-#: Relative error of a measured frequency where none is stated and none given.
-_NOISE = 1e-3
-#: Forces and sensors that are tried unless they are named.
-_MOST_TRIED = 12
-#: Share of its prior standard deviation below which a combination counts as told.
-TOLD = 0.3
+_NOISE = 1e-3  # relative error of a measured frequency where none is stated and none given
+_MOST_TRIED = 12  # forces and sensors that are tried unless they are named
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,36 +163,29 @@ class BoxIdentifiability(Value, Viewed):
     ----------
     names : tuple of str, (n,)
         Parameters that may move.
-    noise : float
-        Relative standard deviation of the measured frequencies that was taken.
-    points : ndarray, (p, n)
-        Values at which the sensitivities were formed.
+    noise, points : float, and ndarray, (p, n)
+        Relative standard deviation of the measured frequencies, and values at which they were asked for.
     singular_values : ndarray, (p, n)
         Of the sensitivities over the errors, with a prior standard deviation as the unit of each parameter,
         falling: 1 is a combination that the test tells as well as the bounds do.
     left : ndarray, (n,)
         Standard deviation of each parameter after the test over that within the bounds, expected over the
         box: 1 where the test tells nothing.
-    combinations : ndarray, (n, n)
+    combinations, combinations_left : ndarray, (n, n) and (n,)
         Orthonormal combinations of the parameters (in logarithms where these are positive), the least told
-        first.
-    combinations_left : ndarray, (n,)
-        The same as ``left`` for these.
-    words : tuple of str
-        What is not told: one for each combination with more than 0.3 left.
-    suggestions : tuple of str
-        What would help: fix a parameter, take two as one, another force, another sensor.
+        first, and what is left of each.
+    words, suggestions : tuple of str
+        What is not told, one for each combination with more than 0.3 left; and what would help: fix a
+        parameter, take two as one, another force, another sensor.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> found = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
-    >>> found.told, len(found.names)
-    (13, 15)
+    >>> ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[]).told
+    13
     """
 
-    #: Share of a standard deviation below which a parameter or a combination counts as told.
-    TOLD: ClassVar[float] = TOLD
+    TOLD: ClassVar[float] = 0.3  # share of a standard deviation below which a combination counts as told
 
     names: tuple[str, ...]
     noise: float
@@ -217,7 +200,7 @@ class BoxIdentifiability(Value, Viewed):
     @property
     def told(self) -> int:
         """Number of combinations that the test tells: with at most 0.3 of their standard deviation left."""
-        return int(np.sum(self.combinations_left < TOLD))
+        return int(np.sum(self.combinations_left < self.TOLD))
 
     def plot(self, ax: Any = None) -> Any:
         """What is left of each parameter; see :func:`antires_rs.figures.plot_identifiability`."""
@@ -272,36 +255,26 @@ def identifiability(
     -------
     BoxIdentifiability
 
-    Raises
-    ------
-    InvalidInputError
-        Something that is not an UpdatingProblem, a number out of range, a dof that the model does not have,
-        no parameter that may move.
-
     Examples
     --------
     >>> import antires_rs as ar
-    >>> before = ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[])
-    >>> before.told, before.words[0]
-    (13, 'mass 0')
+    >>> ar.identifiability(ar.cases.chain8().updating_problem(), points=4, forces=[], sensors=[]).words[0]
+    'mass 0'
     """
     from scipy.stats.qmc import Sobol
 
     if not isinstance(problem, UpdatingProblem):
-        remedy = "Join model, parameters and a measured or virtual set."
-        reject("problem", problem, "an UpdatingProblem", remedy)
+        reject("problem", problem, "an UpdatingProblem", "Make one, with a measured or virtual set.")
     integer("points", points, low=4, high=4096)
     std = problem._targets.error_rows()[2]  # of omega squared
     std = std[np.isfinite(std) & (std > 0.0)]
     stated = float(0.5 * np.median(std)) if std.size else _NOISE
     taken = stated if noise is None else finite_scalar("noise", noise, low=1e-8, high=1.0)
     box = BoxResiduals(problem, problem.bounds.mean(axis=1))
-    n = box.free.size
-    if n == 0:
-        remedy = "Give lower and upper bounds."
-        reject("problem", "no parameter that may move", "bounds with a distance", remedy)
+    if box.free.size == 0:
+        reject("problem", "no parameter that may move", "bounds with a distance", "Widen the bounds.")
     names = tuple(problem.names[j] for j in box.free)
-    sobol = Sobol(n, seed=0).random_base2(int(np.ceil(np.log2(points))))
+    sobol = Sobol(box.free.size, seed=0).random_base2(int(np.ceil(np.log2(points))))
     x = box.vector(np.asarray(sobol[:points]))
     jacobians = []
     for nth, row in enumerate(x):
@@ -310,9 +283,13 @@ def identifiability(
     error = 2.0 * taken  # of omega squared, hence twice that of the frequency
     covariance = expected_covariance(jacobians, error)
     left, vectors = combinations(covariance)
-    words = [combination_in_words(names, v) for v, share in zip(vectors, left, strict=True) if share >= TOLD]
+    words = [
+        combination_in_words(names, v)
+        for v, share in zip(vectors, left, strict=True)
+        if share >= BoxIdentifiability.TOLD
+    ]
     helpful = _alike(names, jacobians)
-    if np.linalg.eigvalsh(covariance)[-1] >= TOLD**2:
+    if np.linalg.eigvalsh(covariance)[-1] >= BoxIdentifiability.TOLD**2:
         tried = _candidates(problem, forces, sensors)
         helpful = [*_fixed(names, covariance), *helpful, *_further(problem, x, jacobians, error, tried)]
     seen = np.array([_singular_values(j, error) for j in jacobians])
@@ -328,14 +305,12 @@ def _candidates(
     model, of_modes = problem.model, problem.noun == "mode"
 
     def dofs(name: str, labels: Any) -> list[int]:
-        return [model_dof(model, name, label) for label in labels]
+        return [model._dof(name, label) for label in labels]
 
     def tried(name: str, given: Any, default: list[int]) -> list[int]:
         """Those named, or all of a few, or some of many, evenly."""
-        if given is not None:
-            return dofs(name, given)
         some_of = np.linspace(0, len(default) - 1, min(len(default), _MOST_TRIED)).round().astype(int)
-        return [default[i] for i in some_of]
+        return [default[i] for i in some_of] if given is None else dofs(name, given)
 
     seen = {dof for s in problem.measured for dof in dofs("measured dof", s.dofs if of_modes else s)}
     found = {"sensor": tried("sensors", sensors, [d for d in model._sensor_dofs if d not in seen])}
@@ -352,10 +327,8 @@ def _candidates(
 #: Roots are followed by their numbers between these multiples of the lowest and highest measured frequency:
 #: one on its way to zero would count without bound.
 _LOWEST, _BEYOND = 0.5, 2.0
-#: Error of an entry of a shape over that of omega squared: ten times that of the frequency.
-_SHAPES = 5.0
-#: A value that the model at x itself does not meet is paired with another.
-_MET = 1e-6
+_SHAPES = 5.0  # error of an entry of a shape over that of omega squared: ten times that of the frequency
+_MET = 1e-6  # a value that the model at x itself does not meet is paired with another
 
 
 def sensitivities(
@@ -382,8 +355,8 @@ def _zeros(
     high, low = float(problem.measured_hz.max()), _LOWEST * float(problem.measured_hz.min())
     tests: list[tuple[int, dict[int, FloatArray] | None, list[int]]] = []
     for each in problem.measured:
-        values = {model_dof(model, "measured dof", dof): each[dof] for dof in each}
-        force = model_dof(model, "excitation", each.excitation)
+        values = {model._dof("measured dof", dof): each[dof] for dof in each}
+        force = model._dof("excitation", each.excitation)
         tests.append((force, values, [*values, *(dof for dof in sensors if dof not in values)]))
     tests += [(force, None, tests[0][2]) for force in forces]
     sees = problem.measured[0].sees
@@ -434,12 +407,9 @@ def _singular_values(jacobian: FloatArray, noise: float) -> FloatArray:
 
 # -- Combinations of parameters that the data do not tell, in words
 
-#: Members of a combination have at least this share of its largest coefficient.
-_MEMBER = 0.3
-#: From this share of all parameters on, all of one sign, it is the common scale.
-_COMMON = 0.7
-#: Combinations with at least this share left are as good as not seen, and may be turned into simpler ones.
-_UNSEEN = 0.95
+_MEMBER = 0.3  # members of a combination have at least this share of its largest coefficient
+_COMMON = 0.7  # from this share of all parameters on, all of one sign, it is the common scale
+_UNSEEN = 0.95  # combinations with so much left are not seen, and may be turned into simpler ones
 
 
 def combinations(covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -484,27 +454,16 @@ def combination_in_words(names: Sequence[str], direction: FloatArray) -> str:
         return f"{named[0]} against {named[1]}; both together are"
     if len(members) == 2:
         return f"{named[0]} together with {named[1]}; their ratio is"
-    up = [name for name, sign in zip(named, signs, strict=True) if sign > 0]
-    down = [name for name, sign in zip(named, signs, strict=True) if sign < 0]
-    return f"{_listed(up)} against {_listed(down)}" if down else f"{_listed(up)} together"
-
-
-def _listed(names: Sequence[str]) -> str:
-    if len(names) > 4:
-        return some(names)
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    up, down = (some([name for name, at in zip(named, signs, strict=True) if at == sign]) for sign in (1, -1))
+    return f"{up} against {down}" if down else f"{up} together"
 
 
 # -- What would make parameters identifiable: one fixed, two taken as one, another force, another sensor
 
-#: Cosine from which two columns of sensitivities count as one, all over the box.
-_ALIKE = 0.99
-#: A suggestion must take away this share of what is left open.
-_WORTH = 0.2
-#: Points at which candidates for forces and sensors are tried.
-_TRIED = 4
-#: A smallest singular value below it is that of a combination that is not seen at all.
-_SEEN = 1e-3
+_ALIKE = 0.99  # cosine from which two columns of sensitivities count as one, all over the box
+_WORTH = 0.2  # a suggestion must take away this share of what is left open
+_TRIED = 4  # points at which candidates for forces and sensors are tried
+_SEEN = 1e-3  # a smallest singular value below it is that of a combination that is not seen at all
 
 
 def _further(
@@ -551,7 +510,7 @@ def _fixed(names: Sequence[str], covariance: FloatArray) -> list[str]:
 
 
 def _count_open(covariance: FloatArray) -> int:
-    return int(np.sum(np.linalg.eigvalsh(covariance) >= TOLD**2))
+    return int(np.sum(np.linalg.eigvalsh(covariance) >= BoxIdentifiability.TOLD**2))
 
 
 def _alike(names: Sequence[str], jacobians: Sequence[FloatArray]) -> list[str]:

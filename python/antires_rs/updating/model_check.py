@@ -9,26 +9,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-from ..support.checks import FloatArray
-from .targets import AntiresonanceTargets
-
-if TYPE_CHECKING:
-    from ..models.structural_model import StructuralModel
-    from .problem import UpdatingProblem
-    from .targets import Targets
-
+from ..models.structural_model import StructuralModel
+from ..support.checks import FloatArray, IntArray
+from .problem import UpdatingProblem
+from .targets import AntiresonanceTargets, Targets
 
 # -- A mistake of units that would account for a model which does not explain the values: one ratio for all
 # frequencies; exchanged matrices turn each root into its inverse
 
-#: Response of each value, and ln f, ascending within each response.
-Pairs = tuple[NDArray[np.intp], FloatArray]
+Pairs = tuple[IntArray, FloatArray]  # response of each value, and ln f, ascending within each
 
 #: Measured over model, and which mistakes make it so.
 _RATIOS: tuple[tuple[float, str], ...] = (
@@ -39,10 +32,7 @@ _RATIOS: tuple[tuple[float, str], ...] = (
     (1e-3, "are the frequencies in kHz in place of Hz? Or is the stiffness 1e6 times too large?"),
     (1e3, "is the stiffness 1e6 times too small (modulus in MPa for Pa, N/mm and tonnes), or lengths in mm?"),
     (math.sqrt(1e3), "is the stiffness 1000 times too small (N/mm for N/m, kPa for Pa), or the mass in g?"),
-    (
-        math.sqrt(1e-3),
-        "is the mass 1000 times too small (tonnes for kg), or the stiffness 1000 times too large?",
-    ),
+    (math.sqrt(1e-3), "is the mass 1000 times too small (t for kg), or the stiffness 1000 times too large?"),
     (math.sqrt(9806.65), "are the springs in kgf/mm in place of N/m?"),
     (math.sqrt(9.80665), "are forces in kgf in place of N, or weights given for masses?"),
     (1.0 / math.sqrt(9.80665), "were masses divided by 9.81 that were in kg already?"),
@@ -65,12 +55,9 @@ _BETWEEN: tuple[tuple[float, str], ...] = (
     (2.0, "is their sampling rate given twice the true one?"),
     (0.5, "is their sampling rate given half the true one?"),
 )
-#: Under a ratio so many of values and roots have a partner, and so many more than without.
-_SHARE, _BETTER = 0.7, 1.3
-#: Nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for.
-_ORDINARY = 0.1
-#: Larger models take too long to be asked for all their roots.
-_MOST_DOFS = 600
+_SHARE, _BETTER = 0.7, 1.3  # so many of values and roots have a partner, so many more than without
+_ORDINARY = 0.1  # nearer to 1, in ln f, a ratio is an error of the model as any has, and what updating is for
+_MOST_DOFS = 600  # larger models take too long to be asked for all their roots
 
 
 def hint_of(model: StructuralModel, targets: Targets) -> str:
@@ -123,21 +110,16 @@ def _said(ratio: float) -> str:
 def _share(values: Pairs, roots: Pairs, shift: float) -> float:
     """Share of values, and of roots between them, that have a partner one to one."""
     found = _paired(values, (roots[0], roots[1] + shift))
-    both = found.n_values + found.n_roots
-    return 2.0 * found.n_paired / both if both else 0.0
+    return 2.0 * found.n_paired / max(found.n_values + found.n_roots, 1)
 
 
-#: Largest difference in ln f of partners: right models after their search leave less (3 %).
-NEAR = 0.06
+NEAR = 0.06  # largest difference in ln f of partners: right models after their search leave less (3 %)
 #: Least share of values and roots with a partner. Right models: above 0.95; sets without a fifth of the
 #: values: 0.89; models with a wrong unit, dof or force: below 0.7.
 LEAST_SHARE = 0.75
-#: Least share of the values alone: two sensors of ten exchanged leave 0.83, a tenth of the values false 0.9.
-LEAST_PAIRED = 0.85
-#: Why, a hint, and what to check.
-NOT_EXPLAINED = "The model does not explain the measurement: {}. {}Check {}."
-#: Shapes of one mode agree so well at least.
-_SAME_SHAPE = 0.5
+LEAST_PAIRED = 0.85  # of the values: two sensors of ten exchanged leave 0.83, a tenth false 0.9
+NOT_EXPLAINED = "The model does not explain the measurement: {}. {}Check {}."  # why, hint, what to check
+_SAME_SHAPE = 0.5  # shapes of one mode agree so well at least
 
 
 @dataclass(frozen=True)
@@ -201,7 +183,6 @@ def explained(problem: UpdatingProblem, x: FloatArray, *, doubted: bool = False)
 
 
 def _listed(frequencies: Iterable[FloatArray]) -> Pairs:
-    """Frequencies (Hz) by response."""
     logs = [np.sort(np.log(freq[freq > 0.0])) for freq in frequencies]
     number = np.repeat(np.arange(len(logs)), [each.size for each in logs]).astype(np.intp)
     return number, np.concatenate([np.empty(0), *logs])
@@ -219,13 +200,10 @@ def _paired(values: Pairs, roots: Pairs) -> Explained:
     return Explained(values[1].size, roots_between(*values, *roots), int((partner >= 0).sum()))
 
 
-def roots_between(
-    response: NDArray[np.intp], values: FloatArray, of_root: NDArray[np.intp], roots: FloatArray
-) -> int:
+def roots_between(response: IntArray, values: FloatArray, of_root: IntArray, roots: FloatArray) -> int:
     """How many roots there are from the lowest to the highest value of each response, in ln f."""
     between = 0
     for number in np.unique(response):
-        own = values[response == number]
-        there = roots[of_root == number]
+        own, there = values[response == number], roots[of_root == number]
         between += int(((there >= own.min() - NEAR) & (there <= own.max() + NEAR)).sum())
     return between

@@ -5,24 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..support.checks import FloatArray
+from ..support.checks import BoolArray, FloatArray, IntArray
 from ..support.progress import step
+from .problem import UpdatingProblem
 from .targets import MODEL_ERROR
 
-if TYPE_CHECKING:
-    from .problem import UpdatingProblem
-
-
-#: Step of the central differences, relative to the range of a parameter: the residuals carry rounding of
-#: about 1e-13, so this leaves some 1e-8 of error.
-STEP_OF_SLOPES = 1e-5
-#: Candidates that a thread evaluates at a time.
-_PIECE = 64
+STEP_OF_SLOPES = 1e-5  # of the range: the residuals carry rounding of 1e-13, so this leaves 1e-8 of error
 
 
 class BoxResiduals:
@@ -31,8 +22,7 @@ class BoxResiduals:
     def __init__(self, problem: UpdatingProblem, x: FloatArray) -> None:
         self.problem, self.x = problem, x
         low, high = problem.bounds.T
-        #: Numbers of the parameters that u holds.
-        self.free = np.flatnonzero((high > low) & ~decided(problem, x))
+        self.free = np.flatnonzero((high > low) & ~decided(problem, x))  # parameters that u holds
         self.low, self.high = low[self.free], high[self.free]
         # With the logarithm of the parameter: antiresonances hang on ratios of stiffness to mass, and a
         # common scale of all is then a straight line along which nothing changes.
@@ -44,8 +34,7 @@ class BoxResiduals:
         weights = np.ones(len(problem.measured_hz)) if problem.weights is None else problem.weights
         paired = np.isfinite(problem._core.pairs(x)[0])
         self.kept = (paired & (weights > 0.0))[value]
-        #: Measured frequency that each residual belongs to.
-        self.hz = problem.measured_hz[value][self.kept]
+        self.hz = problem.measured_hz[value][self.kept]  # measured frequency that each residual belongs to
         #: 0 for frequencies, 1 for entries of shapes.
         self.kind, std, weights = kind[self.kept], std[self.kept], weights[value][self.kept]
         known, noun = np.isfinite(std), f"{problem.noun}s"
@@ -56,9 +45,7 @@ class BoxResiduals:
         assumed = {
             f"{alone} measured {noun} without a partner in the model are left out.": alone,
             f"No errors of the measured {noun} are stated: the residuals tell them.": not stated,
-            "Values without a standard deviation are given the median of the others.": (
-                stated and not known.all()
-            ),
+            "Values without a standard deviation are given the median of others.": stated and not known.all(),
         }
         self.assumed = tuple(sentence for sentence, holds in assumed.items() if holds)
 
@@ -84,16 +71,11 @@ class BoxResiduals:
 
     def many(self, u: FloatArray, workers: int) -> FloatArray:
         """Residuals at every row, (k, m): the same bits for any number of workers."""
-        pieces = [u[first : first + _PIECE] for first in range(0, len(u), _PIECE)]
-
-        def rows(piece: FloatArray) -> FloatArray:
-            return np.stack([self.at(row) for row in piece])
-
-        if workers == 1 or len(pieces) == 1:
-            return np.concatenate([rows(piece) for piece in pieces])
+        if workers == 1:
+            return np.stack([self.at(row) for row in u])
         pool = ThreadPoolExecutor(workers)
         try:
-            return np.concatenate(list(pool.map(rows, pieces)))
+            return np.stack(list(pool.map(self.at, u)))
         finally:  # after Ctrl-C what has not begun is not begun
             pool.shutdown(wait=False, cancel_futures=True)
 
@@ -104,7 +86,7 @@ class BoxResiduals:
         return np.stack(columns, axis=1) if columns else np.empty((self.size.size, 0))
 
 
-def decided(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
+def decided(problem: UpdatingProblem, x: FloatArray) -> BoolArray:
     """Damage at exactly 0: with penalties it is decided, not estimated."""
     reductions = np.array([p.quantity == "stiffness_reduction" for p in problem.parameters])
     return np.asarray(reductions & (x == 0.0) & (problem.penalty is not None))
@@ -117,12 +99,9 @@ def decided(problem: UpdatingProblem, x: FloatArray) -> NDArray[np.bool_]:
 # size of the term. Where errors are stated, tau is 0 with a prior probability of one half, else
 # log-uniform; where none are, tau stands for both.
 
-#: No test and no model agrees better than this in omega squared: no interval has the width 0.
-FLOOR = 1e-5
-#: Largest error of the model that is considered, in omega squared, and the step of its grid in ln(tau).
-_MOST, _STEP_ERROR_MODEL = 0.3, 0.05
-#: Errors of the model below this share of the stated ones make no difference.
-_LEAST = 0.2
+FLOOR = 1e-5  # no test and no model agrees better than this in omega squared: no interval has the width 0
+_MOST, _STEP_ERROR_MODEL = 0.3, 0.05  # largest error of the model, in omega squared, and the step of ln(tau)
+_LEAST = 0.2  # errors of the model below this share of the stated ones make no difference
 #: Factor below the estimate at which the grid begins, and above it at which the grid ends: with few values to
 #: spare the tail falls as ``tau**-spare``, and one percent of it is left out.
 _BELOW, _ABOVE, _TAIL = 6.0, 4.0, 100.0
@@ -179,7 +158,7 @@ def normalized(log_weights: FloatArray) -> FloatArray:
     return np.asarray(p / p.sum(axis=-1, keepdims=True))
 
 
-def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
+def drawn(probabilities: FloatArray, uniform: FloatArray) -> IntArray:
     """Index of one outcome for each row of ``probabilities`` (k, G) or (G,), by uniform numbers (k,)."""
     cumulative = np.cumsum(np.atleast_2d(probabilities), axis=1)
     return np.asarray(np.minimum((uniform[:, None] > cumulative).sum(axis=1), cumulative.shape[1] - 1))
@@ -187,15 +166,10 @@ def drawn(probabilities: FloatArray, uniform: FloatArray) -> NDArray[np.intp]:
 
 # -- The weighted least-squares solution near the parameters found: where the posterior is expanded
 
-#: A combination whose residuals move less than this over the bounds' distance is not seen.
-UNSEEN = 1e-5
-#: Rounds of weights from residuals and residuals from weights, and steps of each.
-_ROUNDS, _STEPS = 3, 20
-#: A solution is another than the one found if a value differs by more standard deviations than this, and by
-#: more than this share of omega squared.
-FAR, SAME = 4.0, 2e-3
-#: Share of the steepest column that a step costs: what no value sees stays where it is.
-_DAMPED = 1e-6
+UNSEEN = 1e-5  # a combination whose residuals move less than this over the bounds' distance is not seen
+_ROUNDS, _STEPS = 3, 20  # rounds of weights from residuals and residuals from weights, and steps of each
+FAR, SAME = 4.0, 2e-3  # another solution differs by more standard deviations and share of omega squared
+_DAMPED = 1e-6  # share of the steepest column that a step costs: what no value sees stays where it is
 
 
 @dataclass(frozen=True, eq=False)

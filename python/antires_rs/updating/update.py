@@ -58,7 +58,7 @@ def update(
     Raises
     ------
     InvalidInputError
-        Something that is not an UpdatingProblem, a guess outside the bounds, a checkpoint of another search.
+        A guess outside the bounds, a checkpoint of another search.
     UnsuitableDataError
         A damaged checkpoint.
     NumericalError
@@ -67,16 +67,14 @@ def update(
     Examples
     --------
     >>> import antires_rs as ar
-    >>> nominal = ar.MassSpringChain([2.0, 1.0, 1.0], [500.0, 500.0])
-    >>> springs = ar.stiffness_factor([0, 1], bounds=(0.8, 1.2))
-    >>> true = nominal.with_parameters(springs, [1.1, 0.96])
-    >>> measured = ar.AntiresonanceSet(0, dict(enumerate(true.antiresonances([0, 1, 2], 0))))
-    >>> ar.update(ar.UpdatingProblem(nominal, springs, measured), rng=0).x.round(2)
-    array([1.1 , 0.96])
+    >>> nominal = ar.MassSpringChain([1.0, 1.0], [500.0], ground_first_n_per_m=500.0)
+    >>> measured = ar.AntiresonanceSet(0, {0: [3.4]})  # sqrt(k / m) / 2 pi
+    >>> problem = ar.UpdatingProblem(nominal, ar.stiffness_factor([0], bounds=(0.8, 1.2)), measured)
+    >>> ar.update(problem, rng=0).x.round(3)
+    array([0.913])
     """
     if not isinstance(problem, UpdatingProblem):
-        remedy = "Join model, parameters and measurement by UpdatingProblem first."
-        reject("problem", problem, "an UpdatingProblem", remedy)
+        reject("problem", problem, "an UpdatingProblem", "Join model, parameters and measurement by it.")
     wanted = wanted_reduction(problem, reduction, checkpoint)
     asked = (optimizer, rng, workers, callback, x0, progress, checkpoint)
     if wanted is not None:
@@ -142,21 +140,18 @@ class UpdateEnsemble:
 
     Attributes
     ----------
-    results : tuple of UpdateResult or None
-        None where an updating failed.
+    results, failed : tuple of UpdateResult or None, and dict of int to str
+        None where an updating failed, and why, by the number of the problem.
     seeds : tuple of int
         ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
-    failed : mapping of int to str
-        Why, by the number of the problem.
     interrupted : bool
         Whether Ctrl-C ended it; the results are those that were there.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> found = ar.update_ensemble(ar.cases.chain8().damage_problem(), count=3, rng=0)
-    >>> len(found), found.x[:, 4].round(2).tolist()
-    (3, [0.55, 0.55, 0.55])
+    >>> ar.update_ensemble(ar.cases.chain8().damage_problem(), count=3, rng=0).x[:, 4].round(2).tolist()
+    [0.55, 0.55, 0.55]
     """
 
     results: tuple[UpdateResult | None, ...]
@@ -175,13 +170,7 @@ class UpdateEnsemble:
 
     @property
     def x(self) -> FloatArray:
-        """Parameters of every result, (n_problems, n_parameters); NaN where it failed.
-
-        Raises
-        ------
-        InvalidInputError
-            The problems have different numbers of parameters.
-        """
+        """Parameters of every result, (n_problems, n_parameters), of one number; NaN where it failed."""
         sizes = {result.x.size for result in self.results if result is not None}
         if len(sizes) > 1:
             got = f"problems of {', '.join(map(str, sorted(sizes)))} parameters"
@@ -228,7 +217,7 @@ def update_ensemble(
     problems : UpdatingProblem, or an iterable of them
         A generator is read a few ahead only. One problem alone is updated ``count`` times, with other seeds.
     count : int, optional
-        How many seeds one problem gets.
+        How many seeds one problem gets; None for several problems.
     optimizer, progress
         As of :func:`update`.
     rng : int or numpy.random.Generator, optional
@@ -242,21 +231,12 @@ def update_ensemble(
     UpdateEnsemble
         Also after Ctrl-C: what was there.
 
-    Raises
-    ------
-    InvalidInputError
-        Something that is not an UpdatingProblem; ``count`` beside several problems, or none beside one.
-
     Examples
     --------
-    >>> import numpy as np, antires_rs as ar
-    >>> case, rng = ar.cases.chain8(), np.random.default_rng(0)
-    >>> def drawn():  # measured values drawn anew tell how far parameters scatter
-    ...     for _ in range(4):
-    ...         noisy = {dof: hz * rng.normal(1, 0.001, hz.size) for dof, hz in case.exact().items()}
-    ...         yield case.damage_problem(ar.AntiresonanceSet(0, noisy))
-    >>> ar.update_ensemble(drawn(), rng=0).x.shape
-    (4, 7)
+    >>> import antires_rs as ar
+    >>> problems = (ar.cases.chain8(perturbation=0.05, rng=seed).updating_problem() for seed in range(2))
+    >>> ar.update_ensemble(problems, rng=0).x.shape
+    (2, 15)
     """
     alone = isinstance(problems, UpdatingProblem)
     if alone == (count is None):
