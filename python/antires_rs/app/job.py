@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..exceptions import Argument, InvalidInputError
+from ..identification.options import FitOptions
 from ..io.registry import conversion
 from .command import existing
 from .keys import FORMATS, HEADINGS, KINDS, SECTIONS, TASKS, UNSET, Key, Section, shown
@@ -179,7 +180,9 @@ class Job:
 
     def _check(self, section: Section, place: KeyPath, table: Mapping[str, Any]) -> None:
         keys = {key.name: key for key in section.keys}
-        for name, value in table.items():
+        for name, value in list(table.items()):
+            if section.name == "identification" and name in FitOptions.left:  # the call warns
+                continue
             remedy = self._owner(name) or "Remove it."
             self.one_of((*place, name), name, keys, remedy, f"the unknown key {name!r}")
             key = keys[name]

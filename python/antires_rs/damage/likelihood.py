@@ -167,7 +167,7 @@ class ModelError:
 
     @property
     def gain_std(self) -> float:
-        """Relative error of a loss, in u, that the model makes beside what the baseline leaves of its factors."""
+        """Relative error of a loss, in u, beside what the baseline leaves of the factors."""
         return GAIN_ERROR * self.s * (1.0 if self.lacking else min(1.0, self.tau / _FULLY))
 
     @property
@@ -374,10 +374,9 @@ _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (
 #: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
 #: square), its share of the probability, and the errors beside which it is looked at. Set on building.
 _MIXED, _WITH_MIXED, _BESIDE_MIXED = (0.1, 0.3), 0.3, ((0.5, 1.0), (1.0, 1.0), (1.6, 1.0))
-#: Error of a loss that the model's makes, in u = -ln(1 - beta): so many times u and the scatter of the factors,
-#: since what a wrong model lacks is not seen in how it explains the baseline; and the error of a frequency beside
-#: the factors from which on all of it counts. Set on building, elastic beam and grillage of
-#: ``reference.outside_structures``.
+#: Error of a loss that the model's error makes, in u = -ln(1 - beta): so many times u and the scatter of the
+#: factors, since what a wrong model lacks is not seen in how it explains the baseline; and the error of a
+#: frequency beside the factors from which on all of it counts.
 GAIN_ERROR, _FULLY = 0.7, 1.5e-3
 #: Share of the mean square of all changes that counts in the error of each one, however small its own.
 _COMMON = 0.5

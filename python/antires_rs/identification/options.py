@@ -118,6 +118,8 @@ class FitOptions(Options):
     (5, 10)
     """
 
+    left = dict.fromkeys(("cross_check", "second_opinion"), "it changed no value. Leave it out.")
+
     formulation: str = option(
         "auto",
         ", ".join(f'"{one}"' for one in CHOICES[:-1]) + f' or "{CHOICES[-1]}": what is fitted. "auto" takes '

@@ -180,8 +180,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     unexplained_hz : dict
         By dof, where it was identified: peaks of its curve beside which nothing was seen.
     diagrams, data_check
-        Not saved. Where the set was identified: the stabilization diagram by dof, and whether the data were fit
-        for it.
+        Not saved. Where the set was identified: the stabilization diagram by dof, and whether data were fit.
 
     Raises
     ------

@@ -82,6 +82,8 @@ class Options:
     """Base of frozen dataclasses of options, which remember the names that were given."""
 
     given: frozenset[str]
+    #: What was an option until 0.1, and why it is none.
+    left: ClassVar[Mapping[str, str]] = {}
     _without_check: ClassVar[tuple[str, ...]] = ()
 
     def __new__(cls, *_: Any, **given: Any) -> Self:
@@ -129,6 +131,10 @@ def documented(options: type[Chosen]) -> type[Chosen]:
 
 def gathered(call: str, place: str, chosen: Chosen, older: Mapping[str, Any]) -> Chosen:
     """The options of ``place=``, joined by those given flat, as until 0.1, with a warning."""
+    left = [name for name in older if name in chosen.left]
+    for name in left:
+        warn_of_change(f"{call}: {name} has left and has no effect: {chosen.left[name]}")
+    older = {name: value for name, value in older.items() if name not in left}
     for name in older:
         if name not in chosen.declared():
             raise TypeError(f"{call}() got an unexpected keyword argument {name!r}")
