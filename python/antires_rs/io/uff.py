@@ -229,6 +229,9 @@ def dof_of(dofs: Any, own: Mapping[Point, Any]) -> Callable[[Point], tuple[Any, 
 
 def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     """Node and direction of each dof, for writing: given, read from the label, or numbered."""
+    if not (given is None or callable(given) or isinstance(given, Mapping)):
+        wanted = "a mapping {dof: (node, direction)} or a function of the dof"
+        reject("dofs", given, wanted, "Leave it out where dofs are numbers or labels like '3+Z'.")
     points: dict[Any, Point] = {}
     for dof in dofs:
         if isinstance(given, Mapping) and dof not in given:
