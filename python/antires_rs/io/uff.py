@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -253,6 +254,34 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     return points
 
 
+# -- Checksums of the datasets 58 that we write, in their ID line 3, which other programs do not interpret
+#
+# One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in
+# it, is believed: the checksum of the numbers counts only below a header that is as we wrote it.
+
+_LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
+#: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
+_LINES, _AT, _WIDTH = 13, 4, 80
+
+
+def checksum_line(lines: Sequence[str], numbers: bytes) -> str:
+    """ID line 3 of a set of these lines, marker first and anything in its own place, and these numbers."""
+    header = b"\n".join(line.ljust(_WIDTH).encode() for i, line in enumerate(lines) if i != _AT)
+    return f"antires_rs crc32 {crc32(header):08x} {crc32(numbers):08x}"
+
+
+def checked(data: bytes, dataset: Dataset) -> Dataset:
+    """The dataset, with a problem if it is ours and its numbers are not those that were written."""
+    *lines, numbers = data[dataset.start : dataset.stop].split(b"\n", _LINES)
+    ours = dataset.number == 58 and not dataset.problem and len(lines) == _LINES
+    stated = _LINE.match(lines.pop(_AT)) if ours else None
+    if stated is None or crc32(b"\n".join(lines)) != int(stated[1], 16):
+        return dataset
+    if crc32(numbers[: numbers.rindex(b"    -1")]) == int(stated[2], 16):
+        return dataset
+    return replace(dataset, problem="its numbers do not have the checksum in its ID line 3")
+
+
 # -- The functions of a universal file
 
 #: Function types of record 6 that are read.
@@ -308,7 +337,7 @@ class Function:
 def functions_of(file: Path, partial: bool) -> list[Function]:
     """Every dataset 58 of a file, none lost in silence."""
     data = file.read_bytes()
-    datasets = scan(data)
+    datasets = [checked(data, dataset) for dataset in scan(data)]
     if not datasets or all(d.number == 0 for d in datasets):
         got = "without a dataset between lines '    -1'"
         unsuitable(file, got, WANTED, "It is no universal file, or was cut.")
@@ -823,7 +852,8 @@ def write_uff(
     Notes
     -----
     The header has six digits; ID lines 2, 4 and 5 have the place among all sets, rate and frequencies in full
-    and the dof, which :func:`read_uff` uses as far as they agree with the header.
+    and the dof, which :func:`read_uff` uses. ID line 3 has checksums, by which it notices damaged numbers as
+    long as nobody has edited the header.
 
     Examples
     --------
@@ -932,6 +962,7 @@ def _block(f: Function, place: str, binary: bool) -> bytes:
         f"{6 if is_complex else 4:10d}{values.size:10d}{int(f.even):10d}{start:13.5e}{step:13.5e}{0.0:13.5e}",
         *(f"{data:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit or 'NONE':<20}" for data, unit in axes),
     ]
+    lines[4] = checksum_line(lines, body)
     head = "".join(f"{line:<80}\n" for line in lines)
     return head.encode("ascii") + body + f"{-1:6d}\n".encode()
 
