@@ -168,7 +168,7 @@ class ModelError:
     @property
     def gain_std(self) -> float:
         """Relative error of a loss, in u, beside what the baseline leaves of the factors."""
-        return GAIN_ERROR * self.s * (1.0 if self.lacking else min(1.0, self.tau / _FULLY))
+        return GAIN_ERROR * self.s * (1.0 if self.lacking else min(1.0, self.tau / _FULLY) ** 2)
 
     @property
     def doubtful(self) -> bool:
@@ -234,7 +234,7 @@ def learned(
         prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         none, partner = np.empty((0, prior.size)), np.empty(0, dtype=np.intp)
         mean = np.zeros(prior.size)
-        return ModelError(theta, s[0], taus, intact, partner, values.log_f, 0.0, mean, none, prior, None)
+        return ModelError(theta, float(s[0]), taus, intact, partner, values.log_f, 0.0, mean, none, prior, None)
     fixed = assumed is not None
     rest = group, s, taus, fixed, values, undamaged
     found, log_evidence, settled = _from(0, theta, *rest)
@@ -308,7 +308,7 @@ def _from(
     lost = values.size - y.size
     log_evidence -= 0.5 * float(np.sum((np.log(s / np.array([S[0], S_JOINTS[0]])[: s.size]) / S[1]) ** 2))
     rest = mean, rows, prior, factor, log_evidence, lost, bool(group.any())
-    found = ModelError(theta, s[0], taus, intact, partner, place, spare, *rest)
+    found = ModelError(theta, float(s[0]), taus, intact, partner, place, spare, *rest)
     return found, log_evidence, settled
 
 
@@ -366,7 +366,7 @@ ERRORS = (
 Errors = tuple[tuple[float, float, float], ...]
 #: The same with the standard deviation of a change of all values alike, and the share of a change that is
 #: wrong as if other elements had a part in it.
-AllErrors = tuple[tuple[float, float, float, float, float], ...]
+AllErrors = tuple[tuple[float, ...], ...]
 #: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation
 #: (ln f), its share of the probability, and the errors beside which it is looked at.
 _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import UnsuitableDataError, reject
+from ..support.checks import ComplexArray
 from ..support.progress import patient
 from ..support.values import frozen_or_none
 from . import channel_checks as channels, one_force
@@ -74,6 +75,8 @@ BY_LINE = (
 )
 SINGLE_HIT, MISSED_HIT = "single_hit", "missed_hit"
 FORCE = "force"
+# The force explains so much of a response at a resonance, or its FRF there is not believed.
+LEAST_COHERENCE = 0.8
 
 
 def of_recording(
@@ -94,7 +97,7 @@ def of_recording(
     if averages is None:
         try:
             if hits or options.nperseg is not None or longest_segments(rec, band) >= LEAST_SAMPLES:
-                averages = average(rec, band, options, hits=hits)
+                averages = average(rec, band, options, include_force=rec.force is not None, hits=hits)
         except UnsuitableDataError as exc:
             advice = f"{exc.got[0].upper()}{exc.got[1:]}. {exc.remedy}"
             finding = Finding(MISSED_HIT, "fatal", (), 0.0, 0.0, "No whole impact is in the record.", advice)
@@ -127,6 +130,7 @@ def of_recording(
             "too few lines in the band"
         ), None
     moving = [rec.dofs.index(dof) for dof in live.dofs]
+    frfs = _frfs(spectra, moving) if averages.has_force and live.force is not None else None
     spectra = spectra.rows(moving)
     said += _resolution(averages, spectra, band, rec)
 
@@ -140,6 +144,7 @@ def of_recording(
     rows = [p for p, dof in enumerate(live.dofs) if dof not in lost]
     if 0 < len(rows) < len(live.dofs):
         # What holds only noise must not speak in the other tests.
+        frfs = None if frfs is None else frfs[rows]
         seen = evidence(spectra.rows(rows), tuple(live.dofs[p] for p in rows))
     one = one_force.one_force(seen)
     apart = channels.clocks(first, band) if one or lost else []
@@ -151,7 +156,7 @@ def of_recording(
         *(apart or [*dead, *channels.in_phase(seen), *one]),  # without a common clock nothing is in common
         *channels.alike(seen),
         *channels.buried(seen, lost),
-        *one_force.force_location(seen, excitation),
+        *one_force.force_location(seen, excitation, frfs),
     ], seen
 
 
@@ -205,6 +210,15 @@ def _in_time(rec: Recording, hits: bool) -> tuple[CheckResults, Recording | None
     if len(keep) == rec.n_channels and force is rec.force:
         return said, rec
     return said, Recording(moving[keep], rec.fs_hz, [names[p] for p in keep], force)
+
+
+def _frfs(spectra: CrossSpectra, rows: list[int]) -> ComplexArray:
+    """FRFs of some channels to the force, which is the last; zero where it does not explain the response."""
+    auto = np.einsum("fii->if", spectra.matrix).real
+    to_force = spectra.matrix[:, -1, rows].T
+    power = np.maximum(auto[-1], 1e-300)
+    coherence = np.abs(to_force) ** 2 / np.maximum(power * auto[rows], 1e-300)
+    return np.where(coherence >= LEAST_COHERENCE, to_force / power, 0.0)
 
 
 def _resolution(
@@ -316,7 +330,7 @@ def of_response(
     power = np.abs(values[live]) ** 2
     lines = channels.sharpest_lines(np.sum(power / power.mean(axis=1, keepdims=True), axis=0), leakage=False)
     said += channels.without_leakage(None if lines is None else lines * spacing, spacing, hit=False)
-    said += one_force.force_location(seen, excitation)
+    said += one_force.force_location(seen, excitation, values[live])
     return said, seen
 
 

@@ -462,6 +462,7 @@ def noise_ratio(n: int, n_averages: float) -> float:
 # modes of the band. No force is needed to see that, and no zero has to be found: the vector of responses at a
 # line, real but for damping, is known up to a factor and moves steadily; followed from one resonance to the
 # next, the sign of its component k tells whether the number of zeros of H_kk between them is odd or even.
+# With the force recorded the residues are seen directly.
 #
 # References: D. K. Miu, ASME J. Dyn. Syst. Meas. Control 113 (1991) 419-424 (zeros of a driving point
 # interlace with the poles); D. J. Ewins, Modal Testing, 2nd ed., 2000, ch. 2.
@@ -474,6 +475,8 @@ PEAK_SNR = 100.0
 # ... and lifts the median channel by this factor over its power this part of the frequency away, on both
 # sides.
 SHARED, PEAK_WIDTH = 2.0, 0.04
+# The lines of a resonance are those above this share of its height.
+PEAK_FOOT = 0.25
 # The power is averaged over lines until so many averages stand behind it: ripples of few averages are no
 # peaks. Measured responses and single impacts have none, and need none.
 PEAK_AVERAGES = 40.0
@@ -491,8 +494,11 @@ IN_PHASE = 0.7
 DIP, DIP_WIDTH, DIP_GAP, DIP_SMOOTHING = 2.0, 0.05, 0.2, 4
 
 
-def force_location(seen: Evidence, excitation: Any) -> CheckResults:
-    """Is the stated dof the driving point, and if not, which recorded one is?"""
+def force_location(seen: Evidence, excitation: Any, frfs: ComplexArray | None = None) -> CheckResults:
+    """Is the stated dof the driving point, and if not, which recorded one is?
+
+    ``frfs``, (n, n_freq), where the force was measured: residues are then seen, not inferred.
+    """
     if excitation is None:
         return [NotTested(FORCE_LOCATION, "no excitation was stated")]
     if excitation not in seen.dofs:
@@ -501,17 +507,30 @@ def force_location(seen: Evidence, excitation: Any) -> CheckResults:
     peaks = resonances(seen)
     if peaks.size < 2:
         return [NotTested(FORCE_LOCATION, f"{peaks.size} resonance(s) stand out of the band; two are needed")]
-    if len(seen.dofs) < LEAST_CHANNELS:
-        why = f"{LEAST_CHANNELS} channels are needed, of which {len(seen.dofs)} are there"
+    if frfs is not None:
+        lack = "its residues change their sign, as those of a driving point never do,"
+        found = _judge(seen, excitation, peaks, _residues(_over_peaks(seen, frfs, peaks)), lack)
+        if found or len(seen.dofs) < LEAST_CHANNELS:
+            return found
+    elif len(seen.dofs) < LEAST_CHANNELS:
+        why = f"without the force {LEAST_CHANNELS} channels are needed, of which {len(seen.dofs)} are there"
         return [NotTested(FORCE_LOCATION, why)]
     pairs = followed(seen, peaks)
-    own = pairs[seen.dofs.index(excitation)]
-    if not own:
+    if not pairs[seen.dofs.index(excitation)]:
         why = (
             f"the signs of dof {excitation!r} at the {peaks.size} resonances of the band could not be "
             "followed from one to the next: the lines are too far apart or too noisy"
         )
         return [NotTested(FORCE_LOCATION, why)]
+    lack = "it lacks an antiresonance, of which a driving point has one between any two resonances,"
+    return _judge(seen, excitation, peaks, pairs, lack)
+
+
+def _judge(
+    seen: Evidence, excitation: Any, peaks: Any, pairs: list[list[tuple[int, int, bool]]], lack: str
+) -> CheckResults:
+    """The finding, if any pair of resonances speaks against the stated dof."""
+    own = pairs[seen.dofs.index(excitation)]
     wrong = [pair for pair in own if not pair[2]]
     if not wrong:
         return []
@@ -522,9 +541,8 @@ def force_location(seen: Evidence, excitation: Any) -> CheckResults:
         if len(of_dof) >= max(1, (peaks.size - 1) // 2) and all(same for _, _, same in of_dof)
     ]
     text = (
-        f"The force does not seem to act at dof {excitation!r}: it lacks an antiresonance, of which a "
-        f"driving point has one between any two resonances, in {len(wrong)} of {len(own)} gaps, the first "
-        f"being {low:.4g}-{high:.4g} Hz."
+        f"The force does not seem to act at dof {excitation!r}: {lack} in {len(wrong)} of {len(own)} "
+        f"gaps, the first being {low:.4g}-{high:.4g} Hz."
     )
     if others:
         names = " or ".join(repr(dof) for dof in others)
@@ -532,6 +550,37 @@ def force_location(seen: Evidence, excitation: Any) -> CheckResults:
         return [Finding(FORCE_LOCATION, "fatal", (excitation,), float(len(wrong)), 0.0, text, advice)]
     advice = "No recorded dof would fit: check where the force acted, and the order of the channels."
     return [Finding(FORCE_LOCATION, "warning", (excitation,), float(len(wrong)), 0.0, text, advice)]
+
+
+def _over_peaks(seen: Evidence, frfs: ComplexArray, peaks: Any) -> ComplexArray:
+    """Sums of FRFs over the lines of each resonance, (n, n_peaks): what is odd about its middle cancels."""
+    smooth = _smoothed_over(seen.power, _half_width(seen))
+    sums = np.empty((frfs.shape[0], peaks.size), dtype=np.complex128)
+    for i, peak in enumerate(peaks):
+        under = np.flatnonzero(smooth < PEAK_FOOT * smooth[peak])
+        at = int(np.searchsorted(under, peak))
+        low = under[at - 1] + 1 if at > 0 else 0
+        high = under[at] if at < under.size else smooth.size
+        sums[:, i] = frfs[:, low:high].sum(axis=1)
+    return sums
+
+
+def _residues(over_peaks: ComplexArray) -> list[list[tuple[int, int, bool]]]:
+    """For every dof: neighbouring resonances at which its FRF has residues of equal or opposite sign."""
+    unit = over_peaks / np.maximum(np.abs(over_peaks), 1e-300)
+    # Imaginary for accelerance and receptance, real for mobility: the axis along which they lie, common to
+    # all.
+    mean = np.sum(unit**2) / max(int(np.count_nonzero(unit)), 1)
+    along = (unit * np.exp(-0.5j * np.angle(mean))).real
+    pairs: list[list[tuple[int, int, bool]]] = [[] for _ in over_peaks]
+    if np.abs(mean) >= IN_PHASE:
+        for p, row in enumerate(along):
+            sure = np.flatnonzero(np.abs(row) >= IN_PHASE)
+            pairs[p] = [
+                (int(a), int(b), bool(row[a] * row[b] > 0.0))
+                for a, b in zip(sure[:-1], sure[1:], strict=True)
+            ]
+    return pairs
 
 
 def resonances(seen: Evidence) -> Any:
