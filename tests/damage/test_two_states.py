@@ -130,7 +130,7 @@ def test_all_values_moved_alike_is_temperature_or_clock(seed, by):
     result = assess(changed(now, 1.0 + by), before)
     way = "higher" if by > 0.0 else "lower"
     assert result.damaged == []
-    assert result.hypotheses[0].unknown
+    assert result.hypotheses[0].elements == ()
     (note,) = (each for each in result.notes if each.startswith("All values are"))
     assert abs(float(note.split()[3]) - 100.0 * abs(by)) < 0.05
     assert way in note

@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 import antires_rs as ar
 from antires_rs.identification.scores import graded
-from antires_rs.measured.antiresonance_set import AntiresonanceSet, doubts_of
+from antires_rs.measured.antiresonance_set import AntiresonanceSet
 from antires_rs.measured.response_table import ResponseTable
 from tests.support.refusals import each_of
 from tests.support.same_sets import assert_same_set
@@ -173,11 +173,6 @@ def test_rows_of_a_table_are_taken_in_order_and_no_column_has_another_length():
         made.scores["how"] = ["chain"] * 3
 
 
-class Other:
-    def is_confirmed(self, dof, freq_hz):
-        return {8.7: True, 23.9: None, 31.0: False}[freq_hz]
-
-
 def test_a_set_has_a_line_a_value_with_its_doubts_in_words():
     found = ar.AntiresonanceSet.from_tables(0, {"tip": table(), 7: table().take([])}).add("tip", 50.0)
     weak = "does not stand still, few orders, unsteady, owns little of its curve, poor fit, no clear peak"
@@ -189,8 +184,6 @@ def test_a_set_has_a_line_a_value_with_its_doubts_in_words():
         "     50.0000       -         added by hand",
         "  7        -",
     ]
-    words = doubts_of(0, table(), Other())
-    assert words == [[], ["unsteady", "no clear peak"], [*weak.split(", "), "not confirmed"]]
 
 
 # ---- What goes with a set through edits, files, names, problems and joining: sight, and what was left out

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import antires_rs as ar
 from antires_rs.app.main import main
-from antires_rs.measured import antiresonance_set as doubts
+from antires_rs.measured import response_table as doubts
 from antires_rs.signals import channel_checks as channels, data_check as check
 from antires_rs.support.messages import entries
 
@@ -36,7 +36,7 @@ def warned():
 
 def words_of_doubts():
     tests = (*doubts._TESTS, *doubts._OF_WINDOWS)
-    said = {word for word, _ in tests} | set(doubts._HOW.values()) | {"added by hand", "not confirmed"}
+    said = {word for word, _ in tests} | set(doubts._HOW.values()) | {"added by hand"}
     return {word.replace(" ", "_") for word in said}
 
 

@@ -234,7 +234,9 @@ def learned(
         prior = np.concatenate([s[group] ** 2, taus[intact.kind] ** 2])
         none, partner = np.empty((0, prior.size)), np.empty(0, dtype=np.intp)
         mean = np.zeros(prior.size)
-        return ModelError(theta, float(s[0]), taus, intact, partner, values.log_f, 0.0, mean, none, prior, None)
+        return ModelError(
+            theta, float(s[0]), taus, intact, partner, values.log_f, 0.0, mean, none, prior, None
+        )
     fixed = assumed is not None
     rest = group, s, taus, fixed, values, undamaged
     found, log_evidence, settled = _from(0, theta, *rest)
@@ -364,9 +366,6 @@ ERRORS = (
     (1.6, 2.0, 0.05),
 )
 Errors = tuple[tuple[float, float, float], ...]
-#: The same with the standard deviation of a change of all values alike, and the share of a change that is
-#: wrong as if other elements had a part in it.
-AllErrors = tuple[tuple[float, ...], ...]
 #: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation
 #: (ln f), its share of the probability, and the errors beside which it is looked at.
 _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
@@ -443,15 +442,19 @@ class Foreseen(NamedTuple):
     n_elements: int  # first columns of the slopes
 
 
-def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: AllErrors) -> View:
-    """The more probable of the two ways to associate values and roots."""
+def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: FloatArray) -> View:
+    """The most probable of the ways to associate values and roots."""
     variance = np.maximum(np.diag(roots.spread), 0.0) + (_FIRST_KAPPA * roots.change) ** 2
+    ways = [(np.sqrt(variance), wider) for wider in _WIDER]
     found: list[View] = []
     before: NDArray[np.intp] | None = None
-    for wider in _WIDER:
-        partner, place, price = associated(now, roots, band, np.sqrt(variance), wider)
+    while ways:
+        sigma, wider = ways.pop(0)
+        partner, place, price = associated(now, roots, band, sigma, wider)
         if before is None or not np.array_equal(partner, before):
             found.append(_judged(beta, now, place, roots, partner, price, errors))
+        if not ways and wider > 1.0 and (partner < 0).any():  # all may have moved alike
+            ways.append((np.sqrt(variance + (roots.roots.kind == 0) * _ALIKE_STD**2), 1.0))
         before = partner
     return max(found, key=lambda view: view.log_likelihood)
 
@@ -475,7 +478,7 @@ def _judged(
     roots: Foreseen,
     partner: NDArray[np.intp],
     price: float,
-    errors: AllErrors,
+    errors: FloatArray,
 ) -> View:
     """Likelihood and slopes, for one way to associate."""
     from scipy.linalg.lapack import dtrtrs
@@ -488,7 +491,7 @@ def _judged(
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    kappa, times, share, alike, mixed = np.array(errors).T[..., None, None]
+    kappa, times, share, alike, mixed = errors.T[..., None, None]
     frequency = (roots.roots.kind[root] == 0).astype(np.float64)
     spread = times**2 * noise + kappa**2 * unmodelled + alike**2 * np.outer(frequency, frequency)
     by_elements = roots.roots.slopes[root, : roots.n_elements] * (1.0 - beta[: roots.n_elements])
@@ -507,15 +510,17 @@ def _judged(
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
     shift = 0.0
-    if errors[best][3] and has.size:
-        shift = errors[best][3] ** 2 * float(dtrtrs(triangles[best].T, frequency, trans=1)[0] @ white[best])
+    if errors[best, 3] and has.size:
+        shift = float(errors[best, 3]) ** 2 * float(
+            dtrtrs(triangles[best].T, frequency, trans=1)[0] @ white[best]
+        )
     return View(
         beta=beta,
         log_likelihood=float(np.logaddexp.reduce(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
         gain=slope.T @ white[best],
         curvature=slope.T @ slope,
-        kappa=errors[best][0],
-        times=errors[best][1],
+        kappa=float(errors[best, 0]),
+        times=float(errors[best, 1]),
         partner=partner,
         beside=beside,
         residual=residual,
@@ -526,9 +531,10 @@ def _judged(
     )
 
 
-def all_errors(outside: float, with_mixed: float) -> AllErrors:
-    """Errors without and with a change of all values alike, and with one along all elements by this share;
-    ``outside`` is :attr:`ModelError.outside`."""
+def all_errors(outside: float, with_mixed: float) -> FloatArray:
+    """Rows of kappa, multiple of the standard deviations, probability, standard deviation of a change of all
+    values alike, and share of a change that is wrong along the slopes of all elements, which has the
+    probability ``with_mixed``; ``outside`` is :attr:`ModelError.outside`."""
     usual = 1.0 - _WITH_ALIKE - with_mixed
     found = [(outside * k, times, p * usual, 0.0, 0.0) for k, times, p in ERRORS]
     ways: list[tuple[float, tuple[tuple[float, float], ...], float, float]] = [
@@ -540,7 +546,7 @@ def all_errors(outside: float, with_mixed: float) -> AllErrors:
         own = [each for each in ERRORS if each[:2] in beside]
         total = sum(p for *_, p in own)
         found += [(outside * k, times, share * p / total, alike, mixed) for k, times, p in own]
-    return tuple(found)
+    return np.array(found)
 
 
 def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:

@@ -493,8 +493,7 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     except AntiresError:
         raise
     except (ValueError, IndexError, RuntimeError, EOFError, gzip.BadGzipFile, zlib.error) as exc:
-        said = str(exc).partition("; use ")[0]
-        unsuitable(file, f"which is cut, damaged or of another kind ({said})", wanted, remedy)
+        unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted, remedy)
     if not found:
         unsuitable(file, "without a matrix", wanted, remedy)
     return found

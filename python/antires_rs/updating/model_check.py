@@ -32,7 +32,7 @@ _RATIOS: tuple[tuple[float, str], ...] = (
     (1e-3, "are the frequencies in kHz in place of Hz? Or is the stiffness 1e6 times too large?"),
     (1e3, "is the stiffness 1e6 times too small (modulus in MPa for Pa, N/mm and tonnes), or lengths in mm?"),
     (math.sqrt(1e3), "is the stiffness 1000 times too small (N/mm for N/m, kPa for Pa), or the mass in g?"),
-    (math.sqrt(1e-3), "is the mass 1000 times too small (t for kg), or the stiffness 1000 times too large?"),
+    (math.sqrt(1e-3), "is the mass 1000 times too small (tonnes for kg), or the stiffness 1000 too large?"),
     (math.sqrt(9806.65), "are the springs in kgf/mm in place of N/m?"),
     (math.sqrt(9.80665), "are forces in kgf in place of N, or weights given for masses?"),
     (1.0 / math.sqrt(9.80665), "were masses divided by 9.81 that were in kg already?"),
