@@ -149,7 +149,7 @@ class Hypotheses(Viewed):
         return np.array([one.probability for one in self._rows])
 
     def to_dataframe(self) -> Any:
-        """As a pandas table: elements, probability, severities, low, high, candidate."""
+        """As a pandas table: the attributes of :class:`Hypothesis`."""
         return self._view("to_dataframe")(self)
 
     def plot(self, ax: Any = None, most: int = 8) -> Any:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from functools import partial
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from ..damage.hypotheses import Hypotheses
+from ..damage.hypotheses import Hypotheses, Hypothesis
 from ..measured.antiresonance_set import NOT_SEEN, AntiresonanceSet
 from ..measured.compare import Comparison
 from ..measured.edits import BY_HAND
@@ -106,7 +107,7 @@ def _instants(rec: Recording) -> Any:
 _PAIRS: tuple[str, ...] = ("dof", "a_hz", "b_hz", "difference_hz", "difference_percent")
 _PAIRS += ("std_hz", "std_percent", "z", "p", "changed")
 _INTERVALS = ("low", "high", "center", "std", "words")
-_HYPOTHESES = ("elements", "probability", "severities", "low", "high", "candidate")
+_HYPOTHESES = tuple(each.name for each in fields(Hypothesis))
 #: What a comparison says of all pairs.
 _ALL_PAIRS = ("excitation", "chi_square", "freedom", "p_all", "alpha")
 
