@@ -17,15 +17,12 @@ from tests.support.job_files import DAMAGE
 
 
 def measured(folder, data):
-    """What a job with this [data] measured, not at dofs of its model."""
     path = folder / "job.toml"
     path.write_text(DAMAGE.replace('file = "measured.json"\n', data), encoding="utf-8")
     return measured_of(read_job(path), None)
 
 
 # -- Impacts in a file each
-
-
 @pytest.fixture
 def impacts(tmp_path):
     matrices = chain8_matrices()
@@ -81,8 +78,6 @@ def test_a_folder_of_frfs_is_identified_on_the_command_line_and_in_a_job(tmp_pat
 
 
 # -- Files that name channels, and state the force
-
-
 def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     noise = np.random.default_rng(0).standard_normal((2, 64))
     (tmp_path / "data").mkdir()
@@ -95,7 +90,6 @@ def test_init_lists_the_channels_of_a_measurement(tmp_path, capsys):
     assert data["excitation"] == "?"
     assert cli.main(["damage", str(job)]) == 2
     assert 'got "?"; wanted a dof of the model in place of each "?"' in capsys.readouterr().err
-    # Dofs that are numbers need no table.
     numbered = ar.write_npz(tmp_path / "record.npz", ar.Recording(noise, 32.0))
     assert cli.main(["init", str(job), "--data", str(numbered), "--overwrite"]) == 0
     assert "dofs" not in tomllib.loads(job.read_text())["data"]
@@ -121,8 +115,6 @@ def test_the_force_that_a_file_states(tmp_path, capsys):
 
 
 # -- Values that a job drops and adds
-
-
 @pytest.fixture
 def saved(tmp_path):
     zeros = exact(chain())
@@ -146,30 +138,6 @@ def test_values_are_dropped_and_added_with_their_reasons(tmp_path, saved):
     assert found.original() == saved == edited(tmp_path, "")
 
 
-@pytest.mark.parametrize(
-    ("data", "said"),
-    [
-        ('repeats = ["hit_9.npz"]', r"job.toml, line 3, .data. repeats\[0\]: got 'hit_9.npz'"),
-        ('repeats = ["miss_*.npz"]', r"repeats\[0\]: got \"miss_\*.npz\""),
-        ('repeats = ["hit.npz", "other.npz"]', r"repeats\[1\]: got a sampling rate of 100 Hz"),
-        ('drop = ["0=55"]', r"line 3, .data. drop\[0\]"),
-        ('drop = ["0 55"]', "line 3.*DOF=HZ"),
-        ('add = ["0=x"]', "line 3.*DOF=HZ"),
-        ("add = [3.2]", "line 3, .data. add"),
-        ('drop = ["9=3.2"]', "line 3.*one of"),
-    ],
-)
-def test_what_cannot_be_read_or_edited_names_its_line(tmp_path, saved, data, said):
-    noise = np.random.default_rng(0).standard_normal((4, 999))
-    for name, fs_hz in (("hit", 512.0), ("other", 100.0)):
-        ar.write_npz(tmp_path / f"{name}.npz", ar.Recording(noise, fs_hz))
-    data = f'file = "{"hit.npz" if "repeats" in data else "measured.json"}"\n{data}\n'
-    if "repeats" in data:
-        data += "excitation = 0\nband_hz = [3.0, 130.0]\n"
-    with pytest.raises(ar.InvalidInputError, match=said):
-        measured(tmp_path, data)
-
-
 SENSORS, HITS, ROVED = ("3+Y", "5+Y"), ("1+Y", "2+Y", "3+Y", "4+Y", "5+Y"), ("2", "390")
 FREQ = np.arange(1.0, 400.0, 0.5)
 
@@ -184,7 +152,6 @@ def at(point):
 
 
 def hit(place, seed):
-    """FRFs of the sensors to a force at that place, with a little noise."""
     values = frame().frf([at(s) for s in SENSORS], at(place), FREQ, damping_ratio=0.01)
     rng = np.random.default_rng(seed)
     noise = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import shutil
 import time
 
@@ -11,9 +10,10 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.app.main import main
-from antires_rs.app.watch import Arrivals, Told
+from antires_rs.app.watch import Arrivals
 from antires_rs.watch import sources as one_test
 from reference.small_records import OPTIONS, record
+from tests.support.job_files import SERIES
 
 pytest.importorskip("pyarrow")
 
@@ -22,7 +22,6 @@ MASSES, SPRINGS = [1.0, 1.1, 0.9, 1.0], [5e4, 5.5e4, 4.5e4]
 
 
 def written(folder, number, loss=0.0):
-    """The file of one test, as old as a complete one."""
     chain = ar.MassSpringChain(MASSES, [SPRINGS[0], SPRINGS[1] * (1 - loss), SPRINGS[2]])
     record = chain.simulate(
         excitation=0, fs_hz=256.0, duration_s=16.0, damping_ratio=0.01, noise=0.01, rng=number
@@ -112,15 +111,6 @@ def test_a_table_that_is_being_written_is_read_again(tmp_path, capsys, monkeypat
     assert main([*command, "--conditions", str(table), "--once"]) == 2
 
 
-def test_a_line_that_was_cut_short_is_told_again(tmp_path, capsys):
-    (tmp_path / "told").write_text("a\nb")
-    for _ in range(2):
-        told = Told(tmp_path / "told")
-        for name in "ab":
-            told.tell(name, f"{name}: alarm")
-    assert capsys.readouterr().out == "b: alarm\n"
-
-
 def test_a_file_that_grows_is_left_alone(tmp_path):
     done, grows = tmp_path / "a.npz", tmp_path / "b.npz"
     done.write_bytes(b"1")
@@ -135,21 +125,7 @@ def test_a_file_that_grows_is_left_alone(tmp_path):
     assert not arrivals.growing
 
 
-def test_a_folder_or_an_assessor_that_is_not_there_is_told(tmp_path, capsys):
-    (tmp_path / "other.npz").write_bytes(b"no assessor")
-    for folder, assessor, code, said in (
-        ("none", "other.npz", 2, "FOLDER: got"),
-        (".", "none.npz", 2, "--assessor: got"),
-        (".", "other.npz", 1, "--assessor: got"),
-    ):
-        call = ["watch", str(tmp_path / folder), *GIVEN, "--once", "--out", str(tmp_path / "out")]
-        assert main([*call, "--assessor", str(tmp_path / assessor)]) == code
-        assert said in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
 def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, capsys):
-    """Of four tables without a time column and of one that is none."""
     folder = tmp_path / "records"
     folder.mkdir()
     for number in range(2):
@@ -185,31 +161,18 @@ def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, 
 
 pytest.importorskip("matplotlib")
 
-JOB = """\
-[data]
-file = "records"
-excitation = "tip"
-band_hz = [0.8, 8.0]
-dofs = { "tip" = 0, "middle" = 1, "root" = 2 }
-[series]
-conditions = "weather.csv"
-over = "temperature_c"
-[identification]
-max_order = 16
-"""
-
 
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "records").mkdir()
     for i in range(3):
         made = record(i)
-        named = ar.Recording(made.responses, made.fs_hz, ["tip", "middle", "root"])
+        named = ar.Recording(made.responses, made.fs_hz, ["tip", "mid", "root"])
         ar.write_npz(tmp_path / "records" / f"test_{i}.npz", named)
     (tmp_path / "records" / "test_3.npz").write_bytes(b"torn")
     rows = "\n".join(f"test_{i},{20 + i}" for i in range(5))
     (tmp_path / "weather.csv").write_text(f"name,temperature_c\n{rows}\n")
-    (tmp_path / "job.toml").write_text(JOB)
+    (tmp_path / "job.toml").write_text(SERIES)
     return tmp_path
 
 
@@ -234,7 +197,6 @@ def test_it_writes_series_summary_and_tracks(folder, capsys, monkeypatch):
     assert series[1] == alone[0]
     assert series.conditions["temperature_c"].tolist() == [20.0, 21.0, 22.0, 23.0]
     assert json.loads((results / "summary.json").read_text())["failed"] == {"test_3.npz": series.failed[3]}
-    # Again, with a file that has come since.
     seen = []
     real = one_test.identify_antiresonances
     monkeypatch.setattr(one_test, "identify_antiresonances", lambda *a, **k: seen.append(a) or real(*a, **k))
@@ -242,23 +204,3 @@ def test_it_writes_series_summary_and_tracks(folder, capsys, monkeypatch):
     assert main(["resume", str(folder / "job.toml"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["tests"] == 5
     assert len(seen) == 1
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (('"records"', '"nowhere"'), "line 2.*'nowhere'.*does not exist"),
-        (('"weather.csv"', '"rain.csv"'), r"line 7.*'rain.csv'"),
-        (('over = "temperature_c"', 'over = "wind"'), "line 8.*'temperature_c'"),
-        (("[0.8, 8.0]", "[8.0, 0.8]"), "line 4"),
-        (("max_order = 16", 'estimator = "h3"'), "line 10"),
-        (("[series]", "[damage]"), r"\[damage\]"),
-        (('excitation = "tip"\n', ""), "excitation"),
-        (("[identification]", "[search]\nseed = 1\n[identification]"), r"\[search\] beside \[series\]"),
-    ],
-)
-def test_wrong_jobs(folder, capsys, change, said):
-    job = folder / "job.toml"
-    job.write_text(JOB.replace(*change))
-    assert main(["series", str(job)]) == 2
-    assert re.search(said, " ".join(capsys.readouterr().err.split()))
