@@ -48,7 +48,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import structure_of
+from .shapes import Joined, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -797,7 +797,7 @@ class Prepared(NamedTuple):
     scatter: float
     odd: Contradiction
     #: The model with what its joints and supports may yield, which ``factors`` are of too.
-    base: StructuralModel
+    base: StructuralModel | Joined
     plain: Core  # the roots of the model as it was given
     n_given: int  # factors that are of this
 
@@ -837,7 +837,7 @@ class Prepared(NamedTuple):
 class _Family(NamedTuple):
     """A model, the source of its roots, what may be wrong in it, and which of these have one scatter."""
 
-    base: StructuralModel
+    base: StructuralModel | Joined
     core: Any
     factors: tuple[Parameter, ...]
     group: NDArray[np.intp]
@@ -890,7 +890,7 @@ class Question:
             if not more:
                 return None
             base, every = joints.joined(model), (*factors, *more)
-            parts = base.description.core_parameters((*stiffness_reduction(numbers), *every))
+            parts = model.description.core_parameters((*stiffness_reduction(numbers), *every))
             group = np.repeat([0, 1], [len(factors), len(more)])
             return _Family(base, responses.source(base, parts, **how), every, group)
 

@@ -251,7 +251,7 @@ class Responses:
     tests: tuple[int, ...]  # force of each intact test
     noun = "antiresonances"
 
-    def source(self, model: StructuralModel, parts: Any, *, silent: bool = False) -> _core.Objective:
+    def source(self, model: Any, parts: Any, *, silent: bool = False) -> _core.Objective:
         """The model's antiresonances, to be asked for; ``silent``: of responses without a value too."""
         asked = self.parts
         if silent:  # the core tells nothing of a response that has no value: any will do

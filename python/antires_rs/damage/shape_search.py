@@ -42,7 +42,7 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> Shape
     assert isinstance(responses, Responses)
     own = prepared.reductions
     parameters = (*own, *shapes.parameters(model), *prepared.factors)
-    core = responses.source(joined, joined.description.core_parameters(parameters))
+    core = responses.source(joined, question.model.description.core_parameters(parameters))
     offset = np.concatenate([np.zeros(len(own)), shapes.offset])
     x = np.concatenate([offset, plain.factors])
     intact = roots_at(core, x[None], slopes=True, threads=plain.threads)[0]

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from .._core import Model as CoreModel
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
-from ..models.matrix_model import MatrixModel
+from ..models.matrices import Columns, Entries, as_sparse
 from ..models.parameters import Parameter
 from ..models.structural_model import ModelDescription
 from ..support.checks import FloatArray
-from ..support.messages import unheard
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -94,7 +94,7 @@ class Shapes:
     def __len__(self) -> int:
         return len(self.shapes)
 
-    def parameters(self, model: StructuralModel) -> tuple[Parameter, ...]:
+    def parameters(self, model: StructuralModel | Joined) -> tuple[Parameter, ...]:
         """One each, as the model of :meth:`joined` has them; of a mass 1 + beta."""
         stiffness, mass = model._core.n_stiffness_terms, model._core.n_mass_terms
         found = []
@@ -107,7 +107,7 @@ class Shapes:
                 stiffness += 1
         return tuple(found)
 
-    def factors(self, model: StructuralModel, bounds: tuple[float, float]) -> tuple[Parameter, ...]:
+    def factors(self, model: StructuralModel | Joined, bounds: tuple[float, float]) -> tuple[Parameter, ...]:
         """A factor of each that is not to change between the tests."""
         kinds: Any = {"stiffness_reduction": "stiffness_factor", "mass_factor": "mass_factor"}
         return tuple(Parameter(kinds[p.quantity], p.terms, bounds) for p in self.parameters(model))
@@ -117,14 +117,31 @@ class Shapes:
         """What the core takes for no change, of each."""
         return np.array([1.0 if shape.kind == "mass" else 0.0 for shape in self.shapes])
 
-    def joined(self, model: StructuralModel) -> MatrixModel:
+    def joined(self, model: StructuralModel | Joined) -> Joined:
         """The model with these terms behind its own."""
-        n, core = model.n_dof, model._core
-        own = [[_of_core(term, n) for term in terms] for terms in (core.stiffness_terms(), core.mass_terms())]
+        core = model._core
+        stiffness, mass = core.stiffness_terms(), core.mass_terms()
         for shape, term in zip(self.shapes, self.terms, strict=True):
-            own[shape.kind == "mass"].append(term)
-        with unheard():
-            return MatrixModel(model.stiffness(), model.mass(), stiffness_terms=own[0], mass_terms=own[1])
+            (mass if shape.kind == "mass" else stiffness).append(Entries.of_sparse(term))
+        whole = _entries(core.stiffness()), _entries(core.mass())
+        return Joined(core.n_dof, CoreModel.from_matrices(core.n_dof, *whole, stiffness, mass))
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A model with more terms than it was built with, for its roots alone."""
+
+    n_dof: int
+    _core: CoreModel
+
+    def _core_for(self, dofs: Sequence[int]) -> tuple[CoreModel, list[int]]:
+        return self._core, list(dofs)
+
+
+def _entries(columns: Columns) -> tuple[Any, Any, FloatArray]:
+    starts, rows, values = columns
+    column = np.repeat(np.arange(len(starts) - 1, dtype=np.uint32), np.diff(starts))
+    return rows.astype(np.uint32), column, values
 
 
 def _of_core(term: Any, n: int) -> Any:
@@ -249,7 +266,7 @@ class Frame(Structure):
         self.stiffness = [_of_core(term, self.n) for term in whole.stiffness_terms()[: len(self.ends)]]
         self.at = {tuple(name): dof for dof, name in enumerate(frame.dof_names())}
         self.free = np.array([self.at[name] for name in map(tuple, model._frame.dof_names())])
-        self.mass = _of_core_columns(whole.mass())
+        self.mass = as_sparse(whole.mass())
         self.in_space = self.nodes.shape[1] == 3
         held = set(model.fixed)
         self.meeting: dict[int, list[tuple[int, int]]] = {}
@@ -391,11 +408,3 @@ class Frame(Structure):
 
 def _listed(found: Sequence[tuple[Shape, Any]]) -> Shapes:
     return Shapes(tuple(shape for shape, _ in found), tuple(term for _, term in found))
-
-
-def _of_core_columns(columns: Any) -> Any:
-    from scipy.sparse import csc_array
-
-    starts, rows, values = columns
-    n = len(starts) - 1
-    return csc_array((values, rows, starts), shape=(n, n))
