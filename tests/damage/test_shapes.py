@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage import shape_search
 from antires_rs.damage.shapes import structure_of
 
 BAR = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
@@ -132,3 +133,49 @@ def test_what_springs_yield_is_learned_from_the_baseline():
     assert result.damaged == [2]
     assert result.assessment.factor_std < 0.02
     assert result.severity[2] == pytest.approx(0.25, abs=0.02)
+
+
+def test_cracks_have_the_same_intervals_by_either_method_and_no_profile():
+    rng = np.random.default_rng(0)
+    result = assessed(cracked(3, 0.2, 0.3), PLAIN, rng)
+    sure = result.intervals("ensemble", rng=0)
+    assert sure[3] == pytest.approx(result.interval[3])
+    assert "Cracks are not sampled" in str(sure)
+    with pytest.raises(ar.InvalidInputError, match="wanted a loss of a whole element"):
+        result.profile("stiffness loss of element 3")
+
+
+def test_candidates_alone_are_declared_springs_among_them():
+    rng = np.random.default_rng(1)
+    soft = assessed(beam(ground_springs=[(7, "v", 1e4)]), PLAIN, rng, elements=[10, 3, 5])
+    assert soft.damaged == [10]
+    assert all(row.kind != "support" for row in soft.hypotheses)
+    two = cracked(3, 0.2, 0.3).with_parameters(ar.stiffness_reduction(7), 0.3)
+    rows = assessed(two, PLAIN, rng, elements=[1, 2]).hypotheses
+    assert all({*row.elements} <= {1, 2} for row in rows if row.candidate)
+
+
+def test_what_was_found_before_ctrl_c_stays(monkeypatch):
+    def stopped(*args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(shape_search, "_refined", stopped)
+    rng = np.random.default_rng(0)
+    assert assessed(cracked(3, 0.2, 0.3), PLAIN, rng).headline.startswith("The search was stopped")
+
+
+@pytest.mark.parametrize("roving", [False, True])
+def test_a_sensor_is_one_for_all_forces_and_a_force_for_all_sensors(roving):
+    chain = ar.MassSpringChain(np.ones(6), np.full(5, 1e4), ground_first_n_per_m=8e3)
+    places, one = (0, 1, 2, 3), np.random.default_rng(3)
+    both = {"intact": [], "now": []}
+    for state, force in ((s, f) for s in both for f in (places if roving else (0, 2))):
+        moved, found = 0.03 * (state == "now"), {}
+        for dof in [5] if roving else places:
+            roots = chain.antiresonances(dof, force) * (1.0 + STD * one.standard_normal())
+            there = (force if roving else dof) == 2
+            found[dof] = roots * (1.0 + moved * there * np.sin(7.0 * roots))
+        std = {dof: STD * f for dof, f in found.items()}
+        both[state].append(ar.AntiresonanceSet(force, found, std_hz=std))
+    best = ar.assess_damage(chain, both["now"], baseline=both["intact"]).hypotheses[0]
+    assert best.place == f"{'force' if roving else 'sensor'} at mass 2 moved or changed"
