@@ -106,7 +106,6 @@ def test_a_mass_a_support_and_a_moved_sensor_are_named():
     assert moved.hypotheses[0].kind == "sensor"
     assert "node 10 v moved" in moved.headline
     assert not moved.damaged
-    # What has changed beside it lowers all values: that is no temperature.
     more = beam(ground_springs=[(7, "v", 1.4e4)]).with_parameters(ar.stiffness_reduction(2), 0.25)
     result = ar.assess_damage(PLAIN, measured(more, rng_of(4)), baseline=measured(PLAIN, rng_of(2)))
     assert (result.hypotheses[0].kind, "temperature" in result.headline) == ("support", False)
@@ -153,8 +152,7 @@ def test_cracks_have_the_same_intervals_by_either_method_and_no_profile():
 def test_candidates_alone_are_declared_springs_among_them():
     rng = np.random.default_rng(1)
     soft = assessed(beam(ground_springs=[(7, "v", 1e4)]), PLAIN, rng, elements=[10, 3, 5])
-    assert soft.damaged == [10]
-    assert all(row.kind != "support" for row in soft.hypotheses)
+    assert (soft.damaged, "support" in {row.kind for row in soft.hypotheses}) == ([10], False)
     two = cracked(3, 0.2, 0.3).with_parameters(ar.stiffness_reduction(7), 0.3)
     rows = assessed(two, PLAIN, rng, elements=[1, 2]).hypotheses
     assert all({*row.elements} <= {1, 2} for row in rows if row.candidate)
@@ -162,8 +160,7 @@ def test_candidates_alone_are_declared_springs_among_them():
 
 def test_what_was_found_before_ctrl_c_stays(monkeypatch):
     monkeypatch.setattr(shape_search, "_refined", Mock(side_effect=KeyboardInterrupt))
-    result = assessed(cracked(3, 0.2, 0.3), PLAIN, np.random.default_rng(0))
-    assert result.headline.startswith("The search was stopped")
+    assert "was stopped" in assessed(cracked(3, 0.2, 0.3), PLAIN, np.random.default_rng(0)).headline
 
 
 def test_a_sensor_that_moved_is_one_for_all_forces():
