@@ -125,6 +125,8 @@ def test_temperature_beside_damage():
     # No damage, and warmer.
     warm = before.with_parameters(ar.stiffness_factor(elements, bounds=(0.1, 2.0)), np.full(10, 0.98))
     assert not assessed(warm, before, rng, environment=("temperature",)).damaged
+    how = {"baseline": measured(before, rng), "search": ar.SearchOptions(environment=("temperature",))}
+    assert not ar.Assessor(PLAIN, **how).assess(measured(warm, rng)).damaged
     with pytest.raises(ar.InvalidInputError, match=r"environment: got .*wind.*wanted a tuple of some of"):
         assessed(before, before, rng, environment=("wind",))
 
@@ -143,8 +145,7 @@ def test_what_springs_yield_is_learned_from_the_baseline():
 def test_cracks_have_the_same_intervals_by_either_method_and_no_profile():
     result = assessed(cracked(3, 0.2, 0.3), PLAIN, np.random.default_rng(0))
     sure = result.intervals("ensemble", rng=0)
-    assert sure[3] == pytest.approx(result.interval[3])
-    assert "Cracks are not sampled" in str(sure)
+    assert (sure[3], "Cracks are not sampled" in str(sure)) == (result.interval[3], True)
     with pytest.raises(ar.InvalidInputError, match="wanted a loss of a whole element"):
         result.profile("stiffness loss of element 3")
 
@@ -170,5 +171,4 @@ def test_a_sensor_that_moved_is_one_for_all_forces():
         found = {dof: chain.antiresonances(dof, force) * (1.0 + STD * rng.normal()) for dof in range(4)}
         found[2] = found[2] * (1.0 + moved * np.sin(7.0 * found[2]))
         sets.append(ar.AntiresonanceSet(force, found, std_hz={dof: STD * f for dof, f in found.items()}))
-    best = ar.assess_damage(chain, sets[2:], baseline=sets[:2]).hypotheses[0]
-    assert best.place == "sensor at mass 2 moved or changed"
+    assert "sensor at mass 2 moved" in ar.assess_damage(chain, sets[2:], baseline=sets[:2]).headline
