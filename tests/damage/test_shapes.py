@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
 import antires_rs as ar
+from antires_rs.damage import shape_search
 from antires_rs.damage.shapes import structure_of
 
 BAR = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
@@ -103,6 +106,9 @@ def test_a_mass_a_support_and_a_moved_sensor_are_named():
     assert moved.hypotheses[0].kind == "sensor"
     assert "node 10 v moved" in moved.headline
     assert not moved.damaged
+    more = beam(ground_springs=[(7, "v", 1.4e4)]).with_parameters(ar.stiffness_reduction(2), 0.25)
+    result = ar.assess_damage(PLAIN, measured(more, rng_of(4)), baseline=measured(PLAIN, rng_of(2)))
+    assert (result.hypotheses[0].kind, "temperature" in result.headline) == ("support", False)
 
 
 def test_temperature_beside_damage():
@@ -119,6 +125,8 @@ def test_temperature_beside_damage():
     # No damage, and warmer.
     warm = before.with_parameters(ar.stiffness_factor(elements, bounds=(0.1, 2.0)), np.full(10, 0.98))
     assert not assessed(warm, before, rng, environment=("temperature",)).damaged
+    how = {"baseline": measured(before, rng), "search": ar.SearchOptions(environment=("temperature",))}
+    assert not ar.Assessor(PLAIN, **how).assess(measured(warm, rng)).damaged
     with pytest.raises(ar.InvalidInputError, match=r"environment: got .*wind.*wanted a tuple of some of"):
         assessed(before, before, rng, environment=("wind",))
 
@@ -132,3 +140,35 @@ def test_what_springs_yield_is_learned_from_the_baseline():
     assert result.damaged == [2]
     assert result.assessment.factor_std < 0.02
     assert result.severity[2] == pytest.approx(0.25, abs=0.02)
+
+
+def test_cracks_have_the_same_intervals_by_either_method_and_no_profile():
+    result = assessed(cracked(3, 0.2, 0.3), PLAIN, np.random.default_rng(0))
+    sure = result.intervals("ensemble", rng=0)
+    assert (sure[3], "Cracks are not sampled" in str(sure)) == (result.interval[3], True)
+    with pytest.raises(ar.InvalidInputError, match="wanted a loss of a whole element"):
+        result.profile("stiffness loss of element 3")
+
+
+def test_candidates_alone_are_declared_springs_among_them():
+    rng = np.random.default_rng(1)
+    soft = assessed(beam(ground_springs=[(7, "v", 1e4)]), PLAIN, rng, elements=[10, 3, 5])
+    assert (soft.damaged, "support" in {row.kind for row in soft.hypotheses}) == ([10], False)
+    two = cracked(3, 0.2, 0.3).with_parameters(ar.stiffness_reduction(7), 0.3)
+    rows = assessed(two, PLAIN, rng, elements=[1, 2]).hypotheses
+    assert all({*row.elements} <= {1, 2} for row in rows if row.candidate)
+
+
+def test_what_was_found_before_ctrl_c_stays(monkeypatch):
+    monkeypatch.setattr(shape_search, "_refined", Mock(side_effect=KeyboardInterrupt))
+    assert "was stopped" in assessed(cracked(3, 0.2, 0.3), PLAIN, np.random.default_rng(0)).headline
+
+
+def test_a_sensor_that_moved_is_one_for_all_forces():
+    chain = ar.MassSpringChain(np.ones(6), np.full(5, 1e4), ground_first_n_per_m=8e3)
+    rng, sets = np.random.default_rng(3), []
+    for moved, force in ((0.0, 0), (0.0, 2), (0.03, 0), (0.03, 2)):
+        found = {dof: chain.antiresonances(dof, force) * (1.0 + STD * rng.normal()) for dof in range(4)}
+        found[2] = found[2] * (1.0 + moved * np.sin(7.0 * found[2]))
+        sets.append(ar.AntiresonanceSet(force, found, std_hz={dof: STD * f for dof, f in found.items()}))
+    assert "sensor at mass 2 moved" in ar.assess_damage(chain, sets[2:], baseline=sets[:2]).headline

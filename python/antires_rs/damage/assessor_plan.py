@@ -81,15 +81,16 @@ def tables_of(prepared: Prepared) -> Tables:
         at.append([roots.since(intact) for roots in likelihood.roots(betas, slopes=True)])
     low, high = likelihood.band.low - _MARGIN, likelihood.band.high + _MARGIN
     response, identity_of = _listed(at, intact, low, high)
-    factor = _factor(error)
+    factor, ambient = _factor(error), likelihood.ambient
+    n_errors = factor.shape[1] + ambient.shape[1]
     shape = (n, LEVELS.size, response.size)
-    size = 8.0 * float(np.prod(shape)) * (factor.shape[1] + 0.5 * n)
+    size = 8.0 * float(np.prod(shape)) * (n_errors + 0.5 * n)
     if size > _MOST_BYTES:
         got = f"one with {n} stiffness terms, whose tables take {size / 1e9:.1f} GB"
         remedy = "Use assess_damage, or a model with fewer terms."
         reject("model", got, f"at most {_MOST_BYTES / 1e9:.0f} GB", remedy)
     there, log_f, beside = np.zeros(shape, dtype=bool), np.zeros(shape), np.zeros(shape)
-    slopes, rows = np.zeros((*shape, n), dtype=np.float32), np.zeros((*shape, factor.shape[1]))
+    slopes, rows = np.zeros((*shape, n), dtype=np.float32), np.zeros((*shape, n_errors))
     for e, level in np.ndindex(n, LEVELS.size):
         roots, identity = at[e][level]
         slot, root = _slots(identity_of, response, roots, identity, low, high)
@@ -98,16 +99,17 @@ def tables_of(prepared: Prepared) -> Tables:
         by_u = roots.slopes[root, :n].copy()
         by_u[:, e] *= np.exp(-LEVELS[level])
         slopes[e, level, slot] = by_u
-        by_errors = rows_of(roots.slopes[root, n:] * likelihood.factors, identity[root], intact)
+        by_theta = roots.slopes[root, n:] * likelihood.factors
+        by_errors = rows_of(by_theta, identity[root], intact)
         beside[e, level, slot] = by_errors @ error.mean
-        rows[e, level, slot] = by_errors @ factor
+        rows[e, level, slot] = np.hstack([by_errors @ factor, by_theta @ ambient])
     by_own = slopes[np.arange(n), :, :, np.arange(n)].astype(np.float64)
     for e in range(n):
         whole = there[e].all(axis=0)
         if whole.any():
             by_own[e][:, whole] += CubicSpline(LEVELS, beside[e][:, whole])(LEVELS, 1)
     # The same products of rows in fewer columns.
-    flat = rows.reshape(-1, factor.shape[1])
+    flat = rows.reshape(-1, n_errors)
     sizes, vectors = np.linalg.eigh(flat.T @ flat)
     dropped = np.cumsum(np.maximum(sizes, 0.0)) / len(flat) < _DROPPED
     errors = np.asarray(flat @ vectors[:, ~dropped], dtype=np.float32)

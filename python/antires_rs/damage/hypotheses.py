@@ -67,8 +67,9 @@ class Hypothesis:
         False for an element that was no candidate, and for what is in no element.
     kind : str
         ``'element'``: a loss of stiffness; ``'crack'``: a hinge in an element, whose severity is the loss of
-        the whole element that is as flexible; ``'joint'``, ``'support'``, ``'mass'``, ``'sensor'``: something
-        else, of which ``elements`` is ``(-1,)``; ``'unknown'``.
+        the whole element that is as flexible; ``'crack and element'``: one of each; ``'joint'``,
+        ``'support'``, ``'mass'``, ``'sensor'``: something else, of which ``elements`` is ``(-1,)``;
+        ``'unknown'``.
     place : str
         Where a crack or something else is, with the 90 % interval of a crack's place.
 

@@ -263,6 +263,7 @@ class Search:
         unknown = self._log_priors[-1]
         if self.shaped.others:
             elsewhere = 0.5 * self.prior.elsewhere
+            found = {s: weight - np.log(2.0) * self.outside(s) for s, weight in found.items()}
             with np.errstate(divide="ignore"):
                 if self.likelihood.n == self.n_candidates:
                     unknown = float(np.log(self.prior.unknown + elsewhere))

@@ -21,9 +21,9 @@ from ..updating.posterior import (
     stepwise,
 )
 from .evidence import FURTHEST, HIGHEST, Fit, truncated
-from .hypotheses import Assessment
+from .hypotheses import Assessment, Hypothesis
 from .inference import LEVEL, settled
-from .likelihood import Likelihood, Question
+from .likelihood import Likelihood, Prepared, Question
 
 
 @dataclass(frozen=True)
@@ -242,17 +242,18 @@ def severity_intervals(
     parts: list[tuple[Fit, Sampled]] = []
     notes: list[str] = []
     for nth, one in enumerate(near):
-        places = tuple(map(prepared.numbers.index, one.elements))
-        fit, _ = settled(prepared.likelihood, places, np.array(one.severities))
         rng = np.random.default_rng([seed, nth])
         few = max(int(_WORTH * draws * (1.0 if one is declared else one.probability)), _LEAST)
         name, main = found.hypotheses.called(one), one is declared or one.probability >= _MAIN
+        fit = _fit_of(one, prepared)
         part = linear(fit, draws, rng)
-        if sure:
+        if sure and one.place:
+            notes.append(f"Cracks are not sampled: the severities of {name} are the quick ones.")
+        elif sure:
             drawn = sampled(prepared.likelihood, fit, few, rng, name, main)
             part = drawn.widened(fit.view.gain_std, rng)
-        if sure and part.effective < _FEW * few:
-            notes.append(f"Draws of {name} are worth {part.effective:.0f} independent ones: take more.")
+            if part.effective < _FEW * few:
+                notes.append(f"Draws of {name} are worth {part.effective:.0f} independent ones: take more.")
         parts.append((fit, part))
     # Probabilities with the evidence of the draws; the weights of the others as they were.
     own = np.array([one.probability for one in near])
@@ -277,8 +278,10 @@ def severity_intervals(
             own_draws[:, at] = values[:, nth]
             upper = f"up to {HIGHEST:g}" if shares[1] == 1.0 else "two-sided"
             words[at] = "from 0 on" if shares[0] == 0.0 else upper
-            low[at], high[at] = part.quantiles(nth, shares) if sure else fit.interval(nth, central)
-            if not sure and level == LEVEL:  # as the assessment has it, from where its search came to rest
+            drawn_ends = sure and not declared.place
+            low[at], high[at] = part.quantiles(nth, shares) if drawn_ends else fit.interval(nth, central)
+            # As the assessment has it, from where its search came to rest.
+            if not drawn_ends and level == LEVEL:
                 low[at], high[at] = declared.low[nth], declared.high[nth]
     moved = [(h, c) for h, c in zip(near, confirmed, strict=True) if abs(c - h.probability) >= _CHANGED]
     changed = [f"{found.hypotheses.called(h)} {c:.2f} instead of {h.probability:.2f}" for h, c in moved]
@@ -301,6 +304,20 @@ def severity_intervals(
     return SeverityIntervals(tuple(names), method, level, *ends, *rests)
 
 
+def _fit_of(one: Hypothesis, prepared: Prepared) -> Fit:
+    """A hypothesis from its own severities. The likelihood of a crack is not that of a whole element: it has
+    the Gaussian of u of its intervals."""
+    from scipy.special import ndtri
+
+    if not one.place:
+        places = tuple(map(prepared.numbers.index, one.elements))
+        return settled(prepared.likelihood, places, np.array(one.severities))[0]
+    low, u, high = (-np.log1p(-np.minimum(b, HIGHEST)) for b in (one.low, one.severities, one.high))
+    std = np.maximum(high - low, 1e-9) / (2.0 * float(ndtri(0.5 + 0.5 * LEVEL)))
+    view = prepared.likelihood.start
+    return Fit(one.elements, 0.0, np.array(one.severities), u, np.diag(std**2), view)
+
+
 # -- Profile likelihood of one severity, in u = -ln(1 - beta), by the likelihood of the assessment
 
 #: Newton steps of the other severities, the longest of them, and one that ends them.
@@ -315,6 +332,9 @@ def severity_profile(
     if one is None or element not in one.elements:
         remedy = "The others are 0: result.probability tells how probable their damage is."
         reject("name", repr(name), "a severity of an element declared damaged", remedy)
+    if one.place:
+        remedy = "result.interval has its interval."
+        reject("name", repr(name), "a loss of a whole element: this is a crack", remedy)
     prepared, j = question.prepared(thread_count(None)), one.elements.index(element)
     at, own = np.array([prepared.numbers.index(e) for e in one.elements]), np.arange(len(one.elements))
     called = [names[question.elements.index(e)] for e in one.elements]

@@ -78,9 +78,18 @@ _OVER_PLACES = 1.0
 
 def found_shapes(search: Search, prepared: Prepared, question: Question) -> Found:
     """Judge the shapes of a frame beside the sets of elements that a search has found; nothing for others."""
-    found, frame = Found(), structure_of(question.model)
-    if not isinstance(prepared.responses, Responses):
-        return found
+    found = Found()
+    if isinstance(prepared.responses, Responses):
+        try:
+            _search(search, prepared, question, found)
+        except KeyboardInterrupt:
+            search.interrupted = True
+    return found
+
+
+def _search(search: Search, prepared: Prepared, question: Question, found: Found) -> None:
+    """Add to what is found."""
+    frame = structure_of(question.model)
     plain = prepared.likelihood.start
     lost = plain.partner.size - plain.n_matched
     changed = too_much(plain) or lost > max(1, USUALLY_LOST * plain.partner.size)
@@ -89,16 +98,16 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
     factor = prepared.stiffness_factors
     shapes = frame.shapes(factor)
     if not len(shapes):
-        return found
+        return
     step("cracks, joints and masses")
     likelihood = with_shapes(prepared, question, shapes)
     if likelihood is None:
-        return found
+        return
     n, numbers = search.likelihood.n, prepared.numbers
     start = likelihood.start
     likeliest = max(search.fits.values(), key=lambda fit: fit.log_evidence)
     if not (changed or likeliest.elements) and start.gains[n:].max(initial=0.0) < _GAIN:
-        return found
+        return
     singles = sorted((s for s in search.fits if len(s) == 1), key=lambda s: -search.fits[s].log_evidence)
     near = {numbers[s[0]] for s in singles[:_BY_EVIDENCE]}
     near |= {other for e in near for other in frame.neighbours(e)}
@@ -110,8 +119,10 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
     chosen |= {s[0] for s in singles[:_PARENTS]}
     fits = _refined(likelihood, [(c,) for c in sorted(chosen)])
     _narrow(prepared, question, frame, shapes, n, fits, found)
+    # A spring that is a candidate is judged as one.
+    named = {question.model.element_label(e) for e in question.elements}
     for kind, share in _ELSEWHERE.items():
-        own = [k for k, shape in enumerate(shapes.shapes) if shape.kind == kind]
+        own = [k for k, s in enumerate(shapes.shapes) if s.kind == kind and s.name not in named]
         for k in own:
             if (n + k,) in fits:
                 prior = float(np.log(share / len(own)))
@@ -120,9 +131,8 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
     unknown = search.likelihood.something_else
     cracks = any(shape.kind == "crack" for shape in shapes.shapes)
     if cracks and (too_much(best.view) or best.log_evidence < unknown):
-        pairs = _pairs(likelihood, shapes, prepared.numbers, fits)
-        _join_pairs(shapes, prepared.numbers, pairs, found)
-    return found
+        pairs = _pairs(likelihood, shapes, numbers, question.elements, fits)
+        _join_pairs(shapes, numbers, pairs, found)
 
 
 #: Changes (ln f) of the values of a sensor that has moved.
@@ -130,23 +140,21 @@ _MOVED = (3e-3, 1e-2, 3e-2, 1e-1)
 
 
 def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:
-    """Each sensor by itself moved: its values changed by any amount, and no others."""
+    """Each sensor, or place of the force, by itself moved: its values changed, and no others."""
     likelihood, responses = prepared.likelihood, prepared.responses
     assert isinstance(responses, Responses)
     now: Values = likelihood.now
+    dofs, compared = np.array([part[:2] for part in responses.parts]), np.unique(now.response)
+    sides = [np.unique(dofs[compared, side]).tolist() for side in (0, 1)]
+    moved_one = [(s, dof) for s, own in enumerate(sides) if len(own) >= _LEAST_SENSORS for dof in own]
     found: list[Shaped] = []
-    numbers = np.unique(now.response)
-    if numbers.size < _LEAST_SENSORS:
-        return found
-    for number in numbers.tolist():
+    for side, dof in moved_one:
         logs, views = [], []
         for moved in _MOVED:
-            extra = np.zeros(len(responses.parts))
-            extra[number] = moved
-            views.append(likelihood.without_damage(extra, 0.0))
+            views.append(likelihood.without_damage(np.where(dofs[:, side] == dof, moved, 0.0), 0.0))
             logs.append(views[-1].log_likelihood)
-        prior = np.log(SENSOR / numbers.size) - np.log(len(_MOVED))
-        place = f"sensor at {model.dof_label(responses.parts[number][0])} moved or changed"
+        prior = np.log(SENSOR / len(moved_one)) - np.log(len(_MOVED))
+        place = f"{('sensor', 'force')[side]} at {model.dof_label(dof)} moved or changed"
         view = views[int(np.argmax(logs))]
         found.append(Shaped("sensor", place, float(np.logaddexp.reduce(logs) + prior), view))
     return found
@@ -278,7 +286,7 @@ def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
     low, high = fit.interval(0, SHARES)
     if shape.kind == "mass":
         kg = [shape.size * beta for beta in (float(fit.beta[0]), low, high)]
-        place = f"{kg[0]:.3g} kg ({kg[1]:.3g} to {kg[2]:.3g}) added at node {shape.node}"
+        place = f"{kg[0]:.3g} kg ({kg[1]:.3g} to {kg[2]:.3g}) added at {shape.name or f'node {shape.node}'}"
     elif shape.name:
         lost = [f"{100 * beta:.1f}" for beta in (float(fit.beta[0]), low, high)]
         place = f"{shape.name} has lost {lost[0]} % ({lost[1]} to {lost[2]})"
@@ -289,10 +297,15 @@ def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
 
 
 def _pairs(
-    likelihood: Likelihood, shapes: Shapes, numbers: Sequence[int], fits: dict[Elements, Fit]
+    likelihood: Likelihood,
+    shapes: Shapes,
+    numbers: Sequence[int],
+    candidates: Sequence[int],
+    fits: dict[Elements, Fit],
 ) -> dict[Elements, Fit]:
-    """Pairs of cracks, or of a crack and an element, in two elements."""
+    """Pairs of cracks, or of a crack and an element, in two candidates."""
     owner = np.array([*numbers, *(s.element if s.kind == "crack" else -1 for s in shapes.shapes)])
+    owner[~np.isin(owner, candidates)] = -1
     parents = sorted((s for s in fits if owner[s[0]] >= 0), key=lambda s: -fits[s].log_evidence)
     taken: list[Elements] = []
     for s in parents:  # the likeliest place of each element

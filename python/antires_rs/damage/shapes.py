@@ -55,7 +55,7 @@ class Shape(NamedTuple):
     #: mass: kg at beta = 1.
     size: float
     length_m: float = 0.0
-    name: str = ""  # of a spring
+    name: str = ""  # of a spring, or of the mass of a chain that gets more
 
     def loss(self, beta: float) -> float:
         """Loss of the whole element that makes it as flexible as a hinge."""
@@ -228,7 +228,10 @@ class Chain(Structure):
         n, mass = self.model.n_dof, np.diag(np.asarray(self.model.mass()))
         most = _MOST_MASS * float(mass.sum())
         terms = [csr_array(([most], ([node], [node])), shape=(n, n)) for node in range(n)]
-        return _listed([(Shape("mass", -1, 0.0, node, most), term) for node, term in enumerate(terms)])
+        named = self.model.mass_label
+        return _listed(
+            [(Shape("mass", -1, 0.0, node, most, name=named(node)), term) for node, term in enumerate(terms)]
+        )
 
     def joints(self) -> Shapes:
         """What tilting and bending leave of the stiffness, by the formula of a hinge."""
@@ -338,7 +341,9 @@ class Frame(Structure):
         )
 
     def neighbours(self, element: int) -> list[int]:
-        """Elements with a node in common."""
+        """Elements with a node in common; a spring has none."""
+        if element >= len(self.ends):
+            return []
         return [other for node in self.ends[element] for other, _ in self.meeting[node] if other != element]
 
     def _along(self, element: int) -> tuple[FloatArray, float]:
@@ -358,7 +363,7 @@ class Frame(Structure):
 
         along, length = self._along(element)
         second, found = self.ends[element][1], []
-        for turn in self._axes(along):
+        for turn in self._axes(element, along):
             kink = np.zeros(self.n)
             arm = (1.0 - share) * length * np.pad(along, (0, 3 - along.size))
             kink[self._dofs(second)] = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
@@ -372,11 +377,15 @@ class Frame(Structure):
             found.append((shape, factor.get(element, 1.0) * (column @ column.T)))
         return found
 
-    def _axes(self, along: FloatArray) -> list[FloatArray]:
+    def _axes(self, element: int, along: FloatArray) -> list[FloatArray]:
+        """Principal axes of bending."""
         if not self.in_space:
             return [np.array([0.0, 0.0, 1.0])]
-        _, _, axes = np.linalg.svd(along[None])
-        return [axes[1], axes[2]]
+        one, other = np.linalg.svd(along[None])[2][1:]
+        own = self._bending(element, one), self._bending(element, other)
+        both = 0.5 * (self._bending(element, one + other) - sum(own))
+        _, ways = np.linalg.eigh([[own[0], both], [both, own[1]]])
+        return [one * first + other * second for first, second in ways.T]
 
     def _dofs(self, node: int) -> list[int]:
         return [self.at[node, name] for name in (*self.moves, *self.turns)]

@@ -69,7 +69,7 @@ _BARELY = 2
 
 def _answer(found: Assessment) -> list[str]:
     """Sentences, the first the answer."""
-    if found.moved_alike and not found.best.severities:
+    if found.moved_alike and not (found.best.severities or found.best.place):
         return _shifted(found)
     declared = found.answer
     if not found.best.candidate:
@@ -99,7 +99,12 @@ def _unexplained(found: Assessment) -> list[str]:
     best, share, changed = found.best, found.probability_elsewhere, 1.0 - found.probability_of_nothing
     if best.place and best.probability >= _SURE:
         sure = f"probability {percent(best.probability)}"
-        return [f"No damage of the candidates explains the values, but this does ({sure}): {best.place}."]
+        if found.explained:
+            return [f"No damage of the candidates explains the values, but this does ({sure}): {best.place}."]
+        first = (
+            f"No damage of the candidates explains the values; the likeliest is this ({sure}): {best.place}."
+        )
+        return [first, "But it does not explain all of the values; something else may have changed as well."]
     if share >= _SURE:
         sure = f"probability {percent(share)}"
         lines = [f"Something has changed that none of the candidates explains ({sure})."]
@@ -278,7 +283,9 @@ def _stopped(found: Assessment, many: int) -> list[str]:
     judged = f"{many} hypotheses were" if many > 1 else "1 hypothesis was"
     lost = _loss_of(found, found.best) if found.best.severities else "nothing has changed"
     best = f"the likeliest of these is that {lost}"
-    if found.best.unknown:
+    if found.best.place:
+        best = f"the likeliest of these is this: {_explanation(found, found.best)}"
+    elif found.best.unknown:
         best = "none of these explains the values"
     return [
         f"The search was stopped: {judged} judged, and {best}.",
@@ -289,7 +296,7 @@ def _stopped(found: Assessment, many: int) -> list[str]:
 def _if_trusted(found: Assessment) -> str:
     """The answer in one sentence, where what it rests on is in doubt."""
     trusted = "baseline" if found.odd_baselines else "model"
-    if found.moved_alike and not found.best.severities:
+    if found.moved_alike and not (found.best.severities or found.best.place):
         what = "all values have moved alike, which is temperature or clock rather than damage"
     elif found.best.place and found.best.unknown:
         what = f"the values point to this: {found.best.place}"
@@ -373,7 +380,7 @@ def reservations(found: Assessment) -> list[str]:
         "answer holds. Compare the bands and dofs of both tests.": not matched,
         f"The most probable hypothesis does not explain the values (reduced chi-square {found.chi_square:.1f}"
         "): something else may have changed as well.": (
-            matched and not found.best.unknown and not found.explained
+            matched and (not found.best.unknown or found.best.place) and not found.explained
         ),
         f"{lost} of {found.n_values} values {'has' if lost == 1 else 'have'} no partner in the model: new or "
         "false.": lost and matched,
