@@ -94,7 +94,8 @@ def surroundings(
     elements = set(model.default_elements)
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
-    held = np.array([float(term in model._springs and term not in elements) for term in stiff])
+    n_terms = model._core.n_stiffness_terms
+    held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
     columns = []
     if "temperature" in named:
         columns.append(_WARMER * warm)
@@ -168,7 +169,7 @@ class ModelError:
     @property
     def gain_std(self) -> float:
         """Relative error of a loss, in u, beside what the baseline leaves of the factors."""
-        return GAIN_ERROR * self.s * (1.0 if self.lacking else min(1.0, self.tau / _FULLY) ** 2)
+        return _GAIN_ERROR * self.s * (1.0 if self.lacking else min(1.0, self.tau / _FULLY) ** 2)
 
     @property
     def doubtful(self) -> bool:
@@ -376,7 +377,7 @@ _MIXED, _WITH_MIXED, _BESIDE_MIXED = (0.1, 0.3), 0.3, ((0.5, 1.0), (1.0, 1.0), (
 #: Error of a loss that the model's error makes, in u = -ln(1 - beta): so many times u and the scatter of the
 #: factors, since what a wrong model lacks is not seen in how it explains the baseline; and the error of a
 #: frequency beside the factors from which on all of it counts.
-GAIN_ERROR, _FULLY = 0.7, 1.5e-3
+_GAIN_ERROR, _FULLY = 0.7, 1.5e-3
 #: Share of the mean square of all changes that counts in the error of each one, however small its own.
 _COMMON = 0.5
 #: In the association, before anything is known of kappa; and by how much all errors are widened.

@@ -188,7 +188,7 @@ class Structure:
         from scipy.sparse import csr_array
 
         n = self.model.n_dof
-        if self.model._core.n_mass_terms or n > _MOST_DOFS or isinstance(self.model, MassSpringChain):
+        if self.model._core.n_mass_terms or n > _MOST_DOFS:
             return Shapes((), ())
         own = np.asarray(self.model.mass().diagonal())
         found = []
