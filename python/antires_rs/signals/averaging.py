@@ -27,26 +27,20 @@ from .spectra import CrossSpectra, Segments, cross_spectra, lines_in, window_val
 COARSE_BLOCKS = 64
 FINE_BLOCK_SAMPLES = 8
 FINE_BLOCKS = 8192
-# Samples of which the coarse profile takes the median.
-MEDIAN_SAMPLES = 8192
+MEDIAN_SAMPLES = 8192  # samples of which the coarse profile takes the median
 # A steady Gaussian record of one narrow mode has an exponentially distributed envelope: over 64 blocks its
 # largest energy is some 13 dB above its lower fifth. 20 dB is out of its reach.
 DECAY_RATIO = 100.0
-# One event that decays may have fallen less where the record ends.
-LEAST_DECAY = 8.0
-# An impact lifts the energy at least this much over the eight blocks before it ...
-HIT_RISE = 30.0
-# Where none does, the highest block is the impact if something before it is this much lower.
-LEAST_RISE = 4.0
+LEAST_DECAY = 8.0  # one event that decays may have fallen less where the record ends
+HIT_RISE = 30.0  # an impact lifts the energy at least this much over the eight blocks before it ...
+LEAST_RISE = 4.0  # where none does, the highest block is the impact if something before it is this much lower
 # ... and to this share of the record's peak. A new impact needs the last one dead by this much.
 HIT_SHARE = 0.01
 DEAD_SHARE = 1e-3
 # Amplitude at the end of an event, relative to its start, above which the window must help: -40 dB.
 END_AMPLITUDE = 1e-2
-# ... and the amplitude to which the exponential window brings it down.
-WINDOWED_END = 1e-3
-# Quiet samples before an impact that tell offset and noise.
-LEAST_REST = 32
+WINDOWED_END = 1e-3  # ... and the amplitude to which the exponential window brings it down.
+LEAST_REST = 32  # quiet samples before an impact that tell offset and noise
 # Drift is slower than the band's low end, at least this share of its high one. It is told from noise by means
 # over four periods of that, to leave modes below the band out, whose power is so many times that of noise.
 LEAST_LOW, SLOW, DRIFT_RATIO = 0.005, 0.25, 30.0
@@ -137,7 +131,7 @@ def is_transient(rec: Recording, low_hz: float = 0.0) -> bool:
     decaying = []
     for part in parts_of(rec):
         n = part.n_samples
-        # A hundredfold rise is told from any few thousand samples' median.
+        # a hundredfold rise is told from any few thousand samples' median.
         energy = (
             _energy(part, n // COARSE_BLOCKS, low_hz, max(1, n // MEDIAN_SAMPLES))
             if n >= 2 * COARSE_BLOCKS
@@ -230,8 +224,7 @@ DECAY_BLOCKS, DECAY_RANK, ABOVE_CHORD, LOUD, AFTERWARDS = 32, -0.85, 0.12, 1.4, 
 SHARP_BLOCKS, SHARP_S = 3, 0.1
 # Share of the highest energy that is left in the last eighth of what still rings; the first has most.
 STILL_RINGS = 0.01
-# A decay ends where its energy has fallen to so many times the noise.
-CUT_AT = 10.0
+CUT_AT = 10.0  # a decay ends where its energy has fallen to so many times the noise
 
 
 @_once
@@ -342,12 +335,9 @@ def _window_decay(rec: Recording, event: Event, window: str) -> float:
 # record times that of the taper: one transform of the whole record gives the spectrum at the resolution of
 # any segment length (R. B. Blackman and J. W. Tukey, The Measurement of Power Spectra, 1959).
 
-# Segments are not longer than this share of the record, so that their scatter can be told.
-SEGMENTS = 10.0
-# Peaks lower than this over the band's median are not taken for resonances.
-PEAK_RATIO = 10.0
-# The narrow bandwidth is this quantile of those of all peaks.
-NARROWEST = 0.25
+SEGMENTS = 10.0  # segments are not longer than this share of the record, so that their scatter can be told
+PEAK_RATIO = 10.0  # peaks lower than this over the band's median are not taken for resonances
+NARROWEST = 0.25  # the narrow bandwidth is this quantile of those of all peaks
 
 
 @dataclass(frozen=True, eq=False)
@@ -463,12 +453,9 @@ def owned_by_peaks(power: FloatArray) -> list[tuple[int, int, int]]:
 # lines does not mind whether it sees many averages or many lines.
 BANDWIDTHS = 16.0
 LEAST_SAMPLES = 256
-# Shorter ones are taken of records that have no more, down to these.
-FEWEST_SAMPLES = 64
-# Bands with more lines are fitted in windows, which costs more than the resolution gains.
-MOST_LINES = 5000
-# Lines below which no bandwidth is measured.
-LEAST_LINES = 8
+FEWEST_SAMPLES = 64  # shorter ones are taken of records that have no more, down to these
+MOST_LINES = 5000  # bands with more lines are fitted in windows, which costs more than the resolution gains
+LEAST_LINES = 8  # lines below which no bandwidth is measured
 
 
 def longest_segments(rec: Recording, band_hz: tuple[float, float]) -> int:

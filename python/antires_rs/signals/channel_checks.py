@@ -39,24 +39,19 @@ LEVELS_BELOW = 3
 # A pile of so many samples at an extreme, this many times what the levels below hold, is a clipped one. A
 # slow sine piles up by 3.
 PILE, PILE_RATIO = 8, 5.0
-# Share of clipped samples from which a channel tells nothing of the structure.
-MOSTLY_CLIPPED = 0.05
+MOSTLY_CLIPPED = 0.05  # share of clipped samples from which a channel tells nothing of the structure
 # Steps of a converter between a channel's extremes below which it is told, and below which it says nothing.
 FEW_STEPS, NO_STEPS = 24, 4
-# Extremes are looked for in this part of a channel's range.
-HIGH = 0.25
-# Correlation of two channels above which they are one signal.
-SAME = 1.0 - 1e-9
+HIGH = 0.25  # extremes are looked for in this part of a channel's range
+SAME = 1.0 - 1e-9  # correlation of two channels above which they are one signal
 # Equal samples in a row that make a dropout, unless the digits are so coarse that this share repeat anyway.
 RUN, REPEATED = 20, 0.01
 # Second differences this far out, in robust standard deviations, are spikes: Gaussian ones never reach 8.
 SPIKE_SIGMAS = 15.0
 # ... of the record, and of so many samples on either side; so many are looked at.
 BESIDE_SPIKE, MOST_SPIKES = 40, 1000
-# So many second differences tell their standard deviation within a per cent.
-MEDIAN_SAMPLES = 16384
-# A channel of which others explain less of its power in the band carries no response.
-EXPLAINED = 0.25
+MEDIAN_SAMPLES = 16384  # so many second differences tell their standard deviation within a per cent
+EXPLAINED = 0.25  # a channel of which others explain less of its power in the band carries no response
 LEAST_AVERAGES = 4.0
 DEAD_ADVICE = "Check sensor, cable and gain; leave the channel out."
 # Share of the band that a channel may spend under its noise without a note, and the coherence below which a
@@ -175,7 +170,7 @@ def interrupted(data: FloatArray, labels: tuple[Any, ...], fs_hz: float) -> Chec
         if scale > 0.0 and largest > SPIKE_SIGMAS * scale:
             second = np.abs(second)
             at = np.argsort(-second)[: min(MOST_SPIKES, int(np.count_nonzero(second > SPIKE_SIGMAS * scale)))]
-            # A record that grows, as in an earthquake, is all of a size with what is beside it.
+            # a record that grows, as in an earthquake, is all of a size with what is beside it.
             beside = np.clip(at[:, None] + np.arange(-BESIDE_SPIKE, BESIDE_SPIKE + 1), 0, second.size - 1)
             ratio = second[at] / np.maximum(scale, np.median(second[beside], axis=1) / 0.6745)
             off, count = float(ratio.max()), int(np.count_nonzero(ratio > SPIKE_SIGMAS))
@@ -302,8 +297,7 @@ def silent(rec: Recording, band_hz: tuple[float, float]) -> list[Finding]:
 
 
 DRIFTING = "drift"
-#: Groups of segments whose peaks are followed, and lines that a peak must own.
-DRIFT_GROUPS, PEAK_LINES = 8, 5
+DRIFT_GROUPS, PEAK_LINES = 8, 5  # groups of segments whose peaks are followed, and lines that a peak must own
 #: Standard deviations of the mean change of all, and its size, as a share of the frequency, that are told.
 DRIFT_SIGMAS, LEAST_DRIFT = 6.0, 2e-3
 
@@ -430,21 +424,15 @@ def _much_of_the_band(
 LEAST_SNR = 10.0
 # The others agree on a line if doubled phases leave this part of their power: a scatter of 13 degrees.
 COMMON = 0.9
-# Where there are several others, no line is judged by one of them alone.
-LEAST_OTHERS = 1.5
+LEAST_OTHERS = 1.5  # where there are several others, no line is judged by one of them alone
 # Least share of a line, of the typical one, with which a channel takes part; largest that counts, so that
 # none speaks for all.
 LEAST_SHARE, LARGEST_SHARE = 0.5, 2.0
-# Cosine between the directions of two lines below which they are two modes (60 degrees).
-SAME_MODE = 0.5
-# Lines that make a mode, and in all.
-LINES_OF_MODE, LEAST_LINES = 3, 8
-# Delays are at most this part of the time that the spacing of the lines resolves.
-SPAN = 0.25
-# Zero padding of the transform that scans the delays.
-PADDING = 4
-# What a delay or an offset must add to the agreement of a channel with the others to explain it.
-MENDED = 0.3
+SAME_MODE = 0.5  # cosine between the directions of two lines below which they are two modes (60 degrees)
+LINES_OF_MODE, LEAST_LINES = 3, 8  # lines that make a mode, and in all
+SPAN = 0.25  # delays are at most this part of the time that the spacing of the lines resolves
+PADDING = 4  # zero padding of the transform that scans the delays
+MENDED = 0.3  # what a delay or an offset must add to the agreement of a channel with the others to explain it
 
 
 class Fit(NamedTuple):
@@ -588,17 +576,14 @@ TIME_SHIFT, QUADRATURE = "time_shift", "quadrature"
 # Phase (degrees) at the band's upper edge from which a delay is named. Damping of 2 % looks like 30 degrees
 # on the ends of a chain; identification itself bears any delay that is short beside a segment.
 SHIFT_DEG = 60.0
-# Limit of the offset that a finding states.
-QUADRATURE_DEG = 45.0
-# A channel is out of phase below this agreement (33 degrees of scatter), ...
-IN_PHASE = 0.7
+QUADRATURE_DEG = 45.0  # limit of the offset that a finding states
+IN_PHASE = 0.7  # a channel is out of phase below this agreement (33 degrees of scatter), ...
 # ... and a delay or an offset explains it if it mends so much of the agreement (MENDED), ...
 # ... leaves at most so many times the disagreement of the median channel, ...
 AS_THE_OTHERS = 3.0
 # ... which is taken to be no less than this (a scatter of 13 degrees in doubled phase), ...
 LEAST_SCATTER = 0.05
-# ... and is expected so often, at most, of channels whose phase means nothing.
-FALSE_ALARMS = 0.1
+FALSE_ALARMS = 0.1  # ... and is expected so often, at most, of channels whose phase means nothing.
 
 
 def in_phase(seen: Evidence) -> CheckResults:
@@ -750,16 +735,11 @@ NOTHING_SHARP = NotTested(RESOLUTION, "no resonance stands out of the band by 10
 ENOUGH, TOO_FEW = 2.0, 1.0
 # Whole impacts and measured responses have no leakage; what is narrower than two lines is poorly sampled.
 ENOUGH_WITHOUT_LEAKAGE = 0.5
-# Width that a pure tone has through a Hann window.
-TONE = 0.95
-# Bandwidth over what the top of a resonance, cut off at a tenth of its height, measures.
-TOP = 1.6
-# Widths are trusted from so many lines on.
-TRUSTED = 4.0
-# Independent averages below which noise and coherence are guesses.
-STEADY_AVERAGES = 6.0
-# Lines in the band below which nothing can be said by line.
-LINES_OF_BAND = 8
+TONE = 0.95  # width that a pure tone has through a Hann window
+TOP = 1.6  # bandwidth over what the top of a resonance, cut off at a tenth of its height, measures
+TRUSTED = 4.0  # widths are trusted from so many lines on
+STEADY_AVERAGES = 6.0  # independent averages below which noise and coherence are guesses
+LINES_OF_BAND = 8  # lines in the band below which nothing can be said by line
 
 
 def sharpest_lines(power: FloatArray, leakage: bool = True) -> float | None:

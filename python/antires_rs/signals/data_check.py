@@ -149,7 +149,7 @@ def of_recording(
     one = one_force.one_force(seen)
     apart = channels.clocks(first, band) if one or lost else []
     if spectra.draws is not None:
-        # A structure that changes between repeats looks like a second force.
+        # a structure that changes between repeats looks like a second force.
         one = [replace(f, advice=f"{f.advice} {CHANGED}") if isinstance(f, Finding) else f for f in one]
     return [
         *said,
@@ -431,7 +431,7 @@ def judged(
     else:
         said, seen = of_response(source, excitation, band)
     found = one_of_a_kind(one for one in said if isinstance(one, Finding))
-    # A test that found something was made, even if a part of it could not be.
+    # a test that found something was made, even if a part of it could not be.
     named = {finding.name for finding in found}
     why = {one.name: one.why for one in reversed(said) if isinstance(one, NotTested)}
     untested = {name: why[name] for name in TESTS if name in why and name not in named}

@@ -25,8 +25,7 @@ from .averaging import hann_autocorrelation, transient_spectra
 from .recording import Recording
 from .spectra import CrossSpectra, cross_spectra
 
-# Amplitude of the exponential at the last lag.
-END_AMPLITUDE = 1e-3
+END_AMPLITUDE = 1e-3  # amplitude of the exponential at the last lag
 # Every channel is an output to some channels taken as references; more curves than this add no knowledge.
 MOST_CURVES = 64
 

@@ -34,22 +34,17 @@ BASES_HZ = (50.0, 60.0)
 OFF, WANDER = 2e-3, 1e-3
 #: Rate to which a multiple is thinned out, longest pieces in s, and how many: the record holds six at least.
 RATE_HZ, PIECE_S, LEAST_PIECES, PIECES = 20.0, 20.0, 6, 12
-#: Samples of a thinned-out piece without which nothing is told, and tapers.
-LEAST_SAMPLES, TAPERS = 16, 5
+LEAST_SAMPLES, TAPERS = 16, 5  # samples of a thinned-out piece without which nothing is told, and tapers
 #: F of a line, and of one beside another multiple that is one. Noise has the first by chance in one of 200
 #: pieces, at any of the frequencies that are tried.
 LINE_F, ANOTHER_F = 25.0, 8.0
 #: Share of the pieces in which a channel must have the line, less a first third in which a hit may hide it;
 #: and largest ratio of its power over these pieces (upper over lower tenth): of a mode it is 22.
 PIECES_WITH, HIDDEN, STEADY = 0.7, 3, 2.5
-#: How far beyond the band multiples are looked for, whose leakage reaches into it.
-BEYOND = 1.2
-#: Degree of the polynomials in time by which amplitude and phase may change over a record.
-SLOW = 2
-#: Blocks in s whose energy tells where the structure is quiet.
-QUIET_S = 0.25
-#: Half the width, in lines, that is left out of spectra beside each multiple.
-LINES = 2.5
+BEYOND = 1.2  # how far beyond the band multiples are looked for, whose leakage reaches into it
+SLOW = 2  # degree of the polynomials in time by which amplitude and phase may change over a record
+QUIET_S = 0.25  # blocks in s whose energy tells where the structure is quiet
+LINES = 2.5  # half the width, in lines, that is left out of spectra beside each multiple
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from .spectra import CrossSpectra, pieces, prominent_peaks, running_mean, spectr
 Severity = Literal["fatal", "warning", "note"]
 #: From the one that forbids to the one that informs.
 SEVERITIES: tuple[Severity, ...] = ("fatal", "warning", "note")
-#: Of a finding at many channels so many are described.
-BRIEFS = 4
+BRIEFS = 4  # of a finding at many channels so many are described
 
 
 @dataclass(frozen=True)
@@ -102,8 +101,7 @@ class NotTested:
     why: str
 
 
-# What a test returns.
-CheckResults = list[Finding | NotTested]
+CheckResults = list[Finding | NotTested]  # what a test returns
 
 
 def rounded(value: float) -> str:
@@ -246,7 +244,7 @@ class Evidence:
     @cached_property
     def leakage(self) -> FloatArray:
         """Second eigenvalue that the window makes out of one force, (n_freq,)."""
-        # A line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
+        # a line's matrix is then the sum of the neighbours' vectors, spread as the window spreads power; its
         # eigenvalues are those of the vectors' inner products, which are a smaller matrix.
         n = self.vectors.shape[0]
         parts = [self.vectors]
@@ -351,12 +349,9 @@ def _spread(taper: FloatArray | None) -> tuple[float, ...]:
 
 
 ONE_FORCE, NOISE = "one_force", "signal_to_noise"
-# Fewer independent averages than this leave no scatter to compare with.
-LEAST_AVERAGES = 4.0
-# A line counts if the second eigenvalue is twice what noise makes it on average ...
-OVER_NOISE = 2.0
-# ... three times what leakage makes it (measured: 0.5 to 1.0 times the prediction) ...
-OVER_LEAKAGE = 3.0
+LEAST_AVERAGES = 4.0  # fewer independent averages than this leave no scatter to compare with
+OVER_NOISE = 2.0  # a line counts if the second eigenvalue is twice what noise makes it on average ...
+OVER_LEAKAGE = 3.0  # ... three times what leakage makes it (measured: 0.5 to 1.0 times the prediction) ...
 # ... and this part of the first; a second force of 0.1 of the first makes 4e-3 at the median line, and
 # one of 0.03 is the least that harmed an identification.
 LEAST_SHARE = 1e-3
@@ -366,12 +361,10 @@ LINES = 0.10
 # Share of the lines, and second over first eigenvalue at their median, above which identified values are
 # nonsense: a second force of 0.3 of the first.
 FATAL_LINES, FATAL = 0.4, 0.025
-# Noise level of a line is averaged over so many lines.
-SMOOTHING = 15
+SMOOTHING = 15  # noise level of a line is averaged over so many lines
 # Second over first eigenvalue at the median line above which one force does not explain the responses at all.
 UNEXPLAINED = 0.2
-# Share of the lines that must then rise over the noise for the band to be excited at all.
-EXCITED = 0.05
+EXCITED = 0.05  # share of the lines that must then rise over the noise for the band to be excited at all
 
 
 def one_force(seen: Evidence) -> CheckResults:
@@ -470,13 +463,11 @@ def noise_ratio(n: int, n_averages: float) -> float:
 FORCE_LOCATION = "force_location"
 # A resonance stands this much (dB) over the valleys beside it, in the power of all channels together,
 PROMINENCE_DB = 8.0
-# ... and its signal-to-noise power is at least that of a vector good to a few degrees.
-PEAK_SNR = 100.0
+PEAK_SNR = 100.0  # ... and its signal-to-noise power is at least that of a vector good to a few degrees.
 # ... and lifts the median channel by this factor over its power this part of the frequency away, on both
 # sides.
 SHARED, PEAK_WIDTH = 2.0, 0.04
-# The lines of a resonance are those above this share of its height.
-PEAK_FOOT = 0.25
+PEAK_FOOT = 0.25  # the lines of a resonance are those above this share of its height
 # The power is averaged over lines until so many averages stand behind it: ripples of few averages are no
 # peaks. Measured responses and single impacts have none, and need none.
 PEAK_AVERAGES = 40.0
@@ -591,7 +582,7 @@ def resonances(seen: Evidence) -> Any:
     level = 10.0 * np.log10(np.maximum(smooth, 1e-12 * smooth.max()))
     peaks = prominent_peaks(level, PROMINENCE_DB)
     peaks = peaks[smooth[peaks] >= PEAK_SNR]
-    # A mode moves most channels; what one of them alone has is its own affair.
+    # a mode moves most channels; what one of them alone has is its own affair.
     each = np.array([_smoothed_over(power, half) for power in (np.abs(seen.vectors) ** 2).T])
     distance = np.diff(peaks, prepend=-level.size, append=2 * level.size)
     shared = []

@@ -20,8 +20,7 @@ from .frequency_response import FrequencyResponse
 from .recording import PooledRecording, Recording
 from .spectra import running_mean
 
-# Degrees of freedom that the scatter of a mean should have, a line of one curve giving two.
-FREEDOM = 20.0
+FREEDOM = 20.0  # degrees of freedom that the scatter of a mean should have, a line of one curve giving two
 
 
 class AveragedResponse(FrequencyResponse):

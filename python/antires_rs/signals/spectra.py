@@ -102,23 +102,18 @@ def dominant(matrix: ComplexArray, scale: FloatArray) -> tuple[FloatArray, Float
     return _core.dominant_pairs(matrix, scale)
 
 
-# Keeps the inverse of exact data, whose matrices are of rank one, within rounding.
-RIDGE = 1e-13
+RIDGE = 1e-13  # keeps the inverse of exact data, whose matrices are of rank one, within rounding
 # Independent averages needed per channel before the inverse of an averaged matrix means something.
 AVERAGES_PER_CHANNEL = 1.5
-# Passes of "eigenvector, residual noise of each channel, scale".
-PASSES = 4
-# The scales are medians over lines: so many lines tell them.
-LINES = 500
+PASSES = 4  # passes of "eigenvector, residual noise of each channel, scale"
+LINES = 500  # the scales are medians over lines: so many lines tell them
 # No channel is taken to have less than this share of the noise that the passes start from: with next to no
 # noise they would end by calling a single channel perfect.
 LEAST_NOISE = 0.1
 # Mean of the other eigenvalues over the first of a matrix that holds nothing but rounding beside its vector.
 EXACT = 1e-13
-# Share of the largest eigenvalue below which a floor is rounding.
-ROUNDING = 1e-15
-# Lines over which the noise of averaged spectra is taken to be constant.
-FLOOR_LINES = 101
+ROUNDING = 1e-15  # share of the largest eigenvalue below which a floor is rounding
+FLOOR_LINES = 101  # lines over which the noise of averaged spectra is taken to be constant
 
 
 def noise_power(matrix: ComplexArray, n_averages: float) -> FloatArray:
@@ -193,16 +188,11 @@ def _rounding(largest: FloatArray) -> float:
 
 # -- What is rough from line to line is noise: second differences of curves that are smooth without it
 
-# Lines over which the noise of measured curves is taken to be constant.
-NOISE_LINES = 31
-# With fewer lines nothing tells noise from curve.
-LEAST_LINES = 12
-# No curve is taken to have less noise than this share of its power.
-LEAST_NOISE_ROUGHNESS = 1e-12
-# Second differences of white noise over the noise itself, in power.
-GAIN = 6.0
-# The median of abs()**2 of complex Gaussian noise over its mean.
-MEDIAN = np.log(2.0)
+NOISE_LINES = 31  # lines over which the noise of measured curves is taken to be constant
+LEAST_LINES = 12  # with fewer lines nothing tells noise from curve
+LEAST_NOISE_ROUGHNESS = 1e-12  # no curve is taken to have less noise than this share of its power
+GAIN = 6.0  # second differences of white noise over the noise itself, in power
+MEDIAN = np.log(2.0)  # the median of abs()**2 of complex Gaussian noise over its mean
 
 
 def second_differences(values: ComplexArray) -> FloatArray:
@@ -276,8 +266,7 @@ def _lowest(height: list[float], before: list[float]) -> list[float]:
     return found
 
 
-#: Numbers of the spectra that are multiplied together: 4 MB.
-TOGETHER = 1 << 18
+TOGETHER = 1 << 18  # numbers of the spectra that are multiplied together: 4 MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -434,10 +423,8 @@ def window_values(window: Any, n: int) -> FloatArray:
 # -- The direction of the responses at each line, and its noise: what is rough from line to line in curves
 # that turn smoothly. Of FRFs and of the transmissibilities made of them it is the same.
 
-# No channel is taken to have less noise than this share of the typical one.
-LEAST_SHARE = 1e-2
-#: No direction is taken to have less noise power than this.
-LEAST_DIRECTION_NOISE = 1e-12
+LEAST_SHARE = 1e-2  # no channel is taken to have less noise than this share of the typical one
+LEAST_DIRECTION_NOISE = 1e-12  # no direction is taken to have less noise power than this
 
 
 def aligned(vectors: ComplexArray) -> ComplexArray:
@@ -498,10 +485,8 @@ def response_vectors(
 # References: J. S. Bendat and A. G. Piersol, Random Data, 4th ed., 2010, ch. 9 (random errors of H1 and H2);
 # T. W. Anderson, Ann. Math. Stat. 34 (1963) 122-148 (scatter of eigenvectors).
 
-# Below this a coherence is that of a line without energy.
-LEAST_COHERENCE = 1e-12
-# Two largest eigenvalues closer than this leave the eigenvector undetermined.
-LEAST_GAP = 1e-3
+LEAST_COHERENCE = 1e-12  # below this a coherence is that of a line without energy
+LEAST_GAP = 1e-3  # two largest eigenvalues closer than this leave the eigenvector undetermined
 
 
 def two_channel(matrix: ComplexArray, j: int, estimator: str) -> tuple[ComplexArray, FloatArray]:

@@ -127,7 +127,7 @@ def transmissibility(
     spectra = averaged_spectra(rec, nperseg, noverlap, window, method)
     values, coherence = two_channel(spectra.matrix, j, "h1" if estimator == "rank1" else estimator)
     std = None
-    # A single average is of rank one as it stands.
+    # a single average is of rank one as it stands.
     if estimator == "rank1" and spectra.n_averages > 1:
         vectors, _ = response_vectors(spectra.matrix, spectra.noise)
         values = vectors / vectors[j]
