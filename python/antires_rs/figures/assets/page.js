@@ -37,14 +37,6 @@ async function ask(path, body) {
   return data;
 }
 
-// What is typed and clicked goes to the server in this order: "Save" after a reason saves the reason.
-let line = Promise.resolve();
-function inTurn(work) {
-  const done = line.then(work, work);
-  line = done;
-  return done;
-}
-
 // The state that an answer tells, unless a newer one is shown already; of the response that is shown now.
 async function take(told) {
   if (state && told.turn < state.turn) return;
@@ -58,8 +50,7 @@ async function act(command, body = {}, waiting = "") {
   $("identify").disabled = true;
   try {
     const before = state;
-    // Others need not wait for an identification.
-    const told = await (command === "identify" ? ask("do/identify", body) : inTurn(() => ask("do/" + command, body)));
+    const told = await ask("do/" + command, body);
     await take(told);
     say(told.said);
     if (before && state.edits.length > before.edits.length && body.reason && $("reason").value === body.reason) {
@@ -220,8 +211,6 @@ function wire() {
   $("response").addEventListener("change", (event) => show(Number(event.target.value)));
   $("previous").addEventListener("click", () => show(shown - 1));
   $("next").addEventListener("click", () => show(shown + 1));
-  $("undo").addEventListener("click", () => act("undo"));
-  $("redo").addEventListener("click", () => act("redo"));
   $("save").addEventListener("click", save);
   $("controls").addEventListener("submit", (event) => {
     event.preventDefault();
@@ -234,13 +223,9 @@ function wire() {
     if ((await act("add", { dof: shown, freq_hz: value, reason: $("reason").value })).done) $("value").value = "";
   });
   document.addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || state?.kind !== "set" || event.target.matches("input")) return;
-    const key = event.key.toLowerCase();
-    const meant = key === "s" ? save : key === "z" ? () => act(event.shiftKey ? "redo" : "undo") : key === "y" ? () => act("redo") : null;
-    if (meant) {
-      event.preventDefault();
-      meant();
-    }
+    if (!(event.ctrlKey || event.metaKey) || state?.kind !== "set" || event.key.toLowerCase() !== "s") return;
+    event.preventDefault();
+    save();
   });
   addEventListener("beforeunload", (event) => {
     if (state?.unsaved && !ended) event.preventDefault();
