@@ -38,8 +38,8 @@ from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
 from .identification import stabilization_figure
-from .live_canvas import LEGEND, explored, item, script_files
-from .marks import Axis, Line, Panel
+from .live_canvas import explored, item, script_files
+from .marks import Line
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
@@ -455,9 +455,11 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
 def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
     model, own = result.problem.model, result.problem.measured[0]
     given: dict[str, Any] = {"excitation": own.excitation, "names": names}
+    counts = np.max  # of lines that share a pixel: peaks, or dips
     if response.kind == "frf":
         dofs = [dof for dof in response.dofs if dof in own] or list(response.dofs)
         given["dofs"] = shown = dofs[: responses.MOST_RESPONSES]
+        counts = np.min
         size = (9.0, 2.0 + 1.2 * len(shown))
         some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
         caption = f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips"
@@ -468,41 +470,13 @@ def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[st
     drawn = partial(responses.plot_responses, response, model, result.model, **given)
     caption += " in the models follows from an assumed damping of 1 %."
     alt = f"Curves by frequency of {what}: measured, and of the model {names[0]} and {names[1]}"
-    return Figure(drawn, size, caption, alt, partial(_explored_response, result, response, names))
 
+    def explore() -> Any:
+        panel = responses.responses(response, (model, result.model), **given)
+        lines = [_thinned(mark, counts) if isinstance(mark, Line) else mark for mark in panel.marks]
+        return explored(replace(panel, marks=lines), height=int(66 * size[1]))
 
-def _explored_response(result: UpdateResult, measured: FrequencyResponse, names: tuple[str, str]) -> Any:
-    """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
-    from bokeh.models import ColumnDataSource, Legend, LegendItem
-
-    models, excitation = (result.problem.model, result.model), result.problem.measured[0].excitation
-    over = measured.kind == "transmissibility"
-    shown = None if over else measured.dofs
-    freq, _, labels, levels = responses.curves_of(measured, models, excitation, shown)
-    called = responses.curve_names(names, both=True)
-    says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
-    marks = []
-    for rows in zip(*levels, strict=True):
-        lines = [Line(freq, row, **look) for row, look in zip(rows, responses.LOOKS, strict=True)]
-        lines[0] = replace(lines[0], says=says, more={f"level_{i}": row for i, row in enumerate(rows)})
-        marks += [_thinned(line, np.max if over else np.min) for line in lines]  # the peak or dip counts
-    x = Axis("Frequency (Hz)", (freq[0], freq[-1]))
-    y = Axis(f"{labels[0]} (dB)" if over else "FRF (dB re unit of the data)")
-    fig = explored(Panel("response", x, y, marks), height=380)
-    drawn = [fig.renderers[first : first + 3] for first in range(0, len(fig.renderers), 3)]
-    for line in fig.renderers[3:]:
-        line.visible = False
-    empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
-    samples = [[fig.add_glyph(empty, line.glyph.clone())] for line in drawn[0]]
-    by_response = {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"}
-    # An entry may stand for several lines.
-    for entries, look in (
-        (zip(called, samples, strict=True), {"ncols": 2}),
-        (zip(labels, drawn, strict=True), by_response),
-    ):
-        items = [LegendItem(label=name, renderers=lines) for name, lines in entries]
-        fig.add_layout(Legend(items=items, **LEGEND | look), "below")
-    return fig
+    return Figure(drawn, size, caption, alt, explore)
 
 
 def _thinned(line: Any, how: Any) -> Any:
