@@ -85,7 +85,6 @@ REFUSED += [
 ]
 REFUSED += [(lambda s: s.add(0, 5.0, std_hz=-1.0), "^std_hz: got -1 Hz")]
 REFUSED += [(lambda s: s.add(0, 5.0, damping_ratio=np.inf), "^damping_ratio")]
-REFUSED += [(lambda s: s.plot(0, kind="round"), "^kind")]
 REFUSED += [(lambda s: s.plot(1), "^dof: got 1, which has no stabilization diagram")]
 REFUSED += [(lambda s: s.relabelled(0, {}), "^freq_hz: got an empty mapping")]
 REFUSED += [(lambda s: s.relabelled(0, {0: 3, 1: 3}), "^dofs: got 3 for two of")]

@@ -496,32 +496,18 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             lines.append("edited by hand: " + "; ".join(map(str, self.edits)))
         return "\n".join(lines)
 
-    def plot(self, dof: Any, *, kind: str = "stabilization", ax: Any = None) -> Any:
-        """Draw the evidence for one dof, edits by hand included; returns the axes.
+    def plot(self, dof: Any, *, ax: Any = None) -> Any:
+        """Draw the stabilization diagram of a dof, edits by hand included; returns the axes.
 
-        Parameters
-        ----------
-        dof : int or str
-        kind : str
-            Which picture of :mod:`~antires_rs.figures`, such as "stabilization"; another word is refused with
-            the list of all.
-        ax : matplotlib.axes.Axes, optional
-
-        Raises
-        ------
-        InvalidInputError
-            A dof without a stabilization diagram: sets made by hand or loaded have none.
-        MissingDependencyError
-            matplotlib is not installed.
+        Sets made by hand or loaded have none (InvalidInputError).
         """
-        choice("kind", kind, self._kinds("plot"))
         if self._dof(dof) not in self.diagrams:
             wanted = "a dof of a set that was identified, not made by hand or loaded"
             remedy = "Identify it from the measurement to have its diagram."
             reject("dof", f"{dof!r}, which has no stabilization diagram", wanted, remedy)
         found, own = self.original()[dof], self[dof]
         edits = {"dropped": found[~np.isin(found, own)], "added": own[~np.isin(own, found)]}
-        return self._view(f"plot {kind}")(self.diagrams[dof], ax=ax, **edits)
+        return self._view("plot")(self.diagrams[dof], ax=ax, **edits)
 
     def look(
         self,
