@@ -127,9 +127,9 @@ class Tracks(ReadOnly, Viewed):
         """An ``xarray.Dataset`` over test and track, conditions and dofs as coordinates; needs xarray."""
         return self._view("to_xarray")(self)
 
-    def plot(self, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
+    def plot(self, dof: Any = None, *, ax: Any = None) -> Any:
         """Draw the tracks of a response over the tests; see :func:`~antires_rs.figures.plot_tracks`."""
-        return self._view("plot")(self, dof, kind=kind, ax=ax)
+        return self._view("plot")(self, dof, ax=ax)
 
 
 def _first(freq_hz: FloatArray) -> FloatArray:
