@@ -203,11 +203,7 @@ class _Drawn:
         look = {"x_offset": 1.3 * x * mark.away, "y_offset": -1.3 * y * mark.away, "text_color": mark.colour}
         look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across}
         look |= {"text_baseline": along.replace("center", "middle")}
-        if mark.turned:  # along the text is across the figure now
-            up = {"above": "left", "below": "right"}.get(mark.where, "center")
-            look |= {"angle": np.pi / 2, "text_align": up, "text_baseline": "middle"}
         look |= {"text_font_style": "italic"} if mark.slanted else {}
-        look |= {"background_fill_color": "white"} if mark.boxed else {}
         table = columns(x=mark.x, y=mark.y, text=list(mark.texts))
         return [self.fig.text("x", "y", "text", source=table, **look)]
 

@@ -21,9 +21,7 @@ import numpy as np
 from ..damage.assess import DamageResult
 from ..damage.hypotheses import Assessment, loss, span
 from ..damage.words import without_idle
-from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
 from ..identification.stabilization import StabilizationDiagram
-from ..identification.windows import HIGHEST_ORDER
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
@@ -74,36 +72,15 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     return facts | ({} if signal.n_averages is None else {"Averages": [f"{signal.n_averages:.1f}"]})
 
 
-def of_identification(signal: Recording | FrequencyResponse, found: AntiresonanceSet) -> Facts:
-    """Every choice of an identification, defaults among them, as the set keeps them."""
-    used, checked = found.options, found.data_check
-    if not used:
-        return {}
-    windows = used["fitted"] in ("windows", "directions")
-    formulation = used["formulation"] if used["formulation"] != "auto" else f"auto, here {used['fitted']}"
-    max_order = used["max_order"]
-    if windows:
-        max_order = min(max_order, HIGHEST_ORDER)
-    elif found.diagrams:
-        max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
-    hidden = (*(OF_SWEEP if windows else OF_WINDOWS), "min_order")
-    kinds = {name: one.kind for name, one in FitOptions.declared().items() if name not in hidden}
-    thresholds = [] if used["preset"] is None else [f"preset {used['preset']}"]
-    thresholds += [f"{n} {used[n]}" for n, kind in kinds.items() if kind in ("number", "whole", "switch")]
-    low, high = used["band_hz"]
-    method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
-    facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
-    if isinstance(signal, Recording):
-        spectra = f"method {used['method']}"
-        length = used["nperseg"] or (None if checked is None else checked.nperseg)
-        if length is not None:
-            overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
-            spectra = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
-            spectra += f", window {used['window']}"
-            if checked is not None and checked.n_averages is not None:
-                spectra += f", {checked.n_averages:.1f} independent averages"
-        facts["Spectra"] = [spectra]
-    return facts | {"Orders": [f"{used['min_order']} to {max_order}"], "Thresholds": [", ".join(thresholds)]}
+#: How values were accepted, in words.
+_HOW = {
+    "chain": "stable over consecutive orders",
+    "persistent": "in most orders without standing still",
+    "likeliest order": "from the likeliest order alone",
+    "windows": "seen by most fits over windows",
+    "directions": "seen by most perturbed local fits",
+    "followed": "followed from known values",
+}
 
 
 def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
@@ -114,34 +91,26 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     facts = {"Force": [dof_name(model, found.excitation)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    ways = [np.asarray(scores.get("how", ())).tolist() for scores in found.scores.values()]
-    how = Counter(way for each in ways for way in each)
-    if how["windows"] or how["directions"] or how["followed"]:
-        words = {
-            "windows": "seen by most fits over windows",
-            "directions": "seen by most perturbed local fits",
-            "followed": "followed from known values",
-        }
-        facts["Accepted"] = [f"{how[name]} {said}" for name, said in words.items() if how[name]]
-        shares = np.concatenate([*found.share.values(), np.empty(0)])
-        if shares.size and not np.all(np.isnan(shares)):
+    how = Counter(way for scores in found.scores.values() for way in scores.get("how", ()))
+    if accepted := [f"{how[name]} {said}" for name, said in _HOW.items() if how[name]]:
+        shares = np.concatenate([*found.share.values()])
+        if not np.isnan(shares).all():
             least, most = np.nanmin(shares), np.nanmax(shares)
-            facts["Accepted"] += [f"the share of fits that see a value is {least:.0%} to {most:.0%}"]
+            accepted.append(f"the share of fits that see a value is {least:.0%} to {most:.0%}")
         if found.expected_false is not None:
-            facts["Accepted"] += [f"at most {found.expected_false:.2g} of them false, on average"]
-    elif how:
-        facts["Accepted"] = [
-            f"{how['chain']} stable over consecutive orders, {how['persistent']} in most orders without "
-            f"standing still, {how['likeliest order']} from the likeliest order alone"
-        ]
+            accepted.append(f"at most {found.expected_false:.2g} of them false, on average")
+        facts["Accepted"] = [", ".join(accepted)]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
     return facts | of_evidence(found)
 
 
 def of_evidence(found: AntiresonanceSet) -> Facts:
-    """What was not accepted, peaks that nothing explains, and what a set knows as long as it is not saved."""
+    """Options, what was not accepted, unexplained peaks, and what a set knows as long as it is not saved."""
     facts: Facts = {}
+    used = {name: value for name, value in found.options.items() if name != "held_back_misfit"}
+    if said := [f"{name} {value}" for name, value in used.items() if value is not None]:
+        facts["Identified with"] = [", ".join(said)]
     if (misfit := found.options.get("held_back_misfit")) is not None:
         said = "of held-back segments to one fit of the others, in the worst eighth of the band"
         facts["Held-back misfit"] = [f"{misfit:g} times what noise makes, {said}"]
@@ -159,6 +128,9 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
         low, high = one.band_hz
         facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
     if found.data_check is not None:
+        length, averages = found.data_check.nperseg, found.data_check.n_averages
+        if length is not None and averages is not None:
+            facts["Spectra"] = [f"segments of {length:,} samples, {averages:.1f} independent averages"]
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     return facts
 
