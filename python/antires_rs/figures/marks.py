@@ -58,11 +58,11 @@ class Mark:
 
 @dataclass(frozen=True)
 class Points(Mark):
-    """Markers, a stroke being (2, 2, degrees), with their ``error``; ``spill`` ones go over the edge."""
+    """Markers with their ``error``; ``spill`` ones go over the edge."""
 
     x: Any
     y: Any
-    marker: Any = "o"
+    marker: str = "o"
     size: float = 6.0
     colour: str = "black"
     face: str | None = None

@@ -150,7 +150,7 @@ def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
 
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
-MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many elements are numbered unless told otherwise
+MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many are numbered
 ARROW, MARGIN = 26.0, 0.08  # length in points; room around the frame as a share of its extent
 #: Looks of sections; vermillion and black are those of the arrows. Dashes are close: a section may be short.
 SHADES = ("blue", "orange", "sky", "purple", "green")
@@ -166,12 +166,12 @@ def plot_frame(
     *,
     sensors: Sequence[int] = (),
     excitation: int | None = None,
-    numbers: bool | None = None,
     label: str = "Value by element",
 ) -> Any:
     """Draw a frame with its elements numbered, coloured by section or by a value of each element.
 
-    Equal scales in metres; frames in space are seen isometrically.
+    Equal scales in metres; frames in space are seen isometrically. Up to 120 elements, and of 60 nodes these
+    in slanted numbers, are numbered from 0 as tables do.
 
     Parameters
     ----------
@@ -179,9 +179,6 @@ def plot_frame(
         As in :func:`plot_chain`, of each element. By default the colours tell the sections apart.
     sensors, excitation, label
         As in :func:`plot_chain`; arrows along their direction.
-    numbers : bool, optional
-        Whether to number elements and nodes, from 0 as tables do; those of nodes are slanted, in grey. By
-        default elements up to 120 and nodes up to 60.
 
     Examples
     --------
@@ -192,7 +189,7 @@ def plot_frame(
     ax = new_axes(ax, (9.0, 4.6))
     share, size = ax.get_position(), ax.figure.get_size_inches()
     room = 72.0 * np.array([share.width * size[0], share.height * size[1]])
-    draw(frame(model, values, sensors, excitation, label, room, numbers), ax, drop_pt=44.0)
+    draw(frame(model, values, sensors, excitation, label, room), ax, drop_pt=44.0)
     ax.margins(MARGIN)
     return ax
 
@@ -204,13 +201,7 @@ def seen_points(model: FrameModel) -> FloatArray:
 
 
 def frame(
-    model: FrameModel,
-    values: Any,
-    sensors: Sequence[Any],
-    excitation: Any,
-    label: str,
-    room_pt: FloatArray,
-    numbers: bool | None = None,
+    model: FrameModel, values: Any, sensors: Sequence[Any], excitation: Any, label: str, room_pt: FloatArray
 ) -> Panel:
     """A frame in axes as wide and high as ``room_pt``."""
     given = _value_by_element(values, len(model.elements))
@@ -239,9 +230,8 @@ def frame(
             tails = heads - ARROW * length / scale * np.array([_seen(way, space) for _, way in along])
             says, more = {name.capitalize(): "@dof"}, {"dof": [f"node {node} {way}" for node, way in along]}
             marks.append(Arrows(tails, heads, colour, 1.6 * length, label=name, says=says, more=more))
-    if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
-        nodes = numbers or len(points) <= MOST_NODES
-        marks += _numbers(model.elements, scale * points, scale, nodes)
+    if len(ends) <= MOST_NUMBERS:
+        marks += _numbers(model.elements, scale * points, scale, len(points) <= MOST_NODES)
     table: dict[str, Any] = {"element": np.arange(len(ends))}
     table |= dict(zip(("start_node", "end_node"), model.elements.T, strict=True))
     table["section"] = [str(name) for name in model.element_sections]
@@ -274,7 +264,6 @@ def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, la
 
 def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
     """Fixed nodes, point masses, springs to ground and between nodes; smaller markers over larger ones."""
-    space = model.nodes_m.shape[1] == 3
     held: dict[int, list[str]] = {}
     for node, direction in model.fixed:
         held.setdefault(node, []).append(direction)
@@ -283,16 +272,10 @@ def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
         a, b = points[spring.node], points[spring.other]
         marks.append(Paths([_coil(a, b, 0.03)], "black", width=1.0, label=None if nth else "node spring"))
         marks.append(Points(*xy([a, b]), "D", 3.5))
-    whole = 6 if space else 3
-    partly = [(node, direction) for node, of in held.items() if len(of) < whole for direction in of]
-    for nth, (node, direction) in enumerate(partly):
-        # A stroke across the direction that is held.
-        along = None if direction in ROTATIONS else _seen(direction, space)
-        marker = "x" if along is None else (2, 2, float(np.degrees(np.arctan2(along[1], along[0]))))
-        size, label = 8.0 if along is None else 17.0, None if nth else "partly fixed"
-        marks.append(Points(*xy(points[node]), marker, size, stroke=2.0, label=label))
+    whole = 6 if model.nodes_m.shape[1] == 3 else 3
     for nodes, sign, size, name in (
         ([node for node, of in held.items() if len(of) == whole], "s", 11.0, "fixed"),
+        ([node for node, of in held.items() if len(of) < whole], "x", 9.0, "partly fixed"),
         ([m.node for m in model.point_masses], "o", 9.0, "point mass"),
         ([s.node for s in model.ground_springs], "v", 6.5, "spring to ground"),
     ):
