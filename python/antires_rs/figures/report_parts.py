@@ -109,8 +109,8 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
     """Options, what was not accepted, unexplained peaks, and what a set knows as long as it is not saved."""
     facts: Facts = {}
     used = {name: value for name, value in found.options.items() if name != "held_back_misfit"}
-    if said := [f"{name} {value}" for name, value in used.items() if value is not None]:
-        facts["Identified with"] = [", ".join(said)]
+    if given := [f"{name} {value}" for name, value in used.items() if value is not None]:
+        facts["Identified with"] = [", ".join(given)]
     if (misfit := found.options.get("held_back_misfit")) is not None:
         said = "of held-back segments to one fit of the others, in the worst eighth of the band"
         facts["Held-back misfit"] = [f"{misfit:g} times what noise makes, {said}"]

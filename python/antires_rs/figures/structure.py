@@ -150,7 +150,7 @@ def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
 
 #: Isometric view of frames in space: x to the lower right, y to the upper right, z up.
 ISOMETRIC = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0], [-np.sqrt(1 / 6), np.sqrt(1 / 6), np.sqrt(2 / 3)]])
-MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many are numbered
+MOST_NUMBERS, MOST_NODES = 120, 60  # up to this many elements are numbered unless told otherwise
 ARROW, MARGIN = 26.0, 0.08  # length in points; room around the frame as a share of its extent
 #: Looks of sections; vermillion and black are those of the arrows. Dashes are close: a section may be short.
 SHADES = ("blue", "orange", "sky", "purple", "green")
@@ -166,12 +166,12 @@ def plot_frame(
     *,
     sensors: Sequence[int] = (),
     excitation: int | None = None,
+    numbers: bool | None = None,
     label: str = "Value by element",
 ) -> Any:
     """Draw a frame with its elements numbered, coloured by section or by a value of each element.
 
-    Equal scales in metres; frames in space are seen isometrically. Up to 120 elements, and of 60 nodes these
-    in slanted numbers, are numbered from 0 as tables do.
+    Equal scales in metres; frames in space are seen isometrically.
 
     Parameters
     ----------
@@ -179,6 +179,8 @@ def plot_frame(
         As in :func:`plot_chain`, of each element. By default the colours tell the sections apart.
     sensors, excitation, label
         As in :func:`plot_chain`; arrows along their direction.
+    numbers : bool, optional
+        Whether to number elements and nodes (slanted); by default up to 120 elements and 60 nodes.
 
     Examples
     --------
@@ -189,7 +191,7 @@ def plot_frame(
     ax = new_axes(ax, (9.0, 4.6))
     share, size = ax.get_position(), ax.figure.get_size_inches()
     room = 72.0 * np.array([share.width * size[0], share.height * size[1]])
-    draw(frame(model, values, sensors, excitation, label, room), ax, drop_pt=44.0)
+    draw(frame(model, values, sensors, excitation, label, room, numbers), ax, drop_pt=44.0)
     ax.margins(MARGIN)
     return ax
 
@@ -201,7 +203,13 @@ def seen_points(model: FrameModel) -> FloatArray:
 
 
 def frame(
-    model: FrameModel, values: Any, sensors: Sequence[Any], excitation: Any, label: str, room_pt: FloatArray
+    model: FrameModel,
+    values: Any,
+    sensors: Sequence[Any],
+    excitation: Any,
+    label: str,
+    room_pt: FloatArray,
+    numbers: bool | None = None,
 ) -> Panel:
     """A frame in axes as wide and high as ``room_pt``."""
     given = _value_by_element(values, len(model.elements))
@@ -230,8 +238,9 @@ def frame(
             tails = heads - ARROW * length / scale * np.array([_seen(way, space) for _, way in along])
             says, more = {name.capitalize(): "@dof"}, {"dof": [f"node {node} {way}" for node, way in along]}
             marks.append(Arrows(tails, heads, colour, 1.6 * length, label=name, says=says, more=more))
-    if len(ends) <= MOST_NUMBERS:
-        marks += _numbers(model.elements, scale * points, scale, len(points) <= MOST_NODES)
+    if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
+        nodes = numbers or len(points) <= MOST_NODES
+        marks += _numbers(model.elements, scale * points, scale, nodes)
     table: dict[str, Any] = {"element": np.arange(len(ends))}
     table |= dict(zip(("start_node", "end_node"), model.elements.T, strict=True))
     table["section"] = [str(name) for name in model.element_sections]
