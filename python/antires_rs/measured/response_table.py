@@ -218,7 +218,7 @@ def tables_of(
             reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
         frequencies[dof] = frequencies_hz(("freq_hz", dof), value)
     damping, std = (
-        {dof: _companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
+        {dof: companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
         for name, given in (("damping_ratio", damping_ratio), ("std_hz", std_hz))
     )
     for dof, column in std.items():
@@ -266,7 +266,7 @@ def _by_dof(name: str, given: Any, frequencies: Mapping[Any, FloatArray]) -> Ite
         yield dof, value, frequencies[dof].size
 
 
-def _companion(name: Name, value: Any, count: int) -> FloatArray:
+def companion(name: Name, value: Any, count: int) -> FloatArray:
     """One number for each frequency, NaN where not known."""
     wanted = "one value for each frequency, finite or NaN for not known"
     try:
