@@ -131,19 +131,14 @@ def chain8(*, perturbation: float = 0.0, rng: int | np.random.Generator | None =
     Parameters
     ----------
     perturbation : float
-        The tested structure's masses and springs are drawn within this fraction of nominal; 0 tests the
-        nominal chain (for damage), 0.08 suits updating.
+        The tested structure's masses and springs are drawn within this fraction of nominal, [0, 0.5]; 0
+        tests the nominal chain (for damage), 0.08 suits updating.
     rng : int or numpy.random.Generator, optional
         Randomness of the draw.
 
     Returns
     -------
     Chain8
-
-    Raises
-    ------
-    InvalidInputError
-        A perturbation outside [0, 0.5].
 
     Examples
     --------

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.response_table import ResponseTable
 from ..models.parameters import Parameter, angle, point_mass, stiffness_reduction, thickness, youngs_modulus
 from ..models.structural_model import StructuralModel, simulate
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, finite_scalar, integer
+from ..support.checks import finite_scalar, integer
 from ..support.progress import patient
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from . import exhaust_geometry as geometry, exhaust_truth as experiment
@@ -162,14 +163,12 @@ class Exhaust:
         values: AntiresonanceSet, band_hz: tuple[float, float], without: Sequence[int] = ()
     ) -> AntiresonanceSet:
         """The values of a band, with their damping and standard deviations, but for some dofs."""
-        low, high = band_hz
-        inside = {dof: (low <= f) & (f <= high) for dof, f in values.items() if dof not in without}
-
-        def of(table: Mapping[Any, FloatArray]) -> dict[Any, FloatArray]:
-            return {dof: table[dof][keep] for dof, keep in inside.items() if dof in table}
-
-        columns = (of(values), of(values.damping_ratio), of(values.std_hz))
-        return AntiresonanceSet(values.excitation, *columns, sees=values.sees, channels=values.channels)
+        tables = {}
+        for dof in (each for each in values if each not in without):
+            inside = (band_hz[0] <= values[dof]) & (values[dof] <= band_hz[1])
+            tables[dof] = ResponseTable(*(column[inside] for column in values.columns(dof).values()))
+        own: dict[str, Any] = {"sees": values.sees, "channels": values.channels}
+        return AntiresonanceSet.from_tables(values.excitation, tables, **own)
 
     def __repr__(self) -> str:
         return f"Exhaust({self.model!r}, force at {self.model.dof_name(self.excitation)})"
@@ -203,11 +202,6 @@ def exhaust(
     Returns
     -------
     Exhaust
-
-    Raises
-    ------
-    InvalidInputError
-        A value out of range.
 
     Examples
     --------
