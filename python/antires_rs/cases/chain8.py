@@ -21,8 +21,7 @@ from ..updating.problem import DamagePenalty, UpdatingProblem
 
 MASSES_KG = np.array([0.5593] + 7 * [0.4194])
 SPRINGS_N_PER_M = np.full(7, 56.7e3)
-#: Zero-based element and stiffness loss of the damaged state, level 1.
-DAMAGED_ELEMENT, SEVERITY = 4, 0.55
+DAMAGED_ELEMENT, SEVERITY = 4, 0.55  # zero-based element and stiffness loss of the damaged state, level 1
 #: The test: sampling, length, and the modal damping of every mode.
 FS_HZ, DURATION_S, DAMPING_RATIO = 512.0, 256.0, 0.01
 #: Band of the identification: above the first dip's foot, beyond the last resonance at 115 Hz.

@@ -22,10 +22,8 @@ from .exhaust_truth import Unfollowed, true_antiresonances, truth
 FS_HZ, DURATION_S, FORCE_HZ = 1024.0, 600.0, (1.0, 512.0)
 #: Bands of the fit and of the damage study. Below are the rigid-body modes on the cords.
 UPDATING_BAND_HZ, DAMAGE_BAND_HZ = (8.0, 180.0), (8.0, 260.0)
-#: Positions in the list of accelerometers that stay out of the updating fit.
-HELD_OUT = (2, 7, 10, 14)
-#: Candidates of the damage study: 17 to 46, which the paper counts as 18 to 47.
-CANDIDATES = range(17, 47)
+HELD_OUT = (2, 7, 10, 14)  # positions in the list of accelerometers that stay out of the updating fit
+CANDIDATES = range(17, 47)  # candidates of the damage study: 17 to 46, which the paper counts as 18 to 47
 
 
 class Exhaust:
@@ -166,7 +164,8 @@ class Exhaust:
         tables = {}
         for dof in (each for each in values if each not in without):
             inside = (band_hz[0] <= values[dof]) & (values[dof] <= band_hz[1])
-            tables[dof] = ResponseTable(*(column[inside] for column in values.columns(dof).values()))
+            freq, damping, std = (column[inside] for column in values.columns(dof).values())
+            tables[dof] = ResponseTable(freq, damping, std)
         own: dict[str, Any] = {"sees": values.sees, "channels": values.channels}
         return AntiresonanceSet.from_tables(values.excitation, tables, **own)
 

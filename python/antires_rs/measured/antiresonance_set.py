@@ -25,8 +25,7 @@ from .response_table import NUMBERS, ResponseTable, doubts_of, frequencies_hz, l
 if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
 
-#: Why a value that was followed is among those left out.
-NOT_SEEN = "followed, not seen"
+NOT_SEEN = "followed, not seen"  # why a value that was followed is among those left out
 #: What a set was identified from, and so which roots of a model it can show.
 Sees = Literal["frf", "transmissibility"] | None
 
@@ -48,8 +47,7 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[s
     return ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
 
 
-# Decimals of frequencies without a deviation, and the most that are printed.
-PLAIN, MOST = 3, 6
+PLAIN, MOST = 3, 6  # decimals of frequencies without a deviation, and the most that are printed
 _HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
 
 

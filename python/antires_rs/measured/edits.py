@@ -13,14 +13,10 @@ from ..support.checks import finite_scalar
 from ..support.values import FrozenDict
 from .response_table import ResponseTable, check_std, companion, frequencies_hz
 
-#: Distance of a frequency named by hand from the value it means, relative.
-NAMED_WITHIN = 0.01
-#: Values closer than this are one and the same.
-SAME = 1e-9
-#: The source of what was added by hand, and what its text scores say.
-BY_HAND = "by hand"
-#: What an edit does, and how it is told.
-VERBS = {"drop": "dropped", "add": "added"}
+NAMED_WITHIN = 0.01  # distance of a frequency named by hand from the value it means, relative
+SAME = 1e-9  # values closer than this are one and the same
+BY_HAND = "by hand"  # the source of what was added by hand, and what its text scores say
+VERBS = {"drop": "dropped", "add": "added"}  # what an edit does, and how it is told
 
 
 @dataclass(frozen=True)

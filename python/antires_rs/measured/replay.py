@@ -75,8 +75,7 @@ def _off(zeros: AntiresonanceSet, edit: Edit) -> FloatArray:
 
 # -- The file of a set with edits that wait beside it: readers of sets leave those aside
 
-#: Where they stand in the JSON of the set.
-KEY = "waiting_edits"
+KEY = "waiting_edits"  # where they stand in the JSON of the set
 
 
 def to_json(zeros: AntiresonanceSet, waiting: Sequence[Asked]) -> str:

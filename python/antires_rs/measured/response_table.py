@@ -20,10 +20,8 @@ MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20
 NUMBERS = ("freq_hz", "damping_ratio", "std_hz")
 COLUMNS = (*NUMBERS, "by_hand")
 
-#: Second eigenvalue over the first beside a value up to which it is of one force.
-MOST_SECOND = 0.025
-# Of fits over windows: what a value that is sure has.
-SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0
+MOST_SECOND = 0.025  # second eigenvalue over the first beside a value up to which it is of one force
+SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0  # of fits over windows: what a value that is sure has
 
 
 def _score(name: str, says: str) -> Any:

@@ -81,12 +81,10 @@ def _equation(name: str, given: Any, n: int, find: Number) -> Equation:
     return {find(name, dof): finite_scalar(name, value) for dof, value in given.items()}
 
 
-#: Coefficients so much below the largest of their equation are rounding.
-_ROUNDING = 1e-12
+_ROUNDING = 1e-12  # coefficients so much below the largest of their equation are rounding
 #: What an equation has beside those before it, at least: less is the rounding of one that repeats them.
 _OWN = 1e-5
-#: A dof whose coefficient is at least this share of the largest may be the one that is taken out.
-_PIVOT = 0.1
+_PIVOT = 0.1  # a dof may be taken out whose coefficient is at least this share of the largest
 
 
 class Constrained(NamedTuple):
@@ -279,8 +277,7 @@ def equations_by_number(
     return (Entries.joined(*map(np.array, zip(*entries, strict=True))) if entries else None), kept
 
 
-#: Of what a dof is made, shares below this are rounding.
-_SHARE = 1e-8
+_SHARE = 1e-8  # of what a dof is made, shares below this are rounding
 
 
 class Dependent(NamedTuple):

@@ -184,8 +184,7 @@ def text(name: str, i: int | None, value: Any) -> str:
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]
 
-#: Young's moduli below this are taken for another unit.
-SOFTEST_PA = 1e5
+SOFTEST_PA = 1e5  # Young's moduli below this are taken for another unit
 
 
 @dataclass(frozen=True)

@@ -81,8 +81,7 @@ class ModelDescription(Value):
 
 # -- What the core leaves in doubt about antiresonances and modes, in words
 
-#: Relative distance from which on a mode is above the highest one found.
-_EDGE = 1e-6
+_EDGE = 1e-6  # relative distance from which on a mode is above the highest one found
 
 
 def _warn_doubts(
@@ -122,8 +121,7 @@ def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: 
         warn("modes_left_out", text)
 
 
-#: From so many dofs on antiresonances may take seconds.
-MANY_DOFS = 200
+MANY_DOFS = 200  # from so many dofs on antiresonances may take seconds
 
 Method = Literal["modal", "pencil"]
 Motion = Literal["accelerance", "mobility", "receptance"]
@@ -544,8 +542,7 @@ def checked_model(model: Any) -> StructuralModel:
 
 #: Time constants 1 / (zeta omega) that the lead-in must cover; its samples that fit some hundred MB.
 _TIME_CONSTANTS, _LONGEST_LEAD_IN = 8.0, 4_000_000
-#: More samples than this of one channel fit no memory.
-_MOST_SAMPLES = 1e10
+_MOST_SAMPLES = 1e10  # more samples than this of one channel fit no memory
 
 
 @patient("recording the virtual test")
