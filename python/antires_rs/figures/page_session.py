@@ -450,7 +450,7 @@ Arguments = Mapping[str, Any]
 
 
 class View:
-    """What the server shows: a set that is edited, a result, or as it is the reason why there is neither."""
+    """What the server shows: a set that is edited, or as it is the reason why there is none."""
 
     slow: frozenset[str] = frozenset()  # commands that take long; the others are answered at once
 
@@ -467,12 +467,10 @@ class View:
 
     def do(self, command: str, arguments: Arguments) -> str:
         """Carry out a command; what was done, in words."""
-        if self._why is None:
-            reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
-        raise self._why
+        raise self._why or NotImplementedError
 
     def file(self) -> tuple[str, str] | None:
-        """Name and text of what can be downloaded, where there is more than the folder of a result has."""
+        """Name and text of what can be downloaded."""
         return None
 
 
@@ -512,7 +510,6 @@ class SetView(View):
         checked = () if zeros.data_check is None else zeros.data_check.warnings
         around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band or (0.0, 1.0)
         return {
-            "kind": "set",
             "turn": turn,
             "excitation": str(zeros.excitation),
             "dofs": [str(each) for each in zeros],

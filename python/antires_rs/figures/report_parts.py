@@ -482,7 +482,7 @@ def answer_of(result: UpdateResult) -> list[str]:
     return ["Largest {} difference: {} before, {} after.".format(what, *largest(result))]
 
 
-# -- The tables of a report and of a page, cell by cell
+# -- The tables of a report, cell by cell
 
 
 class Table(NamedTuple):
@@ -494,21 +494,13 @@ class Table(NamedTuple):
     mark: str
     note: str = ""
 
-    def plain(self) -> dict[str, Any]:
-        """Heads and rows as texts."""
-        rows = [[str(row.get(key, "")) for key in self.heads] for row in self.rows]
-        title = f"{self.title}; {self.note}" if self.note else self.title
-        return {"title": title, "head": list(self.heads.values()), "rows": rows}
 
-
-def tables_of(
-    result: UpdateResult, truth: Mapping[int, float] | None = None, *, assumed: bool = False
-) -> dict[str, Table]:
-    """Hypotheses (without a baseline by an ``assumed`` error of the model), values found, frequencies."""
+def tables_of(result: UpdateResult, truth: Mapping[int, float] | None = None) -> dict[str, Table]:
+    """Hypotheses, where they were judged, values found, frequencies."""
     tables: dict[str, Table] = {}
     judged = isinstance(result, DamageResult) and result.has_baseline
     if isinstance(result, DamageResult):
-        if judged or assumed:
+        if judged:
             rows, others = hypothesis_rows(without_idle(result.assessment))
             heads = {"probability": "probability (%)", "name": "explanation"}
             heads |= {"losses": "stiffness loss (%), 90 % interval"}

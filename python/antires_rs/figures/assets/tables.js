@@ -1,4 +1,4 @@
-// What stands beside the figures: the values, the edits, the tables of a result. page.js says when it is written.
+// What stands beside the figures: the values and the edits. page.js says when it is written.
 "use strict";
 
 function element(name, attributes = {}, ...children) {
@@ -21,17 +21,9 @@ function decimals(rows) {
 function write() {
   document.title = state.title || document.title;
   if (state.title) $("title").textContent = state.title;
-  for (const one of document.querySelectorAll(".of-set")) one.hidden = state.kind !== "set";
-  for (const one of document.querySelectorAll(".of-result")) one.hidden = state.kind !== "result";
-  document.querySelector("main").classList.toggle("result", state.kind === "result");
-  const warned = state.warnings || [];
-  $("warnings").hidden = !warned.length;
-  $("warnings").replaceChildren(...warned.map((text) => element("li", {}, text)));
-  if (state.kind === "set") writeSet();
-  else writeResult();
-}
-
-function writeSet() {
+  for (const one of document.querySelectorAll(".of-set")) one.hidden = false;
+  $("warnings").hidden = !state.warnings.length;
+  $("warnings").replaceChildren(...state.warnings.map((text) => element("li", {}, text)));
   if ($("response").options.length !== state.dofs.length) {
     $("response").replaceChildren(...state.dofs.map((name, i) => element("option", { value: i }, "dof " + name)));
   }
@@ -103,15 +95,4 @@ function writeEdits() {
 // The second click of a double click would hit what has moved into the place of the first.
 function once(event, command, body) {
   if (event.detail < 2) act(command, body);
-}
-
-function writeResult() {
-  $("tables").replaceChildren(...state.tables.flatMap((table) => {
-    const numbers = table.head.map((text) => text.endsWith(")"));
-    const cell = (name) => (text, i) => element(name, { class: numbers[i] ? "number" : null }, text);
-    return [element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", {},
-      element("thead", {}, element("tr", {}, ...table.head.map(cell("th")))),
-      element("tbody", {}, ...table.rows.map((row) => element("tr", {}, ...row.map(cell("td")))))))];
-  }));
-  $("answer").replaceChildren(...state.answer.map((text) => element("p", {}, text)));
 }
