@@ -22,11 +22,6 @@ fig, ax = plt.subplots(figsize=(9, 4.5), layout="constrained")
 zeros.plot(dof, ax=ax)
 
 # %%
-# The same poles in the plane of frequency and damping: those of an antiresonance gather in one spot.
-fig, ax = plt.subplots(figsize=(9, 4), layout="constrained")
-zeros.plot(dof, kind="damping_clusters", ax=ax)
-
-# %%
 # The scores of each antiresonance. In simulations 3 of 1,000 graded "sure" were false, and one of ten "weak".
 scores = zeros.scores[dof]
 print("       Hz    +- Hz orders dominance  grade")

@@ -11,8 +11,7 @@ from typing import Any
 
 # By class and verb: the function, in "room.module:function".
 VIEWS = {
-    ("AntiresonanceSet", "plot stabilization"): "figures.identification:plot_stabilization",
-    ("AntiresonanceSet", "plot damping_clusters"): "figures.identification:plot_damping_clusters",
+    ("AntiresonanceSet", "plot"): "figures.identification:plot_stabilization",
     ("AntiresonanceSet", "to_dataframe"): "io.data_frames:to_dataframe",
     ("AntiresonanceSet", "to_xarray"): "io.data_frames:to_xarray",
     ("Assessor", "load"): "io.archive:load_assessor",
@@ -39,7 +38,7 @@ VIEWS = {
     ("Tracks", "to_dataframe"): "io.data_frames:tracks_frame",
     ("Tracks", "to_xarray"): "io.data_frames:tracks_dataset",
     ("UpdateResult", "load"): "io.archive:load_result",
-    ("UpdateResult", "plot differences"): "figures.updating:plot_differences",
+    ("UpdateResult", "plot"): "figures.updating:plot_differences",
     ("UpdateResult", "report"): "figures.report:write_report",
     ("UpdateResult", "save"): "io.archive:save_result",
     ("Watched", "plot"): "figures.sets:plot_monitor",
@@ -51,12 +50,6 @@ class Viewed:
     """A value of which :data:`VIEWS` has functions; a class has those of its bases, too."""
 
     __slots__ = ()
-
-    @classmethod
-    def _kinds(cls, verb: str) -> tuple[str, ...]:
-        """Of which kinds that view is, where there are several."""
-        own = (name.split(" ") for of, name in VIEWS if of == cls.__name__ and " " in name)
-        return tuple(kind for each, kind in own if each == verb)
 
     @classmethod
     def _view(cls, verb: str) -> Any:

@@ -97,23 +97,19 @@ def test_a_measurement_is_looked_at_edited_and_saved(started, measured, tmp_path
     assert ar.AntiresonanceSet.load(edits)[0].tolist() == kept[0][1:].tolist()
 
 
-def test_a_result_is_looked_at(tmp_path):
+def test_of_a_result_the_report_is_opened(tmp_path, monkeypatch, capsys, quick_pictures):
     write_measured(tmp_path)
     run(tmp_path, DAMAGE)
-    assert viewed(tmp_path / "job_results").title == "job_results"
-    view = viewed(tmp_path / "job_results" / "result.npz")
-    state = view.state(0)
-    assert (state["kind"], view.title) == ("result", "job_results")
-    assert state["answer"]
-    titles = [table["title"].partition(";")[0] for table in state["tables"]]
-    assert titles == ["Hypotheses", "Stiffness loss by element", "Antiresonances"]
-    for table in state["tables"]:
-        assert {len(row) for row in table["rows"]} == {len(table["head"])}
-    assert len(state["figures"]) >= 3
-    for number in range(len(state["figures"])):
-        assert view.figure(number)["doc"]
-    with pytest.raises(ar.InvalidInputError, match="a result is looked at"):
-        view.do("drop", {"dof": 0})
+    report, opened = tmp_path / "job_results" / "report.html", []
+    monkeypatch.setattr("webbrowser.open", lambda address: not opened.append(address))
+    assert cli.main(["look", str(tmp_path / "job_results")]) == 0
+    before = report.read_text(encoding="utf-8")
+    report.unlink()
+    assert cli.main(["look", str(tmp_path / "job_results" / "result.npz"), "--no-browser"]) == 0
+    assert opened == [report.as_uri()]
+    assert capsys.readouterr().out.count(f"looking at {report.as_uri()}") == 2
+    assert "Stiffness loss by element" in before
+    assert "Stiffness loss by element" in report.read_text(encoding="utf-8")
 
 
 def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):

@@ -68,7 +68,7 @@ def test_the_report_names_what_was_measured_and_how_and_what_repeats_it(ran):
         "8 responses: 0, 1, 2, 3, 4, 5, 6, 7|64 s at 512 Hz, 32,768 samples a channel|3 to 130 Hz|2 to 24"
     )
     wanted += (
-        "|formulation auto, here numerators, estimator rank1|freq_tol 0.01, damping_tol 0.1, min_rows 10"
+        "|formulation auto|fitted numerators|estimator rank1|freq_tol 0.01, damping_tol 0.1, min_rows 10"
     )
     wanted += "|window hann|independent averages|<p>antires damage job.toml</p>"
     for said in wanted.split("|"):

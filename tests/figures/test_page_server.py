@@ -53,7 +53,7 @@ def test_other_pages_and_bent_names_are_refused(served):
     for host in ("evil.example", f"evil.example:{port}", ADDRESS, f"{ADDRESS}:1", f"[::1]:{port}"):
         assert asked(served, "state", Host=host)[0] == 403
     for origin in ("http://evil.example", "null", f"https://{ADDRESS}:{port}", f"http://{ADDRESS}:1"):
-        assert asked(served, "do/undo", {}, Origin=origin)[0] == 403
+        assert asked(served, "do/save", {}, Origin=origin)[0] == 403
         assert asked(served, "alive", Origin=origin, Upgrade="websocket", Connection="Upgrade")[0] == 403
     assert asked(served, "state", Origin=f"http://{ADDRESS}:{port}", Host=f"localhost:{port}")[0] == 200
 
@@ -83,7 +83,7 @@ def test_commands_edit_the_set(served, session, identified, tmp_path):
     assert told(served, "do/save", {})["unsaved"] is False
     assert ar.AntiresonanceSet.load(tmp_path / "zeros.json") == served.zeros == session.zeros
     assert served.keep_unsaved() is None
-    assert told(served, "do/undo", {})["edits"] == []
+    assert told(served, "do/take_back", {"number": 0})["edits"] == []
     status, text, headers = asked(served, "download")
     assert status == 200
     assert headers["Content-Disposition"] == 'attachment; filename="zeros.json"'

@@ -19,7 +19,6 @@ from tests.support.four_masses import BAND, DOFS, SPRINGS, chain, exact
 #: Every public picture: the tables that it offers, and the units in its labels.
 PICTURES = {
     "stabilization": (["poles", "values", "curve"], "(Hz)", "(-)"),
-    "damping_clusters": (["poles", "values"], "(Hz)", "(%)"),
     "singular_values": (["singular_values"], "(Hz)", "(dB re noise power)"),
     "responses": (["responses"], "(Hz)", "(dB)"),
     "differences": (["bars"], "(Hz)", "(%)"),
@@ -35,7 +34,6 @@ PICTURES = {
     "monitor": (["T2"], "Test", "limit"),
     "tracks": (["tracks"], "Test", "(%)"),
 }
-DIAGRAMS = {"stabilization": figures.plot_stabilization, "damping_clusters": figures.plot_damping_clusters}
 
 
 def labels(ax):
@@ -119,18 +117,16 @@ def verticals(ax, kind):
     return [line.get_xdata()[0] for line in lines if look(line) == look(sample)]
 
 
-@pytest.mark.parametrize("kind", DIAGRAMS)
-def test_without_a_value_it_says_so(unsteady, ax, kind):
+def test_without_a_value_it_says_so(unsteady, ax):
     assert unsteady.diagrams[3].identified.size == 0
-    DIAGRAMS[kind](unsteady.diagrams[3], ax=ax)
+    figures.plot_stabilization(unsteady.diagrams[3], ax=ax)
     assert ax.get_title() == "no antiresonance accepted in this band"
     assert texts(ax) == []
 
 
-@pytest.mark.parametrize("kind", DIAGRAMS)
-def test_values_that_do_not_stand_still_have_a_dash_of_their_own(unsteady, ax, kind):
+def test_values_that_do_not_stand_still_have_a_dash_of_their_own(unsteady, ax):
     diagram, how = unsteady.diagrams[0], np.array(["chain", "persistent", "chain"])
-    DIAGRAMS[kind](replace(diagram, accepted=diagram.accepted.with_scores(how=how)), ax=ax)
+    replace(diagram, accepted=diagram.accepted.with_scores(how=how)).plot(ax=ax)
     resting, moving = list(LOOKS)[:2]
     assert verticals(ax, resting) == [diagram.identified[0], diagram.identified[2]]
     assert verticals(ax, moving) == [diagram.identified[1]]
@@ -141,11 +137,10 @@ def test_values_that_do_not_stand_still_have_a_dash_of_their_own(unsteady, ax, k
     assert {colour for colour, _ in LOOKS.values()} <= set(COLOURS.values())
 
 
-@pytest.mark.parametrize("kind", DIAGRAMS)
-def test_a_set_draws_what_was_edited_by_hand(unsteady, ax, kind):
+def test_a_set_draws_what_was_edited_by_hand(unsteady, ax):
     first, second, third = unsteady[0]
     edited = unsteady.drop(0, second).add(0, [3.3, 8.0]).drop(0, 8.0)
-    assert edited.plot(0, kind=kind, ax=ax) is ax
+    assert edited.plot(0, ax=ax) is ax
     assert verticals(ax, "dropped by hand") == [second]
     assert verticals(ax, "added by hand") == [3.3]
     assert verticals(ax, "accepted") == [first, third]
@@ -382,12 +377,10 @@ def sets_of(*tests):
     return [ar.AntiresonanceSet(0, {0: values}) for values in tests]
 
 
-@pytest.mark.parametrize("kind", ["change", "frequency"])
 @pytest.mark.parametrize("conditions", [None, [0.0, 5.0, 20.0], ["intact", "cut", "repaired"]])
-def test_tracks(ax, kind, conditions):
+def test_tracks(ax, conditions):
     followed = ar.track(sets_of([10.0, 20.0], [10.1, 30.0], [10.2, 20.1]), conditions)
-    followed.plot(0, kind=kind, ax=ax)
-    assert ax.get_ylabel().endswith("(%)" if kind == "change" else "(Hz)")
+    followed.plot(0, ax=ax)
     assert figures.data_of(ax)["tracks"]["freq_hz"].size == 9
     assert {"10.00 Hz", "20.00 Hz", "30.00 Hz", "new", "lost"} <= set(labels(ax))
     with pytest.raises(ar.InvalidInputError, match="^dof: got 7"):

@@ -1,4 +1,4 @@
-"""A set on the desk: edits, undo, another band, and what a click means."""
+"""A set on the desk: edits, another band, and what a click means."""
 
 import errno
 import shutil
@@ -15,29 +15,6 @@ pytest.importorskip("bokeh", reason="the page needs bokeh")
 from antires_rs.figures.identification import pole_table
 from antires_rs.figures.page_session import TAKEN, Click, Session, picked
 from tests.support.refusals import refused
-
-
-def test_undo_and_redo_go_through_all_that_was_done(session, identified):
-    seen = [session.zeros]
-    session.drop(0, float(identified[0][0]), "hum")
-    seen.append(session.zeros)
-    session.add(0, 3.21)
-    seen.append(session.zeros)
-    session.reword(0, "mains hum")
-    assert session.reword(0, "mains hum") == ""  # which is no step
-    seen.append(session.zeros)
-    for zeros in seen[-2::-1]:
-        session.undo()
-        assert session.zeros == zeros
-        assert session.zeros.edits == zeros.edits
-    assert not session.past
-    assert session.undo() == "nothing to be undone"
-    for zeros in seen[1:]:
-        session.redo()
-        assert session.zeros.edits == zeros.edits
-    session.undo()
-    session.add(1, 3.3)
-    assert not session.future
 
 
 def test_what_is_identified_later_is_not_added_twice(identified):
@@ -81,7 +58,6 @@ def test_the_first_identification_makes_the_set(record, identified):
     assert session.now.waits == ("not identified yet",)
     session.identify()
     assert session.zeros[0].tolist() == pytest.approx(identified[0][1:].tolist())
-    assert not session.past
 
 
 def test_a_set_alone_can_be_edited(identified, tmp_path):
@@ -91,7 +67,7 @@ def test_a_set_alone_can_be_edited(identified, tmp_path):
     assert session.unsaved
     session.save()
     assert not session.unsaved
-    session.undo()
+    session.take_back(0)
     assert session.unsaved
     session.save()  # its own file is replaced
     other = Session(identified, save_to=tmp_path / "a.json")

@@ -39,7 +39,7 @@ def given():
     scattered = 1.0 + 1e-3 * np.random.default_rng(0).standard_normal(60)
     diagram, found = identified().diagrams[1], damage()
     return {
-        **dict.fromkeys(("stabilization", "damping_clusters"), (diagram, {})),
+        "stabilization": (diagram, {}),
         "singular_values": (check_data(record(), band_hz=BAND), {}),
         "responses": (ar.frf(record(), nperseg=512), chain(), {"excitation": 0}),
         "differences": (updated().table, {}),

@@ -1,4 +1,4 @@
-"""What ``antires look`` shows: a view of a measurement, of a set of antiresonances, or of a result."""
+"""What ``antires look`` shows: a view of a measurement or of a set of antiresonances."""
 
 from __future__ import annotations
 
@@ -7,30 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import reject
-from ..figures.page import ResultView
 from ..figures.page_session import RovingHammer, Session, SetView, View
-from ..figures.report_parts import answer_of, tables_of
 from ..measured.replay import Asked, asked_in
-from ..updating.result import UpdateResult
 from .arguments import model_of
 from .call import Call, check_files, hits_of, refuse_beside, several_hits
 from .command import arguments
 from .job import read_job
 from .keys import format_of
 from .reading import measured_of
-from .run import RunFolder, drawings, evidence_in
 
 
 def view_of(args: argparse.Namespace) -> View:
     """The view that the arguments name."""
     first: Path = args.files[0]
-    result = result_file(first)
-    if result is not None:
-        if len(args.files) > 1:
-            got = f"{len(args.files)} of them, with a result"
-            reject("FILE", got, "a result alone", "Look at one at a time.")
-        refuse_beside(args, "a result", "Leave it out: nothing is identified there.", "out", "edits")
-        return result_view(result)
     check_files(args)
     edits: tuple[Asked, ...] = ()
     if args.edits is not None:
@@ -85,22 +74,3 @@ def _session(
     save_to = args.out or f"{args.files[0].stem}_antiresonances.json"
     more |= {"band_hz": band_hz, "max_order": order, "options": others, "save_to": save_to}
     return Session(found, source, **more)
-
-
-def result_file(path: Path) -> Path | None:
-    """The result that a path names: a folder of a run, or its file; None for what is none."""
-    inside = path / "result.npz" if path.is_dir() else path
-    return inside if inside.is_file() and inside.name == "result.npz" else None
-
-
-# -- The page of a result: what its report tells, to be explored
-
-
-def result_view(file: Path) -> ResultView:
-    """The view of a saved result."""
-    with arguments({"path": "FILE"}):
-        result = UpdateResult.load(file)
-    drawn = drawings(result, evidence_in(RunFolder(file.parent), result))
-    figures = [*drawn.figures.values(), *drawn.diagrams.values()]
-    tables = list(tables_of(result, assumed=True).values())
-    return ResultView(file.parent.resolve().name, answer_of(result), figures, tables)

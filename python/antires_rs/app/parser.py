@@ -243,8 +243,8 @@ identify (studies.identify): antiresonances of a measurement
         --json: print JSON instead of the table
 look (look.look): a page to look at a measurement or a result, to add and drop values
     Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set of
-    antiresonances, which can be edited, or the figures of a result. It ends with Ctrl-C, or when the page is
-    closed.
+    antiresonances, which can be edited. It ends with Ctrl-C, or when the page is closed. Of a result the
+    report is opened.
         files FILE+: <files> antiresonances (.json), <results>
         <measurement>
         --out FILE.json: where the page saves the set (default: by the name of the file, in this folder)

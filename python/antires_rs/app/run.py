@@ -234,7 +234,6 @@ def measurement_of(measured: list[Measurement]) -> list[dict[str, list[str]]]:
             si = "SI (m/s2 for accelerations); what the file names otherwise was converted"
             own |= parts.of_signal(each.signal)
             own["Unit"] = [f"{unit} in the file, here SI" if unit else si]
-            own |= parts.of_identification(each.signal, each.found)
         facts.append(own | parts.of_evidence(each.found))
     return facts
 

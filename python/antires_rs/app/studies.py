@@ -9,6 +9,7 @@ from typing import Any
 
 from ..exceptions import reject
 from ..figures.canvas import picture
+from ..figures.report_parts import Drawings
 from ..io.registry import conversion
 from ..io.uff import force_of
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -73,12 +74,7 @@ def report(args: argparse.Namespace) -> int:
     existing("RESULT", file, "'antires update' and 'antires damage' write result.npz into their folder.")
     out: Path = args.out or file.with_name("report.html")
     new_file("--out", out, ".html", ".htm")
-    with arguments({"path": "RESULT"}):
-        result = UpdateResult.load(file)
-    say("writing the report")
-    folder = RunFolder(file.parent)
-    drawn = runs.drawings(result, runs.evidence_in(folder, result))
-    runs.report(result, out, folder, drawn, args.title)
+    drawn = write_report_of(file, out, args.title)
     written: list[Path] = []
     if args.pictures is not None:
         args.pictures.mkdir(parents=True, exist_ok=True)
@@ -86,6 +82,17 @@ def report(args: argparse.Namespace) -> int:
     numbers = {"report": str(out), "pictures": [str(file) for file in written]}
     show(args.json, numbers, "\n".join(f"Wrote {path}" for path in (out, *written)))
     return 0
+
+
+def write_report_of(file: Path, out: Path, title: str | None = None) -> Drawings:
+    """Write the report of a saved result; returns its figures."""
+    with arguments({"path": "RESULT"}):
+        result = UpdateResult.load(file)
+    say("writing the report")
+    folder = RunFolder(file.parent)
+    drawn = runs.drawings(result, runs.evidence_in(folder, result))
+    runs.report(result, out, folder, drawn, title)
+    return drawn
 
 
 def explain(args: argparse.Namespace) -> int:

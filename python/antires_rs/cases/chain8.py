@@ -21,8 +21,7 @@ from ..updating.problem import DamagePenalty, UpdatingProblem
 
 MASSES_KG = np.array([0.5593] + 7 * [0.4194])
 SPRINGS_N_PER_M = np.full(7, 56.7e3)
-#: Zero-based element and stiffness loss of the damaged state, level 1.
-DAMAGED_ELEMENT, SEVERITY = 4, 0.55
+DAMAGED_ELEMENT, SEVERITY = 4, 0.55  # zero-based element and stiffness loss of the damaged state, level 1
 #: The test: sampling, length, and the modal damping of every mode.
 FS_HZ, DURATION_S, DAMPING_RATIO = 512.0, 256.0, 0.01
 #: Band of the identification: above the first dip's foot, beyond the last resonance at 115 Hz.
@@ -131,19 +130,14 @@ def chain8(*, perturbation: float = 0.0, rng: int | np.random.Generator | None =
     Parameters
     ----------
     perturbation : float
-        The tested structure's masses and springs are drawn within this fraction of nominal; 0 tests the
-        nominal chain (for damage), 0.08 suits updating.
+        The tested structure's masses and springs are drawn within this fraction of nominal, [0, 0.5]; 0
+        tests the nominal chain (for damage), 0.08 suits updating.
     rng : int or numpy.random.Generator, optional
         Randomness of the draw.
 
     Returns
     -------
     Chain8
-
-    Raises
-    ------
-    InvalidInputError
-        A perturbation outside [0, 0.5].
 
     Examples
     --------

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..measured.antiresonance_set import AntiresonanceSet
+from ..measured.response_table import ResponseTable
 from ..models.parameters import Parameter, angle, point_mass, stiffness_reduction, thickness, youngs_modulus
 from ..models.structural_model import StructuralModel, simulate
 from ..signals.recording import Recording
-from ..support.checks import FloatArray, finite_scalar, integer
+from ..support.checks import finite_scalar, integer
 from ..support.progress import patient
 from ..updating.problem import DamagePenalty, UpdatingProblem
 from . import exhaust_geometry as geometry, exhaust_truth as experiment
@@ -21,10 +22,8 @@ from .exhaust_truth import Unfollowed, true_antiresonances, truth
 FS_HZ, DURATION_S, FORCE_HZ = 1024.0, 600.0, (1.0, 512.0)
 #: Bands of the fit and of the damage study. Below are the rigid-body modes on the cords.
 UPDATING_BAND_HZ, DAMAGE_BAND_HZ = (8.0, 180.0), (8.0, 260.0)
-#: Positions in the list of accelerometers that stay out of the updating fit.
-HELD_OUT = (2, 7, 10, 14)
-#: Candidates of the damage study: 17 to 46, which the paper counts as 18 to 47.
-CANDIDATES = range(17, 47)
+HELD_OUT = (2, 7, 10, 14)  # positions in the list of accelerometers that stay out of the updating fit
+CANDIDATES = range(17, 47)  # candidates of the damage study: 17 to 46, which the paper counts as 18 to 47
 
 
 class Exhaust:
@@ -162,14 +161,13 @@ class Exhaust:
         values: AntiresonanceSet, band_hz: tuple[float, float], without: Sequence[int] = ()
     ) -> AntiresonanceSet:
         """The values of a band, with their damping and standard deviations, but for some dofs."""
-        low, high = band_hz
-        inside = {dof: (low <= f) & (f <= high) for dof, f in values.items() if dof not in without}
-
-        def of(table: Mapping[Any, FloatArray]) -> dict[Any, FloatArray]:
-            return {dof: table[dof][keep] for dof, keep in inside.items() if dof in table}
-
-        columns = (of(values), of(values.damping_ratio), of(values.std_hz))
-        return AntiresonanceSet(values.excitation, *columns, sees=values.sees, channels=values.channels)
+        tables = {}
+        for dof in (each for each in values if each not in without):
+            inside = (band_hz[0] <= values[dof]) & (values[dof] <= band_hz[1])
+            freq, damping, std = (column[inside] for column in values.columns(dof).values())
+            tables[dof] = ResponseTable(freq, damping, std)
+        own: dict[str, Any] = {"sees": values.sees, "channels": values.channels}
+        return AntiresonanceSet.from_tables(values.excitation, tables, **own)
 
     def __repr__(self) -> str:
         return f"Exhaust({self.model!r}, force at {self.model.dof_name(self.excitation)})"
@@ -203,11 +201,6 @@ def exhaust(
     Returns
     -------
     Exhaust
-
-    Raises
-    ------
-    InvalidInputError
-        A value out of range.
 
     Examples
     --------

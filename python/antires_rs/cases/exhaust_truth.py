@@ -87,15 +87,12 @@ def crack_compliance(
     return float(4.0 * integral / (np.pi * youngs_modulus_pa * radius**2 * thickness_m))
 
 
-#: Beams of the tested structure for each of the model.
-PIECES = 4
+PIECES = 4  # beams of the tested structure for each of the model
 #: The crack: element of the model (the paper counts it as 31); the pipe sits in the flange's socket, from
 #: node 30 on, and the crack runs around it behind the weld.
 CRACKED_ELEMENT, SOCKET_M, BEHIND_WELD_M = 30, 0.02, 0.02
-#: Share of the perimeter at levels 1 to 3.
-SHARES = (0.60, 0.70, 0.85)
-#: Length of the soft piece that stands for the spring.
-CRACK_PIECE_M = 0.004
+SHARES = (0.60, 0.70, 0.85)  # share of the perimeter at levels 1 to 3
+CRACK_PIECE_M = 0.004  # length of the soft piece that stands for the spring
 
 #: True value over nominal, by section and lumped mass, and degrees by bend.
 THICKNESS = {"front": 1.12, "link": 0.87, "middle": 0.84, "axle": 0.86, "rear": 0.92, "tail": 0.90}
@@ -105,17 +102,13 @@ ANGLE_DEG = {"front to link": -4.0, "middle to axle": -5.0, "axle to rear": 3.0,
 #: ... and what no updating parameter can follow.
 INERTIA = dict(zip(MASS, (1.03, 0.96, 1.03, 1.03, 0.97), strict=True))
 HANGER = 0.9
-#: Seed of the wall thickness from one coarse element's pipe to the next.
-WALL_SEED = 332
-#: What no updating parameter can follow, unless a case says otherwise.
-USUAL = Unfollowed()
+WALL_SEED = 332  # seed of the wall thickness from one coarse element's pipe to the next
+USUAL = Unfollowed()  # what no updating parameter can follow, unless a case says otherwise
 
-#: Modal damping: rubber cords, then the elastic modes cyclically, 0.3 to 1 %.
-RIGID_DAMPING = 0.01
+RIGID_DAMPING = 0.01  # modal damping on the rubber cords; of the elastic modes, in turn:
 ELASTIC_DAMPING = (0.009, 0.006, 0.004, 0.008, 0.005, 0.003, 0.007, 0.010)
 RIGID_MODES = 3
-#: Modes of the synthesis, to some 5 kHz; what the others add is quasi-static up to 512 Hz.
-MODES = 36
+MODES = 36  # modes of the synthesis, to some 5 kHz; what the others add is quasi-static up to 512 Hz
 
 
 def true_nodes() -> FloatArray:
@@ -259,8 +252,7 @@ class TestedStructure:
 
 # -- What the exhaust's virtual test is made of, kept beside it: for comparison, never for a fit
 
-#: Values are given up to here, one half beyond the damage band.
-F_MAX_HZ = 390.0
+F_MAX_HZ = 390.0  # values are given up to here, one half beyond the damage band
 
 
 def true_antiresonances(

@@ -8,7 +8,7 @@ or mark is told from another by colour alone. :func:`data_of` gives the numbers 
 
 from .canvas import data_of
 from .damage import plot_damage, plot_hypotheses
-from .identification import plot_damping_clusters, plot_singular_values, plot_stabilization
+from .identification import plot_singular_values, plot_stabilization
 from .planning import plot_detectability, plot_plan
 from .responses import plot_responses
 from .sets import plot_comparison, plot_monitor, plot_tracks
@@ -16,8 +16,7 @@ from .structure import plot_chain, plot_frame
 from .updating import plot_convergence, plot_differences, plot_identifiability
 
 __all__ = [
-    "data_of", "plot_chain", "plot_comparison", "plot_convergence", "plot_damage", "plot_damping_clusters",
-    "plot_detectability", "plot_differences", "plot_frame", "plot_hypotheses", "plot_identifiability",
-    "plot_monitor", "plot_plan", "plot_responses", "plot_singular_values", "plot_stabilization",
-    "plot_tracks",
+    "data_of", "plot_chain", "plot_comparison", "plot_convergence", "plot_damage", "plot_detectability",
+    "plot_differences", "plot_frame", "plot_hypotheses", "plot_identifiability", "plot_monitor", "plot_plan",
+    "plot_responses", "plot_singular_values", "plot_stabilization", "plot_tracks",
 ]  # fmt: skip

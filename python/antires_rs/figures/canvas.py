@@ -150,7 +150,6 @@ class _Drawn:
         way, across, along = marks.BESIDE[mark.where]
         look = {"fontsize": mark.size, "color": mark.colour, "ha": across, "va": along, "zorder": zorder}
         look |= {"fontstyle": "italic" if mark.slanted else "normal", "rotation": 90 if mark.turned else 0}
-        look |= {"bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.6}} if mark.boxed else {}
         for x, y, text in zip(mark.x, mark.y, mark.texts, strict=True):
             offset = (mark.away * way[0], mark.away * way[1])
             self.ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", **look)

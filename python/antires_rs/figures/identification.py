@@ -16,7 +16,7 @@ from ..signals.recording import Recording
 from ..signals.spectra import two_channel
 from ..support.checks import FloatArray
 from . import live_canvas as live
-from .canvas import below, draw, draw_marks, new_axes, offer, plain_log
+from .canvas import below, draw, draw_marks, new_axes
 from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread
 
 if TYPE_CHECKING:
@@ -52,9 +52,7 @@ def plot_stabilization(
     >>> ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f), max_order=20).plot().get_xlabel()
     'Frequency (Hz)'
     """
-    ax = new_axes(ax, (9.0, 5.2))
-    offer(ax, **_diagram_tables(diagram, dropped, added))
-    draw(stabilization(diagram), ax, legend=False)
+    ax = draw(stabilization(diagram, dropped, added), new_axes(ax, (9.0, 5.2)), legend=False)
     _mark_values(ax, diagram, dropped, added)
     ax.yaxis.get_major_locator().set_params(integer=True)
     below(ax)
@@ -67,7 +65,7 @@ _STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stabl
 SEEN_ABOVE = 0.2  # orders above the highest at which what was seen and not accepted stands
 
 
-def stabilization(diagram: StabilizationDiagram) -> Panel:
+def stabilization(diagram: StabilizationDiagram, dropped: Edited = (), added: Edited = ()) -> Panel:
     """Poles of every order, the stable ones, and the summed curve behind them."""
     order, freq, damping, stable = pole_table(diagram)
     first, last = float(diagram.orders[0]), float(diagram.orders[-1])
@@ -88,21 +86,15 @@ def stabilization(diagram: StabilizationDiagram) -> Panel:
     curve = Line(diagram.background_freq_hz, shown, CURVE, width=1.0, label=label)
     x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Model order (-)", (first - 1.5, last + 1.0))
     behind = (Axis("Summed curves (unit of the data)"), curve)
-    table = {"freq_hz": diagram.background_freq_hz, "magnitude": diagram.background}
-    return Panel("stabilization", x, y, marks, behind=behind, tables={"curve": table})
-
-
-def _diagram_tables(diagram: StabilizationDiagram, dropped: Edited, added: Edited) -> dict[str, Any]:
-    """The poles and the values of a diagram, as pictures of it offer them."""
-    order, freq, damping, stable = pole_table(diagram)
     found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
     unknown = np.full(by_hand.size, np.nan)
     gone = np.isin(found.freq_hz, np.asarray(dropped, dtype=np.float64))
     values = {"freq_hz": np.r_[found.freq_hz, by_hand], "damping_ratio": np.r_[found.damping_ratio, unknown]}
     values |= {"std_hz": np.r_[found.std_hz, unknown]}
     values |= {"how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size]}
-    poles = {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable}
-    return {"poles": poles, "values": values}
+    tables = {"poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable}}
+    tables |= {"values": values, "curve": {"freq_hz": diagram.background_freq_hz, "magnitude": size}}
+    return Panel("stabilization", x, y, marks, behind=behind, tables=tables)
 
 
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
@@ -132,56 +124,6 @@ def _mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Edited, added:
     draw_marks(ax, [Rules(of[kind], True, *look, 1.1, label=kind) for kind, look in LOOKS.items()], 1.5)
     if not marks:
         ax.set_title("no antiresonance accepted in this band", fontsize="medium")
-
-
-# -- Damping against frequency: the poles of all orders, clustered where something physical is
-
-LEAST_PERCENT = 0.01  # foot of the logarithmic axis, percent; what lies below, or has none, stands on it
-HEADROOM = 1.3  # room above the highest pole
-
-
-def plot_damping_clusters(
-    diagram: StabilizationDiagram, ax: Any = None, *, dropped: Edited = (), added: Edited = ()
-) -> Any:
-    """Draw the damping ratio of all poles of all orders against their frequency.
-
-    The poles of an antiresonance gather in one spot over many orders; spurious poles scatter everywhere.
-    A cluster elongated upwards has an uncertain damping; one elongated sideways, an uncertain frequency.
-    Squares are the accepted antiresonances, taken from the likeliest fit: near the noise they may lie beside
-    their cluster. The damping axis is logarithmic; poles with less than 0.01 %, or right of the imaginary
-    axis, stand as triangles on its foot.
-
-    ``dropped`` and ``added`` are those of :func:`plot_stabilization`.
-
-    Examples
-    --------
-    >>> import numpy as np, antires_rs as ar
-    >>> f = np.linspace(1.0, 20.0, 200)
-    >>> diagram = ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f), max_order=20)
-    >>> ar.figures.plot_damping_clusters(diagram).get_ylabel()
-    'Damping ratio (%)'
-    """
-    _, freq, damping, stable = pole_table(diagram)
-    percent = 100.0 * damping
-    low = percent < LEAST_PERCENT
-    looks = ((~stable & ~low, _POLE), (stable & ~low, _STABLE_POLE))
-    marks: list[Mark] = [Points(freq[these], percent[these], size=4.0, **look) for these, look in looks]
-    if low.any():
-        label = f"pole with less than {LEAST_PERCENT:g} %, or none"
-        foot = np.maximum(percent[low], LEAST_PERCENT)
-        marks.append(Points(freq[low], foot, "v", 4.0, "#595959", stroke=0.0, spill=True, label=label))
-    if diagram.identified.size:
-        found = np.maximum(100.0 * diagram.identified_damping, LEAST_PERCENT)
-        label = "damping of the value"
-        marks.append(Points(diagram.identified, found, "s", 9.0, "black", "none", 1.4, True, label=label))
-    top = HEADROOM * max(float(percent.max(initial=0.0)), 1.0)
-    x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Damping ratio (%)", (LEAST_PERCENT, top), log=True)
-    panel = Panel("damping_clusters", x, y, marks, grid="y", tables=_diagram_tables(diagram, dropped, added))
-    ax = draw(panel, new_axes(ax, (9.0, 5.2)), legend=False)
-    _mark_values(ax, diagram, dropped, added)
-    plain_log(ax.yaxis)
-    below(ax)
-    return ax
 
 
 # -- Whether one force is enough

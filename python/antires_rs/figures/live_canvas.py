@@ -69,7 +69,7 @@ LINE_PX, MARKER_PX = 1.25, 1.6  # pixels for a point of a line, and of a marker
 #: Names of dashes, markers and hatches, by those of the marks.
 _DASHES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 _MARKERS = {"o": "circle", ".": "circle", "x": "x", "s": "square", "D": "diamond"}
-_MARKERS |= {"^": "triangle", "v": "inverted_triangle"}
+_MARKERS |= {"^": "triangle", "v": "inverted_triangle", "|": "dash"}
 _HATCHES = {"": " ", "/": "right_diagonal_line", ".": "dot", "x": "cross"}
 
 
@@ -165,9 +165,8 @@ class _Drawn:
         share = 0.8 if mark.marker == "." else 1.0
         look = {"size": share * MARKER_PX * mark.size, "line_color": mark.colour, "line_width": mark.stroke}
         look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face or mark.colour}
-        stroke = (2, 2, 0.0) if mark.marker == "|" else mark.marker
-        look |= {"angle": np.pi / 2 + np.radians(stroke[2])} if isinstance(stroke, tuple) else {}
-        marker = "dash" if isinstance(stroke, tuple) else _MARKERS.get(stroke, "circle_dot")
+        look |= {"angle": np.pi / 2} if mark.marker == "|" else {}
+        marker = _MARKERS.get(mark.marker, "circle_dot")
         return [self.fig.scatter("x", "y", source=table, marker=marker, **look, **label)]
 
     def line(self, mark: marks.Line, label: dict[str, Any]) -> list[Any]:
@@ -203,11 +202,7 @@ class _Drawn:
         look = {"x_offset": 1.3 * x * mark.away, "y_offset": -1.3 * y * mark.away, "text_color": mark.colour}
         look |= {"text_font_size": f"{1.3 * mark.size:.0f}px", "text_align": across}
         look |= {"text_baseline": along.replace("center", "middle")}
-        if mark.turned:  # along the text is across the figure now
-            up = {"above": "left", "below": "right"}.get(mark.where, "center")
-            look |= {"angle": np.pi / 2, "text_align": up, "text_baseline": "middle"}
         look |= {"text_font_style": "italic"} if mark.slanted else {}
-        look |= {"background_fill_color": "white"} if mark.boxed else {}
         table = columns(x=mark.x, y=mark.y, text=list(mark.texts))
         return [self.fig.text("x", "y", "text", source=table, **look)]
 

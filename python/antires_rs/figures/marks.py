@@ -58,11 +58,11 @@ class Mark:
 
 @dataclass(frozen=True)
 class Points(Mark):
-    """Markers, a stroke being (2, 2, degrees), with their ``error``; ``spill`` ones go over the edge."""
+    """Markers with their ``error``; ``spill`` ones go over the edge."""
 
     x: Any
     y: Any
-    marker: Any = "o"
+    marker: str = "o"
     size: float = 6.0
     colour: str = "black"
     face: str | None = None
@@ -150,7 +150,6 @@ class Words(Mark):
     colour: str = "black"
     turned: bool = False
     slanted: bool = False
-    boxed: bool = False
 
 
 @dataclass(frozen=True)
@@ -216,22 +215,6 @@ class Panel:
     first: Sequence[str] = ()
     behind: tuple[Axis, Line] | None = None
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-
-
-# -- Where an axis ends when a few values are so far off that they would flatten all others
-
-APART = 2.5  # a value this many times the next smaller one stands apart
-MOST_CUT, LEAST = 0.15, 0.01  # share cut off at most, or one; none where the others are nearly nothing
-
-
-def reach(values: Any) -> float:
-    """Largest absolute value an axis shows, infinite for all: few that a gap sets apart are cut off."""
-    size = np.abs(np.asarray(values, dtype=np.float64).ravel())
-    size = np.sort(size[np.isfinite(size)])[::-1]
-    for cut in range(min(max(1, int(MOST_CUT * size.size)), size.size - 1), 0, -1):
-        if size[cut] > LEAST and size[cut - 1] > APART * size[cut]:
-            return float(1.25 * size[cut])
-    return float("inf")
 
 
 def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:

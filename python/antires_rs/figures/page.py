@@ -1,4 +1,4 @@
-"""The page of a set or of a result: its life, and how it is opened, in a notebook too."""
+"""The page of a set: its life, and how it is opened, in a notebook too."""
 
 from __future__ import annotations
 
@@ -7,20 +7,16 @@ import sys
 import threading
 import time
 import webbrowser
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..exceptions import AntiresError, reject
+from ..exceptions import AntiresError
 from ..signals.repeats import one_source
-from .live_canvas import item, require_bokeh
+from .live_canvas import require_bokeh
 from .page_session import Session, SetView, View
-
-if TYPE_CHECKING:
-    from .report_parts import Figure, Table
 
 GRACE_S = 3.0  # a page that is loaded again is gone for less
 MOST_BYTES = 100_000  # of what a page may send
@@ -52,7 +48,7 @@ class Page:
 
     @property
     def zeros(self) -> Any:
-        """The set as it is now, with all edits; None for a page that shows a result."""
+        """The set as it is now, with all edits."""
         return None if self._session is None else self._session.zeros
 
     @property
@@ -180,29 +176,3 @@ def of_set(
     session = Session(zeros, signal, **own, options=given, save_to=save_to)
     title = f"antiresonances, force at {zeros.excitation}"
     return opened(lambda: SetView(session, title), title, wait=wait, browser=browser)
-
-
-# -- The page of a result: its figures, its answer and its tables; nothing can be changed there
-
-
-class ResultView(View):
-    """A result: its answer, of which the first sentence is large, figures and tables."""
-
-    def __init__(
-        self, title: str, answer: Sequence[str], figures: Sequence[Figure], tables: Sequence[Table]
-    ) -> None:
-        super().__init__(title)
-        self.answer, self.figures, self.tables = answer, figures, tables
-        self._item = cache(lambda shown: item(self.figures[shown].explore()))
-
-    def state(self, shown: int) -> dict[str, Any]:
-        """Everything but the figures."""
-        figures = [{"caption": one.caption} for one in self.figures]
-        tables = [one.plain() for one in self.tables]
-        return {"kind": "result", "answer": list(self.answer), "figures": figures, "tables": tables}
-
-    def figure(self, shown: int) -> dict[str, Any]:
-        """One of the figures."""
-        if not 0 <= shown < len(self.figures):
-            reject("shown", shown, f"a figure from 0 to {len(self.figures) - 1}", "Load the page again.")
-        return dict(self._item(shown))

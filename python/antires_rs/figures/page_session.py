@@ -1,4 +1,4 @@
-"""A set of antiresonances on the desk: edited, identified again, undone, saved."""
+"""A set of antiresonances on the desk: edited, identified again, saved."""
 
 from __future__ import annotations
 
@@ -276,8 +276,6 @@ class Session:
             own_hz = self.source.whole_band if diagram is None else diagram.band_hz
             band = _inside(self.source, band or own_hz)
         self.now = Sight(zeros, asked, (None,) * len(asked), band, max_order)
-        self.past: list[Sight] = []  # what undo and redo go to
-        self.future: list[Sight] = []
         self._saved: tuple[AntiresonanceSet | None, tuple[Asked, ...]] = (None, asked)
         self.file = SessionFile(None if save_to is None else Path(save_to))
         self.lock = RLock()  # of what reads and then changes the set
@@ -347,20 +345,14 @@ class Session:
 
     def take_back(self, number: int) -> str:
         """Take an edit back, by its place in the list; the others stay."""
-        asked = self._edits(number)
+        asked = self.now.asked
+        if not 0 <= number < len(asked):
+            wanted, remedy = f"an edit from 0 to {len(asked) - 1}", "The list has changed: look again."
+            reject("number", number, wanted, remedy)
         undone = asked[number].edit
-        self._step(self.now.on(self.zeros.original(), asked[:number] + asked[number + 1 :]))
+        self._show(self.now.on(self.zeros.original(), asked[:number] + asked[number + 1 :]))
         verb = "brought back" if undone.action == "drop" else "took back"
         return f"{verb} {undone.freq_hz:.2f} Hz at dof {undone.dof}"
-
-    def reword(self, number: int, reason: str) -> str:
-        """Give an edit another reason."""
-        asked = list(self._edits(number))
-        if asked[number].edit.reason == reason:
-            return ""
-        asked[number] = asked[number].reworded(reason)
-        self._step(self.now.on(self.zeros.original(), asked))
-        return "reason kept"
 
     def identify(self, band_hz: Sequence[float] | None = None, max_order: int | None = None) -> str:
         """Identify again and make all edits again; until that is done the set stays as it was."""
@@ -377,20 +369,9 @@ class Session:
         said = tuple(line for each in heard for line in str(each.message).splitlines())
         with self.lock:
             seen = replace(self.now, band_hz=band, max_order=max_order, warned=said).on(made, self.now.asked)
-            if self.identified:
-                self._step(seen)
-            else:  # the first one is where undo ends
-                self.identified = True
-                self._show(seen)
+            self.identified = True
+            self._show(seen)
         return f"identified {sum(map(len, made.values()))} values in {band[0]:g} to {band[1]:g} Hz"
-
-    def undo(self) -> str:
-        """Go back to what was before the last change, of edits, band or orders."""
-        return self._moved(self.past, self.future, "undone")
-
-    def redo(self) -> str:
-        """Do again what was undone."""
-        return self._moved(self.future, self.past, "done again")
 
     def save(self, *, replace_file: bool = False) -> str:
         """Write the set, and the edits that wait, where it belongs."""
@@ -417,7 +398,7 @@ class Session:
         """Make the edits of another set, as far as this one can take them; the others wait."""
         now = self.now
         if edits and self.identified:
-            self._step(now.on(self.zeros.original(), [*now.asked, *edits]))
+            self._show(now.on(self.zeros.original(), [*now.asked, *edits]))
         elif edits:
             self.now = replace(now, asked=tuple(edits), waits=("not identified yet",) * len(edits))
 
@@ -432,35 +413,15 @@ class Session:
         made = {i: one.edit for i, (one, why) in each if why is None}
         return {i: edit.freq_hz for i, edit in made.items() if (edit.action, edit.dof) == (action, dof)}
 
-    def _edits(self, number: int) -> tuple[Asked, ...]:
-        asked = self.now.asked
-        if not 0 <= number < len(asked):
-            reject(
-                "number", number, f"an edit from 0 to {len(asked) - 1}", "The list has changed: look again."
-            )
-        return asked
-
     def _edited(self, zeros: AntiresonanceSet) -> str:
         edit, now = zeros.edits[-1], self.now
         asked = (*now.asked, Asked.on(zeros.original(), edit))
-        self._step(replace(now, zeros=zeros, asked=asked, waits=(*now.waits, None)))
+        self._show(replace(now, zeros=zeros, asked=asked, waits=(*now.waits, None)))
         return str(edit)
-
-    def _step(self, sight: Sight) -> None:
-        self.past.append(self.now)
-        self.future.clear()
-        self._show(sight)
 
     def _show(self, sight: Sight) -> None:
         self.now = sight
         self.turn += 1
-
-    def _moved(self, source: list[Sight], target: list[Sight], said: str) -> str:
-        if not source:
-            return f"nothing to be {said}"
-        target.append(self.now)
-        self._show(source.pop())
-        return said
 
 
 def _inside(source: Source, band_hz: Any) -> Band:
@@ -489,7 +450,7 @@ Arguments = Mapping[str, Any]
 
 
 class View:
-    """What the server shows: a set that is edited, a result, or as it is the reason why there is neither."""
+    """What the server shows: a set that is edited, or as it is the reason why there is none."""
 
     slow: frozenset[str] = frozenset()  # commands that take long; the others are answered at once
 
@@ -506,12 +467,10 @@ class View:
 
     def do(self, command: str, arguments: Arguments) -> str:
         """Carry out a command; what was done, in words."""
-        if self._why is None:
-            reject("command", command, "nothing: a result is looked at", "Change the job, and run it again.")
-        raise self._why
+        raise self._why or NotImplementedError
 
     def file(self) -> tuple[str, str] | None:
-        """Name and text of what can be downloaded, where there is more than the folder of a result has."""
+        """Name and text of what can be downloaded."""
         return None
 
 
@@ -535,10 +494,7 @@ class SetView(View):
             "drop": lambda a: session.drop(self._dof(a), _number(a, "freq_hz"), _text(a, "reason")),
             "add": lambda a: session.add(self._dof(a), _number(a, "freq_hz"), _text(a, "reason")),
             "take_back": lambda a: session.take_back(_whole(a, "number")),
-            "reword": lambda a: session.reword(_whole(a, "number"), _text(a, "reason")),
             "identify": self._identify,
-            "undo": lambda a: session.undo(),
-            "redo": lambda a: session.redo(),
             "save": lambda a: session.save(replace_file=a.get("replace") is True),
         }
 
@@ -550,13 +506,10 @@ class SetView(View):
         zeros, band = now.zeros, now.band_hz
         edits = []
         for each, why in zip(now.asked, now.waits, strict=True):
-            verb = {"drop": "dropped", "add": "added"}[each.edit.action]
-            text = f"{verb} {each.edit.freq_hz:.2f} Hz at dof {each.edit.dof}"
-            edits.append({"text": text, "reason": each.edit.reason, "waits": why})
+            edits.append({"text": str(each.edit), "waits": why})
         checked = () if zeros.data_check is None else zeros.data_check.warnings
         around = zeros.diagrams[dof].band_hz if dof in zeros.diagrams else band or (0.0, 1.0)
         return {
-            "kind": "set",
             "turn": turn,
             "excitation": str(zeros.excitation),
             "dofs": [str(each) for each in zeros],
@@ -568,8 +521,6 @@ class SetView(View):
             "max_order": now.max_order,
             "identified": session.identified,
             "can_identify": session.source is not None,
-            "can_undo": bool(session.past),
-            "can_redo": bool(session.future),
             "unsaved": session.unsaved,
             "file": None if session.file.path is None else str(session.file.path),
             "warnings": list(now.warned) or [f"data check: {line}" for line in checked],

@@ -21,9 +21,7 @@ import numpy as np
 from ..damage.assess import DamageResult
 from ..damage.hypotheses import Assessment, loss, span
 from ..damage.words import without_idle
-from ..identification.options import OF_SWEEP, OF_WINDOWS, FitOptions
 from ..identification.stabilization import StabilizationDiagram
-from ..identification.windows import HIGHEST_ORDER
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..measured.modal_set import ModalSet
 from ..models.chain import MassSpringChain
@@ -38,8 +36,8 @@ from . import responses
 from .canvas import picture
 from .damage import WORTH_A_ROW, losses, plot_damage, plot_hypotheses, probabilities, worth_a_row
 from .identification import stabilization_figure
-from .live_canvas import LEGEND, explored, item, script_files
-from .marks import Axis, Line, Panel
+from .live_canvas import explored, item, script_files
+from .marks import Line
 from .responses import dof_name
 from .structure import chain, frame, plot_chain, plot_frame, seen_points
 from .updating import convergence, differences, plot_convergence, plot_differences
@@ -74,36 +72,15 @@ def of_signal(signal: Recording | FrequencyResponse) -> Facts:
     return facts | ({} if signal.n_averages is None else {"Averages": [f"{signal.n_averages:.1f}"]})
 
 
-def of_identification(signal: Recording | FrequencyResponse, found: AntiresonanceSet) -> Facts:
-    """Every choice of an identification, defaults among them, as the set keeps them."""
-    used, checked = found.options, found.data_check
-    if not used:
-        return {}
-    windows = used["fitted"] in ("windows", "directions")
-    formulation = used["formulation"] if used["formulation"] != "auto" else f"auto, here {used['fitted']}"
-    max_order = used["max_order"]
-    if windows:
-        max_order = min(max_order, HIGHEST_ORDER)
-    elif found.diagrams:
-        max_order = int(max(one.orders[-1] for one in found.diagrams.values()))
-    hidden = (*(OF_SWEEP if windows else OF_WINDOWS), "min_order")
-    kinds = {name: one.kind for name, one in FitOptions.declared().items() if name not in hidden}
-    thresholds = [] if used["preset"] is None else [f"preset {used['preset']}"]
-    thresholds += [f"{n} {used[n]}" for n, kind in kinds.items() if kind in ("number", "whole", "switch")]
-    low, high = used["band_hz"]
-    method = f"route {used['route']}, formulation {formulation}, estimator {used['estimator']}"
-    facts = {"Band": [f"{low:g} to {high:g} Hz"], "Method": [method]}
-    if isinstance(signal, Recording):
-        spectra = f"method {used['method']}"
-        length = used["nperseg"] or (None if checked is None else checked.nperseg)
-        if length is not None:
-            overlap = "half" if used["noverlap"] is None else f"{used['noverlap']:,} samples"
-            spectra = f"segments of {length:,} samples ({length / signal.fs_hz:g} s), overlap {overlap}"
-            spectra += f", window {used['window']}"
-            if checked is not None and checked.n_averages is not None:
-                spectra += f", {checked.n_averages:.1f} independent averages"
-        facts["Spectra"] = [spectra]
-    return facts | {"Orders": [f"{used['min_order']} to {max_order}"], "Thresholds": [", ".join(thresholds)]}
+#: How values were accepted, in words.
+_HOW = {
+    "chain": "stable over consecutive orders",
+    "persistent": "in most orders without standing still",
+    "likeliest order": "from the likeliest order alone",
+    "windows": "seen by most fits over windows",
+    "directions": "seen by most perturbed local fits",
+    "followed": "followed from known values",
+}
 
 
 def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
@@ -114,34 +91,26 @@ def of_set(found: AntiresonanceSet | ModalSet, model: StructuralModel) -> Facts:
     facts = {"Force": [dof_name(model, found.excitation)], "Antiresonances": [counts]}
     if found.sees is not None:
         facts["Identified from"] = ["FRFs" if found.sees == "frf" else "transmissibilities"]
-    ways = [np.asarray(scores.get("how", ())).tolist() for scores in found.scores.values()]
-    how = Counter(way for each in ways for way in each)
-    if how["windows"] or how["directions"] or how["followed"]:
-        words = {
-            "windows": "seen by most fits over windows",
-            "directions": "seen by most perturbed local fits",
-            "followed": "followed from known values",
-        }
-        facts["Accepted"] = [f"{how[name]} {said}" for name, said in words.items() if how[name]]
-        shares = np.concatenate([*found.share.values(), np.empty(0)])
-        if shares.size and not np.all(np.isnan(shares)):
+    how = Counter(way for scores in found.scores.values() for way in scores.get("how", ()))
+    if accepted := [f"{how[name]} {said}" for name, said in _HOW.items() if how[name]]:
+        shares = np.concatenate([*found.share.values()])
+        if not np.isnan(shares).all():
             least, most = np.nanmin(shares), np.nanmax(shares)
-            facts["Accepted"] += [f"the share of fits that see a value is {least:.0%} to {most:.0%}"]
+            accepted.append(f"the share of fits that see a value is {least:.0%} to {most:.0%}")
         if found.expected_false is not None:
-            facts["Accepted"] += [f"at most {found.expected_false:.2g} of them false, on average"]
-    elif how:
-        facts["Accepted"] = [
-            f"{how['chain']} stable over consecutive orders, {how['persistent']} in most orders without "
-            f"standing still, {how['likeliest order']} from the likeliest order alone"
-        ]
+            accepted.append(f"at most {found.expected_false:.2g} of them false, on average")
+        facts["Accepted"] = [", ".join(accepted)]
     if found.edits:
         facts["Edited by hand"] = [str(edit) for edit in found.edits]
     return facts | of_evidence(found)
 
 
 def of_evidence(found: AntiresonanceSet) -> Facts:
-    """What was not accepted, peaks that nothing explains, and what a set knows as long as it is not saved."""
+    """Options, what was not accepted, unexplained peaks, and what a set knows as long as it is not saved."""
     facts: Facts = {}
+    used = {name: value for name, value in found.options.items() if name != "held_back_misfit"}
+    if given := [f"{name} {value}" for name, value in used.items() if value is not None]:
+        facts["Identified with"] = [", ".join(given)]
     if (misfit := found.options.get("held_back_misfit")) is not None:
         said = "of held-back segments to one fit of the others, in the worst eighth of the band"
         facts["Held-back misfit"] = [f"{misfit:g} times what noise makes, {said}"]
@@ -159,6 +128,9 @@ def of_evidence(found: AntiresonanceSet) -> Facts:
         low, high = one.band_hz
         facts["Diagrams"] = [f"orders {one.orders[0]:.0f} to {one.orders[-1]:.0f}, {low:g} to {high:g} Hz"]
     if found.data_check is not None:
+        length, averages = found.data_check.nperseg, found.data_check.n_averages
+        if length is not None and averages is not None:
+            facts["Spectra"] = [f"segments of {length:,} samples, {averages:.1f} independent averages"]
         facts["Data check"] = [str(finding) for finding in found.data_check.findings] or ["nothing found"]
     return facts
 
@@ -455,9 +427,11 @@ def _diagram(name: Any, diagram: StabilizationDiagram, modal: bool) -> Figure:
 def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[str, str]) -> Figure:
     model, own = result.problem.model, result.problem.measured[0]
     given: dict[str, Any] = {"excitation": own.excitation, "names": names}
+    counts = np.max  # of lines that share a pixel: peaks, or dips
     if response.kind == "frf":
         dofs = [dof for dof in response.dofs if dof in own] or list(response.dofs)
         given["dofs"] = shown = dofs[: responses.MOST_RESPONSES]
+        counts = np.min
         size = (9.0, 2.0 + 1.2 * len(shown))
         some = "" if len(shown) == len(response.dofs) else f"The first {len(shown)}. "
         caption = f"FRFs of the responses; the dips are their antiresonances. {some}The depth of dips"
@@ -468,41 +442,13 @@ def _response(result: UpdateResult, response: FrequencyResponse, names: tuple[st
     drawn = partial(responses.plot_responses, response, model, result.model, **given)
     caption += " in the models follows from an assumed damping of 1 %."
     alt = f"Curves by frequency of {what}: measured, and of the model {names[0]} and {names[1]}"
-    return Figure(drawn, size, caption, alt, partial(_explored_response, result, response, names))
 
+    def explore() -> Any:
+        panel = responses.responses(response, (model, result.model), **given)
+        lines = [_thinned(mark, counts) if isinstance(mark, Line) else mark for mark in panel.marks]
+        return explored(replace(panel, marks=lines), height=int(66 * size[1]))
 
-def _explored_response(result: UpdateResult, measured: FrequencyResponse, names: tuple[str, str]) -> Any:
-    """FRFs response by response, or transmissibilities summed, of the measurement and of the model."""
-    from bokeh.models import ColumnDataSource, Legend, LegendItem
-
-    models, excitation = (result.problem.model, result.model), result.problem.measured[0].excitation
-    over = measured.kind == "transmissibility"
-    shown = None if over else measured.dofs
-    freq, _, labels, levels = responses.curves_of(measured, models, excitation, shown)
-    called = responses.curve_names(names, both=True)
-    says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
-    marks = []
-    for rows in zip(*levels, strict=True):
-        lines = [Line(freq, row, **look) for row, look in zip(rows, responses.LOOKS, strict=True)]
-        lines[0] = replace(lines[0], says=says, more={f"level_{i}": row for i, row in enumerate(rows)})
-        marks += [_thinned(line, np.max if over else np.min) for line in lines]  # the peak or dip counts
-    x = Axis("Frequency (Hz)", (freq[0], freq[-1]))
-    y = Axis(f"{labels[0]} (dB)" if over else "FRF (dB re unit of the data)")
-    fig = explored(Panel("response", x, y, marks), height=380)
-    drawn = [fig.renderers[first : first + 3] for first in range(0, len(fig.renderers), 3)]
-    for line in fig.renderers[3:]:
-        line.visible = False
-    empty = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
-    samples = [[fig.add_glyph(empty, line.glyph.clone())] for line in drawn[0]]
-    by_response = {"ncols": 4, "click_policy": "hide", "title": "click to show or hide"}
-    # An entry may stand for several lines.
-    for entries, look in (
-        (zip(called, samples, strict=True), {"ncols": 2}),
-        (zip(labels, drawn, strict=True), by_response),
-    ):
-        items = [LegendItem(label=name, renderers=lines) for name, lines in entries]
-        fig.add_layout(Legend(items=items, **LEGEND | look), "below")
-    return fig
+    return Figure(drawn, size, caption, alt, explore)
 
 
 def _thinned(line: Any, how: Any) -> Any:
@@ -536,7 +482,7 @@ def answer_of(result: UpdateResult) -> list[str]:
     return ["Largest {} difference: {} before, {} after.".format(what, *largest(result))]
 
 
-# -- The tables of a report and of a page, cell by cell
+# -- The tables of a report, cell by cell
 
 
 class Table(NamedTuple):
@@ -548,21 +494,13 @@ class Table(NamedTuple):
     mark: str
     note: str = ""
 
-    def plain(self) -> dict[str, Any]:
-        """Heads and rows as texts."""
-        rows = [[str(row.get(key, "")) for key in self.heads] for row in self.rows]
-        title = f"{self.title}; {self.note}" if self.note else self.title
-        return {"title": title, "head": list(self.heads.values()), "rows": rows}
 
-
-def tables_of(
-    result: UpdateResult, truth: Mapping[int, float] | None = None, *, assumed: bool = False
-) -> dict[str, Table]:
-    """Hypotheses (without a baseline by an ``assumed`` error of the model), values found, frequencies."""
+def tables_of(result: UpdateResult, truth: Mapping[int, float] | None = None) -> dict[str, Table]:
+    """Hypotheses, where they were judged, values found, frequencies."""
     tables: dict[str, Table] = {}
     judged = isinstance(result, DamageResult) and result.has_baseline
     if isinstance(result, DamageResult):
-        if judged or assumed:
+        if judged:
             rows, others = hypothesis_rows(without_idle(result.assessment))
             heads = {"probability": "probability (%)", "name": "explanation"}
             heads |= {"losses": "stiffness loss (%), 90 % interval"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -74,59 +74,60 @@ def plot_responses(
     >>> ar.figures.plot_responses(t, case.model, dofs=[2], excitation=0).get_ylabel()
     'dof 2 over dof 0 (dB)'
     """
-    models = [before] + ([] if after is None else [after])
-    curves = curves_of(measured, models, excitation, dofs, damping_ratio=damping_ratio, band_hz=band_hz)
-    freq, labels = curves.freq_hz, curves.labels
-    called, alone = curve_names(names, after is not None), len(labels) == 1
-    table: dict[str, Any] = {"freq_hz": freq}
-    marks: list[Mark] = []
-    places, top = [], 0.0
-    for nth, (dof, *own) in enumerate(zip(curves.dofs, *curves.levels, strict=True)):
-        low, high = float(np.min(own[0])), float(np.max(own[0]))
-        shift = 0.0 if alone else top - high
-        places.append(0.5 * (low + high) + shift)
-        for level, name, look in zip(own, called, LOOKS, strict=False):
-            # What goes far below the measured curve would run through the response underneath.
-            shown = np.where((level < low - 15.0) & (not alone), np.nan, level) + shift
-            marks.append(Line(freq, shown, label=name if nth == 0 else None, **look))
-            table[f"{name.replace(' ', '_')}_{dof}_db"] = level
-        top = low + shift - 12.0
-    x, y = Axis("Frequency (Hz)", (freq[0], freq[-1])), Axis(f"{labels[0]} (dB)")
-    if not alone:
-        y = Axis("Each shifted (dB)", names=labels, at=places)
-        marks.insert(0, Rules(np.arange(0.0, top, -20.0), colour="#EBEBEB", width=0.6))
-    grid = "both" if alone else "x"
-    panel = Panel("response", x, y, marks, grid=grid, tables={"responses": table})
-    ax = draw(panel, new_axes(ax, (9.0, 4.4 if alone else 2.0 + 1.2 * len(labels))))
-    if not alone:
-        ax.set_ylim(top - 4.0, None)
-    return ax
+    models = [before] if after is None else [before, after]
+    panel = responses(measured, models, excitation, dofs, names, damping_ratio=damping_ratio, band_hz=band_hz)
+    return draw(panel, new_axes(ax, (9.0, 2.0 + 1.2 * max(len(panel.y.names or ()), 2))))
 
 
-def curve_names(names: tuple[str, str], both: bool) -> list[str]:
-    """What the curves are called, of ``both`` models or one."""
-    return ["measured", *(f"model {name}" for name in names)] if both else ["measured", "model"]
-
-
-class Curves(NamedTuple):
-    """Lines; responses by dof ("sum" for that of all) and by name; levels in dB, (n_dofs, n_freq) a curve."""
-
-    freq_hz: FloatArray
-    dofs: list[Any]
-    labels: list[str]
-    levels: list[FloatArray]
-
-
-def curves_of(
+def responses(
     measured: FrequencyResponse,
     models: Sequence[StructuralModel],
     excitation: int,
     dofs: Sequence[int] | None = None,
+    names: tuple[str, str] = ("before updating", "after updating"),
     *,
     damping_ratio: Any = 0.01,
     band_hz: Sequence[float] | None = None,
-) -> Curves:
-    """The measured curves, and those of each model."""
+) -> Panel:
+    """The measured curves one above the other, with those of each model."""
+    freq, labels, levels = _curves(measured, models, excitation, dofs, damping_ratio, band_hz)
+    called = ["measured", *(f"model {name}" for name in names)] if len(models) > 1 else ["measured", "model"]
+    alone = len(labels) == 1
+    says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
+    table: dict[str, Any] = {"freq_hz": freq}
+    marks: list[Mark] = []
+    places, top = [], 0.0
+    for nth, (label, *own) in enumerate(zip(labels, *levels, strict=True)):
+        low, high = float(np.min(own[0])), float(np.max(own[0]))
+        shift = 0.0 if alone else top - high
+        places.append(0.5 * (low + high) + shift)
+        told = {f"level_{i}": level for i, level in enumerate(own)}
+        for level, name, look in zip(own, called, LOOKS, strict=False):
+            # What goes far below the measured curve would run through the response underneath.
+            shown = np.where((level < low - 15.0) & (not alone), np.nan, level) + shift
+            more: dict[str, Any] = {"says": says, "more": told} if name == "measured" else {}
+            marks.append(Line(freq, shown, label=name if nth == 0 else None, **look, **more))
+            table[f"{name.replace(' ', '_')}_{label.replace(' ', '_')}_db"] = level
+        top = low + shift - 12.0
+    y = Axis(f"{labels[0]} (dB)")
+    if not alone:
+        highest = max(float(np.nanmax(mark.y)) for mark in marks if isinstance(mark, Line))
+        limits = (top - 4.0, highest + 4.0)
+        y = Axis("FRFs, each shifted (dB)", limits, names=labels, at=places)
+        marks.insert(0, Rules(np.arange(0.0, top, -20.0), colour="#EBEBEB", width=0.6))
+    x, grid = Axis("Frequency (Hz)", (freq[0], freq[-1])), "both" if alone else "x"
+    return Panel("response", x, y, marks, grid=grid, tables={"responses": table})
+
+
+def _curves(
+    measured: FrequencyResponse,
+    models: Sequence[StructuralModel],
+    excitation: int,
+    dofs: Sequence[int] | None,
+    damping_ratio: Any,
+    band_hz: Sequence[float] | None,
+) -> tuple[FloatArray, list[str], list[FloatArray]]:
+    """Lines, names of the responses, and levels in dB (n_dofs, n_freq): the measured ones, of each model."""
     if not isinstance(measured, FrequencyResponse):
         reject("measured", measured, "a FrequencyResponse", "Estimate it by antires_rs.frf.")
     every, reference = list(measured.dofs), measured.reference
@@ -147,13 +148,12 @@ def curves_of(
     if not shown:
         ratios = (FrequencyResponse(freq, one, every, "transmissibility", reference) for one in curves)
         sums = [_level(transmissibility_sum(one)[None]) for one in ratios]
-        return Curves(freq, ["sum"], [f"Sum of transmissibilities over {name}"], sums)
+        return freq, [f"Sum of transmissibilities over {name}"], sums
     levels = [_level(one) for one in curves]
     levels = levels if over else _as_measured(freq, levels)
-    rows = [every.index(dof) for dof in shown]
-    label = models[0].dof_label
+    rows, label = [every.index(dof) for dof in shown], models[0].dof_label
     labels = [f"{dof_name(models[0], dof)} over {name}" if over else label(dof) for dof in shown]
-    return Curves(freq, shown, labels, [level[rows] for level in levels])
+    return freq, labels, [level[rows] for level in levels]
 
 
 def _as_measured(freq: FloatArray, levels: list[FloatArray]) -> list[FloatArray]:

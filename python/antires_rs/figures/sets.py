@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..exceptions import reject
-from ..support.checks import choice
 from .canvas import draw, new_axes
 from .live_canvas import explored, stacked
 from .marks import Axis, Bands, Heads, Line, Mark, Panel, Points, Rules, turn
@@ -60,7 +59,6 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
 
 # -- Antiresonances over many tests: how far each has moved, and where one comes, goes or merges
 
-KINDS = ("change", "frequency")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Sign of each kind of event, and what the legend calls it.
 SIGNS = {"new": ("o", "new"), "back": ("s", "back"), "lost": ("x", "lost")}
@@ -68,8 +66,8 @@ SIGNS |= {"merged": ("1", "merged with its neighbour")}
 ROOM = 60  # texts of conditions longer than this, all together, are turned
 
 
-def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
-    """Draw the antiresonances of one response over the tests.
+def plot_tracks(tracks: Tracks, dof: Any = None, *, ax: Any = None) -> Any:
+    """Draw how the antiresonances of one response changed since the first test of each, in %.
 
     A line a track with its standard deviations, over numbers as conditions to scale, over texts evenly.
 
@@ -77,8 +75,6 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     ----------
     dof : int or str, optional
         A response that has antiresonances; by default the first.
-    kind : {"change", "frequency"}
-        Change since the first test of each in %, or the frequencies in Hz.
 
     Examples
     --------
@@ -87,7 +83,6 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     >>> ar.figures.plot_tracks(ar.track(tests)).get_xlabel()
     'Test'
     """
-    choice("kind", kind, KINDS)
     if dof is None and len(tracks):
         dof = tracks.dof[0]
     some = tracks.of(dof)
@@ -98,24 +93,23 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, kind: str = "change", ax: An
     counted = tracks.conditions == tuple(range(len(tracks.conditions)))
     x = np.array(tracks.conditions if numeric else range(len(tracks.conditions)), dtype=np.float64)
     change = tracks.change_percent
-    scale = np.where(np.isnan(change), np.nan, 100.0 / (tracks.freq_hz / (1.0 + change / 100.0)))
-    y, std = (change, tracks.std_hz * scale) if kind == "change" else (tracks.freq_hz, tracks.std_hz)
+    std = tracks.std_hz / tracks.freq_hz * (100.0 + change)
     rank = np.argsort(x, kind="stable")
     names = [f"{tracks.freq_hz[~np.isnan(tracks.freq_hz[:, i]), i][0]:.2f} Hz" for i in some]
     marks: list[Mark] = []
     for n, (i, name) in enumerate(zip(some, names, strict=True)):
         error, marker, look = np.nan_to_num(std[rank, i]), MARKERS[n % len(MARKERS)], turn(n)
         more = {"error": error, "link": look["dash"], "label": name}
-        marks.append(Points(x[rank], y[rank, i], marker, 4.5, look["colour"], **more))
+        marks.append(Points(x[rank], change[rank, i], marker, 4.5, look["colour"], **more))
     table: dict[str, Any] = {"test": np.repeat(np.arange(x.size), some.size), "track": np.tile(some, x.size)}
     for name, column in (("freq_hz", tracks.freq_hz), ("std_hz", tracks.std_hz), ("change_percent", change)):
         table[name] = column[:, some].ravel()
     x_axis = Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions)
-    y_axis = Axis("Change since its first test (%)" if kind == "change" else "Antiresonance (Hz)")
+    y_axis = Axis("Change since its first test (%)")
     title = f"Response at dof {dof}, force at {tracks.excitation}"
-    marks += _events(tracks, set(some.tolist()), x, y)
-    tables = {"tracks": table}
-    panel = Panel("tracks", x_axis, y_axis, marks, title=title, grid="both", first=names, tables=tables)
+    marks += _events(tracks, set(some.tolist()), x, change)
+    rest: dict[str, Any] = {"grid": "both", "first": names, "tables": {"tracks": table}}
+    panel = Panel("tracks", x_axis, y_axis, marks, title=title, **rest)
     turned = not numeric and len("".join(tracks.conditions)) > ROOM
     ax = draw(panel, new_axes(ax, (7.5, 4.5)), drop_pt=62.0 if turned else 36.0)
     if turned:
@@ -146,24 +140,17 @@ def _events(tracks: Tracks, some: set[int], x: Any, y: Any) -> list[Mark]:
 
 # -- Charts of a watch: single tests, the slow mean, and the condition that they were corrected for
 
-PANELS = ("charts", "T2", "EWMA", "events", "condition")
 HIGHEST, LOWEST = 100.0, 0.05  # tests above the limit by more than this are drawn at the top
 LABELS = {"T2": "Single tests", "EWMA": "Mean of tests", "events": "Lost and new"}
 MOST_TESTS = 20_000  # so many tests at most are on a page: of more, the alarms and the latest of the others
 
 
-def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> Any:
+def plot_monitor(watched: Watched, *, ax: Any = None) -> Any:
     """Draw the charts of a watch over its tests, each over its limit, and the first condition.
 
     Alarms are crosses, the baseline is shaded, tests with a sensor at fault are triangles at the lower edge,
-    failed ones ticks there. The topmost axes are returned; the others are in ``.figure.axes``.
-
-    Parameters
-    ----------
-    panel : {"charts", "T2", "EWMA", "events", "condition"}
-        All below one another, or one of them.
-    ax : matplotlib.axes.Axes, optional
-        With it "charts" is "T2".
+    failed ones ticks there. The topmost axes are returned; the others are in ``.figure.axes``. Into ``ax``
+    the chart of single tests is drawn alone.
 
     Examples
     --------
@@ -172,10 +159,9 @@ def plot_monitor(watched: Watched, *, panel: str = "charts", ax: Any = None) -> 
     >>> ar.monitor(sets, baseline=50).plot().get_ylabel()
     'Single tests / limit'
     """
-    choice("panel", panel, PANELS)
-    if ax is not None or panel != "charts":
-        return _one(new_axes(ax, (9.0, 3.0)), watched, "T2" if panel == "charts" else panel, last=True)
-    top = new_axes(None, size_in(watched))
+    top = new_axes(ax, size_in(watched))
+    if ax is not None:
+        return _one(ax, watched, "T2", last=True)
     figure = top.figure
     top.remove()
     axes = figure.subplots(len(panels(watched)), 1, sharex=True)

@@ -180,8 +180,7 @@ def plot_frame(
     sensors, excitation, label
         As in :func:`plot_chain`; arrows along their direction.
     numbers : bool, optional
-        Whether to number elements and nodes, from 0 as tables do; those of nodes are slanted, in grey. By
-        default elements up to 120 and nodes up to 60.
+        Whether to number elements and nodes (slanted); by default up to 120 elements and 60 nodes.
 
     Examples
     --------
@@ -274,7 +273,6 @@ def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, la
 
 def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
     """Fixed nodes, point masses, springs to ground and between nodes; smaller markers over larger ones."""
-    space = model.nodes_m.shape[1] == 3
     held: dict[int, list[str]] = {}
     for node, direction in model.fixed:
         held.setdefault(node, []).append(direction)
@@ -283,16 +281,10 @@ def _carried(model: FrameModel, points: FloatArray) -> list[Mark]:
         a, b = points[spring.node], points[spring.other]
         marks.append(Paths([_coil(a, b, 0.03)], "black", width=1.0, label=None if nth else "node spring"))
         marks.append(Points(*xy([a, b]), "D", 3.5))
-    whole = 6 if space else 3
-    partly = [(node, direction) for node, of in held.items() if len(of) < whole for direction in of]
-    for nth, (node, direction) in enumerate(partly):
-        # A stroke across the direction that is held.
-        along = None if direction in ROTATIONS else _seen(direction, space)
-        marker = "x" if along is None else (2, 2, float(np.degrees(np.arctan2(along[1], along[0]))))
-        size, label = 8.0 if along is None else 17.0, None if nth else "partly fixed"
-        marks.append(Points(*xy(points[node]), marker, size, stroke=2.0, label=label))
+    whole = 6 if model.nodes_m.shape[1] == 3 else 3
     for nodes, sign, size, name in (
         ([node for node, of in held.items() if len(of) == whole], "s", 11.0, "fixed"),
+        ([node for node, of in held.items() if len(of) < whole], "x", 9.0, "partly fixed"),
         ([m.node for m in model.point_masses], "o", 9.0, "point mass"),
         ([s.node for s in model.ground_springs], "v", 6.5, "spring to ground"),
     ):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..exceptions import reject
 from .canvas import draw, new_axes, plain_log, text_width_pt, width_pt
-from .marks import Axis, Bars, Heads, Line, Mark, Panel, Points, Rules, Words, reach, turn
+from .marks import Axis, Bars, Heads, Line, Mark, Panel, Points, Rules, turn
 
 if TYPE_CHECKING:
     from ..optimize.island_ga import OptimizeResult
@@ -34,7 +34,6 @@ def plot_differences(
     """Draw the difference of each frequency to the measured one in %, before and after.
 
     Bars grouped by response and force, in the order of the table; a cross where the model has no partner.
-    Where few values stand apart the axis is made for the others, and theirs are written at its edge.
     Of modes, one group for those measured together, with the MAC before and after above each. ``names`` are
     those of the two states in the legend.
 
@@ -66,7 +65,7 @@ def differences(table: Any, names: tuple[str, str], wide_pt: float | None = None
         across = across.replace(" (Hz)", "s, ascending")
     both = np.concatenate([table.before_percent, table.after_percent])
     both = both[np.isfinite(both)]
-    low, high = np.clip([both.min(initial=0.0), both.max(initial=0.0)], -reach(both), reach(both)).tolist()
+    low, high = float(both.min(initial=0.0)), float(both.max(initial=0.0))
     room = 0.08 * max(high - low, 1e-6)
     limits = (low - room * (low < -0.1 * room), high + room)
     # Before is hatched, or pale where bars are thin, and after is dark: told apart in grey too.
@@ -75,7 +74,7 @@ def differences(table: Any, names: tuple[str, str], wide_pt: float | None = None
     looks = (hatched if count <= MOST_LABELS else pale, {"face": "blue", "edge": "blue"})
     marks: list[Mark] = []
     for state, name, look, off in zip(("before", "after"), names, looks, (-0.2, 0.2), strict=True):
-        marks += _bars(table, state, name, look, x + off, limits, of)
+        marks += _bars(table, state, name, look, x + off, of)
     first = [str(mark.label) for mark in marks if isinstance(mark, Bars)]
     firsts = np.flatnonzero(starts)
     marks += [Rules(0.0), Rules(x[firsts[1:]] - 0.5 - GAP / 2, upright=True, colour="pale", width=0.7)]
@@ -100,9 +99,9 @@ def differences(table: Any, names: tuple[str, str], wide_pt: float | None = None
 
 
 def _bars(
-    table: Any, state: str, name: str, look: dict[str, Any], x: FloatArray, limits: Any, of: list[str]
+    table: Any, state: str, name: str, look: dict[str, Any], x: FloatArray, of: list[str]
 ) -> list[Mark]:
-    """Bars of one state, crosses where there is no partner, and the numbers of what lies beyond the axis."""
+    """Bars of one state, and crosses where there is no partner."""
     percent = np.asarray(getattr(table, f"{state}_percent"))
     found, colour = np.isfinite(percent), look["edge"] if look["face"] != PALE_VERMILLION else "vermillion"
     says = {"": name, "Of": "@of", "Measured": "@measured{0.000} Hz", "Model": "@model{0.000} Hz"}
@@ -123,13 +122,6 @@ def _bars(
         zero = np.zeros(int(np.sum(~found)))
         cross: dict[str, Any] = {"label": f"{name}: no partner ({zero.size})", "stroke": 1.6, "spill": True}
         marks.append(Points(x[~found], zero, "x", 6.0, colour, **cross, **hovered(~found)))
-    for end, marker, where in ((limits[1], "^", "below"), (limits[0], "v", "above")):
-        beyond = found & ((percent > end) if marker == "^" else (percent < end))
-        if beyond.any():
-            edge = np.full(int(beyond.sum()), end)
-            texts = [f"{value:+.0f} %" for value in percent[beyond]]
-            marks.append(Points(x[beyond], edge, marker, 6.5, colour, stroke=0.0, spill=True))
-            marks.append(Words(x[beyond], edge, texts, where, 8.0, 6.94, turned=True, boxed=True))
     return marks
 
 

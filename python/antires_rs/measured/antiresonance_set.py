@@ -25,8 +25,7 @@ from .response_table import NUMBERS, ResponseTable, doubts_of, frequencies_hz, l
 if TYPE_CHECKING:
     from ..signals.one_force import DataCheck
 
-#: Why a value that was followed is among those left out.
-NOT_SEEN = "followed, not seen"
+NOT_SEEN = "followed, not seen"  # why a value that was followed is among those left out
 #: What a set was identified from, and so which roots of a model it can show.
 Sees = Literal["frf", "transmissibility"] | None
 
@@ -48,8 +47,7 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[s
     return ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
 
 
-# Decimals of frequencies without a deviation, and the most that are printed.
-PLAIN, MOST = 3, 6
+PLAIN, MOST = 3, 6  # decimals of frequencies without a deviation, and the most that are printed
 _HEAD = ("dof", "freq_hz", "std_hz", "grade", "doubts")
 
 
@@ -150,23 +148,19 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     excitation : int or str
         The dof of the force.
     freq_hz : mapping of dof to array_like
-        Antiresonances in Hz, in any order; a number stands for a list of one; an empty list says that the dof
-        was looked at and has none.
+        Antiresonances in Hz, in any order; a number stands for a list of one, an empty list for none.
     damping_ratio, std_hz : mapping of dof to array_like, optional
-        Damping ratio and standard deviation of each, in the order of ``freq_hz``; NaN where not known. Dofs
-        may be missing.
+        Of each, in the order of ``freq_hz``; NaN where not known. Dofs may be missing.
     sees : {"frf", "transmissibility", None}
         What the antiresonances were identified from, see Notes.
     channels : iterable of dof, optional
-        All responses that were measured together, with or without antiresonances here. Default: those of
-        ``freq_hz``.
+        All responses that were measured together; default: those of ``freq_hz``. Empty where some of them
+        have no name here, see :meth:`relabelled`.
     scores, diagrams, data_check, options : optional
-        See below. All arguments are attributes.
+        As the attributes.
 
     Attributes
     ----------
-    channels : tuple of dof
-        Empty where some of them have no name here, see :meth:`relabelled`.
     options : dict
         How it was identified: every option by name, the band, the package's version; of a record
         "response_level", how strongly it shook, in its unit, and where it was judged "held_back_misfit", what
@@ -176,11 +170,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     edits : tuple of Edit
         What was dropped and added by hand, in order.
     left_out : dict of ResponseTable
-        By dof, where curves were identified: what fits saw and did not accept, with the score "why".
+        By dof: what fits saw and did not accept, with the score "why".
     unexplained_hz : dict
-        By dof, where it was identified: peaks of its curve beside which nothing was seen.
+        By dof: peaks of its curve beside which nothing was seen.
     diagrams, data_check
-        Not saved. Where the set was identified: the stabilization diagram by dof, and whether data were fit.
+        The stabilization diagram by dof, and whether the data were fit; not saved.
 
     Raises
     ------
@@ -197,8 +191,8 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     Examples
     --------
-    >>> from antires_rs.measured.antiresonance_set import AntiresonanceSet
-    >>> print(AntiresonanceSet(0, {0: [23.9, 8.7], 2: []}))
+    >>> import antires_rs as ar
+    >>> print(ar.AntiresonanceSet(0, {0: [23.9, 8.7], 2: []}))
     antiresonances, force at 0
     dof  freq_hz
       0    8.700
@@ -285,13 +279,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
         The score ``expected_false`` bounds those of a response with at least the share of a value; all with
         less are counted as false, from the share on that gives the least sum. Values by hand count as right.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> scores = {0: {"share": [1.0, 0.9, 0.6], "expected_false": [0.1, 0.3, 2.0]}}
-        >>> ar.AntiresonanceSet(0, {0: [5.8, 10.2, 14.0]}, scores=scores).expected_false
-        1.3
         """
         total = 0.0
         for table in self.tables.values():
@@ -305,15 +292,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     @property
     def followed(self) -> Mapping[Any, NDArray[np.int64]]:
-        """By dof, where values were followed (``near=``): of which value each is, by its index, or -1.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> zeros = ar.AntiresonanceSet(0, {0: [5.8, 10.2]}, scores={0: {"followed": [1, -1]}})
-        >>> zeros.followed[0].tolist()
-        [1, -1]
-        """
+        """By dof, where values were followed (``near=``): of which value each is, by its index, or -1."""
         given = {dof: t.scores["followed"] for dof, t in self.tables.items() if "followed" in t.scores}
         numbers = {dof: np.nan_to_num(own, nan=-1).astype(np.int64) for dof, own in given.items()}
         return FrozenDict({dof: frozen(own) for dof, own in numbers.items()})
@@ -380,22 +359,10 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return dof
 
     def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None) -> Self:
-        """A new set without some values; this one stays as it is, ``original()`` of the new one.
+        """A new set without the values nearest to ``freq_hz`` (Hz, one or several).
 
-        Parameters
-        ----------
-        dof : int or str
-        freq_hz : float or array_like
-            Each drops the value nearest to it.
-        reason : str
-            Kept in ``edits``.
-        tol_hz : float, optional
-            How far the nearest value may be; default 1 % of ``freq_hz``.
-
-        Raises
-        ------
-        InvalidInputError
-            No such dof, no value that near, or two frequencies that mean the same value.
+        None may be further away than ``tol_hz``, by default 1 % of it, or be meant twice
+        (InvalidInputError). ``reason`` is kept in ``edits``.
 
         Examples
         --------
@@ -410,22 +377,10 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def add(
         self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
     ) -> Self:
-        """A new set with more values, whose source is "by hand"; this one stays as it is.
+        """A new set with more values (Hz, one or several) of one of its dofs, whose source is "by hand".
 
-        Parameters
-        ----------
-        dof : int or str
-            One of the set's.
-        freq_hz : float or array_like, (n,)
-        damping_ratio, std_hz : float or array_like, (n,), optional
-            One for all, or one each. Not known by default.
-        reason : str
-            Kept in ``edits``.
-
-        Raises
-        ------
-        InvalidInputError
-            No such dof, a frequency that is not positive, or a value that is there already.
+        ``damping_ratio`` and ``std_hz`` are one for all, or one each, and not known by default. A value that
+        is there already is an InvalidInputError. ``reason`` is kept in ``edits``.
 
         Examples
         --------
@@ -450,18 +405,9 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     def relabelled(self, excitation: Any, dofs: Mapping[Any, Any]) -> Self:
         """The set with other names of the dofs, in tables and edits; diagrams and checks stay behind.
 
-        Parameters
-        ----------
-        excitation : int or str
-            The dof of the force.
-        dofs : mapping of dof to int or str
-            The new name of each; dofs that it lacks are left out. If ``channels`` are among these, what all
-            of them share cannot be told any more, and ``channels`` is empty.
-
-        Raises
-        ------
-        InvalidInputError
-            No dof is left, or two have one name.
+        Dofs that ``dofs``, the new name of each, lacks are left out; if ``channels`` are among these, what
+        all of them share cannot be told any more, and ``channels`` is empty. No dof left, or two of one name,
+        are an InvalidInputError.
         """
         kept = [dofs[dof] for dof in self if dof in dofs]
         twice = [dof for dof in kept if kept.count(dof) > 1]
@@ -496,32 +442,18 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             lines.append("edited by hand: " + "; ".join(map(str, self.edits)))
         return "\n".join(lines)
 
-    def plot(self, dof: Any, *, kind: str = "stabilization", ax: Any = None) -> Any:
-        """Draw the evidence for one dof, edits by hand included; returns the axes.
+    def plot(self, dof: Any, *, ax: Any = None) -> Any:
+        """Draw the stabilization diagram of a dof, edits by hand included; returns the axes.
 
-        Parameters
-        ----------
-        dof : int or str
-        kind : str
-            Which picture of :mod:`~antires_rs.figures`, such as "stabilization"; another word is refused with
-            the list of all.
-        ax : matplotlib.axes.Axes, optional
-
-        Raises
-        ------
-        InvalidInputError
-            A dof without a stabilization diagram: sets made by hand or loaded have none.
-        MissingDependencyError
-            matplotlib is not installed.
+        Sets made by hand or loaded have none (InvalidInputError).
         """
-        choice("kind", kind, self._kinds("plot"))
         if self._dof(dof) not in self.diagrams:
             wanted = "a dof of a set that was identified, not made by hand or loaded"
             remedy = "Identify it from the measurement to have its diagram."
             reject("dof", f"{dof!r}, which has no stabilization diagram", wanted, remedy)
         found, own = self.original()[dof], self[dof]
         edits = {"dropped": found[~np.isin(found, own)], "added": own[~np.isin(own, found)]}
-        return self._view(f"plot {kind}")(self.diagrams[dof], ax=ax, **edits)
+        return self._view("plot")(self.diagrams[dof], ax=ax, **edits)
 
     def look(
         self,
@@ -532,10 +464,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         browser: bool = True,
         **options: Any,
     ) -> Any:
-        """Open a page of this computer on which the set is looked at and edited.
-
-        It has diagram, curve, coherence and singular values of each response, and the values with grade,
-        error and doubts. A click drops or adds a value.
+        """Open a page of this computer on which the set is looked at and edited; needs bokeh.
 
         Parameters
         ----------
@@ -555,13 +484,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         -------
         Page
             ``.zeros`` is the set as it is now, with all edits; ``.url`` the address, ``.stop()`` ends it.
-
-        Raises
-        ------
-        MissingDependencyError
-            bokeh is not installed.
-        InvalidInputError
-            A source of another kind, or a band outside of it.
 
         Examples
         --------
@@ -585,11 +507,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         return self._view("to_xarray")(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write as JSON, whole or not at all; every float comes back bit for bit. Diagrams and checks are not
-        saved.
-
-        A file that exists is replaced; an InvalidInputError names a folder that does not.
-        """
+        """Write as JSON, whole or not at all; every float comes back bit for bit. It replaces a file."""
         write_atomically(path, self.to_json().encode())
 
     def to_json(self) -> str:
@@ -617,15 +535,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read what :meth:`save` wrote, in this version or an older one.
-
-        Raises
-        ------
-        InvalidInputError
-            The file is damaged, of another kind, or of a newer version.
-        FileNotFoundError
-            There is none.
-        """
+        """Read what :meth:`save` wrote, in this version or an older one; others are an InvalidInputError."""
         try:
             text = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as exc:

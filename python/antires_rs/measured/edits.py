@@ -9,18 +9,14 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import reject
-from ..support.checks import FloatArray, finite_scalar, real_array
+from ..support.checks import finite_scalar
 from ..support.values import FrozenDict
-from .response_table import ResponseTable, check_std, frequencies_hz
+from .response_table import ResponseTable, check_std, companion, frequencies_hz
 
-#: Distance of a frequency named by hand from the value it means, relative.
-NAMED_WITHIN = 0.01
-#: Values closer than this are one and the same.
-SAME = 1e-9
-#: The source of what was added by hand, and what its text scores say.
-BY_HAND = "by hand"
-#: What an edit does, and how it is told.
-VERBS = {"drop": "dropped", "add": "added"}
+NAMED_WITHIN = 0.01  # distance of a frequency named by hand from the value it means, relative
+SAME = 1e-9  # values closer than this are one and the same
+BY_HAND = "by hand"  # the source of what was added by hand, and what its text scores say
+VERBS = {"drop": "dropped", "add": "added"}  # what an edit does, and how it is told
 
 
 @dataclass(frozen=True)
@@ -96,8 +92,13 @@ def added(
                 got = f"{value:g} Hz at dof {dof!r}, which is {where}"
                 remedy = "Drop the old one first if it is to be replaced."
                 reject("freq_hz", got, "a value that is new", remedy)
-    damping = _companion("damping_ratio", damping_ratio, new.size, "")
-    std = _companion("std_hz", std_hz, new.size, " in Hz")
+    damping, std = (
+        companion(name, np.full(new.size, given) if np.ndim(given) == 0 else given, new.size)
+        for name, given in (
+            ("damping_ratio", np.nan if damping_ratio is None else damping_ratio),
+            ("std_hz", np.nan if std_hz is None else std_hz),
+        )
+    )
     check_std("std_hz", std)
     _check_reason(reason)
     # No method found them: their scores are not known.
@@ -125,14 +126,3 @@ def _known(value: float) -> float | None:
 def _check_reason(reason: Any) -> None:
     if not isinstance(reason, str):
         reject("reason", reason, "a text", "Say in words why the value is changed.")
-
-
-def _companion(name: str, value: Any, count: int, unit: str) -> FloatArray:
-    """One number for all new rows, or one each; NaN where not known."""
-    if value is None:
-        return np.full(count, np.nan)
-    wanted = f"one finite number{unit}, or {count}, one for each frequency"
-    array = np.atleast_1d(real_array(name, value, ndim=None, wanted=wanted)).ravel()
-    if array.size not in (1, count):
-        reject(name, f"{array.size} values", wanted, "Give one for each frequency, or a single one for all.")
-    return np.broadcast_to(array, count)

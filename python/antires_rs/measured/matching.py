@@ -22,12 +22,9 @@ from ..support.checks import FloatArray, finite_scalar
 from .antiresonance_set import AntiresonanceSet
 from .response_table import ResponseTable
 
-#: Largest relative distance of two values that are one, by default.
-MAX_SHIFT = 0.05
-# A difference may exceed that by so many standard deviations.
-STDS = 3.0
-# Cost of what may not be paired: more than leaving both alone.
-FORBIDDEN = 1e3
+MAX_SHIFT = 0.05  # largest relative distance of two values that are one, by default
+STDS = 3.0  # a difference may exceed that by so many standard deviations
+FORBIDDEN = 1e3  # cost of what may not be paired: more than leaving both alone
 
 
 def paired(
@@ -67,8 +64,7 @@ def paired(
     return [(int(near_a[i]), int(near_b[k])) for i, k in pairs if i < n and k < m]
 
 
-#: Score of values that were followed: where in Hz the value was that each of them is.
-KNOWN = "known_hz"
+KNOWN = "known_hz"  # score of values that were followed: where in Hz the value was that each of them is
 
 
 def matched(
@@ -159,8 +155,7 @@ def check_set(name: str, one: Any) -> AntiresonanceSet:
 # References: B. L. Welch, Biometrika 34 (1947) 28-35; R. A. Fisher, Statistical Methods for Research Workers,
 # 1932, sec. 21.1 (joining tests); S. Holm, Scand. J. Stat. 6 (1979) 65-70.
 
-#: Independent averages behind a standard deviation where a set does not tell.
-AVERAGES = 15.0
+AVERAGES = 15.0  # independent averages behind a standard deviation where a set does not tell
 
 
 def averages_of(table: ResponseTable) -> FloatArray:
@@ -210,8 +205,7 @@ def holm(p: FloatArray, alpha: float) -> NDArray[np.bool_]:
 # Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377-385); both are found in turn. The variance of
 # a_t, less that of the mean, is the square of the common scatter.
 
-# Common part and scatter of the rest settle in a few rounds.
-ROUNDS = 8
+ROUNDS = 8  # common part and scatter of the rest settle in a few rounds
 
 
 def scatter(freq_hz: FloatArray, std_hz: FloatArray) -> tuple[float, float]:

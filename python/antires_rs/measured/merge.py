@@ -129,8 +129,8 @@ def merge_setups(
     """Join setups of one test to one set.
 
     Roving sensors: force and a reference sensor stay, and its values tell whether the setups agree. Roving
-    hammer: the sensors stay. H_ik = H_ki, so that the response at a sensor under a force at k has the
-    antiresonances of the response at k under a force at that sensor: name the sensor by ``excitation``.
+    hammer: the sensors stay, and as H_ik = H_ki a hit at k tells the response at k to a force at a sensor:
+    name that by ``excitation``.
 
     Parameters
     ----------
@@ -186,26 +186,26 @@ def merge_setups(
     for number, one in enumerate(given):
         for dof, table in _tables(f"sets[{number}]", one, force, stated=excitation is not None).items():
             shared.setdefault(dof, {})[number] = table
+
+    def doubt(topic: str, got: str, wanted: str, remedy: str) -> None:
+        if check == "raise":
+            raise UnsuitableDataError("sets", got, wanted, remedy)
+        if check == "warn":
+            warn(topic, f"merge_setups: {got}. {remedy}")
+
     copies = _counted_once(shared)
     if copies:
         text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
-        if check == "raise":
-            got, wanted = f"the same numbers to the last bit: {text}", "measurements with errors of their own"
-            raise UnsuitableDataError("sets", got, wanted, "Give each setup once.")
-        if check == "warn":
-            said = f"merge_setups: {text} to the last bit: one measurement, which counts once."
-            warn("copied_setups", said)
+        wanted = "measurements with errors of their own"
+        doubt("copied_setups", f"{text} to the last bit", wanted, "Give each setup once.")
     common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
     if common and check != "off":
         found = disagreements(common, len(given), shift, between, rate)
-        text = " ".join(one.text for one in found)
-        if found and check == "raise":
-            got = f"setups that disagree: {text.rstrip('.')}"
+        if found:
+            text = " ".join(one.text for one in found).rstrip(".")
             wanted = f"values that agree within their errors (false alarms {100 * rate:g} %)"
             remedy = "Test that setup again, or give std_between= for what moving the sensors changes."
-            raise UnsuitableDataError("sets", got, wanted, remedy)
-        if found:
-            warn("setups_disagree", f"merge_setups: {text}")
+            doubt("setups_disagree", f"setups that disagree: {text}", wanted, remedy)
     elif not copies and check != "off":
         text = f"merge_setups: the {len(given)} setups have no response in common, so that nothing tells "
         warn("nothing_in_common", f"{text}whether they agree.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +30,6 @@ class Asked:
         off = _off(base, edit)
         within = 0.5 * float(off[off > SAME].min(initial=np.inf))
         return cls(edit, _near(off), min(NAMED_WITHIN, within))
-
-    def reworded(self, reason: str) -> Asked:
-        """The same with another reason."""
-        return replace(self, edit=replace(self.edit, reason=reason))
 
 
 def asked_of(zeros: AntiresonanceSet) -> tuple[Asked, ...]:
@@ -79,8 +75,7 @@ def _off(zeros: AntiresonanceSet, edit: Edit) -> FloatArray:
 
 # -- The file of a set with edits that wait beside it: readers of sets leave those aside
 
-#: Where they stand in the JSON of the set.
-KEY = "waiting_edits"
+KEY = "waiting_edits"  # where they stand in the JSON of the set
 
 
 def to_json(zeros: AntiresonanceSet, waiting: Sequence[Asked]) -> str:

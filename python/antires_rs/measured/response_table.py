@@ -20,10 +20,8 @@ MORE_ROWS, MOST_SPREAD, LEAST_DOMINANCE, MOST_RESIDUAL, LEAST_PROMINENCE_DB = 20
 NUMBERS = ("freq_hz", "damping_ratio", "std_hz")
 COLUMNS = (*NUMBERS, "by_hand")
 
-#: Second eigenvalue over the first beside a value up to which it is of one force.
-MOST_SECOND = 0.025
-# Of fits over windows: what a value that is sure has.
-SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0
+MOST_SECOND = 0.025  # second eigenvalue over the first beside a value up to which it is of one force
+SURE_SHARE, SURE_SPREAD, SURE_DEPTH_DB = 0.9, 3e-3, 6.0  # of fits over windows: what a value that is sure has
 
 
 def _score(name: str, says: str) -> Any:
@@ -218,7 +216,7 @@ def tables_of(
             reject("freq_hz", f"dof {dof!r} more than once", "each dof once", "Join its values in one list.")
         frequencies[dof] = frequencies_hz(("freq_hz", dof), value)
     damping, std = (
-        {dof: _companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
+        {dof: companion((name, dof), value, n) for dof, value, n in _by_dof(name, given, frequencies)}
         for name, given in (("damping_ratio", damping_ratio), ("std_hz", std_hz))
     )
     for dof, column in std.items():
@@ -266,7 +264,7 @@ def _by_dof(name: str, given: Any, frequencies: Mapping[Any, FloatArray]) -> Ite
         yield dof, value, frequencies[dof].size
 
 
-def _companion(name: Name, value: Any, count: int) -> FloatArray:
+def companion(name: Name, value: Any, count: int) -> FloatArray:
     """One number for each frequency, NaN where not known."""
     wanted = "one value for each frequency, finite or NaN for not known"
     try:

@@ -127,9 +127,9 @@ class Tracks(ReadOnly, Viewed):
         """An ``xarray.Dataset`` over test and track, conditions and dofs as coordinates; needs xarray."""
         return self._view("to_xarray")(self)
 
-    def plot(self, dof: Any = None, *, kind: str = "change", ax: Any = None) -> Any:
+    def plot(self, dof: Any = None, *, ax: Any = None) -> Any:
         """Draw the tracks of a response over the tests; see :func:`~antires_rs.figures.plot_tracks`."""
-        return self._view("plot")(self, dof, kind=kind, ax=ax)
+        return self._view("plot")(self, dof, ax=ax)
 
 
 def _first(freq_hz: FloatArray) -> FloatArray:
@@ -138,8 +138,7 @@ def _first(freq_hz: FloatArray) -> FloatArray:
     return np.asarray(freq_hz[at, np.arange(freq_hz.shape[1])])
 
 
-# Two values nearer than this may become one; farther apart, one of them was lost.
-NEIGHBOUR = 0.02
+NEIGHBOUR = 0.02  # two values nearer than this may become one; farther apart, one of them was lost
 # A track lives while half of the last so many tests have it; what lives is assigned first, so that a value
 # seen once does not take over an antiresonance that drifts past its place.
 RECENT = 10

@@ -25,11 +25,6 @@ class MassSpringChain(StructuralModel):
     ground_first_n_per_m, ground_last_n_per_m : float
         Springs from the first and the last mass to ground; 0 leaves that end free.
 
-    Raises
-    ------
-    InvalidInputError
-        A mass or spring that is not positive, or counts that do not fit.
-
     Notes
     -----
     Elements 0 to n - 2 are the springs between the masses; the ground springs are elements n - 1 and n.
@@ -72,10 +67,8 @@ class MassSpringChain(StructuralModel):
 
     def element_label(self, element: int) -> str:
         """``spring 0`` to ``spring n-2`` between the masses, then the two ground springs."""
-        between = self.n_dof - 1
-        if element < between:
-            return f"spring {element}"
-        return "first ground spring" if element == between else "last ground spring"
+        to_ground = {self.n_dof - 1: "first ground spring", self.n_dof: "last ground spring"}
+        return to_ground.get(element, f"spring {element}")
 
     def dof_label(self, dof: int) -> str:
         """``mass 0`` for dof 0 and on, counted from 0 like the springs."""

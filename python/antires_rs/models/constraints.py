@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..exceptions import part, reject
 from ..support.checks import finite_scalar, integer, real_array
 from ..support.directions import DofNames
-from .matrices import Entries
+from .matrices import Entries, as_square
 
 # -- Linear equations between dofs as users give them: dicts, rows, arrays dense or sparse
 
@@ -46,19 +46,6 @@ def dofs_to_keep(keep: Any, n: int, number: Number | None = None) -> set[int]:
         reject("keep", repr(keep), "a sequence of dofs", "Put it in a list, also where it is one.")
     find = number or _numbers(n)
     return {find(part("keep", i), dof) for i, dof in enumerate(keep)}
-
-
-def square(name: str, matrix: Any, n: int | None = None) -> Any:
-    """A square matrix, (n, n) where n is known, as ``scipy.sparse.csr_array``."""
-    from scipy.sparse import csr_array
-
-    given = matrix if hasattr(matrix, "tocsr") else np.asarray(matrix)
-    shape = given.shape
-    if len(shape) != 2 or shape != (n or shape[0],) * 2 or given.dtype.kind not in "biufc":
-        size = "" if n is None else f", ({n}, {n}) as the stiffness"
-        got = f"a matrix of shape {shape}" if given.dtype.kind in "biufc" else repr(matrix)
-        reject(name, got, f"a square matrix of numbers{size}", "Pass both after the same dofs were removed.")
-    return csr_array(given)
 
 
 def _listed(given: Any) -> bool:
@@ -94,12 +81,10 @@ def _equation(name: str, given: Any, n: int, find: Number) -> Equation:
     return {find(name, dof): finite_scalar(name, value) for dof, value in given.items()}
 
 
-#: Coefficients so much below the largest of their equation are rounding.
-_ROUNDING = 1e-12
+_ROUNDING = 1e-12  # coefficients so much below the largest of their equation are rounding
 #: What an equation has beside those before it, at least: less is the rounding of one that repeats them.
 _OWN = 1e-5
-#: A dof whose coefficient is at least this share of the largest may be the one that is taken out.
-_PIVOT = 0.1
+_PIVOT = 0.1  # a dof may be taken out whose coefficient is at least this share of the largest
 
 
 class Constrained(NamedTuple):
@@ -160,9 +145,8 @@ def eliminate_constraints(
     Raises
     ------
     InvalidInputError
-        A dof outside the matrices; coefficients that are not finite or not real; matrices that are not
-        square; equations that tie the dofs of ``keep`` to each other or fix one of them; one that repeats
-        others but for the last digits.
+        Malformed matrices or equations; equations that tie the dofs of ``keep`` to each other or fix one of
+        them; one that repeats others but for the last digits.
 
     Notes
     -----
@@ -177,16 +161,14 @@ def eliminate_constraints(
     >>> made.dofs, made.transformation.toarray().tolist()
     (array([0, 1]), [[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
     """
-    from scipy.sparse import csc_array
-
-    n = int(square("stiffness", stiffness).shape[0])
+    n = as_square("stiffness", stiffness)[0]
     gone = solved(equations_of(constraints, n), dofs_to_keep(keep, n))
     dependent = Dependent.of(gone)
     dofs = np.setdiff1d(np.arange(n), dependent.dofs)
-    t = csc_array(dependent.transformation(n)[:, dofs])
+    t = dependent.transformation(n)[:, dofs].tocsc()
 
     def reduced(name: str, matrix: Any) -> Any:
-        return congruent(csc_array(square(name, matrix, n)), t)
+        return congruent(as_square(name, matrix, n)[1].sparse(n).tocsc(), t)
 
     k, m = reduced("stiffness", stiffness), reduced("mass", mass)
     of_k = [reduced(part("stiffness_terms", i), term) for i, term in enumerate(stiffness_terms)]
@@ -210,11 +192,6 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     constraints : scipy.sparse array, (c, m)
         For :func:`eliminate_constraints` with the matrices of ``dofs``.
 
-    Raises
-    ------
-    InvalidInputError
-        Matrices that are not square, or not of one size.
-
     Examples
     --------
     >>> import numpy as np, antires_rs as ar
@@ -223,11 +200,10 @@ def lagrange_rows(stiffness: Any, mass: Any) -> tuple[NDArray[np.intp], Any]:
     >>> dofs, equations.toarray()
     (array([0, 1]), array([[ 1., -1.]]))
     """
-    k = square("stiffness", stiffness)
-    m = square("mass", mass, k.shape[0])
-    taken = multipliers(k.shape[0], Entries.of_sparse(k), Entries.of_sparse(m))
+    n, k = as_square("stiffness", stiffness)
+    taken = multipliers(n, k, as_square("mass", mass, n)[1])
     dofs = np.flatnonzero(~taken)
-    return dofs, k[taken][:, dofs]
+    return dofs, k.sparse(n)[taken][:, dofs]
 
 
 def multipliers(n: int, stiffness: Entries, mass: Entries) -> NDArray[np.bool_]:
@@ -301,8 +277,7 @@ def equations_by_number(
     return (Entries.joined(*map(np.array, zip(*entries, strict=True))) if entries else None), kept
 
 
-#: Of what a dof is made, shares below this are rounding.
-_SHARE = 1e-8
+_SHARE = 1e-8  # of what a dof is made, shares below this are rounding
 
 
 class Dependent(NamedTuple):

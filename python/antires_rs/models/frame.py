@@ -99,7 +99,7 @@ class FrameModel(StructuralModel, Viewed):
     Raises
     ------
     InvalidInputError
-        An element listed twice or without length, a node that nothing holds, a part that cannot be.
+        An element listed twice or without length, a node that nothing holds.
 
     Warns
     -----
@@ -145,16 +145,14 @@ class FrameModel(StructuralModel, Viewed):
         if nodes.shape[1] not in (2, 3):
             got, remedy = f"an array of shape {nodes.shape}", "Give each node its coordinates in a row."
             reject("nodes_m", got, wanted, remedy)
-        pairs = "pairs of nodes (first, second), or triples with a section"
+        pairs = "two nodes, or two nodes and a section, for each of one or more elements"
         given = enumerate(iterable("elements", elements, pairs))
         rows = [tuple(iterable(part("elements", i), row, pairs)) for i, row in given]
         if not rows:
-            remedy = "A frame is at least one beam of two nodes."
-            reject("elements", "none", "at least one pair of nodes", remedy)
+            reject("elements", "none", pairs, "Write them as (0, 1) or (0, 1, 'pipe').")
         for i, row in enumerate(rows):
             if len(row) not in (2, 3):
-                wanted = "two nodes, or two nodes and a section"
-                reject(part("elements", i), row, wanted, "Write it as (0, 1) or (0, 1, 'pipe').")
+                reject(part("elements", i), row, pairs, "Write it as (0, 1) or (0, 1, 'pipe').")
         names, listed, chosen = _sections_and_choice(sections, rows)
         ends = [[integer(part("elements", i), node, low=0) for node in row[:2]] for i, row in enumerate(rows)]
         parts = {"point_masses": point_masses, "ground_springs": ground_springs, "node_springs": node_springs}
@@ -239,17 +237,8 @@ class FrameModel(StructuralModel, Viewed):
     def dof(self, node: int, direction: str) -> int:
         """Number of a dof from 0, as rows of the matrices and of FRFs are counted.
 
-        Parameters
-        ----------
-        node : int
-            Zero-based.
-        direction : str
-            ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
-
-        Raises
-        ------
-        InvalidInputError
-            No such node or direction, or the dof is fixed.
+        Directions are ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space. A dof
+        that is not there, or fixed, is an InvalidInputError.
         """
         return self._frame.dof(integer("node", node, low=0), frame_parts.text("direction", None, direction))
 

@@ -45,14 +45,7 @@ class _Spring:
 
 @dataclass(frozen=True)
 class PointMass:
-    """A lumped mass at a node.
-
-    Attributes
-    ----------
-    node : int
-    mass_kg : float
-    inertia_kg_m2 : float or (float, float, float)
-        Rotational inertia; in space the same about x, y, z, or three values.
+    """A lumped mass at a node; in space its inertia is the same about x, y and z, or three values.
 
     Examples
     --------
@@ -90,15 +83,9 @@ class PointMass:
 
 @dataclass(frozen=True)
 class GroundSpring(_Spring):
-    """A spring from one dof of a node to ground.
+    """A spring from one dof of a node to ground, in N/m, or in N m/rad for a rotation.
 
-    Attributes
-    ----------
-    node : int
-    direction : str
-        ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
-    stiffness_n_per_m : float
-        N/m, or N m/rad for a rotation.
+    Directions are ``'u', 'v', 'theta'`` in the plane, ``'u', 'v', 'w', 'rx', 'ry', 'rz'`` in space.
 
     Examples
     --------
@@ -113,16 +100,10 @@ class GroundSpring(_Spring):
 
 @dataclass(frozen=True)
 class NodeSpring(_Spring):
-    """A spring between two nodes.
+    """A spring between two nodes, in N/m, or in N m/rad for a rotation.
 
-    Attributes
-    ----------
-    node, other : int
-    stiffness_n_per_m : float
-        N/m, or N m/rad for a rotation.
-    direction : str, optional
-        The dof whose relative motion it resists, for a joint between nodes at the same place. Default: along
-        the line between the nodes, which leaves rigid motions free.
+    ``direction`` is the dof whose relative motion it resists, for a joint between nodes at the same place; by
+    default along the line between the nodes, which leaves rigid motions free.
 
     Examples
     --------
@@ -203,8 +184,7 @@ def text(name: str, i: int | None, value: Any) -> str:
 #: (shape, dimensions, E, density, Poisson's ratio), as the core takes it.
 SectionParts = tuple[str, list[float], float, float, float]
 
-#: Young's moduli below this are taken for another unit.
-SOFTEST_PA = 1e5
+SOFTEST_PA = 1e5  # Young's moduli below this are taken for another unit
 
 
 @dataclass(frozen=True)
@@ -240,14 +220,9 @@ class Tube:
 
 @dataclass(frozen=True)
 class Rectangle:
-    """A solid rectangle.
+    """A solid rectangle; material and shear as of a :class:`Tube`.
 
-    Attributes
-    ----------
-    width_m, height_m : float
-        The height lies in the plane of a plane frame, or along the element's reference direction in space.
-    youngs_modulus_pa, density_kg_per_m3, poisson, shear_coefficient
-        As of a :class:`Tube`.
+    The height lies in the plane of a plane frame, or along the element's reference direction in space.
 
     Examples
     --------

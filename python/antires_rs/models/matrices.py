@@ -65,13 +65,11 @@ class Entries(NamedTuple):
         return Entries(self.rows[kept], self.columns[kept], self.values[kept])
 
 
-#: What the messages call a matrix.
-WANTED = "a square matrix (n, n), dense or scipy.sparse"
+WANTED = "a square matrix (n, n), dense or scipy.sparse"  # what the messages call a matrix
 
 #: Relative asymmetry up to which a matrix counts as symmetric: assembly in another program rounds.
 SYMMETRY = 1e-9
-#: Masses below zero by less than this share of the middle one are rounding.
-ROUNDING = 1e-12
+ROUNDING = 1e-12  # masses below zero by less than this share of the middle one are rounding
 
 
 def as_sparse(columns: Columns) -> Any:

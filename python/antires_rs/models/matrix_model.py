@@ -46,9 +46,8 @@ class MatrixModel(StructuralModel):
     Raises
     ------
     InvalidInputError
-        A matrix that is not square, symmetric and finite, of another size, or a negative mass; constraints
-        between dofs to keep, or not finite, not real or of another width; one name for two dofs, in two
-        spellings too.
+        A matrix that is not square, symmetric and finite, or a negative mass; constraints between dofs to
+        keep; one name for two dofs, in two spellings too.
 
     Warns
     -----
@@ -104,18 +103,7 @@ class MatrixModel(StructuralModel):
         warn_penalties(self.dof_label, self.stiffness(), remedy)
 
     def dof(self, name: str) -> int:
-        """Number of a dof from 0, by its name in ``dofs`` or in another spelling.
-
-        Parameters
-        ----------
-        name : str
-            A node and a direction: ``"1204:Z"``, ``"1204+Z"``, ``"1204 UZ"``.
-
-        Raises
-        ------
-        InvalidInputError
-            No such name.
-        """
+        """Number of a dof from 0 by its name, in any spelling: ``"1204:Z"``, ``"1204+Z"``, ``"1204 UZ"``."""
         return self._names.find("name", name)
 
     def dof_label(self, dof: int) -> str:

@@ -35,8 +35,7 @@ class Kind(NamedTuple):
     unit: str
     terms: str
     least: float = 0.0
-    #: Whether the least value itself is excluded.
-    excluded: bool = True
+    excluded: bool = True  # whether the least value itself is excluded
     #: Value of the model as it was given; None where that is the model's own, in the unit.
     nominal: float | None = 1.0
 
@@ -217,8 +216,7 @@ def _bounds(bounds: Any, quantity: Quantity, relative: bool) -> Bounds:
 
 # -- What parameters are called in tables, and values far from those of the model
 
-#: A nominal value this factor outside the bounds is taken for a slip.
-FAR = 5.0
+FAR = 5.0  # a nominal value this factor outside the bounds is taken for a slip
 
 
 def parameter_name(model: Any, parameter: Parameter) -> str:
@@ -428,8 +426,7 @@ def support_stiffness(springs: Any, *, bounds: Bounds, relative: bool = False, t
 # -- Angles, lengths and positions move nodes, and the elements are formed again: a free structure stays free.
 # They act in their order, each on the nodes where these then are; supports and sensors keep their directions
 
-#: Names of directions.
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}  # names of directions
 
 
 def _group(

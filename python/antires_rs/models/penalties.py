@@ -27,10 +27,8 @@ from .matrices import Entries
 _SOFT, _GAP, _ROUNDING = 1e-8, 1e-8, 1e-14
 #: Most dofs of a part whose eigenvalues are formed; of a larger one rows of springs are summed.
 _MOST_SOFT_SUPPORTS = 300
-#: Most rigid motions of a part.
-_RIGID = 6
-#: Motion of each dof, over the largest, where all move.
-_MOVED = 1e-3
+_RIGID = 6  # most rigid motions of a part
+_MOVED = 1e-3  # motion of each dof, over the largest, where all move
 _EPS = float(np.finfo(np.float64).eps)
 #: Stiffness that no part has in units in use: a metre of steel gives 2e11 N/m, 2e14 dyn/cm.
 _NO_MATERIAL = 1e17
@@ -161,8 +159,7 @@ def without_ties(n: int, stiffness: Entries) -> FloatArray:
 
 # -- Warnings
 
-#: Stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost.
-_MOST = 3e7
+_MOST = 3e7  # stiffness of a dof over that of the middle one, from which on 1e-6 of a frequency may be lost
 
 
 def warn_penalties(label: Callable[[int], str], stiffness: Any, remedy: str) -> None:

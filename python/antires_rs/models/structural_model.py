@@ -81,8 +81,7 @@ class ModelDescription(Value):
 
 # -- What the core leaves in doubt about antiresonances and modes, in words
 
-#: Relative distance from which on a mode is above the highest one found.
-_EDGE = 1e-6
+_EDGE = 1e-6  # relative distance from which on a mode is above the highest one found
 
 
 def _warn_doubts(
@@ -122,8 +121,7 @@ def _warn_modes_left_out(freq_hz: FloatArray, stiffness: Any, mass: Any, label: 
         warn("modes_left_out", text)
 
 
-#: From so many dofs on antiresonances may take seconds.
-MANY_DOFS = 200
+MANY_DOFS = 200  # from so many dofs on antiresonances may take seconds
 
 Method = Literal["modal", "pencil"]
 Motion = Literal["accelerance", "mobility", "receptance"]
@@ -163,19 +161,11 @@ class StructuralModel(AroundCore[CoreModel]):
 
     @classmethod
     def from_description(cls, description: ModelDescription) -> Self:
-        """Build a model of this class from its :attr:`description`, to the same bits.
-
-        Raises
-        ------
-        InvalidInputError
-            The description of another kind of model.
-        """
-        if not isinstance(description, ModelDescription):
-            reject("description", description, "a ModelDescription", "Take it from a model's .description.")
-        if not isinstance(description.recipe, cls._recipe_type):
-            got = f"the recipe of another kind of model, a {type(description.recipe).__name__}"
-            wanted = f"that of a {cls.__name__}"
-            reject("description", got, wanted, "Call from_description of its own class.")
+        """Build a model of this class from its :attr:`description`, to the same bits."""
+        recipe = getattr(description, "recipe", description)
+        if not isinstance(recipe, cls._recipe_type):
+            got, wanted = type(recipe).__name__, f"the description of a {cls.__name__}"
+            reject("description", got, wanted, "Take it from .description of a model of that class.")
         model = object.__new__(cls)
         model._build(description)
         return model
@@ -183,16 +173,8 @@ class StructuralModel(AroundCore[CoreModel]):
     def with_parameters(self, parameters: Any, values: Any) -> Self:
         """The model with parameters applied, as an updating leaves it; this one stays as it is.
 
-        Parameters
-        ----------
-        parameters : Parameter or sequence of Parameter
-        values : float or array_like, (n,)
-            One for each, in its unit; not held to the bounds.
-
-        Raises
-        ------
-        InvalidInputError
-            Another number of values, a parameter that changes nothing, a value that leaves no structure.
+        ``values``, (n,), one for each parameter in its unit, are not held to the bounds. A parameter that
+        changes nothing, or a value that leaves no structure, is an InvalidInputError.
 
         Examples
         --------
@@ -295,7 +277,9 @@ class StructuralModel(AroundCore[CoreModel]):
         Returns
         -------
         ModalSet
-            ``freq_hz`` (n_modes,) ascending, ``shapes`` (n_modes, n_dof). Rigid-body modes at 0 Hz.
+            ``freq_hz`` (n_modes,) ascending, ``shapes`` (n_modes, n_dof). Rigid-body modes at 0 Hz. Without a
+            limit, modes of dofs joined to no other, too far above the lowest for double precision, are left
+            out with a warning.
 
         Raises
         ------
@@ -304,12 +288,6 @@ class StructuralModel(AroundCore[CoreModel]):
         NumericalError
             K and M share a motion with neither mass nor stiffness, or one is indefinite; all modes of more
             dofs than there is memory for.
-
-        Warns
-        -----
-        AntiresWarning
-            Without a limit: modes of dofs joined to no other, too far above the lowest for double precision,
-            are left out.
 
         Examples
         --------
@@ -372,11 +350,6 @@ class StructuralModel(AroundCore[CoreModel]):
         ndarray of complex
             (n_freq,) for one response, (n_responses, n_freq) for a sequence.
 
-        Raises
-        ------
-        InvalidInputError
-            A dof outside the model, a negative frequency or damping, an unknown kind.
-
         Notes
         -----
         Ewins, Modal Testing, 2nd ed. (2000), section 2.4.
@@ -421,9 +394,8 @@ class StructuralModel(AroundCore[CoreModel]):
         f_max_hz : float, optional
             Highest frequency wanted; all by default, but of more than 2,000 dofs, where it has to be given.
         method : {'modal', 'pencil'}
-            ``'modal'`` takes one symmetric eigenproblem for all responses and brackets the zeros of the modal
-            series, with proof that none is missed; ``'pencil'`` solves each deleted pencil by QZ, and adds
-            what QZ cannot tell from zero but the matrices confirm. Both return the same set.
+            One symmetric eigenproblem for all responses, and the zeros of the modal series bracketed with
+            proof that none is missed; or QZ of each deleted pencil. Both return the same set.
         include_cancelled : bool
             Return also the roots on a resonance which response or excitation does not see (residue below
             1e-12 of the largest). The FRF shows no dip there.
@@ -442,19 +414,11 @@ class StructuralModel(AroundCore[CoreModel]):
             1e-3 of their own distance from there), negative, or complex (imaginary part above 1e-9 of the
             modulus, or above ten times that uncertainty, at most 3e-7).
 
-        Raises
-        ------
-        InvalidInputError
-            A dof outside the model, an unknown method, or a large model without a limit.
-        NumericalError
-            An eigenproblem that cannot be solved.
-
         Warns
         -----
         AntiresWarning
             The response is not connected to the excitation; rounding leaves a doubt about the number of
-            roots, which only models of up to 2,000 dofs can settle; with ``bounds``, some roots are not
-            certain.
+            roots, which only models of up to 2,000 dofs can settle; some roots are not certain.
 
         Examples
         --------
@@ -520,11 +484,6 @@ class StructuralModel(AroundCore[CoreModel]):
             Accelerations (n_responses, n_samples) of a unit-rms force, which is kept in ``.force``,
             synthesised in the frequency domain over a longer record: no integration error, not periodic.
 
-        Raises
-        ------
-        InvalidInputError
-            A rate or duration that is not positive, a band above half the rate, a dof outside the model.
-
         Examples
         --------
         >>> import antires_rs as ar
@@ -583,8 +542,7 @@ def checked_model(model: Any) -> StructuralModel:
 
 #: Time constants 1 / (zeta omega) that the lead-in must cover; its samples that fit some hundred MB.
 _TIME_CONSTANTS, _LONGEST_LEAD_IN = 8.0, 4_000_000
-#: More samples than this of one channel fit no memory.
-_MOST_SAMPLES = 1e10
+_MOST_SAMPLES = 1e10  # more samples than this of one channel fit no memory
 
 
 @patient("recording the virtual test")

@@ -24,13 +24,6 @@ from .checkpoint import Checkpoint, digest_of
 class History(Value):
     """How a search went, one row a generation, the initial populations first.
 
-    Attributes
-    ----------
-    nfev, cost : ndarray, (n_generations,) and (n_generations, n_islands)
-        Evaluations so far, and the best cost of each island.
-    migrations : ndarray
-        Generations after which the islands exchanged their best.
-
     Examples
     --------
     >>> import antires_rs as ar
@@ -39,9 +32,9 @@ class History(Value):
     4
     """
 
-    nfev: FloatArray
-    cost: FloatArray
-    migrations: FloatArray
+    nfev: FloatArray  # evaluations so far, (n_generations,)
+    cost: FloatArray  # the best of each island, (n_generations, n_islands)
+    migrations: FloatArray  # generations after which the islands exchanged their best
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +52,11 @@ class OptimizeResult(Value):
         different points: a flat valley), ``'stagnated'`` (a single island), ``'budget'``, ``'interrupted'``,
         ``'callback'``, ``'collapsed'``, or in the ``result`` of an exception ``'objective error'``; and the
         same in a sentence.
-    nfev : int
-        Evaluations, as the budget counts them: costs and linearizations, one each.
+    nfev, nit : int
+        Evaluations, as the budget counts them (costs and linearizations, one each), and generations.
     njev : int or None
         Linearizations among them: cost, residuals and all their slopes at one point, of which a Python
         function has none. None in the file of an older version.
-    nit : int
-        Generations.
     history : History
     populations, population_costs : ndarray, (n_islands, population, n) and (n_islands, population)
         Final individuals and their costs.
@@ -75,9 +66,8 @@ class OptimizeResult(Value):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> found = ar.IslandGA(max_evaluations=5000).minimize(lambda x: (x[0] - 0.3) ** 2, [(-1, 1)], rng=0)
-    >>> found.x.round(2), found.populations.shape
-    (array([0.3]), (4, 40, 1))
+    >>> ar.IslandGA(max_evaluations=5000).minimize(lambda x: (x[0] - 0.3) ** 2, [(-1, 1)], rng=0).x.round(2)
+    array([0.3])
     """
 
     x: FloatArray
@@ -354,17 +344,10 @@ class IslandGA:
         problem ``snap=0`` as well, by ``DamagePenalty(snap=0)`` or ``SearchOptions(snap=0)``: the paper
         rounds no severity to zero.
 
-        Parameters
-        ----------
-        **options
-            Further options, as of :class:`IslandGA`; they win over the four above.
-
-        Notes
-        -----
-        What is still ours, because the paper does not say it: the selection pressure, which mutation a
-        mutating gene gets (either, equally likely), three tries of the heuristic crossover before the parents
-        are copied, the neighbours of a ring, and the budget ``max_evaluations``. Where the paper contradicts
-        itself we have four populations, not five.
+        Further ``options``, as of :class:`IslandGA`, win over these four. Still ours, as the paper does not
+        say it: the selection pressure, which mutation a gene gets (either, equally likely), three tries of
+        the heuristic crossover before the parents are copied, the neighbours of a ring, and the budget
+        ``max_evaluations``. Where the paper contradicts itself we have four populations, not five.
 
         Examples
         --------
@@ -430,8 +413,6 @@ class IslandGA:
 
         Raises
         ------
-        InvalidInputError
-            Bounds out of order or not finite, a guess outside them, a checkpoint of another search.
         ObjectiveError
             ``fun`` returned something other than one number for each candidate.
         LostWorkerError

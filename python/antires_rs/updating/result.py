@@ -236,7 +236,7 @@ class UpdateResult(ReadOnly, Viewed):
 
     def plot(self, ax: Any = None) -> Any:
         """Differences of the frequencies before and after updating; see :mod:`antires_rs.figures`."""
-        return self._view("plot differences")(self.table, ax=ax)
+        return self._view("plot")(self.table, ax=ax)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write problem, search and versions into one file ``*.npz``, whole or not at all; no pickle."""

@@ -201,9 +201,9 @@ class Watched(ReadOnly, Viewed):
             lines.append(f"failed, not judged: {len(self.failed)} tests, see .failed")
         return "\n".join(lines)
 
-    def plot(self, panel: str = "charts", ax: Any = None) -> Any:
+    def plot(self, ax: Any = None) -> Any:
         """Draw charts and conditions; see :func:`~antires_rs.figures.plot_monitor`."""
-        return self._view("plot")(self, panel=panel, ax=ax)
+        return self._view("plot")(self, ax=ax)
 
     def to_dataframe(self) -> Any:
         """A ``pandas.DataFrame``, a row a test: name, time, conditions, charts, limits, alarm, faults."""

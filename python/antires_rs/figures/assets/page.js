@@ -37,18 +37,10 @@ async function ask(path, body) {
   return data;
 }
 
-// What is typed and clicked goes to the server in this order: "Save" after a reason saves the reason.
-let line = Promise.resolve();
-function inTurn(work) {
-  const done = line.then(work, work);
-  line = done;
-  return done;
-}
-
 // The state that an answer tells, unless a newer one is shown already; of the response that is shown now.
 async function take(told) {
   if (state && told.turn < state.turn) return;
-  state = told.kind === "set" && told.dof !== shown ? await ask("state") : told;
+  state = told.dof !== shown ? await ask("state") : told;
 }
 
 async function act(command, body = {}, waiting = "") {
@@ -58,8 +50,7 @@ async function act(command, body = {}, waiting = "") {
   $("identify").disabled = true;
   try {
     const before = state;
-    // Others need not wait for an identification.
-    const told = await (command === "identify" ? ask("do/identify", body) : inTurn(() => ask("do/" + command, body)));
+    const told = await ask("do/" + command, body);
     await take(told);
     say(told.said);
     if (before && state.edits.length > before.edits.length && body.reason && $("reason").value === body.reason) {
@@ -100,7 +91,6 @@ async function draw(anew = true, asked = null) {
   const kept = anew ? null : range();
   const band = state.band_hz;
   try {
-    if (state.kind === "result") return await drawResult(place);
     const made = await (asked ?? ask("figure"));
     await bokeh;
     place.style.minHeight = height + "px"; // what is below stays where it is
@@ -117,33 +107,6 @@ async function draw(anew = true, asked = null) {
     say(error.message, true);
   } finally {
     place.style.minHeight = "";
-  }
-}
-
-async function drawResult(place) {
-  const parts = state.figures.map((one, i) => element("figure", { "data-figure": i }, element("div"), element("figcaption", {}, one.caption)));
-  place.replaceChildren(...parts);
-  await bokeh;
-  // Each when it comes into sight; the first ones at once.
-  const sight = new IntersectionObserver((seen) => {
-    for (const one of seen.filter((each) => each.isIntersecting)) {
-      sight.unobserve(one.target);
-      drawOne(one.target);
-    }
-  }, { rootMargin: "600px" });
-  for (const part of parts) sight.observe(part);
-}
-
-async function drawOne(part) {
-  try {
-    const answer = await fetch(address("figure", { shown: part.dataset.figure }));
-    const made = await answer.json();
-    if (made.error) throw new Error(made.error);
-    await Bokeh.embed.embed_item(made, part.firstChild);
-    $("pictures").dataset.drawn = part.dataset.figure;
-    part.dataset.there = "";
-  } catch (error) {
-    say(error.message, true);
   }
 }
 
@@ -220,8 +183,6 @@ function wire() {
   $("response").addEventListener("change", (event) => show(Number(event.target.value)));
   $("previous").addEventListener("click", () => show(shown - 1));
   $("next").addEventListener("click", () => show(shown + 1));
-  $("undo").addEventListener("click", () => act("undo"));
-  $("redo").addEventListener("click", () => act("redo"));
   $("save").addEventListener("click", save);
   $("controls").addEventListener("submit", (event) => {
     event.preventDefault();
@@ -234,13 +195,9 @@ function wire() {
     if ((await act("add", { dof: shown, freq_hz: value, reason: $("reason").value })).done) $("value").value = "";
   });
   document.addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || state?.kind !== "set" || event.target.matches("input")) return;
-    const key = event.key.toLowerCase();
-    const meant = key === "s" ? save : key === "z" ? () => act(event.shiftKey ? "redo" : "undo") : key === "y" ? () => act("redo") : null;
-    if (meant) {
-      event.preventDefault();
-      meant();
-    }
+    if (!(event.ctrlKey || event.metaKey) || !state || event.key.toLowerCase() !== "s") return;
+    event.preventDefault();
+    save();
   });
   addEventListener("beforeunload", (event) => {
     if (state?.unsaved && !ended) event.preventDefault();
@@ -265,9 +222,9 @@ async function begin() {
     first.catch(() => {}); // told where it is waited for
     state = await ask("state");
     write();
-    say(state.kind === "set" && !state.identified ? "Identifying …" : "");
+    say(!state.identified ? "Identifying …" : "");
     await draw(true, first);
-    if (state.kind === "set" && !state.identified) await identify();
+    if (!state.identified) await identify();
   } catch (error) {
     say(error.message, true);
   }

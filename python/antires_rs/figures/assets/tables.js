@@ -1,4 +1,4 @@
-// What stands beside the figures: the values, the edits, the tables of a result. page.js says when it is written.
+// What stands beside the figures: the values and the edits. page.js says when it is written.
 "use strict";
 
 function element(name, attributes = {}, ...children) {
@@ -21,17 +21,9 @@ function decimals(rows) {
 function write() {
   document.title = state.title || document.title;
   if (state.title) $("title").textContent = state.title;
-  for (const one of document.querySelectorAll(".of-set")) one.hidden = state.kind !== "set";
-  for (const one of document.querySelectorAll(".of-result")) one.hidden = state.kind !== "result";
-  document.querySelector("main").classList.toggle("result", state.kind === "result");
-  const warned = state.warnings || [];
-  $("warnings").hidden = !warned.length;
-  $("warnings").replaceChildren(...warned.map((text) => element("li", {}, text)));
-  if (state.kind === "set") writeSet();
-  else writeResult();
-}
-
-function writeSet() {
+  for (const one of document.querySelectorAll(".of-set")) one.hidden = false;
+  $("warnings").hidden = !state.warnings.length;
+  $("warnings").replaceChildren(...state.warnings.map((text) => element("li", {}, text)));
   if ($("response").options.length !== state.dofs.length) {
     $("response").replaceChildren(...state.dofs.map((name, i) => element("option", { value: i }, "dof " + name)));
   }
@@ -48,8 +40,6 @@ function writeSet() {
     $("order").value = state.max_order ?? "";
   }
   $("identify").textContent = state.identified ? "Identify again" : "Identify";
-  $("undo").disabled = !state.can_undo;
-  $("redo").disabled = !state.can_redo;
   $("save").hidden = !state.file;
   $("save").textContent = state.unsaved ? "Save *" : "Save";
   $("download").href = address("download");
@@ -93,50 +83,16 @@ function writeValues() {
   $("values").tBodies[0].replaceChildren(...rows);
 }
 
-// Written anew only where they are others: a reason that is being typed, and the focus, stay.
 function writeEdits() {
   $("none").hidden = state.edits.length > 0;
-  const list = $("edits"), there = [...list.children].map((one) => one.dataset.edit);
-  const wanted = state.edits.map((edit) => JSON.stringify([edit.text, edit.waits]));
-  if (String(there) !== String(wanted)) {
-    const typing = list.contains(document.activeElement) ? document.activeElement : null;
-    const kept = typing && { at: typing.closest("li").dataset.edit, name: typing.tagName, value: typing.value, start: typing.selectionStart };
-    list.replaceChildren(...state.edits.map((edit, number) => anEdit(edit, number, wanted[number])));
-    const again = kept && [...list.children].find((one) => one.dataset.edit === kept.at)?.querySelector(kept.name);
-    again?.focus();
-    if (again && kept.name === "INPUT") {
-      again.value = kept.value;
-      again.setSelectionRange(kept.start, kept.start);
-    }
-  }
-  [...list.children].forEach((one, number) => {
-    const why = one.querySelector("input"), reason = state.edits[number].reason;
-    if (why !== document.activeElement && why.dataset.said !== reason) why.value = reason;
-    why.dataset.said = reason;
-  });
-}
-
-function anEdit(edit, number, key) {
-  const why = element("input", { value: edit.reason, maxlength: 1000, placeholder: "reason", "aria-label": "Reason: " + edit.text,
-    "data-said": edit.reason, onchange: (event) => act("reword", { number, reason: event.target.value }) });
-  const back = element("button", { type: "button", "aria-label": "Take back: " + edit.text, onclick: (event) => once(event, "take_back", { number }) }, "take back");
-  const line = element("div", { class: "line" }, element("span", {}, edit.text), why, back);
-  if (edit.waits) line.append(element("span", { class: "waits" }, `waits: ${edit.waits}; made again where it can be`));
-  return element("li", { "data-edit": key }, line);
+  $("edits").replaceChildren(...state.edits.map((edit, number) => {
+    const back = element("button", { type: "button", "aria-label": "Take back: " + edit.text, onclick: (event) => once(event, "take_back", { number }) }, "take back");
+    const waits = edit.waits ? [element("span", { class: "waits" }, `waits: ${edit.waits}; made again where it can be`)] : [];
+    return element("li", {}, element("div", { class: "line" }, element("span", {}, edit.text), back, ...waits));
+  }));
 }
 
 // The second click of a double click would hit what has moved into the place of the first.
 function once(event, command, body) {
   if (event.detail < 2) act(command, body);
-}
-
-function writeResult() {
-  $("tables").replaceChildren(...state.tables.flatMap((table) => {
-    const numbers = table.head.map((text) => text.endsWith(")"));
-    const cell = (name) => (text, i) => element(name, { class: numbers[i] ? "number" : null }, text);
-    return [element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", {},
-      element("thead", {}, element("tr", {}, ...table.head.map(cell("th")))),
-      element("tbody", {}, ...table.rows.map((row) => element("tr", {}, ...row.map(cell("td")))))))];
-  }));
-  $("answer").replaceChildren(...state.answer.map((text) => element("p", {}, text)));
 }
