@@ -19,8 +19,7 @@ from .keys import DATA, IDENTIFICATION, SIGNAL_ENDINGS
 from .parser import nearest
 from .reading import EDITS, Measurement, edited, kind_of
 
-#: So many channels are named in a message.
-_NAMED = 12
+_NAMED = 12  # so many channels are named in a message
 _PLACE: KeyPath = ("data",)
 #: What functions call the files, or what was read from them.
 _OF_FILES = ("file", "path", "files", "signal", "source", "sets")

@@ -40,10 +40,8 @@ PERTURBATION = 0.08
 #: Budget of the updating: a flat valley (common scale, mass 0) keeps it from ending by itself. Over eight
 #: seeds this one, half the default, left 0.05 to 0.42 % as the largest difference, in a second.
 MAX_EVALUATIONS = 100_000
-#: A found value this close to a true one is that one.
-MATCH = 0.02
-#: Segments of the transmissibilities that are drawn, 16 s.
-NPERSEG = 8192
+MATCH = 0.02  # a found value this close to a true one is that one
+NPERSEG = 8192  # segments of the transmissibilities that are drawn, 16 s
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ from .parser import nearest
 
 # -- From a TOML text to its tables, and where their keys stand, which tomllib does not tell
 
-#: Names of tables and keys, and indices into arrays, from the top.
-KeyPath = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]  # names of tables and keys, and indices into arrays, from the top
 
 
 #: A text without its end goes to that of the line, or of the file, which keeps the search linear.
@@ -35,8 +34,7 @@ _TOKEN = re.compile(
     """,
     re.DOTALL | re.VERBOSE,
 )
-#: Keys and lists of a job are three or four deep.
-_DEEPEST = 40
+_DEEPEST = 40  # keys and lists of a job are three or four deep
 
 
 def _statements(name: str, text: str) -> list[int]:

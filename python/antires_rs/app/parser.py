@@ -181,8 +181,7 @@ _KINDS: dict[str, Callable[[str], Any]] = {
     "CHANNEL=DOF": pair,
     "DOF=HZ": edit,
 }
-#: Flags of an argument, and how argparse is to read it.
-Row = tuple[list[str], dict[str, Any]]
+Row = tuple[list[str], dict[str, Any]]  # flags of an argument, and how argparse is to read it
 
 
 def argument(use: str, about: str, **how: Any) -> Row:

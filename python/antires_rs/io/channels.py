@@ -20,8 +20,7 @@ from .common import rate_of, refuse_real, simplest_rate, unsuitable
 from .options import Dofs, Reading
 from .units import Unit
 
-#: Names of a channel that holds the instants of the others.
-_TIME = ("time", "t", "time_s", "x_value", "zeit")
+_TIME = ("time", "t", "time_s", "x_value", "zeit")  # names of a channel that holds the instants of the others
 _SAME_RATE = 1e-6
 
 
@@ -323,8 +322,7 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     return rows
 
 
-#: What stands in messages in place of a file.
-_SOURCE = Path("SEP-005 channels")
+_SOURCE = Path("SEP-005 channels")  # what stands in messages in place of a file
 
 
 def _channel_of(here: Argument, row: Any) -> Channel:

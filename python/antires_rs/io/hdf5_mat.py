@@ -90,11 +90,9 @@ def datasets_of(file: Path, reader: str, limits: Limits, given: Reading | None =
 
 # -- In the child process
 
-#: More parts than this, and the file is no record of a test.
-MOST_ARRAYS, DEEPEST = 10_000, 8
+MOST_ARRAYS, DEEPEST = 10_000, 8  # more parts than this, and the file is no record of a test
 MOST_ATTRIBUTES, LONGEST_TEXT = 100, 1_000
-#: Complex numbers as pairs: MATLAB's, and those of h5py.
-COMPLEX = (("real", "imag"), ("r", "i"))
+COMPLEX = (("real", "imag"), ("r", "i"))  # complex numbers as pairs: MATLAB's, and those of h5py
 
 
 def datasets(path: str, request: dict[str, Any]) -> Answer:
@@ -115,10 +113,8 @@ class Datasets:
     def __init__(self, request: dict[str, Any]) -> None:
         self.request, self.left = request, request["most_bytes"]
         self.arrays: dict[str, Any] = {}
-        #: Name, shape, and whether nothing is missing of what was asked for.
-        self.listed: list[Any] = []
-        #: Attributes, by path@name, and MATLAB's texts.
-        self.texts: dict[str, str] = {}
+        self.listed: list[Any] = []  # name, shape, and whether nothing is missing of what was asked for
+        self.texts: dict[str, str] = {}  # attributes, by path@name, and MATLAB's texts
 
     def visit(self, name: str, item: Any) -> None:
         """Keep a data set; MATLAB's own places are reached by references."""
@@ -442,8 +438,7 @@ def _check_length(file: Path) -> None:
 
 # -- In the child process
 
-#: Before the name of an object among the texts, whose class is the text.
-OPAQUE = "object "
+OPAQUE = "object "  # before the name of an object among the texts, whose class is the text
 
 
 def variables(path: str, request: dict[str, Any]) -> Answer:

@@ -32,10 +32,8 @@ from .common import existing_file, require, unsuitable
 from .options import PathLike
 from .own_format import read_archive
 
-#: Node and direction code, 1 to 6; 0 is a scalar.
-Point = tuple[int, int]
-#: Row, column, value.
-Entry = tuple[Point, Point, float]
+Point = tuple[int, int]  # node and direction code, 1 to 6; 0 is a scalar
+Entry = tuple[Point, Point, float]  # row, column, value
 
 
 @dataclass(frozen=True)
@@ -84,8 +82,7 @@ def by_points(entries: Sequence[Entry], points: Iterable[Point] = ()) -> Labelle
 # Written as matrix input (with a line ``*MATRIX``) or as labels. A dof with a boundary condition has 1e36 on
 # its diagonal: it is left out, with a warning.
 
-#: What stands on the diagonal of a dof with a boundary condition.
-_FIXED = 1e35
+_FIXED = 1e35  # what stands on the diagonal of a dof with a boundary condition
 
 
 def is_abaqus(file: Path) -> bool:
@@ -321,8 +318,7 @@ _HEADER = re.compile(r"^([ \d-]{8})([ \d-]{8})([ \d-]{8})([ \d-]{8})(.{8})(.*)$"
 _WIDTH = re.compile(r"[EDG](\d+)\.\d+")
 _PACKED = 65536
 
-#: Column, first row, values.
-Run = tuple[int, int, NDArray[np.float64]]
+Run = tuple[int, int, NDArray[np.float64]]  # column, first row, values
 
 
 def read_op4(file: Path) -> dict[str, Labelled]:

@@ -32,10 +32,8 @@ from .raw_arrays import signal_of_arrays
 from .units import Unit
 
 FORMAT, VERSION = "antires_rs.signal", 1
-#: The name of the JSON text in a file.
-TEXT = "antires_rs"
-#: Arrays, those that may be missing, and other parts.
-_RECORDING = ("responses",), ("force",), ("fs_hz",)
+TEXT = "antires_rs"  # the name of the JSON text in a file
+_RECORDING = ("responses",), ("force",), ("fs_hz",)  # arrays, those that may be missing, and other parts
 _RESPONSE = ("freq_hz", "values"), ("coherence", "std"), ("kind", "reference", "n_averages")
 _WANTED = f"a file written by antires_rs, version {VERSION} or older"
 
@@ -154,8 +152,7 @@ def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
 
 # -- NumPy archives, without pickle in either direction
 
-#: The first bytes of a .npy file.
-_NPY, _HEAD_BYTES = b"\x93NUMPY", 512
+_NPY, _HEAD_BYTES = b"\x93NUMPY", 512  # the first bytes of a .npy file
 
 
 @reader

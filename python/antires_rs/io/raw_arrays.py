@@ -154,8 +154,7 @@ _TIME = {"time", "t", "time_s", "tijd", "zeit"}
 _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
-#: Names that tell a role, whatever is asked for.
-ROLES = _TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE
+ROLES = _TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE  # names that tell a role, whatever is asked for
 _ROW = re.compile(r"(.+)\[(\d{1,9})\]")
 
 
@@ -338,8 +337,7 @@ class _Bag:
         reject("responses", repr(pattern), wanted, "Correct the pattern; the names of the file are listed.")
 
 
-#: Name, values, and the name of the array.
-_Row = tuple[str, NDArray[Any], str]
+_Row = tuple[str, NDArray[Any], str]  # name, values, and the name of the array
 
 
 def _rows(name: str, values: Any) -> list[_Row]:

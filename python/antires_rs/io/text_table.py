@@ -129,8 +129,7 @@ def _is_level(text: str) -> bool:
 
 # -- Instants in the first column, or in the second behind the number of the row
 
-#: Rows in which the first instant is looked for.
-_HEAD = 200
+_HEAD = 200  # rows in which the first instant is looked for
 
 #: An instant, as ISO 8601 has it, or with slashes.
 _INSTANT = re.compile(
@@ -174,8 +173,7 @@ def _instant(match: re.Match[str]) -> np.datetime64:
     return at - shift if zone[0] == "+" else at + shift
 
 
-#: First line of our files.
-MARK, VERSION = "# antires_rs csv", 1
+MARK, VERSION = "# antires_rs csv", 1  # first line of our files
 _COMMENT = ("#", "%", "//")
 _MANTISSA = re.compile(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?")
 _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")

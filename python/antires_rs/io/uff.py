@@ -51,8 +51,7 @@ _LINE_END = re.compile(rb"\r?\n|\r")
 _HEADER_LINES = 11
 #: By ordinate type: numbers per point, width in text, bytes in binary form.
 _FORMS = {2: (1, 13, 4), 4: (1, 20, 8), 5: (2, 13, 4), 6: (2, 20, 8)}
-#: The exponent of a Fortran double, 1.5D+03.
-_FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
+_FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")  # the exponent of a Fortran double, 1.5D+03
 
 
 @dataclass(frozen=True)
@@ -186,8 +185,7 @@ def numbers_of(data: bytes, dataset: Dataset) -> NDArray[np.float64]:
 
 # -- Names of the universal file's points: node and direction, ``12+Z``, and back
 
-#: Node and direction code.
-Point = tuple[int, int]
+Point = tuple[int, int]  # node and direction code
 
 
 def label_of(point: Point) -> str:
@@ -287,8 +285,7 @@ def checked(data: bytes, dataset: Dataset) -> Dataset:
 #: Function types of record 6 that are read.
 FUNCTIONS = {1: "time", 2: "auto spectrum", 3: "cross spectrum", 4: "frf", 5: "transmissibility"}
 FUNCTIONS |= {6: "coherence", 9: "auto spectrum"}
-#: Specific data types of a force, and of an abscissa of time.
-FORCES, _OVER_TIME = (9, 13), 17
+FORCES, _OVER_TIME = (9, 13), 17  # specific data types of a force, and of an abscissa of time
 #: What a function without labels is in, by its specific data type, after dataset 164 was heeded.
 _SI = {8: "m", 11: "m/s", 12: "m/s2", 9: "N", 13: "N"}
 #: ID line 2 of our files, with the place of the set among all that were written together.
@@ -312,10 +309,8 @@ class Function:
     role: str = ""
     even: bool = False
     step: float = 0.0
-    #: Into SI by the units of dataset 164, for functions without a unit of their own.
-    scale: float = 1.0
-    #: Unit of the abscissa in the file, in s or Hz.
-    x_unit: float = 1.0
+    scale: float = 1.0  # into SI by the units of dataset 164, for functions without a unit of their own
+    x_unit: float = 1.0  # unit of the abscissa in the file, in s or Hz
     #: What our writer adds: dof, exact rate or abscissa, averages.
     own: dict[str, Any] = field(default_factory=dict)
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 from ..exceptions import reject
 
-#: A file that is being written: its name to be, and the process.
-_BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")
+_BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")  # a file that is being written: its name to be, and the process
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:

@@ -33,14 +33,11 @@ from .progress import LOOK_S, counted, one_blas_thread, step
 Call = Callable[[Any], Any]
 Errors = Literal["raise", "return"]
 
-#: More than any machine has; a larger number is a slip.
-MOST_WORKERS = 1024
+MOST_WORKERS = 1024  # more than any machine has; a larger number is a slip
 #: Chunks that are begun or have arrived before the next in order, for each worker: memory stays flat.
 AHEAD = 6
-#: An answer that has not come so long after its task was done counts as a lost worker.
-_RESULT_S = 120.0
-#: What no repetition mends.
-_FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)
+_RESULT_S = 120.0  # an answer that has not come so long after its task was done counts as a lost worker
+_FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)  # what no repetition mends
 _THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _REMEDY = (
     "Pass a number, a concurrent.futures executor (itself, not its map), or a Client of a Dask cluster "
@@ -329,8 +326,7 @@ class Dask:
 
     # Measured on a busy machine; benchmarks/cluster_plan.py measures it on any other.
     a_chunk_s = 0.02
-    #: How often the cluster is asked for its size, which may change.
-    ask_s = 2.0
+    ask_s = 2.0  # how often the cluster is asked for its size, which may change
     #: Without any worker for so long there is a warning, then an error: a queue may hold the next job back.
     warn_s, patience_s = 60.0, 3600.0
     small_bytes = 65_536
