@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 from ..exceptions import Argument, InvalidInputError
 from ..identification.options import FitOptions
-from ..io.registry import conversion
+from ..io.registry import CONVERT
 from .command import existing
 from .keys import FORMATS, HEADINGS, KINDS, SECTIONS, TASKS, UNSET, Key, Section, shown
 from .parser import nearest
@@ -269,8 +269,7 @@ class Job:
     def unknown_format(self, place: KeyPath, table: Mapping[str, Any], file: Path) -> NoReturn:
         """Refuse a file whose format is not known."""
         at = "format" if "format" in table else "file"
-        remedy = 'Say which by format = "uff" or another, where the ending does not tell.'
-        remedy += conversion(file.name) * (at == "file")
+        remedy = f'Say which by format = "uff" or another, where the ending does not tell; {CONVERT}'
         self.reject((*place, at), shown(table[at]), f"a format out of {', '.join(FORMATS)}", remedy)
 
     def check_data(self, place: KeyPath, table: Mapping[str, Any], signal: Any = None) -> None:
