@@ -127,17 +127,6 @@ def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
     assert "none of the channels" not in capsys.readouterr().err
 
 
-def test_what_the_system_refuses_is_named_as_the_user_did(tmp_path, monkeypatch, capsys):
-    def refused(*_):
-        raise PermissionError(13, "Permission denied", str(tmp_path / ".job.toml.4711.tmp"))
-
-    monkeypatch.setattr("antires_rs.app.studies.write_atomically", refused)
-    assert cli.main(["init", str(tmp_path / "job.toml")]) == 1
-    said = capsys.readouterr().err
-    assert f"{str(tmp_path / 'job.toml')!r}: got 'Permission denied' from the system; wanted a place" in said
-    assert "4711" not in said
-
-
 def test_warnings_take_one_line(tmp_path, capsys):
     noise = np.random.default_rng(0).standard_normal((3, 4096))
     noise[1] = 0.0

@@ -435,12 +435,11 @@ def _records(content: bytes, order: str) -> Iterator[bytes]:
 
 
 #: What reads a format, and what its files should be, by their endings.
-Format = tuple[Callable[[Path], dict[str, Labelled]], str]
-_ABAQUS: Format = read_abaqus, "node, dof, node, dof, value, as FORMAT=MATRIX INPUT or LABELS write them"
-_MARKET: Format = read_matrix_market, "a whole Matrix Market file of a real square matrix"
-_DMIG: Format = read_dmig, "a punch file or bulk data with DMIG cards of real matrices (PARAM,EXTOUT,DMIGPCH)"
-_BOEING: Format = read_harwell_boeing, "a real assembled square matrix in Harwell-Boeing form (RSA or RUA)"
-_FORMATS: dict[str, Format] = {
+_ABAQUS = read_abaqus, "node, dof, node, dof, value, as FORMAT=MATRIX INPUT or LABELS write them"
+_MARKET = read_matrix_market, "a whole Matrix Market file of a real square matrix"
+_DMIG = read_dmig, "a punch file or bulk data with DMIG cards of real matrices (PARAM,EXTOUT,DMIGPCH)"
+_BOEING = read_harwell_boeing, "a real assembled square matrix in Harwell-Boeing form (RSA or RUA)"
+_FORMATS: dict[str, tuple[Callable[[Path], dict[str, Labelled]], str]] = {
     ".npz": (read_sparse_npz, "a file of scipy.sparse.save_npz"),
     **dict.fromkeys((".mtx", ".mtx.gz", ".mm"), _MARKET),
     ".op4": (read_op4, "a whole file of OUTPUT4, of real matrices"),

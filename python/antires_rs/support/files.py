@@ -58,12 +58,6 @@ def put_in_place(beside: Path, target: Path) -> None:
                 os.close(folder)
 
 
-def final_path(path: str | os.PathLike[str]) -> Path:
-    """The path that a file being written is to have; any other path as it is."""
-    found = _BESIDE.fullmatch(Path(path).name)
-    return Path(path).with_name(found[1]) if found else Path(path)
-
-
 def _forget_half_written(target: Path) -> None:
     """Remove what processes that are no more were writing to the same target."""
     if os.name != "posix":  # os.kill would end the process instead of asking for it

@@ -200,7 +200,7 @@ def identify_series(
         Values that are followed in every test, or how many of the first tests are identified together for
         them; 0 for none: each test is identified by itself. Default: 20, or all if there are fewer, where the
         first is a record that one fit over the band does not predict; else 0.
-    conditions : mapping, DataFrame, structured array, list of dicts or path, optional
+    conditions : mapping, DataFrame or path, optional
         What was measured beside (a CSV or Parquet file, or the table itself): numbers, a row a test in the
         order of the sources, or by their names in a column "name", "source" or "file". A column "time" or
         "date" gives the times.
