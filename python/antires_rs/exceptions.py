@@ -15,18 +15,15 @@ class AntiresError(Exception):
     Examples
     --------
     >>> import antires_rs as ar
-    >>> issubclass(ar.InvalidInputError, ar.AntiresError), issubclass(ar.InvalidInputError, ValueError)
-    (True, True)
+    >>> issubclass(ar.InvalidInputError, ar.AntiresError)
+    True
     """
 
 
 class Argument(str):
-    """The name of an argument or of a part of it, which also knows where that part is.
+    """The name of an argument or of a part of it, which also knows where that part is."""
 
-    ``path`` is its name, then indices, keys and attributes: ("point_masses", 2, "inertia_kg_m2").
-    """
-
-    path: tuple[Any, ...]
+    path: tuple[Any, ...]  # name, indices, keys and attributes: ("point_masses", 2, "inertia_kg_m2")
 
     def __new__(cls, label: str, path: tuple[Any, ...] | None = None) -> Argument:
         """An argument by its name; an argument stays what it is."""
@@ -61,25 +58,20 @@ class _Refusal(Exception):
 
 
 class InvalidInputError(_Refusal, AntiresError, ValueError):
-    """An argument is malformed.
+    """An argument is malformed; a ValueError, too.
 
     Attributes
     ----------
-    argument : str
-        Its name, with an index where it has one: ``bounds[3]``.
-    path : tuple
-        The same as data: ``("bounds", 3)``.
+    argument, path : str and tuple
+        Its name, ``bounds[3]``, and the same as data, ``("bounds", 3)``.
     got, wanted, remedy : str
         What was given, what would have been accepted, and what to do.
 
     Examples
     --------
     >>> import antires_rs as ar
-    >>> try:
-    ...     ar.cases.chain8(perturbation=2.0)
-    ... except ValueError as error:                  # ar.InvalidInputError is one
-    ...     print(error)
-    perturbation: got 2.0; wanted a finite number in [0, 0.5]. Pass a smaller one.
+    >>> print(ar.InvalidInputError("bounds[3]", "(2, 1)", "low < high", "Exchange them."))
+    bounds[3]: got (2, 1); wanted low < high. Exchange them.
     """
 
 
@@ -97,10 +89,7 @@ class UnsuitableDataError(InvalidInputError):
 class NumericalError(AntiresError, ArithmeticError):
     """A solver did not converge or a matrix is numerically unusable.
 
-    Attributes
-    ----------
-    what, detail : str
-        The computation, and how it failed.
+    It knows ``what``, the computation, and, in ``detail``, how it failed.
 
     Examples
     --------
@@ -120,10 +109,7 @@ class NumericalError(AntiresError, ArithmeticError):
 class OutOfMemoryError(NumericalError, MemoryError):
     """There is not enough memory for a computation; it is asked for before the computation begins.
 
-    Attributes
-    ----------
-    what, bytes_wanted, detail : str, int, str
-        The computation, what it needs, and what would do with less.
+    It knows ``what``, ``bytes_wanted`` and, in ``detail``, what would do with less.
 
     Examples
     --------
@@ -140,9 +126,7 @@ class OutOfMemoryError(NumericalError, MemoryError):
 
 
 class ObjectiveError(_Refusal, AntiresError, ValueError):
-    """A user's objective function returned something that is not one finite cost per candidate.
-
-    It has the fields of an :class:`InvalidInputError`.
+    """A user's objective did not return one finite cost; with the fields of an :class:`InvalidInputError`.
 
     Examples
     --------
@@ -166,10 +150,7 @@ class InternalError(AntiresError, RuntimeError):
 class LostWorkerError(AntiresError, RuntimeError):
     """A task was given up: every worker that began it was lost, killed by the system or by the task itself.
 
-    Attributes
-    ----------
-    task, losses, reason : int, int, str
-        Which one, counted from 0, the workers lost with it, and what is known of the last one.
+    It knows which ``task``, counted from 0, the ``losses`` of workers, and the ``reason`` of the last one.
 
     Examples
     --------
@@ -190,7 +171,7 @@ class LostWorkerError(AntiresError, RuntimeError):
 
 
 class MissingDependencyError(AntiresError, ImportError):
-    """An optional package is needed for this call. The message names the extra to install.
+    """An optional package is needed; the message names the extra to install.
 
     Examples
     --------
@@ -203,12 +184,7 @@ class MissingDependencyError(AntiresError, ImportError):
 class AntiresWarning(UserWarning):
     """The result stands, but the reader should know something about it.
 
-    Its text ends with the command that tells more: what is seen, why, and what to do.
-
-    Attributes
-    ----------
-    text, about : str, tuple of str
-        What was found, and names under which :func:`~antires_rs.explain` tells more.
+    It knows its ``text``, and in ``about`` the names under which :func:`~antires_rs.explain` tells more.
 
     Examples
     --------
@@ -223,14 +199,6 @@ class AntiresWarning(UserWarning):
 
     def __str__(self) -> str:
         return f"{self.text} [antires explain {' '.join(self.about)}]" if self.about else self.text
-
-
-def catalogue() -> dict[str, type[Exception]]:
-    """Every exception class of the family by name: the root included, warnings excluded."""
-    family = [AntiresError]
-    for cls in family:  # which grows meanwhile
-        family += cls.__subclasses__()
-    return {cls.__name__: cls for cls in sorted(family, key=lambda cls: cls.__name__)}
 
 
 #: What a check calls the value it is given: an argument, or an argument and the key of one of its items. Only

@@ -39,7 +39,7 @@ def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys
     pictures = {f"{name}.png" for name in PICTURES}
     assert set(os.listdir(out)) == pictures | {"updating.html", "damage.html", "summary.json"}
     said, progress = capsys.readouterr()
-    assert "28     28      0" in said
+    assert said.count("28 of 28 antiresonances found, 0 false") == 2
     assert "largest difference:" in said
     assert "updating 15 parameters" in progress
     assert "updating 15 parameters" not in said
@@ -49,16 +49,13 @@ def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys
     numbers = json.loads((out / "summary.json").read_text())
     assert numbers["updating"]["evaluations"] <= 20_000
     assert numbers["updating"]["largest_after_percent"] < 0.58  # the paper's bar
-    assert [name for name, beta in numbers["damage"]["severity"].items() if beta > 0] == ["spring 4"]
-    assert numbers["damage"]["severity"]["spring 4"] == pytest.approx(0.55, abs=0.02)
-    assert f"{100 * numbers['damage']['severity']['spring 4']:.1f}" in said
-    assert "Spring 4 has lost" in (out / "damage.html").read_text()
-    changed = numbers["damage"]["against_baseline"]
-    assert [name for name, beta in changed["severity"].items() if beta > 0] == ["spring 4"]
-    assert changed["severity"]["spring 4"] == pytest.approx(0.55, abs=0.005)
-    assert changed["probability"]["spring 4"] > 0.99
-    assert changed["headline"].startswith("Damage: spring 4 has lost")
-    assert " ".join(changed["headline"].split()) in " ".join(said.split())
+    assert "Damage: spring 4 has lost" in (out / "damage.html").read_text()
+    found = numbers["damage"]
+    assert [name for name, beta in found["severity"].items() if beta > 0] == ["spring 4"]
+    assert found["severity"]["spring 4"] == pytest.approx(0.55, abs=0.005)
+    assert found["probability"]["spring 4"] > 0.99
+    assert found["headline"].startswith("Damage: spring 4 has lost")
+    assert " ".join(found["headline"].split()) in " ".join(said.split())
 
 
 def test_demo_without_matplotlib_still_gives_the_numbers_as_json(monkeypatch, tmp_path, capsys):
@@ -128,17 +125,6 @@ def test_a_force_that_is_no_channel_is_mentioned(tmp_path, monkeypatch, capsys):
     ) in capsys.readouterr().err
     assert cli.main([*call, "Floor 1"]) == 0
     assert "none of the channels" not in capsys.readouterr().err
-
-
-def test_what_the_system_refuses_is_named_as_the_user_did(tmp_path, monkeypatch, capsys):
-    def refused(*_):
-        raise PermissionError(13, "Permission denied", str(tmp_path / ".job.toml.4711.tmp"))
-
-    monkeypatch.setattr("antires_rs.app.studies.write_atomically", refused)
-    assert cli.main(["init", str(tmp_path / "job.toml")]) == 1
-    said = capsys.readouterr().err
-    assert f"{str(tmp_path / 'job.toml')!r}: got 'Permission denied' from the system; wanted a place" in said
-    assert "4711" not in said
 
 
 def test_warnings_take_one_line(tmp_path, capsys):

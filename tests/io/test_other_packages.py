@@ -55,17 +55,16 @@ def test_units_roles_and_time():
     [
         ([], "^channels: got none"),
         ("tip", "^channels: got str"),
-        ([3], r"^channels\[0\]: got no 'data'; wanted dicts with 'data', 'name'"),
-        ([channel(data=...)], r"^channels\[0\]: got no 'data'"),
-        ([channel(unit_str=...)], r"^channels\[0\]: got no 'unit_str'"),
-        ([channel(fs=..., Fs=3)], r"^channels\[0\]: got no 'fs' or 'time'"),
+        ([3], r"^channels\[0\]: got the keys none; wanted dicts with 'data', 'name'"),
+        ([channel(data=...)], r"^channels\[0\]: got the keys "),
+        ([channel(fs=..., Fs=3)], r"^channels\[0\]: got the keys Fs, .*'fs' or 'time'"),
         ([channel(), channel()], "the name 'tip' twice"),
-        ([channel(), channel(name="b", fs=126)], "rates of 125.0, 126.0"),
+        ([channel(), channel(name="b", fs=126)], "several rates"),
         ([channel(data=DATA[:, None])], r"channels\[0\]\['data'\]: got an array of shape"),
         ([channel(fs=..., time=np.arange(9.0))], r"channels\[0\]\['time'\]: got 9 instants .* wanted 100"),
         ([channel(fs=1000, time=np.arange(100) / 125)], r"\['time'\]: got 100 instants at 125 Hz"),
         ([channel(), channel(name="b", data=DATA[:50])], r"channels of \[50, 100\] samples"),
-        ([channel(start_timestamp="a"), channel(name="b", start_timestamp="b")], "starts of a, b"),
+        ([channel(start_timestamp="a"), channel(name="b", start_timestamp="b")], "several rates or starts"),
     ],
 )
 def test_what_the_proposal_forbids_is_refused(channels, message):

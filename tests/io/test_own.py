@@ -1,7 +1,6 @@
 """Files of our own: options heeded or refused by name; a changed number is noticed, in values and text."""
 
 import json
-import re
 
 import numpy as np
 import pytest
@@ -155,46 +154,14 @@ def test_another_text_is_refused(tmp_path, change, said):
 
 
 @pytest.mark.parametrize("binary", [True, False])
-def test_a_damaged_universal_file_is_noticed(tmp_path, binary):
-    file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary)
-    whole, value = file.read_bytes(), RECORD.responses[1, 7]
-    old = np.float64(value).tobytes() if binary else f"{value:.11e}".encode()
-    new = old[:4] + bytes([old[4] ^ 1]) + old[5:]
-    assert whole.count(old) == 1
-    file.write_bytes(whole.replace(old, new))
-    with pytest.raises(UnsuitableDataError, match="numbers do not have the checksum"):
-        ar.read_uff(file)
-    with pytest.warns(ar.AntiresWarning, match="numbers do not have the checksum"):
-        assert ar.read_uff(file, partial=True).dofs == ("a",)
-
-
-@pytest.mark.parametrize("how", ["no checksum", "line ends", "an edited header"])
-def test_a_universal_file_that_was_edited_is_believed(tmp_path, how):
-    file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=False)
-    whole = file.read_bytes()
-    if how == "line ends":
-        whole = whole.replace(b"\n", b"\r\n")
-    else:
-        whole = whole.replace(b'"dof": "b"', b'"dof": "c"')
-    if how == "no checksum":
-        whole = re.sub(rb"antires_rs crc32[^\n]*", b"NONE".ljust(80), whole)
-    file.write_bytes(whole)
-    made = ar.read_uff(file)
-    assert made.dofs == ("a", "b" if how == "line ends" else "c")
-    np.testing.assert_allclose(made.responses, RECORD.responses, rtol=1e-11)
-
-
-@pytest.mark.parametrize("binary", [True, False])
 def test_another_program_reads_and_writes_our_universal_files(tmp_path, binary):
     import pyuff
 
     file = ar.write_uff(tmp_path / "a.uff", RECORD, binary=binary)
     sets = pyuff.UFF(str(file)).read_sets()
     np.testing.assert_allclose([s["data"] for s in sets], RECORD.responses, rtol=1e-11)
-    assert all(s["id3"].startswith("antires_rs crc32") for s in sets)
     for s in sets:
-        s |= {"data": 2.0 * s["data"], "binary": 0}  # the line of the checksum is kept
+        s |= {"data": 2.0 * s["data"], "binary": 0}
     other = tmp_path / "b.uff"
     pyuff.UFF(str(other)).write_sets(sets, mode="add")
-    assert b"antires_rs crc32" in other.read_bytes()
     np.testing.assert_allclose(ar.read_uff(other).responses, 2.0 * RECORD.responses, rtol=1e-11)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.support.workers import Dask, Failed, Workers, in_order
+from antires_rs.support.workers import Failed, Workers, in_order
 from tests.support import worker_tasks as work
 
 SPAWN = multiprocessing.get_context("spawn")
@@ -103,16 +103,16 @@ def test_a_result_that_does_not_travel_is_an_exception_of_its_task():
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
-@pytest.mark.parametrize(("kind", "times"), [("ours", 4), ("executor", 2)])
-def test_a_task_may_take_workers_along(kind, times, tmp_path):
-    tasks = [(tmp_path, n, times) for n in range(12)]
-    if kind == "ours":
-        assert list(in_order(work.kills, tasks, 2)) == list(range(12))
-    else:
-        with ProcessPoolExecutor(2, SPAWN) as executor:
-            assert list(in_order(work.kills, tasks, executor)) == list(range(12))
-    assert len(os.listdir(tmp_path)) == times
+def test_a_task_may_take_workers_along(tmp_path):
+    tasks = [(tmp_path, n, 4) for n in range(12)]
+    assert list(in_order(work.kills, tasks, 2)) == list(range(12))
+    assert len(os.listdir(tmp_path)) == 4
     assert multiprocessing.active_children() == []
+    with (
+        ProcessPoolExecutor(2, SPAWN) as executor,
+        pytest.raises(ar.InvalidInputError, match="ProcessPoolExecutor that is broken.*number of processes"),
+    ):
+        list(in_order(work.kills, [(tmp_path, n, 99) for n in range(12)], executor))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
@@ -191,20 +191,3 @@ def test_a_run_goes_on_with_a_scheduler_that_comes_back_and_says_so_where_none_d
     assert said in found.stdout, found.stdout + found.stderr
     if scheduler == "gone":
         assert "call again" in found.stdout
-
-
-def test_a_cluster_without_workers_is_told_and_not_waited_for_for_ever(monkeypatch):
-    monkeypatch.setattr(Dask, "ask_s", 0.05)
-    monkeypatch.setattr(Dask, "warn_s", 0.2)
-    monkeypatch.setattr(Dask, "patience_s", 0.6)
-    with (
-        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        with (
-            pytest.warns(ar.AntiresWarning, match="no worker"),
-            pytest.raises(ar.InvalidInputError, match="no worker for 1 s"),
-        ):
-            list(in_order(abs, range(3), client))
-        cluster.scale(1)
-        assert list(in_order(abs, range(-3, 0), client)) == [3, 2, 1]

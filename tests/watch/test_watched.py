@@ -96,9 +96,9 @@ LONGER = ar.MassSpringChain([*MASSES, 1.0, 1.0], [*SPRINGS, 5e4, 5e4])
     ("force", "dofs", "options", "said"),
     [
         (0, range(6), {"assessor": "plan.npz"}, "assessor"),
-        (0, range(6), {"elements": [1]}, "elements: got together with an assessor"),
-        (0, range(6), {"model": chain()}, "model: got together with an assessor"),
-        (5, [0, 1, 2], {}, "^assessor: .*force of these tests"),
+        (0, range(6), {"elements": [1]}, "elements: got it without a model, or beside an assessor"),
+        (0, range(6), {"model": chain()}, "model: got it without a model, or beside an assessor"),
+        (5, [0, 1, 2], {}, "^assessor: got one for the force at 5"),
         (0, [6], {}, "^assessor: .*dofs of these tests"),
     ],
 )

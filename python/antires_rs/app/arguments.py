@@ -129,8 +129,7 @@ def dof_finder(job: Job, model: StructuralModel | None) -> Callable[[KeyPath, An
 
 # -- The parameters and the search of a job
 
-#: Names of bounds that have a unit.
-_BOUNDS = {"angle": "bounds_deg", "position": "bounds_m"}
+_BOUNDS = {"angle": "bounds_deg", "position": "bounds_m"}  # names of bounds that have a unit
 #: Kinds of parameter, and the key that says on what each acts, in the order in which a sentence names them.
 _ON = {kind: key.name for key in PARAMETERS.keys if key.kind == "terms" for kind in key.of}
 _ON = {kind: _ON[kind] for kind in sorted(_ON, key=PARAMETERS.keys[0].help.index)}

@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 
 from ..exceptions import reject
 from ..identification.identify import Hit, identify_roving
-from ..io.registry import conversion
+from ..io.registry import CONVERT
 from ..io.uff import as_point, force_of, label_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import covered_hz
@@ -19,8 +19,7 @@ from .keys import DATA, IDENTIFICATION, SIGNAL_ENDINGS
 from .parser import nearest
 from .reading import EDITS, Measurement, edited, kind_of
 
-#: So many channels are named in a message.
-_NAMED = 12
+_NAMED = 12  # so many channels are named in a message
 _PLACE: KeyPath = ("data",)
 #: What functions call the files, or what was read from them.
 _OF_FILES = ("file", "path", "files", "signal", "source", "sets")
@@ -70,7 +69,7 @@ class Call(Job):
     def unknown_format(self, place: KeyPath, table: Any, file: Path) -> NoReturn:
         """Refuse a file whose format is not known."""
         wanted = f"an ending out of {' '.join(SIGNAL_ENDINGS)}"
-        reject("FILE", repr(str(file)), wanted, f"Say by --format what it is.{conversion(file.name)}")
+        reject("FILE", repr(str(file)), wanted, f"Say by --format if it is one of these; {CONVERT}")
 
     def check_data(self, place: KeyPath, table: Any, signal: Any = None) -> None:
         """Refuse what the signal cannot tell of, and tell what could be given."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import sys
@@ -33,20 +32,9 @@ def run(argv: Sequence[str] | None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 1
         except (AntiresError, OSError) as exc:
-            complain(_refused(exc) if isinstance(exc, OSError) else exc)
+            complain(exc)
             wrong = isinstance(exc, InvalidInputError) and not isinstance(exc, UnsuitableDataError)
             return 2 if wrong else 1
-
-
-def _refused(exc: OSError) -> object:
-    """What the system refuses, by the name that the user gave: files are written under another one first."""
-    if not isinstance(exc.filename, str) or exc.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
-        return exc
-    from ..support.files import final_path
-
-    place, wanted = repr(str(final_path(exc.filename))), "a place that this user may read and write"
-    remedy = "Choose another folder, or change its permissions."
-    return UnsuitableDataError(place, f"'{exc.strerror}' from the system", wanted, remedy)
 
 
 def _warn(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:

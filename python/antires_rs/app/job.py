@@ -13,15 +13,14 @@ from typing import Any, NoReturn
 
 from ..exceptions import Argument, InvalidInputError
 from ..identification.options import FitOptions
-from ..io.registry import conversion
+from ..io.registry import CONVERT
 from .command import existing
 from .keys import FORMATS, HEADINGS, KINDS, SECTIONS, TASKS, UNSET, Key, Section, shown
 from .parser import nearest
 
 # -- From a TOML text to its tables, and where their keys stand, which tomllib does not tell
 
-#: Names of tables and keys, and indices into arrays, from the top.
-KeyPath = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]  # names of tables and keys, and indices into arrays, from the top
 
 
 #: A text without its end goes to that of the line, or of the file, which keeps the search linear.
@@ -35,8 +34,7 @@ _TOKEN = re.compile(
     """,
     re.DOTALL | re.VERBOSE,
 )
-#: Keys and lists of a job are three or four deep.
-_DEEPEST = 40
+_DEEPEST = 40  # keys and lists of a job are three or four deep
 
 
 def _statements(name: str, text: str) -> list[int]:
@@ -271,8 +269,7 @@ class Job:
     def unknown_format(self, place: KeyPath, table: Mapping[str, Any], file: Path) -> NoReturn:
         """Refuse a file whose format is not known."""
         at = "format" if "format" in table else "file"
-        remedy = 'Say which by format = "uff" or another, where the ending does not tell.'
-        remedy += conversion(file.name) * (at == "file")
+        remedy = f'Say which by format = "uff" or another, where the ending does not tell; {CONVERT}'
         self.reject((*place, at), shown(table[at]), f"a format out of {', '.join(FORMATS)}", remedy)
 
     def check_data(self, place: KeyPath, table: Mapping[str, Any], signal: Any = None) -> None:

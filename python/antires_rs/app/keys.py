@@ -30,8 +30,7 @@ class Key:
     required: bool = False
     #: Kinds of model or parameter, or formats, to which the key belongs; empty for all.
     of: tuple[str, ...] = ()
-    #: The same on the command line, as in ``--fs HZ``; '' where it is a key of jobs alone.
-    flag: str = ""
+    flag: str = ""  # the same on the command line, as in ``--fs HZ``; '' where it is a key of jobs alone
     choices: tuple[str, ...] = ()
 
     @property
@@ -61,11 +60,9 @@ class Section:
 
 # -- Formats of measurements, and what belongs to which
 
-#: Endings of files by format.
-FORMATS = {**ENDINGS, "antiresonances": (".json",)}
+FORMATS = {**ENDINGS, "antiresonances": (".json",)}  # endings of files by format
 SIGNAL_ENDINGS = [ending for endings in ENDINGS.values() for ending in endings]
-#: What has no ending: a folder of files of one response each.
-FOLDER = "folder"
+FOLDER = "folder"  # what has no ending: a folder of files of one response each
 SIGNALS = (*ENDINGS, FOLDER)
 RECORDS = formats_of("records")
 CHAIN, FRAME, MATRICES, RESULT = ("chain", "frame", "matrices", "result")
@@ -310,8 +307,7 @@ HEADINGS = {"damage": "[damage]", "update": "[[parameters]]", "series": "[series
 
 # -- Kinds of values in a job file
 
-#: Stands in a new job for a dof that only its user knows.
-UNSET = "?"
+UNSET = "?"  # stands in a new job for a dof that only its user knows
 
 
 @dataclass(frozen=True)
@@ -398,7 +394,7 @@ _PARAMETERS = {
     MATRICES: {"stiffness_factor": "elements"},
     RESULT: {"stiffness_factor": "elements"},
 }
-#: What needs a table of its own.
+# What needs a table of its own.
 _PIPE = """\
 [model.sections.pipe]
 shape = "tube"
@@ -415,8 +411,7 @@ _DOFS = {
     RESULT: "",
 }
 _WIDTH = 108
-#: Node and direction of a universal file.
-_POINT = re.compile(r"(\d+)[+-]([XYZ])")
+_POINT = re.compile(r"(\d+)[+-]([XYZ])")  # node and direction of a universal file
 
 
 def template(

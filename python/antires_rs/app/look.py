@@ -16,8 +16,7 @@ from ..figures.live_canvas import require_bokeh
 from ..figures.page import opened
 from .command import existing, new_file
 
-#: Files that tell the place of the force, or have none.
-COMPLETE = {".json", ".toml", ".uff", ".unv"}
+COMPLETE = {".json", ".toml", ".uff", ".unv"}  # files that tell the place of the force, or have none
 
 
 def look(args: argparse.Namespace) -> int:

@@ -11,13 +11,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 from .._core import __version__
-from ..exceptions import InvalidInputError
 from ..support.messages import EDIT_WANTED, edit_named
 
-# -- Wrong usage of ``antires``, said in the fields of every error of the package
-#
-# argparse hands over sentences. What was wrong is therefore found here from the arguments and what is known
-# of them: what they were given as, how many values they take, which are required.
+# -- Wrong usage of ``antires``: the sentence of argparse, in one line
 
 
 def complain(error: object, program: str = "antires") -> None:
@@ -25,88 +21,29 @@ def complain(error: object, program: str = "antires") -> None:
     print(f"{program}: error: {error}", file=sys.stderr)
 
 
-class WrongValue(argparse.ArgumentTypeError):
-    """A value that an argument cannot take; argparse adds which argument that is."""
-
-    def __init__(self, got: str, wanted: str, remedy: str = "") -> None:
-        super().__init__(got)
-        self.got, self.wanted, self.remedy = got, wanted, remedy
-
-
 class Parser(argparse.ArgumentParser):
-    """Says what was got, what is wanted, and what to do; ``rows`` has the arguments when they are needed."""
+    """Ends with one line where it is used wrongly; ``rows`` has the arguments when they are needed."""
 
     def __init__(self, *args: Any, rows: Callable[[], Iterable[Row]] = tuple, **options: Any) -> None:
-        # Errors are explained here.
-        super().__init__(*args, **options | {"allow_abbrev": False, "exit_on_error": False})
+        super().__init__(*args, **options | {"allow_abbrev": False})
         self._rows = rows
 
-    @property
-    def see(self) -> str:
-        """Where more is said."""
-        return f"See '{self.prog} --help'."
-
-    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As argparse; what is not known is the command's to explain, not that of the program."""
-        found, unknown = self.parse_known_args(args, namespace)
-        if unknown:
-            of = self._commands().get(str(getattr(found, "command", "")), self)
-            remedy = nearest(unknown[0].split("=")[0], of._options(), 0.7) or "Remove it."
-            of.refuse(unknown[0], "an argument that is not known", f"those of '{of.prog} --help'", remedy)
-        return found
-
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As argparse, but that a wrong value is said in our fields."""
+        """As argparse, which refuses here what a command does not know."""
         for flags, how in self._rows():
             self.add_argument(*flags, **how)
-        given = list(sys.argv[1:] if args is None else args)
-        commands = self._commands()
-        if commands and given and not given[0].startswith("-") and given[0] not in commands:
-            remedy = nearest(given[0], commands) or self.see
-            self.refuse("COMMAND", repr(given[0]), f"one of {', '.join(commands)}", remedy)
-        try:
-            return super().parse_known_args(given, namespace)
-        except argparse.ArgumentError as exc:
-            self._explain(exc)
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            known = [option for action in self._actions for option in action.option_strings]
+            self.error(
+                f"unknown argument {unknown[0]}. {nearest(unknown[0].split('=')[0], known, 0.7)}".strip()
+            )
+        return found, unknown
 
     def error(self, message: str) -> NoReturn:
-        """What is left for argparse to find itself: a required argument that is not there."""
-        missing = next((action for action in self._actions if action.required), None)
-        if missing is None:
-            self.refuse("arguments", f"what argparse refuses ({message})", "those of --help", self.see)
-        self.refuse(_name(missing), "nothing", _use(missing), self.see)
-
-    def refuse(self, argument: str, got: str, wanted: str, remedy: str) -> NoReturn:
         """End the program with a usage error."""
-        complain(InvalidInputError(argument, got, wanted, remedy), self.prog)
+        complain(f"{message}{'' if message[-1] in '.?' else '.'} See '{self.prog} --help'.", self.prog)
         self.exit(2)
-
-    def _explain(self, exc: argparse.ArgumentError) -> NoReturn:
-        wrong, name = exc.__context__, exc.argument_name
-        if isinstance(wrong, WrongValue):
-            self.refuse(str(name), wrong.got, wrong.wanted, wrong.remedy or self.see)
-        action = next((a for a in self._actions if _name(a) == name), None)
-        if action is None:  # newer versions say so what is required
-            self.error(str(exc))
-        alone = action.nargs == 0
-        got = "a value" if alone else "no value" if action.nargs is None else "another number of values"
-        self.refuse(_name(action), got, "it alone" if alone else _use(action), self.see)
-
-    def _options(self) -> list[str]:
-        return [option for action in self._actions for option in action.option_strings]
-
-    def _commands(self) -> dict[str, Parser]:
-        return next((a.choices for a in self._actions if isinstance(a.choices, dict)), {})
-
-
-def _name(action: argparse.Action) -> str:
-    return "/".join(action.option_strings) or str(action.metavar or action.dest)
-
-
-def _use(action: argparse.Action) -> str:
-    """What an argument is for, from its help."""
-    use = (action.help or "a value").split(" (default")[0].split(": ")[0]
-    return f"{use} ({', '.join(action.choices)})" if isinstance(action.choices, dict) else use
 
 
 def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
@@ -116,6 +53,11 @@ def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
 
 
 # -- Kinds of values, by the word that stands for them in the help
+
+
+def _refused(got: str, wanted: str, remedy: str = "") -> argparse.ArgumentTypeError:
+    """A value that an argument cannot take; argparse adds which argument that is."""
+    return argparse.ArgumentTypeError(f"got {got!r}; wanted {wanted}. {remedy}".strip())
 
 
 def number(kind: Callable[[str], Any], low: float, high: float = float("inf")) -> Callable[[str], Any]:
@@ -129,7 +71,7 @@ def number(kind: Callable[[str], Any], low: float, high: float = float("inf")) -
         except ValueError:
             value = None
         if value is None or not low <= value <= high or value == float("inf"):
-            raise WrongValue(repr(text), f"{what} {limits}")
+            raise _refused(text, f"{what} {limits}")
         return value
 
     return parse
@@ -141,7 +83,7 @@ def one_of(options: Sequence[str]) -> dict[str, Any]:
     def parse(text: str) -> str:
         if text in options:
             return text
-        raise WrongValue(repr(text), f"one of {', '.join(options)}", nearest(text, options))
+        raise _refused(text, f"one of {', '.join(options)}", nearest(text, options))
 
     return {"type": parse, "metavar": f"{{{','.join(options)}}}"}
 
@@ -149,7 +91,7 @@ def one_of(options: Sequence[str]) -> dict[str, Any]:
 def dof(text: str) -> int | str:
     """A dof by number or name."""
     if text[:1] == "-" and text[1:].isdecimal():
-        raise WrongValue(text, "a dof of at least 0, or a name")
+        raise _refused(text, "a dof of at least 0, or a name")
     return int(text) if text.isdecimal() else text
 
 
@@ -157,7 +99,7 @@ def pair(text: str) -> tuple[str, int | str | bool]:
     """(channel, dof) of ``channel=dof``; False for a channel that is left out."""
     channel, sign, name = text.rpartition("=")
     if not sign or not channel:
-        raise WrongValue(repr(text), "CHANNEL=DOF, such as 12+Z=4")
+        raise _refused(text, "CHANNEL=DOF, such as 12+Z=4")
     return channel, dof(name) if name else False
 
 
@@ -165,7 +107,7 @@ def edit(text: str) -> str:
     """``DOF=HZ reason``."""
     named = edit_named(text)
     if named is None:
-        raise WrongValue(repr(text), EDIT_WANTED)
+        raise _refused(text, EDIT_WANTED)
     dof(named[0])
     return text
 
@@ -181,8 +123,7 @@ _KINDS: dict[str, Callable[[str], Any]] = {
     "CHANNEL=DOF": pair,
     "DOF=HZ": edit,
 }
-#: Flags of an argument, and how argparse is to read it.
-Row = tuple[list[str], dict[str, Any]]
+Row = tuple[list[str], dict[str, Any]]  # flags of an argument, and how argparse is to read it
 
 
 def argument(use: str, about: str, **how: Any) -> Row:

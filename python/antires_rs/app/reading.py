@@ -269,8 +269,7 @@ def measured_of(job: Job, model: StructuralModel | None) -> list[Measurement]:
 # -- The intact structure of a job: ``baseline`` of [damage], read and identified as [data] is
 
 _KEY: KeyPath = ("damage", "baseline")
-#: Keys of [search] that count with a baseline.
-_SEARCH = ("seed", "workers")
+_SEARCH = ("seed", "workers")  # keys of [search] that count with a baseline
 
 
 def check_options(job: Job) -> None:

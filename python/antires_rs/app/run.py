@@ -256,8 +256,7 @@ def heard() -> Iterator[list[str]]:
 
 # -- A run in numbers, ready for JSON, and in words for the terminal
 
-#: Hypotheses below this probability are left out.
-_LEAST = 1e-6
+_LEAST = 1e-6  # hypotheses below this probability are left out
 
 
 def number(value: Any) -> float | None:

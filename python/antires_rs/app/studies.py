@@ -10,7 +10,7 @@ from typing import Any
 from ..exceptions import reject
 from ..figures.canvas import picture
 from ..figures.report_parts import Drawings
-from ..io.registry import conversion
+from ..io.registry import CONVERT
 from ..io.uff import force_of
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..support.files import write_atomically
@@ -124,7 +124,7 @@ def _channels(file: Path) -> dict[str, Any]:
     kind = format_of(file.name)
     if kind is None:
         wanted = f"a file that ends in {' '.join(SIGNAL_ENDINGS)}"
-        remedy = f"Leave --data out, and name the format in the job.{conversion(file.name)}"
+        remedy = f"If the format is one of these, leave --data out and name it in the job; {CONVERT}"
         reject("--data", repr(str(file)), wanted, remedy)
     with arguments({"path": "--data"}):
         if kind == "antiresonances":

@@ -168,8 +168,7 @@ def _lasting(tracks: Tracks) -> Tracks:
 
 # -- Files that arrive in a folder: which of them are complete
 
-#: A file that has not changed for so long is complete.
-SETTLED_S = 2.0
+SETTLED_S = 2.0  # a file that has not changed for so long is complete
 
 
 class Arrivals:
@@ -177,8 +176,7 @@ class Arrivals:
 
     def __init__(self, folder: Path, beside: tuple[Path, ...] = ()) -> None:
         self._folder, self._beside = folder, {path.resolve() for path in beside}
-        #: Whether the last look found files that still grow.
-        self.growing = False
+        self.growing = False  # whether the last look found files that still grow
 
     def complete(self) -> list[Path]:
         """Those that have stopped changing; a test in a folder of its own counts by its latest file."""
@@ -246,7 +244,7 @@ def watch(args: argparse.Namespace) -> int:
                     teller.tell(series)
             if args.once and not arrivals.growing:
                 return 0
-            # A file that grows is looked at again when it should be complete.
+            # a file that grows is looked at again when it should be complete.
             time.sleep(min(args.every, SETTLED_S) if arrivals.growing else args.every)
     except KeyboardInterrupt:
         return 130

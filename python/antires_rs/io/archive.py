@@ -71,33 +71,24 @@ def write_store(path: PathLike, data: dict[str, Any], store: Store) -> Path:
     return write_archive(path, text, {**store.arrays, "text_sha256": own})
 
 
-def read_store(
-    path: PathLike,
-    form: str,
-    version: int,
-    wanted: str,
-    remedy: str = "It was cut, or is another file: copy it again, or name the right one.",
-) -> tuple[Path, dict[str, Any]]:
-    """The text with its arrays in place, all hashes compared; ``remedy`` is for what is no archive."""
+def read_store(path: PathLike, form: str, version: int, wanted: str) -> tuple[Path, dict[str, Any]]:
+    """The text with its arrays in place, all hashes compared."""
     file = existing_file(path)
-    arrays = read_archive(file, wanted, remedy)
+    arrays = read_archive(file, wanted)
     if TEXT not in arrays or "text_sha256" not in arrays:
-        got = "an archive of another kind"
-        unsuitable(file, got, wanted, "It was cut, or is another file: name the right one.")
+        unsuitable(file, "an archive of another kind", wanted)
     text = bytes(arrays[TEXT])
     if sha256(text).digest() != bytes(arrays["text_sha256"]):
-        unsuitable(file, "whose text does not have its checksum", wanted, "It was damaged or edited.")
+        unsuitable(file, "whose text does not have its checksum", wanted)
     data = json.loads(text)
     if data.get("format") != form:
-        found = f"which holds {data.get('format')!r}"
-        unsuitable(file, found, wanted, "It is another file of antires_rs: name the right one.")
+        unsuitable(file, f"which holds {data.get('format')!r}", wanted, "Name the right file.")
     if not isinstance(data.get("version"), int) or data["version"] > version:
-        found, older = f"of version {data.get('version')!r}", f"version {version} or older"
-        unsuitable(file, found, older, "Update antires_rs.")
+        older = f"version {version} or older"
+        unsuitable(file, f"of version {data.get('version')!r}", older, "Update antires_rs.")
     for name, digest in data["sha256"].items():
         if name not in arrays or _digest(arrays[name]) != digest:
-            found = f"whose array {name} is missing or does not have its checksum"
-            unsuitable(file, found, wanted, "It was damaged or edited.")
+            unsuitable(file, f"whose array {name} is missing or does not have its checksum", wanted)
     return file, _filled(data, arrays)
 
 
@@ -222,11 +213,10 @@ def save_assessor(assessor: Assessor, path: PathLike) -> Path:
 def load_assessor(path: PathLike) -> Assessor:
     """Read what :func:`save_assessor` wrote; see :meth:`Assessor.load`."""
     wanted = f"a file written by Assessor.save, version {VERSION} or older"
-    remedy = "Make and save the assessor anew."
     file, data = read_store(path, FORMAT, VERSION, wanted)
-    with parts_of(file, wanted, remedy):
+    with parts_of(file, wanted):
         if not np.array_equal(data["levels"], LEVELS):
-            unsuitable(file, "with tables of another version", wanted, remedy)
+            unsuitable(file, "with tables of another version", wanted, "Make and save the assessor anew.")
         if data["version"] == 1:
             learned = Learned(**{key: _plain_3(value) for key, value in data["learned"].items()})
             asked = _question_3(data["question"], str(file), reduced=data["reduced"])
@@ -257,11 +247,9 @@ def save_result(result: UpdateResult, path: PathLike) -> Path:
 
 def load_result(path: PathLike, kind: type[UpdateResult] = UpdateResult) -> Any:
     """Read what :func:`save_result` wrote; see :meth:`UpdateResult.load`."""
-    wanted = f"a file written by {kind.__name__}.save, version {VERSION_RESULTS} or older"
-    remedy = "It was cut, or is another file: name the result.npz of a run."
-    file, data = read_store(path, FORMAT_RESULTS, VERSION_RESULTS, wanted, remedy)
-
-    with parts_of(file, wanted, "Copy it again, or save the result anew."):
+    wanted = f"a file of {kind.__name__}.save, as the result.npz of a run, version {VERSION_RESULTS} or older"
+    file, data = read_store(path, FORMAT_RESULTS, VERSION_RESULTS, wanted)
+    with parts_of(file, wanted):
         made = _RESULTS[data["class"]]
         if not issubclass(made, kind):
             unsuitable(file, f"which holds an {made.__name__}", wanted, f"Use {made.__name__}.load.")

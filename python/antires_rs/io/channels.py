@@ -14,32 +14,27 @@ from ..exceptions import Argument, part, reject
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.checks import finite_scalar, real_array, shape_of
-from ..support.messages import warn
+from ..support.messages import some, warn
 from ._child import matches
 from .common import rate_of, refuse_real, simplest_rate, unsuitable
 from .options import Dofs, Reading
 from .units import Unit
 
-#: Names of a channel that holds the instants of the others.
-_TIME = ("time", "t", "time_s", "x_value", "zeit")
+_TIME = ("time", "t", "time_s", "x_value", "zeit")  # names of a channel that holds the instants of the others
 _SAME_RATE = 1e-6
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A channel with what its file says of it; the unit is '' and the step None where it is silent.
-
-    ``start`` is when the record began, as the file writes it, ``offset_s`` its first sample after that;
-    ``role`` is "force" where the file states it.
-    """
+    """A channel with what its file says of it; the unit is '' and the step None where it is silent."""
 
     name: Any
     values: Any
     unit: str = ""
     step_s: float | None = None
-    start: str = ""
-    offset_s: float = 0.0
-    role: str = ""
+    start: str = ""  # when the record began, as the file writes it
+    offset_s: float = 0.0  # of the first sample after that
+    role: str = ""  # "force" where the file states it
 
 
 def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: Reading) -> Recording:
@@ -50,17 +45,15 @@ def recording_of(path: Path, channels: Sequence[Channel], fs_hz: float, given: R
         forces += [c for c in channels if c.name == given.force]  # the user knows better than a silent file
     responses = [c for c in channels if not any(c is f for f in forces)]
     if not responses:
-        found = f"with {len(forces)} force and no response"
-        unsuitable(path, found, "at least one response channel", "Export the response channels too.")
+        unsuitable(path, f"with {len(forces)} force and no response", "at least one response channel")
     force = _force(forces, given.force)
     labels = renamed("dofs", [c.name for c in responses], given.dofs)
     rows = kept(labels)  # what is left out need not fit the rest
     used = [responses[i] for i in rows]
     lengths = {c.values.size for c in (*used, *([] if force is None else [force]))}
     if len(lengths) > 1:
-        found = f"with channels of {sorted(lengths)} samples"
         remedy = "Leave out those of other lengths by dofs=."
-        unsuitable(path, found, "channels of one length", remedy)
+        unsuitable(path, f"with channels of {sorted(lengths)} samples", "channels of one length", remedy)
     if given.unit is not None:  # which is that of the responses
         units |= {id(c): Unit.named(given.unit) for c in used}
     else:
@@ -96,16 +89,18 @@ def stated_recording(file: Path, channels: Sequence[Channel], given: Reading) ->
     chosen = rest if given.responses is None else [*_named(file, rest, given.responses), *forces]
     chosen = list({id(c): c for c in chosen}.values())
     if not chosen:
-        found = "without a channel of numbers"
-        unsuitable(file, found, "at least one channel of samples", "Export the channels of the record.")
+        unsuitable(file, "without a channel of numbers", "at least one channel of samples")
     rate = _rate(file, chosen, instants, given)
     first = chosen[0]
     begun = (first.start, round(first.offset_s, 9))
     other = next((c for c in chosen if (c.start, round(c.offset_s, 9)) != begun), None)
     if other is not None:
-        names = (f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other))
-        found, remedy = f"with {' and '.join(names)}", "Name the responses= of one record."
-        unsuitable(file, found, "channels that begin together", remedy)
+        names = " and ".join(
+            f"{c.name!r} from {c.start or 'the start'} + {c.offset_s:g} s" for c in (first, other)
+        )
+        unsuitable(
+            file, f"with {names}", "channels that begin together", "Name the responses= of one record."
+        )
     if given.unit is None and not any(c.unit for c in chosen):
         said = "does not say in which unit its channels are; the values are as in the file"
         warn("no_unit", f"path: {str(file)!r} {said}. Name it by unit=.")
@@ -118,9 +113,8 @@ def _named(file: Path, channels: Sequence[Channel], responses: Any) -> list[Chan
     for pattern in [responses] if shape_of(responses) == () else list(responses):
         hits = [c for c in channels if isinstance(pattern, str) and matches(c.name, pattern)]
         if not hits:
-            shown = ", ".join(repr(c.name) for c in channels[:20]) or "none of that name"
-            got = repr(pattern)
-            reject("responses", got, f"channels of {str(file)!r}: {shown}", "Correct the name or pattern.")
+            wanted = f"channels of {str(file)!r}: {some((repr(c.name) for c in channels), 20)}"
+            reject("responses", repr(pattern), wanted, "Correct the name or pattern.")
         found += hits
     return found
 
@@ -131,7 +125,7 @@ def _rate(file: Path, channels: Sequence[Channel], instants: Sequence[Channel], 
     if rate is None and not rates:
         if len(instants) == 1:
             return rate_of(file, instants[0].values)
-        found = f"whose channels {', '.join(repr(c.name) for c in channels[:6])} state no sampling interval"
+        found = f"whose channels {some((repr(c.name) for c in channels), 6)} state no sampling interval"
         unsuitable(file, found, "a sampling rate", "Give it by fs_hz=.")
     if rates and max(rates.values()) - min(rates.values()) > _SAME_RATE * max(rates.values()):
         low, high = (f(rates, key=lambda name: rates[name]) for f in (min, max))
@@ -158,10 +152,9 @@ def rate_of_step(step_s: float) -> float:
 def one_quantity(path: Path, found: Sequence[tuple[str, str, str]]) -> None:
     """Refuse accelerations beside displacements; ``found`` has name, quantity and unit of each channel."""
     if len({quantity for _, quantity, _ in found}) > 1:
-        shown = ", ".join(f"{name} {unit}" for name, _, unit in found)
+        got = "with responses of several kinds, " + ", ".join(f"{name} {unit}" for name, _, unit in found)
         remedy = "Leave out those of other kinds by dofs=, or name the unit= of all."
-        wanted = "accelerations, velocities or displacements alone"
-        unsuitable(path, f"with responses of several kinds, {shown}", wanted, remedy)
+        unsuitable(path, got, "accelerations, velocities or displacements alone", remedy)
 
 
 def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
@@ -171,9 +164,8 @@ def renamed(argument: str, names: Sequence[Any], dofs: Dofs) -> list[Any]:
     if isinstance(dofs, Mapping):
         lost = [name for name in names if name not in dofs]
         if lost:
-            got = f"no dof for {lost}"
             remedy = "Map a channel to None to leave it out."
-            reject(argument, got, f"a dof for each of {list(names)}", remedy)
+            reject(argument, f"no dof for {lost}", f"a dof for each of {list(names)}", remedy)
         return [dofs[name] for name in names]
     if callable(dofs):
         return [dofs(name) for name in names]
@@ -195,8 +187,8 @@ def kept(labels: Sequence[Any]) -> list[int]:
 def _unit(path: Path, channel: Channel) -> Unit:
     unit = Unit.of(channel.unit)
     if unit.per:
-        found, wanted = f"with the unit {channel.unit!r} of channel {channel.name!r}", "a unit of a record"
-        unsuitable(path, found, wanted, "Export time records, or read the file as frequency responses.")
+        found = f"with the unit {channel.unit!r} of channel {channel.name!r}"
+        unsuitable(path, found, "a unit of a record", "Read responses over frequency as such.")
     return unit
 
 
@@ -266,16 +258,12 @@ def from_sep005(
     rows = [channels] if isinstance(channels, Mapping) else channels
     if not isinstance(rows, list | tuple) or not rows:
         got = "none" if rows == [] else type(channels).__name__
-        reject("channels", got, f"a list of {_SEP_5}", "Pass the dicts that the reader of the file returned.")
+        reject("channels", got, f"a list of {_SEP_5}", "Pass what the reader of the file returned.")
     made = [_channel_of(part("channels", i), row) for i, row in enumerate(rows)]
     rates = [1.0 / (c.step_s or 1.0) for c in made]
-    for what, found in (
-        ("rates", {round(rate, 9) for rate in rates}),
-        ("starts", {c.start for c in made} - {""}),
-    ):
-        if len(found) > 1:
-            got = f"{what} of {', '.join(map(str, sorted(found)))}"
-            reject("channels", got, "channels recorded together", "Pass the channels of one record only.")
+    if max(len({round(rate, 9) for rate in rates}), len({c.start for c in made} - {""})) > 1:
+        got = "several rates or starts"
+        reject("channels", got, "channels recorded together", "Pass the channels of one record only.")
     twice = next((name for name, n in Counter(c.name for c in made).items() if n > 1), None)
     if twice is not None:
         reject("channels", f"the name {twice!r} twice", "names that differ", "Rename one of the channels.")
@@ -323,17 +311,14 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     return rows
 
 
-#: What stands in messages in place of a file.
-_SOURCE = Path("SEP-005 channels")
+_SOURCE = Path("SEP-005 channels")  # what stands in messages in place of a file
 
 
 def _channel_of(here: Argument, row: Any) -> Channel:
-    lost = [
-        repr(key) for key in ("data", "name", "unit_str") if not isinstance(row, Mapping) or key not in row
-    ]
-    lost += ["'fs' or 'time'"] if not lost and row.get("fs") is None and row.get("time") is None else []
-    if lost:
-        reject(here, f"no {lost[0]}", _SEP_5, "Add the key, spelled so.")
+    given = row.items() if isinstance(row, Mapping) else ()
+    keys = {key for key, value in given if value is not None or key == "unit_str"}
+    if not ({"data", "name", "unit_str"} <= keys and {"fs", "time"} & keys):
+        reject(here, f"the keys {some(keys, 9) or 'none'}", _SEP_5, "Add those that are missing.")
     data = real_array(here.item("data"), row["data"], ndim=1, wanted="a real array (n_samples,)")
     fs, time, rate = row.get("fs"), row.get("time"), 0.0
     if fs is not None:

@@ -22,8 +22,7 @@ from .raw_arrays import ROLES, array_of
 
 #: Share of the memory that arrays may take; the rest is for the archive in which they are handed over.
 _SHARE = 0.3
-#: The program of the child.
-READER = Path(__file__).with_name("_child.py")
+READER = Path(__file__).with_name("_child.py")  # the program of the child
 #: What reads in the child: its path and the request give arrays, texts and what was listed.
 Function = Callable[[str, dict[str, Any]], Answer]
 

@@ -19,6 +19,7 @@ from ..support.messages import warn
 #: Parts of a record whose mean steps are compared, and by how much they may differ relatively.
 _PARTS, _DRIFT = 32, 1e-3
 _EVEN = "instants in s, evenly spaced and ascending"
+_INSTANTS = "Resample it, cut out an even part, or leave the instants out and pass the rate."
 
 Signal = Recording | FrequencyResponse
 
@@ -31,11 +32,13 @@ def existing_file(path: str | os.PathLike[str]) -> Path:
     if file.is_dir():
         reject("path", str(file), "a file, not a folder", "Name one of the files in it.")
     if file.stat().st_size == 0:
-        unsuitable(file, "which is empty", "a file with data", "Copy or export it again.")
+        unsuitable(file, "which is empty", "a file with data")
     return file
 
 
-def unsuitable(path: Path, found: str, wanted: str, remedy: str) -> NoReturn:
+def unsuitable(
+    path: Path, found: str, wanted: str, remedy: str = "Copy or export it again, or correct it."
+) -> NoReturn:
     """Raise for a file that is damaged or of another kind."""
     raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)
 
@@ -51,19 +54,18 @@ def missing_part(path: Path, found: str, wanted: str, partial: bool, kept: int) 
     if partial and kept:
         warn("incomplete_file", f"path: {str(path)!r} is incomplete: {found}; what is whole was read.")
         return
-    more = ", or pass partial=True to read what is whole" if kept else ""
-    unsuitable(path, found, wanted, f"Copy or export it again{more}.")
+    unsuitable(path, found, wanted, "Copy or export it again" + ", or pass partial=True." * bool(kept))
 
 
 @contextmanager
-def parts_of(path: Path, wanted: str, remedy: str, found: str = "which is damaged") -> Iterator[None]:
+def parts_of(path: Path, wanted: str) -> Iterator[None]:
     """Where a signal or a result is made of the parts of a file; one that is missing or odd is told."""
     try:
         yield
     except AntiresError:
         raise
     except (KeyError, TypeError, AttributeError, IndexError, ValueError) as exc:
-        unsuitable(path, f"{found} ({type(exc).__name__}: {exc})", wanted, remedy)
+        unsuitable(path, f"which is damaged ({type(exc).__name__}: {exc})", wanted)
 
 
 def choose_run(count: int) -> str:
@@ -77,9 +79,8 @@ def refuse_real(path: Path, rows: Sequence[tuple[Any, Any]]) -> None:
     vary = any((row != row[:1]).any() for _, row in rows)
     if real is not None or (vary and not any(np.any(row.imag) for _, row in rows)):
         found = "whose responses have no imaginary part" if real is None else f"whose {real} is real"
-        remedy = "export real and imaginary part, or magnitude and phase."
-        wanted = "complex FRFs or transmissibilities"
-        unsuitable(path, found, wanted, f"Magnitudes alone have lost the phase: {remedy}")
+        remedy = "Magnitudes alone have lost the phase: export it with them, or real and imaginary part."
+        unsuitable(path, found, "complex FRFs or transmissibilities", remedy)
 
 
 def require(what: str, module: str, extra: str, package: str = "") -> None:
@@ -113,20 +114,17 @@ def simplest_rate(low: float, high: float) -> float:
 def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     """Sampling rate of even instants in s, the simplest their rounding allows; gaps are refused."""
     if times.size < 2 or not np.isfinite(times).all():
-        found = f"whose {times.size} instants are too few or not finite"
-        unsuitable(path, found, _EVEN, "Correct the instants, or leave them out and pass the rate.")
+        unsuitable(path, f"whose {times.size} instants are too few or not finite", _EVEN, _INSTANTS)
     span, rounding = float(times[-1] - times[0]), digits * float(np.abs(times).max())
     step = span / (times.size - 1)
     if span <= 0.0:
-        found = "whose time does not ascend"
-        unsuitable(path, found, _EVEN, "Sort the rows by time, or leave the instants out and pass the rate.")
+        unsuitable(path, "whose time does not ascend", _EVEN, _INSTANTS)
     # A lost sample moves its neighbour by a whole step; a tenth is jitter no writer makes by rounding.
     late = np.flatnonzero(np.abs(np.diff(times) - step) > max(0.1 * step, 2.0 * rounding))
     if late.size:
         i = int(late[0])
         found = f"with {times[i]:.9g} s followed by {times[i + 1]:.9g} s after steps of {step:.6g} s"
-        remedy = "Samples are missing, or the sampling was uneven."
-        unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, remedy)
+        unsuitable(path, f"{found} ({late.size} such gaps)", _EVEN, _INSTANTS)
     # Steps may also change in the course of the record, each by less than counts as a gap. Jitter of single
     # instants averages out over a part; its two ends have at most a tenth of a step each.
     width = max(times.size // _PARTS, 16)
@@ -136,8 +134,7 @@ def rate_of(path: Path, times: Any, *, digits: float = 1e-9) -> float:
     if edges.size > 2 and odd.max() > _DRIFT * step + (2.0 * rounding + 0.2 * step) / width:
         i = int(np.argmax(odd))
         where = f"from {times[edges[i]]:.9g} to {times[edges[i + 1]]:.9g} s"
-        found = f"whose steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
-        remedy = "The sampling rate drifts: resample it to even steps, or cut out a part with an even rate."
-        unsuitable(path, found, _EVEN, remedy)
+        found = f"whose rate drifts: steps are {steps[i]:.6g} s on average {where}, and {step:.6g} s in all"
+        unsuitable(path, found, _EVEN, _INSTANTS)
     count = times.size - 1
     return simplest_rate(count / (span + 2.0 * rounding), count / max(span - 2.0 * rounding, 0.5 * span))

@@ -108,8 +108,7 @@ _PAIRS: tuple[str, ...] = ("dof", "a_hz", "b_hz", "difference_hz", "difference_p
 _PAIRS += ("std_hz", "std_percent", "z", "p", "changed")
 _INTERVALS = ("low", "high", "center", "std", "words")
 _HYPOTHESES = tuple(each.name for each in fields(Hypothesis))
-#: What a comparison says of all pairs.
-_ALL_PAIRS = ("excitation", "chi_square", "freedom", "p_all", "alpha")
+_ALL_PAIRS = ("excitation", "chi_square", "freedom", "p_all", "alpha")  # what a comparison says of all pairs
 
 
 def comparison_frame(compared: Comparison) -> Any:

@@ -90,11 +90,9 @@ def datasets_of(file: Path, reader: str, limits: Limits, given: Reading | None =
 
 # -- In the child process
 
-#: More parts than this, and the file is no record of a test.
-MOST_ARRAYS, DEEPEST = 10_000, 8
+MOST_ARRAYS, DEEPEST = 10_000, 8  # more parts than this, and the file is no record of a test
 MOST_ATTRIBUTES, LONGEST_TEXT = 100, 1_000
-#: Complex numbers as pairs: MATLAB's, and those of h5py.
-COMPLEX = (("real", "imag"), ("r", "i"))
+COMPLEX = (("real", "imag"), ("r", "i"))  # complex numbers as pairs: MATLAB's, and those of h5py
 
 
 def datasets(path: str, request: dict[str, Any]) -> Answer:
@@ -115,10 +113,8 @@ class Datasets:
     def __init__(self, request: dict[str, Any]) -> None:
         self.request, self.left = request, request["most_bytes"]
         self.arrays: dict[str, Any] = {}
-        #: Name, shape, and whether nothing is missing of what was asked for.
-        self.listed: list[Any] = []
-        #: Attributes, by path@name, and MATLAB's texts.
-        self.texts: dict[str, str] = {}
+        self.listed: list[Any] = []  # name, shape, and whether nothing is missing of what was asked for
+        self.texts: dict[str, str] = {}  # attributes, by path@name, and MATLAB's texts
 
     def visit(self, name: str, item: Any) -> None:
         """Keep a data set; MATLAB's own places are reached by references."""
@@ -247,14 +243,11 @@ def _of_testlab(
     channels: list[Channel] = []
     kinds = set()
     for name in names:
-        step, axis = (
-            _positive(said, f"{name}.x_values.increment"),
-            _text(said, f"{name}.x_values.quantity.label"),
-        )
+        step = _positive(said, f"{name}.x_values.increment")
+        axis = _text(said, f"{name}.x_values.quantity.label")
         if step is None or (axis and not is_abscissa(axis)):
             got = f"whose {name} lies over {axis!r} in steps of {said.get(f'{name}.x_values.increment')}"
-            wanted = "functions over time or frequency, in s or Hz, with a positive increment"
-            unsuitable(file, got, wanted, "Export the time records or the FRFs, in even steps.")
+            unsuitable(file, got, "functions over time or frequency, in s or Hz, with a positive increment")
         factor = abscissa_factor(axis)
         first = factor * (stated_number(said.get(f"{name}.x_values.start_value")) or 0.0)
         values = channels_first(arrays[f"{name}.y_values.values"])
@@ -273,7 +266,7 @@ def _of_testlab(
     axes = {(c.values.size, c.step_s, c.offset_s) for c in channels}
     if len(kinds) > 1 or (len(axes) > 1 and True in kinds):
         got = "with records over time and functions over frequency, or different frequencies"
-        unsuitable(file, got, "one axis", "Export them into files of their own, or name the responses=.")
+        unsuitable(file, got, "one axis", "Name the responses= of one.")
     if kinds == {False}:
         return stated_recording(file, channels, given)
     size, spacing, start = axes.pop()
@@ -350,8 +343,7 @@ def read_mat(
         name, kind = next(iter(objects.items()))
         found = f"whose {name or 'variable'} is a {kind or 'object'} of MATLAB"
         saved = "x = T.Variables; t = seconds(T.Properties.RowTimes); save('file.mat', 'x', 't')"
-        remedy = f"Only MATLAB reads its objects. Of a timetable T save there: {saved}."
-        unsuitable(file, found, "arrays or structs of numbers", remedy)
+        unsuitable(file, found, "arrays or structs of numbers", f"Of a timetable T save there: {saved}.")
     return signal_of_arrays(file, arrays, given, texts)
 
 
@@ -416,7 +408,7 @@ def _variables(file: Path, limits: Limits, given: Reading | None = None, **more:
         arrays = {name.replace("/", "."): array for name, array in found.arrays.items()}
         return Found(arrays, {name.replace("/", "."): text for name, text in found.texts.items()})
     if head[:10] == b"MATLAB 7.3":
-        unsuitable(file, "which announces version 7.3 and is cut in its head", _WANTED, "Copy it again.")
+        unsuitable(file, "which announces version 7.3 and is cut in its head", _WANTED)
     _check_length(file)
     return in_a_child(variables, file, _WANTED, limits)
 
@@ -434,16 +426,15 @@ def _check_length(file: Path) -> None:
             length = 8 + int.from_bytes(tag[4:], order) if len(tag) == 8 else 8
             if position + length > size:
                 found = f"{size - position} of at least {length} bytes are there"
-                unsuitable(file, f"cut in its variable {count + 1}: {found}", _WANTED, "Copy it again.")
+                unsuitable(file, f"cut in its variable {count + 1}: {found}", _WANTED)
             position, count = position + length, count + 1
     if not count:
-        unsuitable(file, "a MAT file without any variable", _WANTED, "It may be cut after its head.")
+        unsuitable(file, "a MAT file without any variable", _WANTED)
 
 
 # -- In the child process
 
-#: Before the name of an object among the texts, whose class is the text.
-OPAQUE = "object "
+OPAQUE = "object "  # before the name of an object among the texts, whose class is the text
 
 
 def variables(path: str, request: dict[str, Any]) -> Answer:

@@ -14,14 +14,13 @@ import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import AntiresError, part, reject
 from ..models.matrix_model import MatrixModel
-from ..models.recipes import MatrixRecipe
 from ..models.structural_model import ModelDescription
 from ..support.directions import DIRECTIONS, NAMES
 from ..support.messages import warn
@@ -32,10 +31,8 @@ from .common import existing_file, require, unsuitable
 from .options import PathLike
 from .own_format import read_archive
 
-#: Node and direction code, 1 to 6; 0 is a scalar.
-Point = tuple[int, int]
-#: Row, column, value.
-Entry = tuple[Point, Point, float]
+Point = tuple[int, int]  # node and direction code, 1 to 6; 0 is a scalar
+Entry = tuple[Point, Point, float]  # row, column, value
 
 
 @dataclass(frozen=True)
@@ -84,8 +81,7 @@ def by_points(entries: Sequence[Entry], points: Iterable[Point] = ()) -> Labelle
 # Written as matrix input (with a line ``*MATRIX``) or as labels. A dof with a boundary condition has 1e36 on
 # its diagonal: it is left out, with a warning.
 
-#: What stands on the diagonal of a dof with a boundary condition.
-_FIXED = 1e35
+_FIXED = 1e35  # what stands on the diagonal of a dof with a boundary condition
 
 
 def is_abaqus(file: Path) -> bool:
@@ -120,7 +116,7 @@ def read_sparse_npz(file: Path) -> dict[str, Labelled]:
 
     arrays = read_archive(file)
     if "format" not in arrays or "shape" not in arrays:
-        unsuitable(file, f"with the arrays {', '.join(arrays)}", *_FORMATS[".npz"][1:])
+        unsuitable(file, f"with the arrays {', '.join(arrays)}", _FORMATS[".npz"][1])
     return {file.stem: Labelled(load_npz(file))}
 
 
@@ -164,8 +160,6 @@ def read_dmig(file: Path) -> dict[str, Labelled]:
                     own.append(((int(fields[i]), int(fields[i + 1] or 0)), column, _fortran(fields[i + 2])))
         except (ValueError, IndexError) as exc:
             raise ValueError(f"the card in line {number}: {exc}") from exc
-    if not entries:
-        unsuitable(file, "without a DMIG card", _DMIG.wanted, "Export with PARAM,EXTOUT,DMIGPCH.")
     return {name: by_points(own, columns[name]) for name, own in entries.items()}
 
 
@@ -187,7 +181,7 @@ def read_full(file: Path) -> dict[str, Labelled]:
     """``K`` and ``M`` of a file, of the dofs without constraints."""
     # The package is compiled: a damaged file can end or fill the interpreter that reads it.
     require("Reading .full files", "ansys.mapdl.reader", "ansys", "ansys-mapdl-reader")
-    arrays = in_a_child(matrices_of_full, file, _FORMATS[".full"].wanted, Limits(600.0, 16.0)).arrays
+    arrays = in_a_child(matrices_of_full, file, _FORMATS[".full"][1], Limits(600.0, 16.0)).arrays
     points = arrays["points"]
     rows, columns = ([arrays[f"{name}.{axis}"] for name in "KM"] for axis in ("row", "col"))
     if any(each.size and not 0 <= each.min() <= each.max() < len(points) for each in (*rows, *columns)):
@@ -228,10 +222,8 @@ _FORM = re.compile(r"(\d*)[IEDFG](\d+)", re.IGNORECASE)
 def read_harwell_boeing(file: Path) -> dict[str, Labelled]:
     """The matrix of a file, under its stem."""
     lines = _lines(file)
-    counts, (n_rows, n, n_entries) = (
-        [int(word) for word in lines[1].split()],
-        map(int, lines[2][3:].split()[:3]),
-    )
+    counts = [int(word) for word in lines[1].split()]
+    n_rows, n, n_entries = map(int, lines[2][3:].split()[:3])
     if lines[2][:3].upper() not in ("RSA", "RUA") or n_rows != n or n < 1:
         raise ValueError(f"matrix of type {lines[2][:3]!r}, {n_rows} by {n}")
     at, parts = 5 if len(counts) > 4 and counts[4] > 0 else 4, []
@@ -321,8 +313,7 @@ _HEADER = re.compile(r"^([ \d-]{8})([ \d-]{8})([ \d-]{8})([ \d-]{8})(.{8})(.*)$"
 _WIDTH = re.compile(r"[EDG](\d+)\.\d+")
 _PACKED = 65536
 
-#: Column, first row, values.
-Run = tuple[int, int, NDArray[np.float64]]
+Run = tuple[int, int, NDArray[np.float64]]  # column, first row, values
 
 
 def read_op4(file: Path) -> dict[str, Labelled]:
@@ -443,40 +434,18 @@ def _records(content: bytes, order: str) -> Iterator[bytes]:
 # -- Matrices in the files of finite-element programs: a reader for each format, chosen by the ending
 
 
-class Format(NamedTuple):
-    """The reader of a format, what its files should be, and what to do with one that is not."""
-
-    read: Callable[[Path], dict[str, Labelled]]
-    wanted: str
-    remedy: str
-
-
-_REAL = "Export it again; complex matrices have no place in an undamped model."
-_MARKET = Format(
-    read_matrix_market,
-    "a whole Matrix Market file of a real square matrix, general or symmetric",
-    "Copy or export it again.",
-)
-_ABAQUS = Format(
-    read_abaqus, "node, dof, node, dof, value", "Export it again with FORMAT=MATRIX INPUT or LABELS."
-)
-_DMIG = Format(
-    read_dmig,
-    "a punch file or bulk data with DMIG cards of real matrices",
-    "Export with PARAM,EXTOUT,DMIGPCH, or correct that card.",
-)
-_HARWELL_BOEING = Format(
-    read_harwell_boeing,
-    "a real assembled square matrix in the Harwell-Boeing form (RSA or RUA)",
-    "Export it again.",
-)
-_FORMATS: dict[str, Format] = {
-    ".npz": Format(read_sparse_npz, "a file of scipy.sparse.save_npz", "Save it by scipy.sparse.save_npz."),
+#: What reads a format, and what its files should be, by their endings.
+_ABAQUS = read_abaqus, "node, dof, node, dof, value, as FORMAT=MATRIX INPUT or LABELS write them"
+_MARKET = read_matrix_market, "a whole Matrix Market file of a real square matrix"
+_DMIG = read_dmig, "a punch file or bulk data with DMIG cards of real matrices (PARAM,EXTOUT,DMIGPCH)"
+_BOEING = read_harwell_boeing, "a real assembled square matrix in Harwell-Boeing form (RSA or RUA)"
+_FORMATS: dict[str, tuple[Callable[[Path], dict[str, Labelled]], str]] = {
+    ".npz": (read_sparse_npz, "a file of scipy.sparse.save_npz"),
     **dict.fromkeys((".mtx", ".mtx.gz", ".mm"), _MARKET),
-    ".op4": Format(read_op4, "a whole file of OUTPUT4, of real matrices", _REAL),
+    ".op4": (read_op4, "a whole file of OUTPUT4, of real matrices"),
     **dict.fromkeys((".pch", ".bdf", ".dmig"), _DMIG),
-    ".full": Format(read_full, "a .full file with matrices, written by WRFULL", "Write it again."),
-    **dict.fromkeys((".rsa", ".rua", ".hb"), _HARWELL_BOEING),
+    ".full": (read_full, "a .full file with matrices, written by WRFULL"),
+    **dict.fromkeys((".rsa", ".rua", ".hb"), _BOEING),
 }
 
 
@@ -487,15 +456,15 @@ def matrices_in(name: str, path: PathLike) -> dict[str, Labelled]:
     if ending is None:
         remedy = "Export the matrix in one of these formats, or pass it as a scipy.sparse array."
         reject(name, repr(str(file)), "a file that ends in " + ", ".join(_FORMATS) + ", or a matrix", remedy)
-    read, wanted, remedy = _ABAQUS if ending == ".mtx" and is_abaqus(file) else _FORMATS[ending]
+    read, wanted = _ABAQUS if ending == ".mtx" and is_abaqus(file) else _FORMATS[ending]
     try:
         found = read(file)
     except AntiresError:
         raise
     except (ValueError, IndexError, RuntimeError, EOFError, gzip.BadGzipFile, zlib.error) as exc:
-        unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted, remedy)
+        unsuitable(file, f"which is cut, damaged or of another kind ({exc})", wanted)
     if not found:
-        unsuitable(file, "without a matrix", wanted, remedy)
+        unsuitable(file, "without a matrix", wanted)
     return found
 
 
@@ -616,13 +585,12 @@ def write_matrices(path: PathLike, model: MatrixModel) -> Path:
     ...     ar.read_matrices(file).n_dof
     2
     """
-    recipe = model.description.recipe if isinstance(model, MatrixModel) else None
-    if not isinstance(recipe, MatrixRecipe) or model.description.applied:
+    if not isinstance(model, MatrixModel) or model.description.applied:
         got = "an updated model" if isinstance(model, MatrixModel) else type(model).__name__
         wanted = "a MatrixModel as it was made"
         reject("model", got, wanted, "Save the result of an updating with result.save.")
     store = Store()
-    data = {"format": FORMAT, "version": VERSION, "recipe": encoded(recipe, store)}
+    data = {"format": FORMAT, "version": VERSION, "recipe": encoded(model.description.recipe, store)}
     return write_store(path, data, store)
 
 
@@ -664,8 +632,7 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
         points = (next(iter(several.values())) if len(several) == 1 else choose("path", file, "K")).points
         if points is None:
             wanted = "DMIG cards, Abaqus's *MATRIX OUTPUT, or a text with node and direction of each row"
-            remedy = "Write the table of equations beside the matrices."
-            unsuitable(file, "which does not name its rows", wanted, remedy)
+            unsuitable(file, "which does not name its rows", wanted)
         return {(node, DIRECTIONS[code]): row for row, (node, code) in enumerate(points)}
     wanted = "a line 'node direction' or 'row node direction' for each row, each once"
     found: dict[tuple[int, str], int] = {}
@@ -680,10 +647,9 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
             if found.setdefault(point, row) == row:
                 continue
         if found or code is not None:
-            remedy = "Correct that line, or first_row."
-            unsuitable(file, f"whose line {number} is {line.strip()!r}", wanted, remedy)
+            unsuitable(file, f"whose line {number} is {line.strip()!r}", wanted)
     if not found:
-        unsuitable(file, "without such a line", wanted, "Export it with its header.")
+        unsuitable(file, "without such a line", wanted)
     return found
 
 

@@ -32,10 +32,8 @@ from .raw_arrays import signal_of_arrays
 from .units import Unit
 
 FORMAT, VERSION = "antires_rs.signal", 1
-#: The name of the JSON text in a file.
-TEXT = "antires_rs"
-#: Arrays, those that may be missing, and other parts.
-_RECORDING = ("responses",), ("force",), ("fs_hz",)
+TEXT = "antires_rs"  # the name of the JSON text in a file
+_RECORDING = ("responses",), ("force",), ("fs_hz",)  # arrays, those that may be missing, and other parts
 _RESPONSE = ("freq_hz", "values"), ("coherence", "std"), ("kind", "reference", "n_averages")
 _WANTED = f"a file written by antires_rs, version {VERSION} or older"
 
@@ -60,7 +58,7 @@ def _checksum(array: NDArray[Any]) -> int:
 
 def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading) -> Signal:
     """The signal of text and arrays, as the options say; what is missing or cut is refused."""
-    with parts_of(path, _WANTED, "Copy it again, or write it anew."):
+    with parts_of(path, _WANTED):
         data = json.loads(text)
         if data["format"] != FORMAT:
             found = f"which holds {data['format']!r}"
@@ -70,21 +68,19 @@ def own_signal(path: Path, text: str, arrays: Mapping[str, Any], given: Reading)
         lost = [name for name in data["arrays"] if name not in arrays]
         if lost:
             found = f"without {', '.join(lost)} of its {len(data['arrays'])} arrays"
-            unsuitable(path, found, _WANTED, "It was cut: copy it again.")
+            unsuitable(path, found, _WANTED)
         made = {name: np.asarray(arrays[name]) for name in data["arrays"]}
         for name, (dtype, *shape) in data["arrays"].items():
             if made[name].dtype != np.dtype(dtype) or made[name].shape != tuple(shape):
                 got = f"whose {name} has shape {made[name].shape} of {made[name].dtype}"
-                wanted = f"{tuple(shape)} of {dtype}, as the file itself states"
-                unsuitable(path, got, wanted, "It was damaged.")
+                unsuitable(path, got, f"{tuple(shape)} of {dtype}, as the file itself states")
         # Checksums, which files of versions before do not have.
         text = json.dumps({key: value for key, value in data.items() if key != "text_crc32"})
         stated = {"text": data.get("text_crc32"), **data.get("crc32", {})}
         sums = {"text": crc32(text.encode())} | {name: _checksum(array) for name, array in made.items()}
         wrong = next((name for name, crc in stated.items() if crc not in (None, sums.get(name))), None)
         if wrong is not None:
-            found = f"whose {wrong} does not have its checksum"
-            unsuitable(path, found, _WANTED, "It was damaged or edited: copy it again.")
+            unsuitable(path, f"whose {wrong} does not have its checksum", _WANTED)
         kind: type[Signal] = Recording if data["kind"] == "recording" else FrequencyResponse
         needed, optional, values = _RECORDING if kind is Recording else _RESPONSE
         held: dict[str, Any] = {name: made[name] for name in needed}
@@ -154,8 +150,7 @@ def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
 
 # -- NumPy archives, without pickle in either direction
 
-#: The first bytes of a .npy file.
-_NPY, _HEAD_BYTES = b"\x93NUMPY", 512
+_NPY, _HEAD_BYTES = b"\x93NUMPY", 512  # the first bytes of a .npy file
 
 
 @reader
@@ -217,11 +212,9 @@ def _holds_objects(file: Path) -> bool:
 
 
 def read_archive(
-    file: Path,
-    wanted: str = "a whole NumPy archive (.npz) or array (.npy) of numbers",
-    remedy: str = "It was cut, or is another file.",
+    file: Path, wanted: str = "a whole NumPy archive (.npz) or array (.npy) of numbers"
 ) -> dict[str, NDArray[Any]]:
-    """Every array of an archive, the checksums of zip compared; ``remedy`` is that of what is no archive."""
+    """Every array of an archive, the checksums of zip compared."""
     import zipfile
 
     try:
@@ -229,7 +222,7 @@ def read_archive(
         with open(file, "rb") as opened:
             alone = opened.read(len(_NPY)) == _NPY
             if not alone and not zipfile.is_zipfile(opened):
-                unsuitable(file, "which is no archive", wanted, remedy)
+                unsuitable(file, "which is no archive", wanted)
             opened.seek(0)
             held = np.load(opened, allow_pickle=False)
             return {file.stem: held} if alone else {name: held[name] for name in held.files}
@@ -237,7 +230,7 @@ def read_archive(
         raise
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
         if _holds_objects(file):
-            found = "which holds objects, which only pickle reads"
-            unsuitable(file, found, wanted, "A pickle can run any code. Save arrays of numbers alone.")
-        got = f"which cannot be read ({brief(exc)})"
-        unsuitable(file, got, wanted, "It was cut or damaged: copy it again.")
+            unsuitable(
+                file, "which holds objects, which only pickle reads", wanted, "Save arrays of numbers."
+            )
+        unsuitable(file, f"which cannot be read ({brief(exc)})", wanted)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..exceptions import reject
 from ..signals.frequency_response import FrequencyResponse
 from ..support.checks import FloatArray, finite_scalar, shape_of
-from ..support.messages import warn
+from ..support.messages import some, warn
 from ._child import matches
 from .channels import Channel, rate_of_step, recording_of, response_of, warn_other_rate
 from .common import Signal, rate_of, refuse_real, unsuitable
@@ -154,8 +154,7 @@ _TIME = {"time", "t", "time_s", "tijd", "zeit"}
 _FREQ = {"f", "freq", "freq_hz", "frequency", "frequencies", "freqs"}
 _FORCE = {"force", "hammer", "excitation", "input"}
 _COHERENCE = {"coherence", "coh", "gamma2"}
-#: Names that tell a role, whatever is asked for.
-ROLES = _TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE
+ROLES = _TIME | RATES | STEPS | _FREQ | _FORCE | _COHERENCE  # names that tell a role, whatever is asked for
 _ROW = re.compile(r"(.+)\[(\d{1,9})\]")
 
 
@@ -188,11 +187,9 @@ class _Bag:
         cubes = [name for name, value in numbers.items() if value.ndim > 2]
         if cubes and given.responses is None:
             said = f"has arrays of three and more axes, {', '.join(cubes)}, which are not read"
-            remedy = "Slice them to (n_channels, n_samples) if they are responses."
-            warn("many_axes", f"path: {str(path)!r} {said}. {remedy}")
+            warn("many_axes", f"path: {str(path)!r} {said}.")
         if not self.numeric:
-            remedy = "Export the signals as arrays of numbers, one row or column a channel."
-            unsuitable(path, f"with no numeric array ({self.listed})", "arrays of numbers", remedy)
+            unsuitable(path, f"with no numeric array ({self.listed})", "arrays of numbers")
 
     def signal(self) -> Signal:
         """What the arrays are."""
@@ -263,12 +260,11 @@ class _Bag:
         for c in channels:
             if c.values.size != lines.size:
                 found = f"with {c.values.size} values of {c.name!r} over {lines.size} frequencies"
-                unsuitable(path, found, "as many", "Export values and frequencies of the same test.")
+                unsuitable(path, found, "as many")
         coherence = np.vstack([numeric[n] for n in seen]).real if seen else None
         if coherence is not None and coherence.shape != (len(channels), lines.size):
             found, wanted = f"with coherences of shape {coherence.shape}", f"({len(channels)}, {lines.size})"
-            remedy = "Export a coherence for each response, over the same frequencies."
-            unsuitable(path, found, wanted, remedy)
+            unsuitable(path, found, wanted)
         return response_of(path, lines, channels, self.given, coherence)
 
     def _rate(self, time: str | None, names: list[str]) -> float:
@@ -318,8 +314,7 @@ class _Bag:
         short = [f"{name} ({size})" for name, size in sizes.items() if longest > size > longest // 2]
         if short:
             said = f"has arrays shorter than the {longest} samples of the longest, {', '.join(short)}"
-            remedy = "Name the responses= to choose."
-            warn("short_arrays", f"path: {str(self.path)!r} {said}, which are left out. {remedy}")
+            warn("short_arrays", f"path: {str(self.path)!r} {said}, which are left out.")
         return [name for name, size in sizes.items() if size == longest > 1]
 
     def _asked(self, pattern: Any, among: Mapping[str, NDArray[Any]], taken: set[str]) -> list[_Row]:
@@ -338,8 +333,7 @@ class _Bag:
         reject("responses", repr(pattern), wanted, "Correct the pattern; the names of the file are listed.")
 
 
-#: Name, values, and the name of the array.
-_Row = tuple[str, NDArray[Any], str]
+_Row = tuple[str, NDArray[Any], str]  # name, values, and the name of the array
 
 
 def _rows(name: str, values: Any) -> list[_Row]:
@@ -349,8 +343,7 @@ def _rows(name: str, values: Any) -> list[_Row]:
 
 def _listed(arrays: Mapping[str, Any]) -> str:
     """Names and shapes, for a message."""
-    shown = [f"{name} {'x'.join(map(str, value.shape))}" for name, value in list(arrays.items())[:20]]
-    return ", ".join(shown) + (f" and {len(arrays) - 20} more" if len(arrays) > 20 else "")
+    return some((f"{name} {'x'.join(map(str, value.shape))}" for name, value in arrays.items()), 20)
 
 
 def channels_first(value: NDArray[Any]) -> NDArray[Any]:

@@ -112,7 +112,7 @@ def _check_segments(file: Path, partial: bool) -> None:
             lead = stream.read(_LEAD_IN)
             if lead[:4] != b"TDSm":
                 what = f"damaged after segment {count}" if count else "which does not begin with a segment"
-                unsuitable(file, what, _WANTED_TDMS, "It is another file, or was damaged.")
+                unsuitable(file, what, _WANTED_TDMS)
             order: Any = "big" if len(lead) > 4 and lead[4] & 0x40 else "little"
             length = int.from_bytes(lead[12:20], order)
             end = at + _LEAD_IN + length
@@ -199,7 +199,7 @@ def _check_chunks(file: Path) -> None:
     with open(file, "rb") as stream:
         head = stream.read(12)
         if head[:4] not in (b"RIFF", b"RIFX", b"RF64") or head[8:12] != b"WAVE":
-            unsuitable(file, "which has no RIFF header", _WANTED_WAV, "It is another file, or was cut.")
+            unsuitable(file, "which has no RIFF header", _WANTED_WAV)
         order: Any = "big" if head[:4] == b"RIFX" else "little"
         while at + 8 <= size:
             stream.seek(at)
@@ -207,11 +207,10 @@ def _check_chunks(file: Path) -> None:
             length = int.from_bytes(chunk[4:8], order)
             if chunk[:4] == b"data":
                 if head[:4] != b"RF64" and at + 8 + length > size:
-                    found = f"with {size - at - 8} of {length} bytes of samples"
-                    unsuitable(file, found, _WANTED_WAV, "It was cut: copy it again.")
+                    unsuitable(file, f"with {size - at - 8} of {length} bytes of samples", _WANTED_WAV)
                 return
             at += 8 + length + length % 2
-    unsuitable(file, "without samples (no data chunk)", _WANTED_WAV, "It was cut: copy it again.")
+    unsuitable(file, "without samples (no data chunk)", _WANTED_WAV)
 
 
 # -- miniSEED of seismic recorders and many wireless sensors
@@ -245,8 +244,7 @@ def read_miniseed(
         before, after = [entry for entry in entries if entry["name"] == name][:2]
         first = f"the first between {before['until']} and {after['start']}"
         found = f"whose {name} has {count - 1} gaps or overlaps, {first}"
-        remedy = "Cut a part without gaps out of it, with ObsPy's slice or the recorder's program."
-        unsuitable(file, found, "traces without gaps", remedy)
+        unsuitable(file, found, "traces without gaps", "Cut a part without gaps out of it.")
     # Traces that begin within half a sample of each other begin together.
     begun = [datetime.fromisoformat(entry["start"].replace("Z", "+00:00")) for entry in entries]
     late = (abs((each - begun[0]).total_seconds()) > 0.5 * entries[0]["step_s"] for each in begun)
@@ -339,9 +337,9 @@ def _segments(file: Path) -> tuple[_Form, list[Segment]]:
             found += [Segment(tags, titles, rows)] if there and rows else []
         tags = {name: values for name, *values in form.rows("".join(header))}
     if header:
-        unsuitable(file, "whose last header has no end", _WANTED_LVM, "It was cut: copy it again.")
+        unsuitable(file, "whose last header has no end", _WANTED_LVM)
     if not found:
-        unsuitable(file, "with a header and no numbers", _WANTED_LVM, "It was cut: copy it again.")
+        unsuitable(file, "with a header and no numbers", _WANTED_LVM)
     return form, found
 
 
@@ -387,11 +385,8 @@ def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: f
     (tags, titles, rows), multi = segment, form.columns == "multi"
     count = "".join(tags.get("Channels", [""])[:1])
     width = len(titles or rows[0]) - (titles[-1:] == ["Comment"])
-    n = (
-        int(count)
-        if count.isdecimal() and 0 < int(count) <= 100_000
-        else max(width // (1 + multi) - 1 + multi, 1)
-    )
+    n = int(count) if count.isdecimal() and int(count) <= 100_000 else 0
+    n = n or max(width // (1 + multi) - 1 + multi, 1)
     stated = [int(size) for size in tags.get("Samples", []) if size.isdecimal()]
     made: list[Channel] = []
     for c in range(n):
@@ -404,8 +399,7 @@ def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: f
             values = form.numbers(cells)
             x = None if form.columns == "no" else form.numbers(row[before] for row in rows[: len(cells)])
         except ValueError as exc:
-            found, remedy = f"whose {name!r} has what is no number ({exc})", "Correct or remove that line."
-            unsuitable(file, found, "rows of numbers", remedy)
+            unsuitable(file, f"whose {name!r} has what is no number ({exc})", "rows of numbers")
         if c < len(stated) and values.size != stated[c]:
             found = f"{name!r} has {values.size} of {stated[c]} samples"
             missing_part(file, found, _WANTED_LVM, partial, values.size if values.size < stated[c] else 0)
@@ -416,7 +410,7 @@ def _channels(file: Path, form: _Form, segment: Segment, partial: bool, fs_hz: f
         made = [replace(c, values=c.values[:shortest]) for c in made]
     if shortest == 0 or not all(np.isfinite(c.values).all() for c in made):
         found = "with values that are not finite" if shortest else "with a channel without samples"
-        unsuitable(file, found, "finite numbers", "Export it again, or cut out the part without them.")
+        unsuitable(file, found, "finite numbers")
     kinds = {kind.lower() for kind in tags.get("X_Dimension", [])} - {"", "time"}
     if kinds:
         over = f"lies over {', '.join(sorted(kinds))}, as its X_Dimension says"

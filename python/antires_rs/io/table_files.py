@@ -68,14 +68,12 @@ def read_csv(
     file, given = opened(read_csv, path, options)
     table = table_of(file, delimiter, decimal)
     found, stated = len(table.values), table.header.get("rows")
-    if table.problem:
-        missing_part(file, table.problem, "a line end after the last row and every row whole", partial, found)
-    elif stated is not None and found != stated:
-        got, wanted = f"{found} of {stated} rows are there", f"{stated} rows, as its header states"
-        missing_part(file, got, wanted, partial, found if found < stated else 0)
+    problem = table.problem or (f"{found} of {stated} rows are there" if stated not in (None, found) else "")
+    if problem:
+        kept = 0 if stated is not None and found > stated else found
+        missing_part(file, problem, "a line end after the last row and every row whole", partial, kept)
     if found < 2:
-        remedy = "Export more of the record; a single row is no signal."
-        unsuitable(file, f"with {found} rows of numbers", "at least two", remedy)
+        unsuitable(file, f"with {found} rows of numbers", "at least two")
     if "kind" in table.header:
         return as_asked(file, _own(file, table), given)
     return signal_of_table(file, table, given)
@@ -84,8 +82,7 @@ def read_csv(
 def _own(file: Path, table: Table) -> Signal:
     """A file of ours: the header tells everything."""
     head, columns = table.header, table.values.real.T
-    remedy = "Write it again; leave the lines at the top as they are."
-    with parts_of(file, "a file of write_csv", remedy, "whose header is damaged"):
+    with parts_of(file, "a whole file of write_csv"):
         dofs, n = list(head["dofs"]), len(head["dofs"])
         if head["kind"] == "recording":
             rows = zip(dofs, columns[1 : n + 1], strict=True)
@@ -230,12 +227,10 @@ def _table(file: Path, entries: list[dict[str, Any]], head: list[list[str]]) -> 
     """The columns as those of a text."""
     if not entries or entries[0]["values"].size < 2:
         found = f"with {len(entries)} columns of {entries[0]['values'].size if entries else 0} rows"
-        wanted = "columns of two rows or more"
-        unsuitable(file, found, wanted, "Export more of the record; a single row is no signal.")
+        unsuitable(file, found, "columns of two rows or more")
     table = Table(values=np.column_stack([entry["values"] for entry in entries]))
     if not np.isfinite(table.values).all():
-        remedy = "Fill or cut out the cells without one."
-        unsuitable(file, "with values that are not finite", "finite numbers", remedy)
+        unsuitable(file, "with values that are not finite", "finite numbers")
     named(table, head)
     units = table.units or [""] * len(entries)
     table.units = [entry["unit"] or unit for entry, unit in zip(entries, units, strict=True)]

@@ -81,8 +81,7 @@ def joined(file: Path, columns: list[Channel], pairs: str | None, over_freq: boo
         choice("pairs", pairs, PAIRS)
         if len(columns) % 2 == 0:
             found = f"with {len(columns) - 1} columns beside the first"
-            wanted = f"two for each response, as {pairs=} says"
-            unsuitable(file, found, wanted, "Export both parts of every response.")
+            unsuitable(file, found, f"two for each response, as {pairs=} says")
     out: list[Channel] = []
     rest = list(columns)
     while rest:
@@ -129,8 +128,7 @@ def _is_level(text: str) -> bool:
 
 # -- Instants in the first column, or in the second behind the number of the row
 
-#: Rows in which the first instant is looked for.
-_HEAD = 200
+_HEAD = 200  # rows in which the first instant is looked for
 
 #: An instant, as ISO 8601 has it, or with slashes.
 _INSTANT = re.compile(
@@ -149,16 +147,14 @@ def _instants_as_time(file: Path, rows: list[list[str]]) -> tuple[int | None, st
     start = min(found)
     odd = next((i for i in range(start, len(rows) - 1) if i not in found), None)
     if odd is not None:
-        got = (
-            f"whose row {odd - start + 1}, {' '.join(rows[odd])[:40]!r}, has no instant where others have one"
-        )
-        unsuitable(file, got, "an instant in every row", "Correct or remove that row.")
+        got = f"whose row {odd - start + 1}, {' '.join(rows[odd])[:40]!r}, has no instant as others have"
+        unsuitable(file, got, "an instant in every row")
     digits = max(len(match[6] or "") for match in found.values())
     unit, per_s = next((u, n) for u, n in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9)) if digits <= n)
     try:
         at = {i: _instant(match) for i, match in found.items()}
     except ValueError as exc:
-        unsuitable(file, f"with an instant that is none ({exc})", "days and times that exist", "Correct it.")
+        unsuitable(file, f"with an instant that is none ({exc})", "days and times that exist")
     for i, each in at.items():
         rows[i][column] = str(int((each - at[start]) / np.timedelta64(1, "ns")) // 10 ** (9 - per_s))
     return column, unit
@@ -174,9 +170,8 @@ def _instant(match: re.Match[str]) -> np.datetime64:
     return at - shift if zone[0] == "+" else at + shift
 
 
-#: First line of our files.
-MARK, VERSION = "# antires_rs csv", 1
-_COMMENT = ("#", "%", "//")
+MARK, VERSION = "# antires_rs csv", 1  # first line of our files
+_COMMENT, _NUMBERS = ("#", "%", "//"), "numbers in every column"
 _MANTISSA = re.compile(r"\(?[-+]?([\d.,]*)(?:[eE]([-+]?\d+))?")
 _UNIT = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]$")
 #: The sign of an imaginary part between blanks, 1 + 2i, or its unit after one.
@@ -185,19 +180,15 @@ _SPACED = re.compile(r"[ \t]*([+-])[ \t]*([0-9.,]+(?:[eE][+-]?\d+)?[ij])\b")
 
 @dataclass
 class Table:
-    """Numbers of a file, one row a line, real or complex; what is not stated is empty.
+    """Numbers of a file, one row a line, real or complex; what is not stated is empty."""
 
-    ``header`` has the values of our ``# name: JSON`` lines, ``problem`` what is cut, ``digits`` the relative
-    rounding of the first two columns, ``instants`` the column that had instants.
-    """
-
-    header: dict[str, Any] = field(default_factory=dict)
+    header: dict[str, Any] = field(default_factory=dict)  # of our ``# name: JSON`` lines
     names: list[str] = field(default_factory=list)
     units: list[str] = field(default_factory=list)
     values: NDArray[Any] = field(default_factory=lambda: np.empty((0, 0)))
-    problem: str = ""
-    digits: tuple[float, float] = (1e-9, 1e-9)
-    instants: int | None = None
+    problem: str = ""  # what is cut
+    digits: tuple[float, float] = (1e-9, 1e-9)  # relative rounding of the first two columns
+    instants: int | None = None  # the column that had instants
 
     def columns(self) -> list[Channel]:
         """The columns as they stand; those of complex text are complex even if real, but for the first."""
@@ -211,7 +202,7 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     """Comments, names and numbers; a last row that is cut is left out and told of."""
     text = decoded(file)
     if "\x00" in text:
-        unsuitable(file, "with bytes that are no text", "a text file", "Export it as text.")
+        unsuitable(file, "with bytes that are no text", "a text file")
     table, ended, lines = Table(), text.endswith("\n"), text.splitlines()
     if text.startswith(MARK):
         _header(file, lines, table)
@@ -230,13 +221,11 @@ def table_of(file: Path, delimiter: str | None, decimal: str | None) -> Table:
     if start == len(split):
         middle = split[len(split) // 2] if split else []
         odd = next((f": {part[:40]!r} is none" for part in middle if not _numeric([part], point)), "")
-        found, remedy = f"without a row of numbers{odd}", "Name the delimiter= and decimal=."
-        unsuitable(file, found, "columns of numbers", remedy)
+        unsuitable(file, f"without a row of numbers{odd}", _NUMBERS, "Name the delimiter= and decimal=.")
     rows, width = split[start:], len(split[start])
     for row in split[:start]:
         if len(row) == width > 1 and _numeric(row[:1], point):  # a row, not names
-            found = f"whose row {' '.join(row)[:60]!r} is not numeric throughout"
-            unsuitable(file, found, "numbers in every column", "Mend or remove that row.")
+            unsuitable(file, f"whose row {' '.join(row)[:60]!r} is not numeric throughout", _NUMBERS)
     head = body[:start] or _commented_names(lines, between, width)
     if between is None:  # "Frequency [Hz]" is one name
         head = [re.sub(r"(?<=\w)\s+([\[(])", r"\1", line) for line in head]
@@ -269,8 +258,7 @@ def _fill(file: Path, table: Table, rows: list[list[str]], point: str, width: in
         row, n = " ".join(rows[short])[:60], len(rows[short])
         missing = ", ".join(map(repr, table.names[n : n + 5]))
         found = f"whose row {short + 1} of numbers, {row!r}, has {n} columns"
-        wanted = f"{width}, as the first row" + (f", with {missing}" if missing else "")
-        unsuitable(file, found, wanted, "It was cut or damaged: complete or remove that row.")
+        unsuitable(file, found, f"{width}, as the first row" + f", with {missing}" * bool(missing))
     table.values = np.empty((0, width))
     if not rows:
         return
@@ -282,8 +270,7 @@ def _fill(file: Path, table: Table, rows: list[list[str]], point: str, width: in
     try:
         table.values = np.loadtxt(plain, kind, comments=None, delimiter=";", ndmin=2)
     except ValueError as exc:
-        found = f"with a value that is no number ({exc})"
-        unsuitable(file, found, "numbers in every column", "Correct or remove that value.")
+        unsuitable(file, f"with a value that is no number ({exc})", _NUMBERS)
     digits = [
         _rounding([row[c] for row in rows[:1000]], table.values[:, c], point) for c in range(min(width, 2))
     ]
@@ -313,10 +300,9 @@ def _header(file: Path, lines: list[str], table: Table) -> None:
         try:
             table.header[name] = json.loads(value)
         except ValueError:
-            remedy = "Write it again; leave the lines at the top as they are."
-            unsuitable(file, f"whose header is damaged at {name!r}", "a whole file of write_csv", remedy)
+            unsuitable(file, f"whose header is damaged at {name!r}", "a whole file of write_csv")
     if not isinstance(table.header.get("rows"), int):
-        unsuitable(file, "whose header does not state its rows", "a whole file of write_csv", "It was cut.")
+        unsuitable(file, "whose header does not state its rows", "a whole file of write_csv")
 
 
 def decoded(file: Path) -> str:
@@ -438,8 +424,7 @@ def signal_of_table(file: Path, table: Table, given: Reading) -> Signal:
         first = _what_first(file, columns, hertz, named and given.fs_hz is not None)
     lead, rest = columns[0], columns if first == "channel" else columns[1:]
     if not rest:
-        wanted = "at least one beside the first"
-        unsuitable(file, "with no column of values", wanted, "Export the channels beside the first column.")
+        unsuitable(file, "with no column of values", "at least one beside the first")
     channels = _called(rest, named)
     if first == "freq":
         return _response(file, lead.values.real * _into_si(file, lead), channels, given)
@@ -479,9 +464,8 @@ def _says_frequency(column: Channel, named: bool) -> bool:
 def _response(file: Path, lines: Any, columns: list[Channel], given: Reading) -> FrequencyResponse:
     if not all(np.iscomplexobj(c.values) for c in columns):
         wanted = "complex ones, or pairs such as re(x), im(x) or 'Magnitude [dB]', 'Phase [deg]'"
-        how = f"Pass pairs={PAIRS[0]!r} or another of its kinds if two columns are one response"
-        lost = "magnitudes alone have lost the phase."
-        unsuitable(file, "with real columns over frequency", wanted, f"{how}; {lost}")
+        how = f"Pass pairs={PAIRS[0]!r} or another of its kinds if two columns are one response."
+        unsuitable(file, "with real columns over frequency", wanted, how)
     return response_of(file, lines, columns, given)
 
 
@@ -517,8 +501,7 @@ def _into_si(file: Path, lead: Channel, instants: Any = None) -> float:
         return abscissa_factor(text)
     if not Unit.of(text).known or Unit.of(text).quantity:
         found = f"whose first column, {lead.name!r}, is in {text!r}"
-        wanted = "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s"
-        unsuitable(file, found, wanted, "Correct the unit in the header.")
+        unsuitable(file, found, "a unit of time or frequency: s, ms, us, min, h, Hz, kHz, rad/s")
     # Seconds since 1970 stay below 1e11 for 3,000 years, so that larger ones are in a smaller unit.
     largest = 0.0 if instants is None else float(np.abs(instants[0]))
     return next((factor for least, factor in _SINCE_1970 if largest >= least), 1.0)

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
-from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,26 +50,21 @@ _LINE_END = re.compile(rb"\r?\n|\r")
 _HEADER_LINES = 11
 #: By ordinate type: numbers per point, width in text, bytes in binary form.
 _FORMS = {2: (1, 13, 4), 4: (1, 20, 8), 5: (2, 13, 4), 6: (2, 20, 8)}
-#: The exponent of a Fortran double, 1.5D+03.
-_FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")
+_FORTRAN = re.compile(rb"(?<=[0-9.])[Dd](?=[+-]?[0-9])")  # the exponent of a Fortran double, 1.5D+03
 
 
 @dataclass(frozen=True)
 class Dataset:
-    """One dataset: type (0 if unreadable), bytes with both markers, what is wrong.
+    """One dataset, and what is wrong with it; the rest is of a 58 alone."""
 
-    A 58 has the points that its header states, that with the line of its type, where its numbers begin, and
-    the bytes of each in binary form.
-    """
-
-    number: int
-    start: int
+    number: int  # its type, 0 if that cannot be read
+    start: int  # with the markers
     stop: int
     problem: str = ""
-    points: int = 0
-    lines: tuple[str, ...] = ()
-    at: int = 0
-    item: int = 0
+    points: int = 0  # as its header states
+    lines: tuple[str, ...] = ()  # of the header, with that of the type
+    at: int = 0  # where its numbers begin
+    item: int = 0  # bytes of each in binary form
 
 
 def scan(data: bytes) -> list[Dataset]:
@@ -186,8 +180,7 @@ def numbers_of(data: bytes, dataset: Dataset) -> NDArray[np.float64]:
 
 # -- Names of the universal file's points: node and direction, ``12+Z``, and back
 
-#: Node and direction code.
-Point = tuple[int, int]
+Point = tuple[int, int]  # node and direction code
 
 
 def label_of(point: Point) -> str:
@@ -254,41 +247,12 @@ def points_of(dofs: tuple[Any, ...], given: Any) -> dict[Any, Point]:
     return points
 
 
-# -- Checksums of the datasets 58 that we write, in their ID line 3, which other programs do not interpret
-#
-# One is of the numbers, one of the header. Who edits the header, or writes the set anew with our ID lines in
-# it, is believed: the checksum of the numbers counts only below a header that is as we wrote it.
-
-_LINE = re.compile(rb"antires_rs crc32 ([0-9a-f]{8}) ([0-9a-f]{8}) *\Z")
-#: Lines before the numbers: marker, type, and the header, whose third is that of the checksums.
-_LINES, _AT, _WIDTH = 13, 4, 80
-
-
-def checksum_line(lines: Sequence[str], numbers: bytes) -> str:
-    """ID line 3 of a set of these lines, marker first and anything in its own place, and these numbers."""
-    header = b"\n".join(line.ljust(_WIDTH).encode() for i, line in enumerate(lines) if i != _AT)
-    return f"antires_rs crc32 {crc32(header):08x} {crc32(numbers):08x}"
-
-
-def checked(data: bytes, dataset: Dataset) -> Dataset:
-    """The dataset, with a problem if it is ours and its numbers are not those that were written."""
-    *lines, numbers = data[dataset.start : dataset.stop].split(b"\n", _LINES)
-    ours = dataset.number == 58 and not dataset.problem and len(lines) == _LINES
-    stated = _LINE.match(lines.pop(_AT)) if ours else None
-    if stated is None or crc32(b"\n".join(lines)) != int(stated[1], 16):
-        return dataset
-    if crc32(numbers[: numbers.rindex(b"    -1")]) == int(stated[2], 16):
-        return dataset
-    return replace(dataset, problem="its numbers do not have the checksum in its ID line 3")
-
-
 # -- The functions of a universal file
 
 #: Function types of record 6 that are read.
 FUNCTIONS = {1: "time", 2: "auto spectrum", 3: "cross spectrum", 4: "frf", 5: "transmissibility"}
 FUNCTIONS |= {6: "coherence", 9: "auto spectrum"}
-#: Specific data types of a force, and of an abscissa of time.
-FORCES, _OVER_TIME = (9, 13), 17
+FORCES, _OVER_TIME = (9, 13), 17  # specific data types of a force, and of an abscissa of time
 #: What a function without labels is in, by its specific data type, after dataset 164 was heeded.
 _SI = {8: "m", 11: "m/s", 12: "m/s2", 9: "N", 13: "N"}
 #: ID line 2 of our files, with the place of the set among all that were written together.
@@ -312,10 +276,8 @@ class Function:
     role: str = ""
     even: bool = False
     step: float = 0.0
-    #: Into SI by the units of dataset 164, for functions without a unit of their own.
-    scale: float = 1.0
-    #: Unit of the abscissa in the file, in s or Hz.
-    x_unit: float = 1.0
+    scale: float = 1.0  # into SI by the units of dataset 164, for functions without a unit of their own
+    x_unit: float = 1.0  # unit of the abscissa in the file, in s or Hz
     #: What our writer adds: dof, exact rate or abscissa, averages.
     own: dict[str, Any] = field(default_factory=dict)
 
@@ -337,10 +299,9 @@ class Function:
 def functions_of(file: Path, partial: bool) -> list[Function]:
     """Every dataset 58 of a file, none lost in silence."""
     data = file.read_bytes()
-    datasets = [checked(data, dataset) for dataset in scan(data)]
+    datasets = scan(data)
     if not datasets or all(d.number == 0 for d in datasets):
-        got = "without a dataset between lines '    -1'"
-        unsuitable(file, got, WANTED, "It is no universal file, or was cut.")
+        unsuitable(file, "without a dataset between lines '    -1'", WANTED)
     functions: list[Function] = []
     factors: dict[int, float] = {}
     for i, dataset in enumerate(datasets, start=1):
@@ -355,7 +316,7 @@ def functions_of(file: Path, partial: bool) -> list[Function]:
         except AntiresError:
             raise
         except (ValueError, IndexError, TypeError) as exc:
-            unsuitable(file, f"whose dataset {i} cannot be read ({exc})", WANTED, "It was damaged.")
+            unsuitable(file, f"whose dataset {i} cannot be read ({exc})", WANTED)
     kept = len(functions)
     bad = [(i, d) for i, d in enumerate(datasets) if d.problem]
     if bad:
@@ -366,16 +327,14 @@ def functions_of(file: Path, partial: bool) -> list[Function]:
     else:
         _check_marks(file, functions, partial)
     if not functions:
-        found = f"with {len(datasets)} datasets and no 58 among them"
-        unsuitable(file, found, WANTED, "Export the measured functions as dataset 58.")
+        unsuitable(file, f"with {len(datasets)} datasets and no 58 among them", WANTED)
     return functions
 
 
 def _factors(file: Path, length: float, force: float) -> dict[int, float]:
     """Into SI by dataset 164, for specific data types of motions and of forces."""
     if not (np.isfinite([length, force]).all() and length > 0.0 and force > 0.0):
-        found = f"whose units (dataset 164) have the factors {length:g} and {force:g}"
-        unsuitable(file, found, WANTED, "Export it again in SI units.")
+        unsuitable(file, f"whose units (dataset 164) have the factors {length:g} and {force:g}", WANTED)
     return dict.fromkeys((8, 11, 12), 1.0 / length) | dict.fromkeys(FORCES, 1.0 / force)
 
 
@@ -397,14 +356,12 @@ def _function(
     x: Any = first + np.arange(dataset.points) * step if even else columns[0]
     values = columns[-2] + 1j * columns[-1] if form in (5, 6) else columns[-1].copy()
     if not (np.isfinite(values).all() and np.isfinite(x).all()):
-        found = f"whose dataset {i} has values that are not finite"
-        unsuitable(file, found, WANTED, "Export it again, or correct that dataset.")
+        unsuitable(file, f"whose dataset {i} has values that are not finite", WANTED)
     own = _own(lines, first, step)
     # The format has s and Hz; some programs label what they wrote in ms.
     into_si = abscissa_factor(axis)
     if even and not into_si * step > 0.0:
-        found = f"whose dataset {i} has a step of {into_si * step:g}"
-        unsuitable(file, found, "a positive step", "Correct the abscissa of that dataset.")
+        unsuitable(file, f"whose dataset {i} has a step of {into_si * step:g}", "a positive step")
     x, step = into_si * x, into_si * step
     if "start" in own:
         x = own["start"] + own["step"] * np.arange(values.size)
@@ -480,8 +437,7 @@ def response_of(
     lines = frequencies(wanted[0])
     for f in (*wanted, *beside):
         if f.x.size != lines.size or np.abs(frequencies(f) - lines).max() > 1e-6 * lines[-1]:
-            found = f"with other frequencies at {f.at} than at {wanted[0].at}"
-            unsuitable(file, found, "one frequency axis for all", "Export all functions over the same lines.")
+            unsuitable(file, f"with other frequencies at {f.at} than at {wanted[0].at}", "one axis for all")
     refuse_real(file, [(f"{f.what} of {f.at}", f.values) for f in wanted])
     if unit is None:  # receptances beside accelerances: their quotients are no transmissibilities
         kept_ones = [f for f in wanted if named(f.response)[0] is not None]
@@ -577,12 +533,11 @@ def _over_auto(
     crosses = [f for f in spectra if f.what == "cross spectrum" and f.reference == point != f.response]
     if len(autos) != 1 or not crosses:
         found = f"with {len(crosses)} cross spectra and {len(autos)} auto spectra of {label_of(point)}"
-        wanted = "cross spectra, and one auto spectrum of their reference"
-        unsuitable(file, found, wanted, "Export the auto spectrum of the reference with its cross spectra.")
+        unsuitable(file, found, "cross spectra, and one auto spectrum of their reference")
     power = autos[0].values.real
     if power.min() <= 0.0:
         found = f"with an auto spectrum of {label_of(point)} that is not positive everywhere"
-        unsuitable(file, found, "a positive one", "Check the reference channel: it was dead at some lines.")
+        unsuitable(file, found, "a reference that was never dead")
     single = autos[0].unit or crosses[0].reference_unit
     is_force = autos[0].role == "force" or Unit.of(single).quantity == "force"
     if is_force and unit is None and any(f.scale != 1.0 for f in (*autos, *crosses)):
@@ -591,7 +546,7 @@ def _over_auto(
     odd = next((f for f in crosses if f.values.shape != power.shape), None)
     if odd is not None:
         found = f"with {odd.values.size} lines at {odd.at} and {power.size} of the reference"
-        unsuitable(file, found, "one frequency axis", "Export all spectra over the same lines.")
+        unsuitable(file, found, "one frequency axis")
     return [replace(f, values=f.values / power, reference_unit=single, scale=1.0) for f in crosses], is_force
 
 
@@ -770,8 +725,7 @@ def _recording(file: Path, functions: list[Function], named: Any, force: Any, un
     channels = []
     for f in functions:
         if np.iscomplexobj(f.values):
-            found = f"with a complex time record of {f.at}"
-            unsuitable(file, found, "real ones", "Export the record as real numbers.")
+            unsuitable(file, f"with a complex time record of {f.at}", "real ones")
         scale = 1.0 if unit is not None and f.role != "force" else f.scale
         channels.append(Channel(f.response, f.values * scale, f.unit, role=f.role))
     if force not in ("auto", None):
@@ -852,8 +806,7 @@ def write_uff(
     Notes
     -----
     The header has six digits; ID lines 2, 4 and 5 have the place among all sets, rate and frequencies in full
-    and the dof, which :func:`read_uff` uses. ID line 3 has checksums, by which it notices damaged numbers as
-    long as nobody has edited the header.
+    and the dof, which :func:`read_uff` uses.
 
     Examples
     --------
@@ -962,7 +915,6 @@ def _block(f: Function, place: str, binary: bool) -> bytes:
         f"{6 if is_complex else 4:10d}{values.size:10d}{int(f.even):10d}{start:13.5e}{step:13.5e}{0.0:13.5e}",
         *(f"{data:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit or 'NONE':<20}" for data, unit in axes),
     ]
-    lines[4] = checksum_line(lines, body)
     head = "".join(f"{line:<80}\n" for line in lines)
     return head.encode("ascii") + body + f"{-1:6d}\n".encode()
 

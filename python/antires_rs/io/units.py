@@ -13,8 +13,7 @@ from typing import Any
 
 from ..exceptions import reject
 
-#: m/s2 in one g, by definition (3rd CGPM, 1901).
-STANDARD_GRAVITY = 9.80665
+STANDARD_GRAVITY = 9.80665  # m/s2 in one g, by definition (3rd CGPM, 1901)
 INCH, POUND_FORCE = 0.0254, 4.4482216152605
 
 _SI = {

@@ -20,8 +20,7 @@ T = TypeVar("T")
 
 _LABELS = "List a label for each channel, or leave them out to number the channels from 0."
 
-#: Beyond these, powers of values overflow or vanish.
-_SMALLEST, _LARGEST = 1e-100, 1e100
+_SMALLEST, _LARGEST = 1e-100, 1e100  # beyond these, powers of values overflow or vanish
 
 
 def _array(name: Name, value: Any, dtype: type, ndim: int | None, wanted: str) -> NDArray[Any]:

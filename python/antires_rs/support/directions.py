@@ -30,8 +30,7 @@ def point_of(label: str) -> tuple[int, int] | None:
     return None if found is None or code is None else (int(found[1]), code)
 
 
-#: So many names are offered instead of an unknown one.
-_OFFERED = 4
+_OFFERED = 4  # so many names are offered instead of an unknown one
 
 
 class DofNames:

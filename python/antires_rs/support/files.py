@@ -10,8 +10,7 @@ from pathlib import Path
 
 from ..exceptions import reject
 
-#: A file that is being written: its name to be, and the process.
-_BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")
+_BESIDE = re.compile(r"\.(.+)\.(\d+)\.tmp")  # a file that is being written: its name to be, and the process
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
@@ -57,12 +56,6 @@ def put_in_place(beside: Path, target: Path) -> None:
                 os.fsync(folder)
             finally:
                 os.close(folder)
-
-
-def final_path(path: str | os.PathLike[str]) -> Path:
-    """The path that a file being written is to have; any other path as it is."""
-    found = _BESIDE.fullmatch(Path(path).name)
-    return Path(path).with_name(found[1]) if found else Path(path)
 
 
 def _forget_half_written(target: Path) -> None:

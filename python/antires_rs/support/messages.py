@@ -101,9 +101,9 @@ def explain(*names: str) -> str:
 
 @cache
 def entries() -> dict[str, str]:
-    """Every entry by its name, in the order of the page."""
-    blocks = _FILE.read_text(encoding="utf-8").split("\n### ")[1:]
-    return {b.split("\n", 1)[0].strip(): "### " + b.split("\n## ", 1)[0].strip() for b in blocks}
+    """Every entry by its names, which stand in its heading, in the order of the page."""
+    blocks = [b.split("\n## ")[0].strip() for b in _FILE.read_text(encoding="utf-8").split("\n### ")[1:]]
+    return {name: f"### {b}" for b in blocks for name in b.partition("\n")[0].split(", ")}
 
 
 def _seen(text: str) -> str:

@@ -82,8 +82,7 @@ class Options:
     """Base of frozen dataclasses of options, which remember the names that were given."""
 
     given: frozenset[str]
-    #: What was an option until 0.1, and why it is none.
-    left: ClassVar[Mapping[str, str]] = {}
+    left: ClassVar[Mapping[str, str]] = {}  # what was an option until 0.1, and why it is none
     _without_check: ClassVar[tuple[str, ...]] = ()
 
     def __new__(cls, *_: Any, **given: Any) -> Self:

@@ -24,10 +24,8 @@ T = TypeVar("T")
 State = dict[str, Any]
 Watcher = Callable[[State], bool | None]
 
-#: A run shows nothing in its first second, then a line a few times a second.
-FIRST_S, EVERY_S = 1.0, 0.25
-#: Ctrl-C is looked for this often while the core works in the background.
-LOOK_S = 0.1
+FIRST_S, EVERY_S = 1.0, 0.25  # a run shows nothing in its first second, then a line a few times a second
+LOOK_S = 0.1  # Ctrl-C is looked for this often while the core works in the background
 
 
 def _stops(said: object) -> bool | None:

@@ -27,26 +27,22 @@ from typing import Any, Literal, NoReturn, Self
 
 from ..exceptions import InvalidInputError, LostWorkerError, reject
 from .checks import integer
-from .messages import warn
 from .progress import LOOK_S, counted, one_blas_thread, step
 
 Call = Callable[[Any], Any]
 Errors = Literal["raise", "return"]
 
-#: More than any machine has; a larger number is a slip.
-MOST_WORKERS = 1024
+MOST_WORKERS = 1024  # more than any machine has; a larger number is a slip
 #: Chunks that are begun or have arrived before the next in order, for each worker: memory stays flat.
 AHEAD = 6
-#: An answer that has not come so long after its task was done counts as a lost worker.
-_RESULT_S = 120.0
-#: What no repetition mends.
-_FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)
+_RESULT_S = 120.0  # an answer that has not come so long after its task was done counts as a lost worker
+_FOR_GOOD = (ImportError, AttributeError, TypeError, pickle.PicklingError)  # what no repetition mends
 _THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _REMEDY = (
     "Pass a number, a concurrent.futures executor (itself, not its map), or a Client of a Dask cluster "
     '(pip install "antires-rs[dask]").'
 )
-_CALL_AGAIN = "call again: what store= or checkpoint= keeps is taken up."
+_NEW = "Make a new one; or pass a number of processes, of which lost ones are replaced."
 
 
 def processors() -> int:
@@ -214,19 +210,16 @@ class Schedule:
         self.a_task = mean if self.a_task is None else 0.5 * (self.a_task + mean)
 
     def lost(self, chunk: Chunk, reason: str, count: int = 1) -> None:
-        """A chunk will not come back; ``count`` 0 says that it was none of its doing."""
+        """A chunk will not come back: so many workers were lost with it."""
         self._flying.discard(chunk)
         if len(chunk.tasks) == 1:
             chunk.losses += count
             if chunk.losses > self._losses:
                 self.arrived[chunk.first] = Failed(LostWorkerError(chunk.first, chunk.losses, reason))
                 return
-        if len(chunk.tasks) == 1 or count == 0:
-            self._again.append(chunk)
-            return
         size = -(-len(chunk.tasks) // _PIECES)
         for at in range(0, len(chunk.tasks), size):
-            self._again.append(Chunk(chunk.first + at, chunk.tasks[at : at + size]))
+            self._again.append(Chunk(chunk.first + at, chunk.tasks[at : at + size], chunk.losses))
 
 
 # -- Kinds of workers, each an executor: something with ``submit`` and, as far as known, ``_max_workers``
@@ -248,15 +241,13 @@ class Processes:
 
     a_worker = 1
 
-    def __init__(
-        self, count: int, initializer: Callable[..., Any] | None = None, initargs: tuple[Any, ...] = ()
-    ) -> None:
+    def __init__(self, count: int) -> None:
         import multiprocessing
 
         if multiprocessing.current_process().daemon:
             remedy = "A worker of multiprocessing may not begin processes of its own: pass workers=1."
             reject("workers", f"{count} processes inside a worker process", "1 there, or threads", remedy)
-        self._max_workers, self._how = count, (os.getpid(), initializer, initargs)
+        self._max_workers = count
         self._idle: list[Any] = []
         self._all: list[Any] = []
 
@@ -269,7 +260,7 @@ class Processes:
                 process = self._idle.pop()
             else:
                 env = dict.fromkeys(_THREADS, "1")  # for a BLAS that is loaded later
-                process = ProcessPoolExecutor(1, initializer=_begin, initargs=self._how, env=env)
+                process = ProcessPoolExecutor(1, initializer=_begin, initargs=(os.getpid(),), env=env)
                 self._all.append(process)
             try:
                 with _sigint_blocked():
@@ -294,7 +285,7 @@ class Processes:
                 threads.submit(process.shutdown, kill_workers=at_once)
 
 
-def _begin(parent: int, initializer: Callable[..., Any] | None, initargs: tuple[Any, ...]) -> None:
+def _begin(parent: int) -> None:
     """In a process that begins: Ctrl-C is for its parent, and without that one it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
@@ -304,8 +295,6 @@ def _begin(parent: int, initializer: Callable[..., Any] | None, initargs: tuple[
         os._exit(1)
 
     threading.Thread(target=end_with_parent, daemon=True).start()
-    if initializer is not None:
-        initializer(*initargs)
 
 
 @contextmanager
@@ -322,24 +311,20 @@ def _sigint_blocked() -> Iterator[None]:
 
 
 class Dask:
-    """A Dask client, which may be without workers for a while, or lose its scheduler for good.
+    """A Dask client, which may lose its scheduler for good.
 
     What Dask gives up, cancels, or has forgotten as its scheduler begins anew, is submitted again.
     """
 
-    # Measured on a busy machine; benchmarks/cluster_plan.py measures it on any other.
-    a_chunk_s = 0.02
-    #: How often the cluster is asked for its size, which may change.
-    ask_s = 2.0
-    #: Without any worker for so long there is a warning, then an error: a queue may hold the next job back.
-    warn_s, patience_s = 60.0, 3600.0
+    a_chunk_s = 0.02  # measured on a busy machine; benchmarks/cluster_plan.py measures it on any other
+    ask_s = 2.0  # how often the cluster is asked for its size, which may change
     small_bytes = 65_536
 
     def __init__(self, client: Any) -> None:
         if getattr(client, "asynchronous", False):
             reject("workers", "an asynchronous Dask client", "a synchronous one", "Make it by Client(...).")
         self._client = client
-        self._asked, self._there, self._warned, self._found = 0.0, time.monotonic(), False, 1
+        self._asked, self._found = 0.0, 1
         self._scattered: Any = None
 
     def submit(self, function: Callable[..., Any], payload: bytes, tasks: bytes) -> Any:
@@ -355,20 +340,13 @@ class Dask:
         """Threads of the cluster's workers, at least one: it may still be growing."""
         if self._client.status == "closed":
             got = "a Dask client that has lost its scheduler, with chunks of tasks under way"
-            reject("workers", got, "one that is connected", f"Connect to one that runs and {_CALL_AGAIN}")
+            remedy = "Connect to one that runs and call again: what store= or checkpoint= keeps is taken up."
+            reject("workers", got, "one that is connected", remedy)
         now = time.monotonic()
         if now > self._asked + self.ask_s:
             self._asked = now
             with suppress(OSError, RuntimeError, ValueError):  # the scheduler is away; the futures will tell
                 self._found = sum(self._client.nthreads().values())
-                if self._found:
-                    self._there, self._warned = now, False
-        alone = f"a Dask cluster that has had no worker for {now - self._there:.0f} s"
-        if now > self._there + self.patience_s:
-            reject("workers", alone, "one with workers", f"Begin workers and {_CALL_AGAIN}")
-        if now > self._there + self.warn_s and not self._warned:
-            self._warned = True
-            warn("no_dask_worker", f"workers: {alone}; waiting for one.")
         return max(1, self._found)
 
 
@@ -421,7 +399,6 @@ class Workers:
             self._payload = _sent((function, shared), "a function that cannot be sent to them")
         self._flying: dict[Any, Chunk] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self._broken: BaseException | None = None
         self._a_task: float | None = None
 
     def __enter__(self) -> Self:
@@ -512,7 +489,7 @@ class Workers:
         """Fill the workers; an executor of the caller's has the next chunk while one is done."""
         workers = self._workers()
         at_most = getattr(self._executor, "a_worker", 2) * workers
-        while self._broken is None and len(self._flying) < at_most:
+        while len(self._flying) < at_most:
             chunk = schedule.next(workers, AHEAD * workers + 2)
             if chunk is None:
                 return
@@ -525,15 +502,10 @@ class Workers:
             else:
                 tasks = _sent(chunk.tasks, "tasks that cannot be sent to them")
                 future = self._executor.submit(_packed_results, self._payload, tasks)
-        except BrokenExecutor as error:
-            self._flying[error] = chunk
-            self._done.put(error)
         except RuntimeError as error:
-            wanted = f"an executor that takes nothing ({error})"
-            reject("workers", wanted, "one that is open", "Open it first.")
-        else:
-            self._flying[future] = chunk
-            future.add_done_callback(self._done.put)
+            reject("workers", f"an executor that takes nothing ({error})", "one that is open", _NEW)
+        self._flying[future] = chunk
+        future.add_done_callback(self._done.put)
 
     def _receive(self, schedule: Schedule) -> None:
         """Wait a moment for answers; what is lost goes out again."""
@@ -544,21 +516,17 @@ class Workers:
                 if chunk is not None:
                     self._answered(future, chunk, schedule)
                 future = self._done.get_nowait()
-        if self._broken is not None and not self._flying:
-            self._replace()
 
     def _answered(self, future: Any, chunk: Chunk, schedule: Schedule) -> None:
         try:
-            if isinstance(future, BaseException):
-                raise future
             found = future.result(timeout=_RESULT_S)
         except _FOR_GOOD as error:
             _does_not_arrive(error)
         except BrokenExecutor as error:
-            own = isinstance(self._executor, Processes)
-            self._broken = None if own else error
-            # Of those that are in flight together in one executor nobody knows which one did it.
-            schedule.lost(chunk, _reason(error), int(own))
+            if not isinstance(self._executor, Processes):
+                got = f"{type(self._executor).__name__} that is broken ({_reason(error)})"
+                reject("workers", got, "one that lives", _NEW)
+            schedule.lost(chunk, _reason(error))
         except (InvalidInputError, MemoryError):
             raise
         except (Exception, CancelledError) as error:
@@ -568,20 +536,6 @@ class Workers:
             if isinstance(found, BaseException):
                 _does_not_arrive(found)
             schedule.done(chunk, *(found if self._call is not None else pickle.loads(found)))
-
-    def _replace(self) -> None:
-        """Processes of our own, as many and begun alike, where those of the caller's executor are broken."""
-        from concurrent.futures import ProcessPoolExecutor  # which loads multiprocessing
-
-        assert self._broken is not None
-        if not isinstance(self._executor, ProcessPoolExecutor):
-            got = f"{type(self._executor).__name__} that is broken ({_reason(self._broken)})"
-            remedy = "Make a new one; or pass a number of processes, of which lost ones are replaced."
-            reject("workers", got, "one that lives", remedy)
-        how = vars(self._executor)
-        begin = how.get("_initializer"), tuple(how.get("_initargs") or ())
-        self._executor = Processes(self._workers(), *begin)
-        self._own, self._broken = True, None
 
 
 def in_order(

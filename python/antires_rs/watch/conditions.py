@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import csv
-from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from numbers import Real
 from os import PathLike
 from pathlib import Path, PurePath
 from typing import Any
@@ -16,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import Argument, part, reject
+from ..io.text_table import decoded
 from ..support.checks import FloatArray
 from ..support.messages import warn
 from ..support.values import frozen
@@ -97,13 +96,7 @@ def _read_table(path: Path) -> dict[str, Any]:
     if suffix not in (".csv", ".tsv", ".txt"):
         wanted = "a file that ends in .csv, .tsv, .txt or .parquet"
         reject("conditions", repr(str(path)), wanted, "Export the table as CSV.")
-    data = path.read_bytes()
-    # In UTF-8, in UTF-16 where it is marked so, or as older spreadsheets write it.
-    coding = "utf-16" if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) else "utf-8-sig"
-    try:
-        text = data.decode(coding)
-    except UnicodeDecodeError:
-        text = data.decode("utf-16" if coding == "utf-16" else "cp1252", errors="replace")
+    text = decoded(path)
     delimiter = max(("\t", ";", ","), key=text.partition("\n")[0].count)
     rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if row]
     while rows and not any(map(str.strip, rows[-1])):  # within, nothing is known of a test
@@ -137,11 +130,8 @@ def _cell(cell: str) -> Any:
 class ConditionTable:
     """Columns of conditions, and times, in the order of the tests, or by their ``names``."""
 
-    def __init__(
-        self, columns: Mapping[str, Any], times: Any, names: tuple[str, ...] | None, numbered: bool = False
-    ) -> None:
-        self.columns, self.times, self.names = columns, times, names
-        self._numbered, self._used = numbered, False
+    def __init__(self, columns: Mapping[str, Any], times: Any, names: tuple[str, ...] | None) -> None:
+        self.columns, self.times, self.names, self._used = columns, times, names, False
         lengths = [len(column) for column in (*columns.values(), times) if column is not None]
         self._given, self.count = bool(lengths), max(lengths, default=0)
         self._row = {name: i for i, name in enumerate(names or ())}
@@ -162,8 +152,7 @@ class ConditionTable:
         if self.names is not None:
             row = next((self._row[key] for key in _keys_of(name) if key in self._row), None)
             self._used |= row is not None
-            if row is None and self._numbered and name == str(number):
-                # Tests counted from 1 in the table would be those beside the ones that are meant.
+            if row is None and name == str(number):  # it has no name: the table may count from 1
                 got, wanted = f"no row of test {name}", "a row for each test, which are counted from 0"
                 reject("conditions", got, wanted, "Count from 0, or leave the names out.")
         elif self._given and number >= self.count:
@@ -221,8 +210,6 @@ def _columns(given: Any) -> dict[Any, Any]:
     """Columns by name, of whatever table."""
     if isinstance(given, Mapping):
         return dict(given)
-    if isinstance(given, np.ndarray) and given.dtype.names:
-        return {name: given[name] for name in given.dtype.names}
     if hasattr(given, "columns") and hasattr(given, "__getitem__"):  # pandas, polars
         table = {name: np.asarray(given[name]) for name in given.columns}
         index = getattr(given, "index", None)
@@ -232,23 +219,21 @@ def _columns(given: Any) -> dict[Any, Any]:
         elif kind in ("O", "T", "U") and not any(_is_one_of(key, NAMES) for key in table):
             table["name"] = np.asarray(index)
         return table
-    rows: Any = given if isinstance(given, Sequence) and not isinstance(given, str) else [None]
-    if not all(isinstance(row, Mapping) for row in rows):
-        wanted = "a mapping of name to array, a DataFrame, a structured array, a list of dicts, or a CSV or "
-        wanted += "Parquet file"
-        reject("conditions", type(given).__name__, wanted, "As in conditions={'temperature_c': [...]}.")
-    return {key: [row.get(key) for row in rows] for key in dict.fromkeys(key for row in rows for key in row)}
+    wanted = "a mapping of name to array, a DataFrame, or a CSV or Parquet file"
+    reject("conditions", type(given).__name__, wanted, "As in conditions={'temperature_c': [...]}.")
 
 
 def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
     columns: dict[str, Any] = {}
     names = times = None
-    naming, numbered = _naming(given)
+    naming = next(
+        (key for name in NAMES for key in given if _is_one_of(key, (name,)) and len(given[key])), None
+    )
     for key, values in given.items():
         if isinstance(values, str) or not hasattr(values, "__len__"):
             reject(part("conditions", key), values, "a list or an array, one for each test", "Give a list.")
         if key == naming:
-            names = tuple(str(int(value)) if numbered else str(value) for value in values)
+            names = tuple(map(str, values))
         elif times is None and _is_one_of(key, TIMES) and (found := _times(values)) is not None:
             times = found
         elif (column := _numbers(key, values)) is not None:
@@ -258,20 +243,7 @@ def _of_columns(given: Mapping[Any, Any]) -> ConditionTable:
         reject("conditions", got, "columns of one length", "Give NaN where one is not known.")
     for key in columns:
         _check_name("conditions", key)
-    return ConditionTable(columns, times, names, numbered)
-
-
-def _naming(table: Mapping[Any, Any]) -> tuple[str | None, bool]:
-    """The column that names the tests, and whether by whole numbers; texts come before numbers."""
-    possible = [key for name in NAMES for key in table if _is_one_of(key, (name,)) and len(table[key])]
-    for key in possible:
-        if all(isinstance(value, str | PurePath) for value in table[key]):
-            return key, False
-    for key in possible:
-        kinds = (isinstance(value, Real) and not isinstance(value, bool) for value in table[key])
-        if all(kinds) and all(float(value).is_integer() for value in table[key]):
-            return key, True
-    return None, False
+    return ConditionTable(columns, times, names)
 
 
 def _is_one_of(key: Any, known: Sequence[str]) -> bool:

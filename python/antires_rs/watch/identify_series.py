@@ -61,20 +61,18 @@ PLACE = 0.03  # within this share of where most do
 def _known_of(instructions: Instructions, sources: Sequence[Source]) -> AntiresonanceSet | str:
     """What the tests have together and most of them show, with the scatter of single tests; else why not."""
     with unheard(), apart():
-        given = {one.name: one_test.loaded(instructions, one.given) for one in sources}
-        odd = {name: str(signal) for name, signal in given.items() if isinstance(signal, Unread)}
-        read = {name: signal for name, signal in given.items() if name not in odd}
-        pooled = _together(read, instructions.options, odd)
+        given = [one_test.loaded(instructions, one.given) for one in sources]
+        read = [signal for signal in given if not isinstance(signal, Unread)]
+        pooled = _together(read, instructions.options)
         if isinstance(pooled, str):
-            return _because(pooled, odd)
+            return pooled
         options = {name: value for name, value in instructions.options.items() if name != "new_values"}
         sight: dict[str, Any] = {"sees": pooled.sees, "channels": pooled.channels}
         sight["options"] = pooled.options
         tests: list[AntiresonanceSet] = []
-        for name, signal in read.items():
+        for signal in read:
             one = one_test.tried(one_test.set_of, signal, {**options, "near": pooled})
             if isinstance(one, Unread):  # it is told with the other tests why it has no values
-                odd.setdefault(name, str(one))
                 continue
             if not tests:
                 if all("followed" in table.scores["how"] for table in one.tables.values() if len(table)):
@@ -83,7 +81,7 @@ def _known_of(instructions: Instructions, sources: Sequence[Source]) -> Antireso
                 pooled = AntiresonanceSet.from_tables(pooled.excitation, pooled.tables, **sight)
             tests.append(one)
     if not tests:
-        return _because("values that no test shows by itself", odd)
+        return "values that no test shows by itself"
     if len(tests) == 1:
         return pooled
     tables = {}
@@ -99,7 +97,7 @@ def _known_of(instructions: Instructions, sources: Sequence[Source]) -> Antireso
         scatter = 1.4826 * _middle(np.abs(freq[:, kept] - middle))
         tables[dof] = ResponseTable(middle, table.damping_ratio[kept], scatter, table.take(kept).scores)
     if not any(map(len, tables.values())):
-        return _because("no value that most of them show", odd)
+        return "no value that most of them show"
     return AntiresonanceSet.from_tables(pooled.excitation, tables, **sight)
 
 
@@ -109,46 +107,32 @@ def _middle(values: FloatArray) -> FloatArray:
     return np.array([np.median(own) if own.size else np.nan for own in known])
 
 
-def _because(why: str, odd: Mapping[str, str]) -> str:
-    """Why nothing is followed, and of the tests that do not suit the first."""
-    for name, reason in odd.items():
-        return f"{why}; {name!r}{f' and {len(odd) - 1} more' * (len(odd) > 1)} left out ({reason})"
-    return why
-
-
-def _together(
-    read: Mapping[str, Any], options: Mapping[str, Any], odd: dict[str, str]
-) -> AntiresonanceSet | str:
-    """What records of the commonest kind have together, or why nothing; ``odd`` gets the others."""
-    parts: list[tuple[str, Any, Any]] = []
-    for name, signal in read.items():
+def _together(read: Sequence[Any], options: Mapping[str, Any]) -> AntiresonanceSet | str:
+    """What records of the commonest kind have together, or why nothing."""
+    parts: list[tuple[Any, Any]] = []
+    for signal in read:
         for one in signal if isinstance(signal, list) else [signal]:
             kind = one_test.tried(_kind, one)
-            if isinstance(kind, Unread):
-                odd.setdefault(name, str(kind))
-            else:
-                parts.append((name, one, kind))
+            parts += [] if isinstance(kind, Unread) else [(one, kind)]
     if not parts:
         return "no record that suits"
-    common, count = Counter(kind for *_, kind in parts).most_common(1)[0]
-    odd |= {name: _told(one) for name, one, kind in parts if kind != common}
+    common, count = Counter(kind for _, kind in parts).most_common(1)[0]
     if count == 1 < len(parts):
         return "no two records of the same dofs and sampling rate"
-    same = [(name, one) for name, one, kind in parts if kind == common]
-    if isinstance(same[0][1], Recording) and not is_transient(same[0][1]):
+    same = [one for one, kind in parts if kind == common]
+    if isinstance(same[0], Recording) and not is_transient(same[0]):
         # The segments of all are no longer than the shortest record.
-        least = 0.5 * float(np.median([one.n_samples for _, one in same]))
-        odd |= {name: f"{one.n_samples} samples" for name, one in same if one.n_samples < least}
-        same = [(name, one) for name, one in same if one.n_samples >= least]
+        least = 0.5 * float(np.median([one.n_samples for one in same]))
+        same = [one for one in same if one.n_samples >= least]
 
     def pooled(each: list[Any]) -> Any:
         return one_test.tried(one_test.set_of, each if len(each) > 1 else each[0], options)
 
-    found = pooled([one for _, one in same])
+    found = pooled(same)
     if isinstance(found, Unread) and found.unsuitable:  # one of them by itself may be the cause
-        alone = [(name, one, one_test.tried(one_test.set_of, one, options)) for name, one in same]
-        fit = [one for _, one, got in alone if not (isinstance(got, Unread) and got.unsuitable)]
-        odd |= {name: str(got) for name, _, got in alone if isinstance(got, Unread) and got.unsuitable}
+        alone = [one_test.tried(one_test.set_of, one, options) for one in same]
+        unfit = [isinstance(got, Unread) and got.unsuitable for got in alone]
+        fit = [one for one, odd in zip(same, unfit, strict=True) if not odd]
         found = pooled(fit) if 0 < len(fit) < len(same) else found
     return str(found) if isinstance(found, Unread) else found
 
@@ -160,16 +144,6 @@ def _kind(signal: Any) -> tuple[Any, ...]:
         return dofs, frozenset(one_test.living(signal)[1]), signal.fs_hz, is_transient(signal)
     ends = (float(f"{freq:.9g}") for freq in signal.freq_hz[[0, -1]])
     return dofs, signal.kind, signal.reference, signal.n_freq, *ends
-
-
-def _told(signal: Any) -> str:
-    """What may be of another kind in a record, in words."""
-    dofs = "dofs " + ", ".join([*map(str, signal.dofs[:6]), *(["..."] if len(signal.dofs) > 6 else [])])
-    if not isinstance(signal, Recording):
-        return f"{dofs}, {signal.n_freq} lines of {signal.kind}"
-    dead = len(one_test.living(signal)[1])
-    dofs += f", {dead} of them constant," * bool(dead)
-    return f"{dofs} at {signal.fs_hz:g} Hz, {'impacts' if is_transient(signal) else 'no impacts'}"
 
 
 def identify_series(
@@ -200,7 +174,7 @@ def identify_series(
         Values that are followed in every test, or how many of the first tests are identified together for
         them; 0 for none: each test is identified by itself. Default: 20, or all if there are fewer, where the
         first is a record that one fit over the band does not predict; else 0.
-    conditions : mapping, DataFrame, structured array, list of dicts or path, optional
+    conditions : mapping, DataFrame or path, optional
         What was measured beside (a CSV or Parquet file, or the table itself): numbers, a row a test in the
         order of the sources, or by their names in a column "name", "source" or "file". A column "time" or
         "date" gives the times.

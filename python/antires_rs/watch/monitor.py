@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -12,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..damage.assess import AssessedTest, Assessor, DamageResult, assess_damage, checked_search, elements_of
-from ..damage.options import TWO_STATES, SearchOptions, checked_prior, sorted_out
+from ..damage.assess import AssessedTest, Assessor, DamageResult, assess_damage, elements_of
+from ..damage.options import SearchOptions, sorted_out
 from ..exceptions import reject
 from ..io.data_frames import frame_of
 from ..measured.antiresonance_set import AntiresonanceSet
@@ -80,10 +79,9 @@ def alarm_lines(watched: Watched) -> list[str]:
 
 def fault_lines(watched: Watched) -> list[str]:
     """Responses at fault, counted."""
-    counts = Counter((str(f.dof), f.text) for here in watched.faults.values() for f in here)
-    shown = [(dof, text, f" ({n} tests)" * (n > 1)) for (dof, text), n in counts.most_common(_LISTED)]
-    more = [f"and {len(counts) - _LISTED} other faults, see .faults"] * (len(counts) > _LISTED)
-    return [f"sensor fault: dof {dof}, {text}{often}" for dof, text, often in shown] + more
+    counts = Counter(f"dof {f.dof}, {f.text}" for here in watched.faults.values() for f in here)
+    shown = [f"sensor fault: {fault}{f' ({n} tests)' * (n > 1)}" for fault, n in counts.most_common(_LISTED)]
+    return shown + [f"and {len(counts) - _LISTED} other faults, see .faults"] * (len(counts) > _LISTED)
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -299,8 +297,6 @@ def _assessed(
 
 LEAST = 8  # fewer tests than this are no baseline
 _ABSURD = 10.0  # so many times its range outside the baseline, a condition is an error of its logger
-#: Arguments of ``assess_damage`` that are for a search without a baseline, or that the watch fills itself.
-_NOT_HERE, _OWN = ("optimizer", "callback", "checkpoint"), ("model", "measured", "baseline", "older")
 
 
 def _series_of(given: Any) -> Series:
@@ -356,37 +352,19 @@ def _check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mapp
         reject("model", model, wanted, "Leave it out to have alarms only.")
     if assessor is not None and not isinstance(assessor, Assessor):
         reject("assessor", assessor, "an Assessor", "Load it first: Assessor.load(path).")
-    name = next(iter(options), "")
-    if assessor is not None and (model is not None or options):
-        name = name if model is None else "model"
-        reject(name, "together with an assessor", "only one of them", "The assessor has its own.")
-    if model is not None:
-        _check_assessment(model, one, options)
-    elif assessor is not None:
-        force, own = one.excitation, {each.excitation: tuple(each) for each in assessor.baseline}
-        remedy = "Make it from some of their baseline."
-        if force not in own:
-            got = f"one for forces at {', '.join(map(repr, own))}"
-            reject("assessor", got, f"one for the force of these tests, {force!r}", remedy)
-        if not set(own[force]) & set(one):
-            got = f"one for dofs {', '.join(map(repr, own[force]))}"
-            reject("assessor", got, f"one for dofs of these tests: {', '.join(map(repr, one))}", remedy)
-    elif options:
-        reject(name, "without a model", "a model= to assess damage with", "Pass the model, or leave it out.")
-
-
-def _check_assessment(model: StructuralModel, one: AntiresonanceSet, options: Mapping[str, Any]) -> None:
-    parameters = inspect.signature(assess_damage).parameters
-    known = [*(name for name in parameters if name not in _OWN), *SearchOptions.declared()]
-    for name, value in options.items():
-        if name not in known:
-            reject(name, "an unknown option", f"one of assess_damage: {', '.join(known)}", "Look for a typo.")
-        if name in _NOT_HERE and value is not None:
-            reject(name, value, "nothing, since the watch has a baseline", "Leave it out.")
-    wanted = options.get("elements")
-    if wanted is not None or model.default_elements:
-        UpdatingProblem(model, stiffness_reduction(elements_of(model, wanted)), [one])
-    checked_prior(options.get("prior"), checked_search(sorted_out(options).get("search")).of(TWO_STATES))
+    if (options and model is None) or (model is not None and assessor is not None):
+        name = next(iter(options), "model")
+        reject(name, "it without a model, or beside an assessor", "it with a model alone", "Leave one out.")
+    if model is not None and (options.get("elements") is not None or model.default_elements):
+        UpdatingProblem(model, stiffness_reduction(elements_of(model, options.get("elements"))), [one])
+    if assessor is not None:
+        own = {each.excitation: tuple(each) for each in assessor.baseline}
+        if not set(own.get(one.excitation, ())) & set(one):
+            wanted = f"one for the force at {one.excitation!r} and dofs of these tests, {tuple(one)}"
+            got = "one for " + ", ".join(
+                f"the force at {at!r} and the dofs {dofs}" for at, dofs in own.items()
+            )
+            reject("assessor", got, wanted, "Make it from some of their baseline.")
 
 
 _FEWEST = 6  # places that so many tests of the baseline have are followed, at least

@@ -187,7 +187,7 @@ class Series(ReadOnly):
         ----------
         sets : sequence of AntiresonanceSet or None
             In the order of the tests, all of one excitation; None for a test without a result.
-        conditions : mapping of str to array_like, (n,), DataFrame, structured array, list of dicts, path
+        conditions : mapping of str to array_like, (n,), DataFrame or path
             What was measured beside, as for :func:`~antires_rs.identify_series`.
         names : sequence of str, optional
             By default the numbers of the tests.
