@@ -367,8 +367,8 @@ ERRORS = (
     (1.6, 2.0, 0.05),
 )
 Errors = tuple[tuple[float, float, float], ...]
-#: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation
-#: (ln f), its share of the probability, and the errors beside which it is looked at.
+#: A change of all values alike, and one of temperature, may come with any hypothesis: the former's standard
+#: deviation (ln f), the share of the probability of both, and the errors beside which they are looked at.
 _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
 #: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change
 #: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
@@ -441,6 +441,7 @@ class Foreseen(NamedTuple):
     seen: NDArray[np.bool_]  # in the intact state
     gain_std: float  # relative error of a loss (u)
     n_elements: int  # first columns of the slopes
+    alike: FloatArray  # changes of all of standard deviation 1, (r, k), that any hypothesis may have
 
 
 def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: FloatArray) -> View:
@@ -492,9 +493,11 @@ def _judged(
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    kappa, times, share, alike, mixed = errors.T[..., None, None]
-    frequency = (roots.roots.kind[root] == 0).astype(np.float64)
-    spread = times**2 * noise + kappa**2 * unmodelled + alike**2 * np.outer(frequency, frequency)
+    kappa, times, share, alike, warm, mixed = errors.T[..., None, None]
+    frequency = roots.roots.kind[root] == 0
+    all_alike, by_heat = roots.alike[root, :1], roots.alike[root, 1:]
+    spread = times**2 * noise + kappa**2 * unmodelled + alike * (all_alike @ all_alike.T)
+    spread = spread + warm * (by_heat @ by_heat.T)
     by_elements = roots.roots.slopes[root, : roots.n_elements] * (1.0 - beta[: roots.n_elements])
     along = by_elements @ by_elements.T
     if has.size and (total := float(np.trace(along))) > 0.0:
@@ -511,10 +514,10 @@ def _judged(
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
     shift = 0.0
-    if errors[best, 3] and has.size:
-        shift = float(errors[best, 3]) ** 2 * float(
-            dtrtrs(triangles[best].T, frequency, trans=1)[0] @ white[best]
-        )
+    together = all_alike if errors[best, 3] else by_heat
+    if errors[best, 3:5].any() and has.size:
+        moved = together @ (dtrtrs(triangles[best].T, together, trans=1)[0].T @ white[best])
+        shift = float(np.median(moved[frequency]))
     return View(
         beta=beta,
         log_likelihood=float(np.logaddexp.reduce(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
@@ -533,20 +536,21 @@ def _judged(
 
 
 def all_errors(outside: float, with_mixed: float) -> FloatArray:
-    """Rows of kappa, multiple of the standard deviations, probability, standard deviation of a change of all
-    values alike, and share of a change that is wrong along the slopes of all elements, which has the
-    probability ``with_mixed``; ``outside`` is :attr:`ModelError.outside`."""
+    """Rows of kappa, multiple of the standard deviations, probability, whether all values may move alike and
+    whether by temperature, and the share of a change that is wrong along the slopes of all elements, which has
+    the probability ``with_mixed``; ``outside`` is :attr:`ModelError.outside`."""
     usual = 1.0 - _WITH_ALIKE - with_mixed
-    found = [(outside * k, times, p * usual, 0.0, 0.0) for k, times, p in ERRORS]
-    ways: list[tuple[float, tuple[tuple[float, float], ...], float, float]] = [
-        (_WITH_ALIKE, _BESIDE_ALIKE, _ALIKE_STD, 0.0)
+    found = [(outside * k, times, p * usual, 0.0, 0.0, 0.0) for k, times, p in ERRORS]
+    ways = [
+        (0.5 * _WITH_ALIKE, _BESIDE_ALIKE, (1.0, 0.0, 0.0)),
+        (0.5 * _WITH_ALIKE, _BESIDE_ALIKE, (0.0, 1.0, 0.0)),
     ]
     if with_mixed:
-        ways += [(with_mixed / len(_MIXED), _BESIDE_MIXED, 0.0, mixed) for mixed in _MIXED]
-    for share, beside, alike, mixed in ways:
+        ways += [(with_mixed / len(_MIXED), _BESIDE_MIXED, (0.0, 0.0, mixed)) for mixed in _MIXED]
+    for share, beside, more in ways:
         own = [each for each in ERRORS if each[:2] in beside]
         total = sum(p for *_, p in own)
-        found += [(outside * k, times, share * p / total, alike, mixed) for k, times, p in own]
+        found += [(outside * k, times, share * p / total, *more) for k, times, p in own]
     return np.array(found)
 
 
@@ -593,6 +597,7 @@ def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray)
         seen,
         there.gain_std,
         there.n_elements,
+        joined(there.alike),
     )
 
 
@@ -691,13 +696,17 @@ class Likelihood(ValueLikelihood):
         common: float,
         threads: int,
         ambient: FloatArray | None = None,
+        warmer: FloatArray | None = None,
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev, self.n_elements = common, 0, n_elements
         self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
-        self.ambient = np.zeros((self.factors.size, 0)) if ambient is None else ambient
+        none = np.zeros((self.factors.size, 0))
+        self.ambient = none if ambient is None else ambient
+        #: The same of temperature, which may come with any hypothesis.
+        self.warmer = none if warmer is None else warmer
         self._errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
@@ -776,6 +785,7 @@ class Likelihood(ValueLikelihood):
             old & error.seen[identity],
             error.gain_std,
             self.n_elements,
+            np.column_stack([_ALIKE_STD * (roots.kind == 0), by_theta @ self.warmer]),
         )
         if not isinstance(roots, ModeRoots):  # modes do not vanish
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
@@ -924,9 +934,10 @@ class Question:
         family = (yielding() if with_joints else None) or plain
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        along = structure_of(model).along if self.options.environment else None
-        ambient = surroundings(model, family.factors, self.options.environment or (), along)
-        rest = self.options.std_common, threads, ambient
+        along = structure_of(model).along
+        named = self.options.environment or (), ("temperature",)
+        around = (surroundings(model, family.factors, each, along) for each in named)
+        rest: Any = (self.options.std_common, threads, *around)
         likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
         made = responses, intact, scatter, odd, family.base, core, len(factors)
         return Prepared(likelihood, numbers, family.factors, *made)

@@ -51,7 +51,15 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> Shape
         return None
     error = replace(plain.error, intact=intact)
     found = ShapedLikelihood(
-        core, offset.size, error, prepared.intact, plain.now, plain.common, plain.threads, plain.ambient
+        core,
+        offset.size,
+        error,
+        prepared.intact,
+        plain.now,
+        plain.common,
+        plain.threads,
+        plain.ambient,
+        plain.warmer,
     )
     found.offset, found.n_elements = offset, len(own)
     return found
