@@ -14,7 +14,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -310,7 +310,7 @@ def _from(
     spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
     lost = values.size - y.size
     log_evidence -= 0.5 * float(np.sum((np.log(s / np.array([S[0], S_JOINTS[0]])[: s.size]) / S[1]) ** 2))
-    rest = mean, rows, prior, factor, log_evidence, lost, bool(group.any())
+    rest = mean, rows, prior, factor, log_evidence, lost
     found = ModelError(theta, float(s[0]), taus, intact, partner, place, spare, *rest)
     return found, log_evidence, settled
 
@@ -370,6 +370,8 @@ Errors = tuple[tuple[float, float, float], ...]
 #: A change of all values alike, and one of temperature, may come with any hypothesis: the former's standard
 #: deviation (ln f), the share of the probability of both, and the errors beside which they are looked at.
 _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
+#: Temperature is not looked at beside so many losses.
+_MANY = 3
 #: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change
 #: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
 #: square), its share of the probability, and the errors beside which it is looked at. Set on building.
@@ -791,7 +793,9 @@ class Likelihood(ValueLikelihood):
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
             places = error.intact.log_f[gone] + self._beside[gone]
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
-        return viewed(beta, self.now, foreseen, self.band, self._errors)
+        # Warmth, its gradient and three losses together explain what a stiffened element does as well.
+        many = np.count_nonzero(beta[: self.n_elements]) >= _MANY
+        return viewed(beta, self.now, foreseen, self.band, self._errors[~many | (self._errors[:, 4] == 0.0)])
 
 
 # -- Two states and what is assumed of them: all that decides how probable the values are
@@ -881,12 +885,17 @@ class Question:
         """Learn the model's errors from the baseline; ``silent`` keeps antiresonances of responses that have
         no value yet."""
         model, numbers, factors = self.model, self.numbers, factors_of(self.model)
+        frame, surrounded = structure_of(model), self.options.environment or ()
+        group = np.zeros(len(factors), dtype=np.intp)
+        if "supports" in surrounded:  # what changes needs a factor, be it right in the model
+            factors += tuple(p for p in frame.springs if p.terms[0] not in model._springs)
+            group = np.pad(group, (0, len(factors) - group.size), constant_values=1)
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        plain = _Family(model, core, factors, np.zeros(len(factors), dtype=np.intp))
+        plain = _Family(model, core, factors, group)
         if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
 
@@ -894,7 +903,6 @@ class Question:
             """The model with joints and supports that yield, each by a factor of its own."""
             if not isinstance(responses, Responses):
                 return None
-            frame = structure_of(model)
             joints, given = frame.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
             springs = [p for p in frame.springs if p.terms not in given]
             more = (*springs, *joints.factors(model, BOUNDS))
@@ -902,11 +910,12 @@ class Question:
                 return None
             base, every = joints.joined(model), (*factors, *more)
             parts = model.description.core_parameters((*stiffness_reduction(numbers), *every))
-            group = np.repeat([0, 1], [len(factors), len(more)])
-            return _Family(base, responses.source(base, parts, **how), every, group)
+            both = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
+            return _Family(base, responses.source(base, parts, **how), every, both)
 
         def taught(family: _Family, intact: Values) -> ModelError:
-            return learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
+            found = learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
+            return replace(found, lacking=family is not plain)
 
         if not self._taught:
             step("learning the model's errors")
@@ -934,9 +943,8 @@ class Question:
         family = (yielding() if with_joints else None) or plain
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        along = structure_of(model).along
-        named = self.options.environment or (), ("temperature",)
-        around = (surroundings(model, family.factors, each, along) for each in named)
+        named = surrounded, ("temperature",)
+        around = (surroundings(model, family.factors, each, frame.along) for each in named)
         rest: Any = (self.options.std_common, threads, *around)
         likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
         made = responses, intact, scatter, odd, family.base, core, len(factors)
