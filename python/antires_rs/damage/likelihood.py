@@ -405,6 +405,8 @@ class View:
     chi_square: float
     shift: float = 0.0  # of all values alike, ln f, where such a change is part of the most probable error
     gain_std: float = 0.0  # relative error of a loss (u) by that of the model
+    #: What of the surroundings has changed, in the most probable error, in standard deviations.
+    felt: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def gains(self) -> FloatArray:
@@ -443,12 +445,17 @@ class Foreseen(NamedTuple):
     seen: NDArray[np.bool_]  # in the intact state
     gain_std: float  # relative error of a loss (u)
     n_elements: int  # first columns of the slopes
-    alike: FloatArray  # changes of all of standard deviation 1, (r, k), that any hypothesis may have
+    #: Changes of all of standard deviation 1: all alike, by temperature, by the environment, (r, 1 + k).
+    together: FloatArray
+    n_warm: int  # of these by temperature
+    shift: FloatArray  # what those that were found come to; place is without it
+    known: FloatArray  # variance that they leave no more
 
 
 def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: FloatArray) -> View:
     """The most probable of the ways to associate values and roots."""
-    variance = np.maximum(np.diag(roots.spread), 0.0) + (_FIRST_KAPPA * roots.change) ** 2
+    change = roots.change + roots.shift
+    variance = np.maximum(np.diag(roots.spread) - roots.known, 0.0) + (_FIRST_KAPPA * change) ** 2
     ways = [(np.sqrt(variance), wider) for wider in _WIDER]
     found: list[View] = []
     before: NDArray[np.intp] | None = None
@@ -467,9 +474,10 @@ def associated(
     now: Values, roots: Foreseen, band: Band, sigma: FloatArray, wider: float
 ) -> tuple[NDArray[np.intp], FloatArray, float]:
     """Root of each value, the values as seen from there, and what those without a partner cost."""
-    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(roots.place, roots.seen))
+    expected = roots.place + roots.shift
+    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(expected, roots.seen))
     alone = price_alone(*band)
-    partner, place, lost = now.associated(roots.roots, roots.place, sigma, alone, missed - present, wider)
+    partner, place, lost = now.associated(roots.roots, expected, sigma, alone, missed - present, wider)
     taken = partner[partner >= 0]
     price = lost + now.times_measured(roots.roots.response) @ missed - (missed - present)[taken].sum()
     return partner, place, float(price)
@@ -497,7 +505,7 @@ def _judged(
     unmodelled = (root[:, None] == root) * np.outer(size, size)
     kappa, times, share, alike, warm, mixed = errors.T[..., None, None]
     frequency = roots.roots.kind[root] == 0
-    all_alike, by_heat = roots.alike[root, :1], roots.alike[root, 1:]
+    all_alike, by_heat, around = np.split(roots.together[root], [1, 1 + roots.n_warm], axis=1)
     spread = times**2 * noise + kappa**2 * unmodelled + alike * (all_alike @ all_alike.T)
     spread = spread + warm * (by_heat @ by_heat.T)
     by_elements = roots.roots.slopes[root, : roots.n_elements] * (1.0 - beta[: roots.n_elements])
@@ -515,10 +523,11 @@ def _judged(
     slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
-    shift = 0.0
-    together = all_alike if errors[best, 3] else by_heat
-    if errors[best, 3:5].any() and has.size:
-        moved = together @ (dtrtrs(triangles[best].T, together, trans=1)[0].T @ white[best])
+    shift, felt = 0.0, np.zeros(by_heat.shape[1] + around.shape[1])
+    if has.size:
+        pull = dtrtrs(triangles[best].T, white[best])[0]
+        felt = np.concatenate([errors[best, 4] * (by_heat.T @ pull), around.T @ pull])
+        moved = errors[best, 3] * (all_alike @ (all_alike.T @ pull)) + by_heat @ felt[: roots.n_warm]
         shift = float(np.median(moved[frequency]))
     return View(
         beta=beta,
@@ -534,6 +543,7 @@ def _judged(
         chi_square=float(white[best] @ white[best]),
         shift=shift,
         gain_std=roots.gain_std,
+        felt=felt,
     )
 
 
@@ -599,7 +609,10 @@ def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray)
         seen,
         there.gain_std,
         there.n_elements,
-        joined(there.alike),
+        joined(there.together),
+        there.n_warm,
+        joined(there.shift),
+        joined(there.known),
     )
 
 
@@ -728,12 +741,13 @@ class Likelihood(ValueLikelihood):
     @cached_property
     def start(self) -> View:  # type: ignore[override]
         """See the base class."""
-        return self._view(np.zeros(self.n), self._undamaged, 0.0)
+        return self.without_damage(0.0, 0.0)
 
-    def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
-        """The model's roots at each row of severities (m, n)."""
+    def roots(self, betas: FloatArray, *, slopes: bool, changed: FloatArray | None = None) -> list[Roots]:
+        """The model's roots at each row of severities (m, n), where ln factors have ``changed`` by (m, p)."""
         self.nfev += len(betas)
-        x = np.hstack([betas, np.broadcast_to(self.factors, (len(betas), self.factors.size))])
+        changed = np.zeros((len(betas), self.factors.size)) if changed is None else changed
+        x = np.hstack([betas, self.factors * np.exp(changed)])
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
@@ -745,8 +759,24 @@ class Likelihood(ValueLikelihood):
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """See the base class."""
-        found = self.roots(betas, slopes=True)
-        return [self._view(beta, roots, extra) for beta, roots in zip(betas, found, strict=True)]
+        return self._seen(betas, self.roots(betas, slopes=True), extra)
+
+    def _seen(
+        self, betas: FloatArray, found: list[Roots], extra: float | FloatArray, common: float = 0.0
+    ) -> list[View]:
+        """The views; where the surroundings have changed, from where that leads to."""
+        views = [self._view(*each, extra, common) for each in zip(betas, found, strict=True)]
+        # Near where two roots meet they are not linear in a factor, nor is a loss seen alike everywhere.
+        felt = [n for n, view in enumerate(views) if view.felt.any() and not np.any(extra)]
+        if felt and isinstance(self.core, _core.Objective):
+            change = np.array([views[n].felt for n in felt])
+            changed = change @ np.hstack([self.warmer, self.ambient]).T
+            there = self.roots(betas[felt], slopes=True, changed=changed)
+            for nth, n in enumerate(felt):
+                other = self._view(betas[n], there[nth], extra, common, change[nth], changed[nth])
+                if other.log_likelihood > views[n].log_likelihood:
+                    views[n] = other
+        return views
 
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """See the base class; roots lie as far beside the model's as the intact ones do."""
@@ -765,15 +795,28 @@ class Likelihood(ValueLikelihood):
 
     def without_damage(self, extra: float | FloatArray, common: float) -> View:
         """See the base class."""
-        return self._view(np.zeros(self.n), self._undamaged, extra, common)
+        return self._seen(np.zeros((1, self.n)), [self._undamaged], extra, common)[0]
 
-    def _view(self, beta: FloatArray, roots: Roots, extra: float | FloatArray, common: float = 0.0) -> View:
-        """``extra`` is the error of every value, or of those of each response."""
+    def _view(
+        self,
+        beta: FloatArray,
+        roots: Roots,
+        extra: float | FloatArray,
+        common: float,
+        felt: FloatArray | None = None,
+        changed: FloatArray | float = 0.0,
+    ) -> View:
+        """``extra`` is the error of every value, or of those of each response; ``felt`` are the changes of the
+        surroundings of which the roots are, and ``changed`` those of ln factor."""
         roots, identity, followed = self.near(roots)
         error, log_f, slopes = self.error, roots.log_f, roots.slopes
-        by_theta = slopes[:, self.n :] * self.factors
+        by_theta = slopes[:, self.n :] * self.factors * np.exp(changed)
         beside, spread = error.predicted(by_theta, identity, roots.kind)
-        old, moved = identity >= 0, by_theta @ self.ambient
+        old, by_heat, moved = identity >= 0, by_theta @ self.warmer, by_theta @ self.ambient
+        known, shift = np.zeros(log_f.size), np.zeros(log_f.size)
+        if felt is not None:
+            known, shift = np.sum(moved**2, axis=1), np.hstack([by_heat, moved]) @ felt
+        log_f = log_f - shift
         alike = np.hypot(self.common, common) * (roots.kind == 0)
         own = (
             np.broadcast_to(extra, log_f.shape) if np.ndim(extra) == 0 else np.asarray(extra)[roots.response]
@@ -787,7 +830,10 @@ class Likelihood(ValueLikelihood):
             old & error.seen[identity],
             error.gain_std,
             self.n_elements,
-            np.column_stack([_ALIKE_STD * (roots.kind == 0), by_theta @ self.warmer]),
+            np.column_stack([_ALIKE_STD * (roots.kind == 0), by_heat, moved]),
+            by_heat.shape[1],
+            shift,
+            known,
         )
         if not isinstance(roots, ModeRoots):  # modes do not vanish
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)

@@ -30,9 +30,9 @@ class ShapedLikelihood(Likelihood):
 
     offset: FloatArray
 
-    def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
+    def roots(self, betas: FloatArray, *, slopes: bool, changed: FloatArray | None = None) -> list[Roots]:
         """See the base class."""
-        return super().roots(betas + self.offset, slopes=slopes)
+        return super().roots(betas + self.offset, slopes=slopes, changed=changed)
 
 
 def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> ShapedLikelihood | None:
