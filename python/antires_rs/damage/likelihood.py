@@ -368,10 +368,10 @@ ERRORS = (
 )
 Errors = tuple[tuple[float, float, float], ...]
 #: A change of all values alike, and one of temperature, may come with any hypothesis: the former's standard
-#: deviation (ln f), the share of the probability of both, and the errors beside which they are looked at.
-_ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
-#: Temperature is not looked at beside so many losses.
-_MANY = 3
+#: deviation (ln f), the share of the probability of each, and the errors beside which they are looked at.
+_ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.025, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
+#: Which of the ways it is; and beside how many losses temperature is not looked at.
+_WARM, _MANY = 2, 3
 #: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change
 #: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
 #: square), its share of the probability, and the errors beside which it is looked at. Set on building.
@@ -503,67 +503,89 @@ def _judged(
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    kappa, times, share, alike, warm, mixed = errors.T[..., None, None]
-    frequency = roots.roots.kind[root] == 0
-    all_alike, by_heat, around = np.split(roots.together[root], [1, 1 + roots.n_warm], axis=1)
-    spread = times**2 * noise + kappa**2 * unmodelled + alike * (all_alike @ all_alike.T)
-    spread = spread + warm * (by_heat @ by_heat.T)
+    kappa, times, mixed = errors.T[:3, :, None, None]
+    spread = model + times**2 * noise + kappa**2 * unmodelled
     by_elements = roots.roots.slopes[root, : roots.n_elements] * (1.0 - beta[: roots.n_elements])
     along = by_elements @ by_elements.T
-    if has.size and (total := float(np.trace(along))) > 0.0:
+    if has.size and mixed.any() and (total := float(np.trace(along))) > 0.0:
         spread = spread + mixed**2 * along * (float(np.sum(change**2)) / total)
-    triangles = np.linalg.cholesky(model + spread)
+    triangles = np.linalg.cholesky(spread)
+    n_common, together = 1 + roots.n_warm, roots.together[root]
+    ways = (together[:, :0], together[:, :1], together[:, 1:n_common])
+    sides = np.hstack([residual[:, None], together[:, :n_common]])
     # A row-major lower triangle is a column-major upper one.
-    solved = [dtrtrs(each.T, residual, trans=1)[0] for each in triangles] if has.size else []
-    white = np.reshape(solved, (len(errors), has.size))
+    solved = [dtrtrs(each.T, sides, trans=1)[0] for each in triangles] if has.size else []
+    whole = np.reshape(solved, (len(errors), has.size, 1 + n_common))
+    squares = whole.transpose(0, 2, 1) @ whole
     log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
-    logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
-    best = int(np.argmax(logs))
+    logs = errors.T[3:] - log_diagonal - 0.5 * squares[:, 0, 0]
+    logs[1] += _gained(squares, range(1, 2))
+    logs[_WARM] += _gained(squares, range(2, 1 + n_common))
+    way, best = divmod(int(np.argmax(logs)), len(errors))
+    triangle, white = triangles[best], whole[best, :, 0]
+    if way and has.size:
+        triangle = np.linalg.cholesky(spread[best] + ways[way] @ ways[way].T)
+        white = dtrtrs(triangle.T, residual, trans=1)[0]
     slopes = roots.roots.slopes[root, : beta.size]
-    slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
+    slope = dtrtrs(triangle.T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
-    shift, felt = 0.0, np.zeros(by_heat.shape[1] + around.shape[1])
-    if has.size:
-        pull = dtrtrs(triangles[best].T, white[best])[0]
-        felt = np.concatenate([errors[best, 4] * (by_heat.T @ pull), around.T @ pull])
-        moved = errors[best, 3] * (all_alike @ (all_alike.T @ pull)) + by_heat @ felt[: roots.n_warm]
-        shift = float(np.median(moved[frequency]))
+    shift, felt = 0.0, np.zeros(together.shape[1] - 1)
+    if has.size and (way or n_common < together.shape[1]):
+        pull = dtrtrs(triangle.T, white)[0]
+        felt = together[:, 1:].T @ pull
+        felt[: roots.n_warm] *= way == _WARM
+        moved = ways[way] @ (ways[way].T @ pull)
+        shift = float(np.median(moved[roots.roots.kind[root] == 0])) if way else 0.0
+    price += 0.5 * has.size * float(np.log(2.0 * np.pi))
     return View(
         beta=beta,
-        log_likelihood=float(np.logaddexp.reduce(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
-        gain=slope.T @ white[best],
+        log_likelihood=float(np.logaddexp.reduce(logs, axis=None)) - price,
+        gain=slope.T @ white,
         curvature=slope.T @ slope,
         kappa=float(errors[best, 0]),
         times=float(errors[best, 1]),
         partner=partner,
         beside=beside,
         residual=residual,
-        std=np.linalg.norm(triangles[best], axis=1),
-        chi_square=float(white[best] @ white[best]),
+        std=np.linalg.norm(triangle, axis=1),
+        chi_square=float(white @ white),
         shift=shift,
         gain_std=roots.gain_std,
         felt=felt,
     )
 
 
+def _gained(squares: FloatArray, columns: Iterable[int]) -> FloatArray:
+    """What a density gains (ln) where changes of standard deviation 1 may come to values: products (e, k, k)
+    of residuals, the first, and changes, all made independent, and which of these it is."""
+    left, gained = squares, 0.5 * squares[:, 0, 0]
+    for column in columns:
+        own = left[:, column]
+        size = 1.0 + own[:, column]
+        left = left - own[:, :, None] * (own / size[:, None])[:, None]
+        gained = gained - 0.5 * np.log(size)
+    return gained - 0.5 * left[:, 0, 0]
+
+
 def all_errors(outside: float, with_mixed: float) -> FloatArray:
-    """Rows of kappa, multiple of the standard deviations, probability, whether all values may move alike and
-    whether by temperature, and the share of a change that is wrong along the slopes of all elements, which has
-    the probability ``with_mixed``; ``outside`` is :attr:`ModelError.outside`."""
-    usual = 1.0 - _WITH_ALIKE - with_mixed
-    found = [(outside * k, times, p * usual, 0.0, 0.0, 0.0) for k, times, p in ERRORS]
-    ways = [
-        (0.5 * _WITH_ALIKE, _BESIDE_ALIKE, (1.0, 0.0, 0.0)),
-        (0.5 * _WITH_ALIKE, _BESIDE_ALIKE, (0.0, 1.0, 0.0)),
-    ]
-    if with_mixed:
-        ways += [(with_mixed / len(_MIXED), _BESIDE_MIXED, (0.0, 0.0, mixed)) for mixed in _MIXED]
-    for share, beside, more in ways:
-        own = [each for each in ERRORS if each[:2] in beside]
-        total = sum(p for *_, p in own)
-        found += [(outside * k, times, share * p / total, *more) for k, times, p in own]
-    return np.array(found)
+    """Rows of kappa, multiple of the standard deviations, and the share of a change that is wrong along the
+    slopes of all elements, which has the probability ``with_mixed``; ln of the probability of each, alone,
+    where all values may move alike as well, and where they may by temperature; ``outside`` is
+    :attr:`ModelError.outside`."""
+    usual = 1.0 - 2.0 * _WITH_ALIKE - with_mixed
+    total = sum(p for *each, p in ERRORS if tuple(each) in _BESIDE_ALIKE)
+    found = []
+    for *each, p in ERRORS:
+        more = _WITH_ALIKE * p / total if tuple(each) in _BESIDE_ALIKE else 0.0
+        found.append((outside * each[0], each[1], 0.0, usual * p, more, more))
+    own = [each for each in ERRORS if with_mixed and each[:2] in _BESIDE_MIXED]
+    each_of = with_mixed / (len(_MIXED) * sum(p for *_, p in own)) if own else 0.0
+    found += [(outside * k, t, mixed, each_of * p, 0.0, 0.0) for mixed in _MIXED for k, t, p in own]
+    rows = np.array(found)
+    with np.errstate(divide="ignore"):
+        rows[:, 3:] = np.log(rows[:, 3:])
+    return rows
 
 
 def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
@@ -723,6 +745,8 @@ class Likelihood(ValueLikelihood):
         #: The same of temperature, which may come with any hypothesis.
         self.warmer = none if warmer is None else warmer
         self._errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
+        self._not_warm = self._errors.copy()
+        self._not_warm[:, 3 + _WARM] = -np.inf
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
 
@@ -806,8 +830,8 @@ class Likelihood(ValueLikelihood):
         felt: FloatArray | None = None,
         changed: FloatArray | float = 0.0,
     ) -> View:
-        """``extra`` is the error of every value, or of those of each response; ``felt`` are the changes of the
-        surroundings of which the roots are, and ``changed`` those of ln factor."""
+        """``extra`` is the error of every value, or of those of each response; ``felt`` is the change of the
+        surroundings at which the roots are, and ``changed`` that of ln factors."""
         roots, identity, followed = self.near(roots)
         error, log_f, slopes = self.error, roots.log_f, roots.slopes
         by_theta = slopes[:, self.n :] * self.factors * np.exp(changed)
@@ -841,7 +865,7 @@ class Likelihood(ValueLikelihood):
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
         # Warmth, its gradient and three losses together explain what a stiffened element does as well.
         many = np.count_nonzero(beta[: self.n_elements]) >= _MANY
-        return viewed(beta, self.now, foreseen, self.band, self._errors[~many | (self._errors[:, 4] == 0.0)])
+        return viewed(beta, self.now, foreseen, self.band, self._not_warm if many else self._errors)
 
 
 # -- Two states and what is assumed of them: all that decides how probable the values are
