@@ -30,6 +30,7 @@ from ..support.checks import FloatArray
 from ..support.progress import step
 from ..updating.model_check import hint_of
 from ..updating.targets import targets_of
+from .hypotheses import figure
 from .measured_modes import ModeResponses, ModeRoots, measured_modes
 from .measured_states import (
     FOUND,
@@ -45,6 +46,7 @@ from .measured_states import (
     price_alone,
     roots_at,
     scatter_between,
+    without_shifts,
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
@@ -870,6 +872,11 @@ class Likelihood(ValueLikelihood):
 
 # -- Two states and what is assumed of them: all that decides how probable the values are
 
+_DRIFTS = (
+    "The intact tests differ by the stiffness of all elements together, as of temperature ({}, standard "
+    "deviation): that was taken out of them, and may be in the values of now too."
+)
+
 
 class Prepared(NamedTuple):
     """The likelihood after the baseline, and what it was made of."""
@@ -940,9 +947,9 @@ class Question:
     options: SearchOptions = field(default_factory=SearchOptions)
     model_error: float | None = None
     reduced: bool = False
-    #: What the baseline taught (error, scatter, contradiction, whether joints yield) once it was asked:
-    #: intervals ask again.
-    _taught: list[tuple[ModelError, float, Contradiction, bool]] = field(
+    #: What the baseline taught once it was asked, as intervals ask again: errors, the values without what
+    #: moved all of a test, how that scatters, and the values beside, contradictions, whether joints yield.
+    _taught: list[tuple[ModelError, Values, FloatArray, float, Contradiction, bool]] = field(
         default_factory=list, init=False, repr=False, compare=False
     )
 
@@ -983,42 +990,64 @@ class Question:
             both = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
             return _Family(base, responses.source(base, parts, **how), every, both)
 
+        def warmer(family: _Family) -> FloatArray:
+            return surroundings(model, family.factors, ("temperature",), frame.along)
+
         def taught(family: _Family, intact: Values) -> ModelError:
             found = learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
             return replace(found, lacking=family is not plain)
 
         if not self._taught:
-            step("learning the model's errors")
-            error, family = taught(plain, intact), plain
-            if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
-                reject(
-                    "model",
-                    f"one that does not explain the measurement: no {responses.noun} near the measured ones",
-                    "a model of the tested structure",
-                    f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
-                    "measurement.".lstrip(),
-                )
-            doubtful = self.model_error is None and not self.reduced and error.doubtful
-            if doubtful and (other := yielding()) is not None:
-                step("learning what joints yield")
-                its = taught(other, intact)
-                if its.log_evidence > error.log_evidence + _CLEARLY:
-                    error, family = its, other
-            scatter = scatter_between(intact, error.place, error.partner)
-            if scatter > 1.0:
-                error = taught(family, intact.noisier(scatter))
-            odd = contradiction(intact.plain, responses.tests)
-            self._taught.append((error, scatter, odd, family is not plain))
-        error, scatter, odd, with_joints = self._taught[0]
+            self._taught.append(self._learn(plain, yielding, taught, warmer, responses, intact))
+        error, intact, drift, scatter, odd, with_joints = self._taught[0]
         family = (yielding() if with_joints else None) or plain
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        named = surrounded, ("temperature",)
-        around = (surroundings(model, family.factors, each, frame.along) for each in named)
-        rest: Any = (self.options.std_common, threads, *around)
+        ambient, heat = surroundings(model, family.factors, surrounded, frame.along), warmer(family)
+        if drift.any():
+            ambient = np.hstack([ambient, heat * drift])
+            left_out = (*responses.left_out, _DRIFTS.format(figure(_WARMER * float(drift[0]))))
+            responses = replace(responses, left_out=left_out)
+        rest: Any = (self.options.std_common, threads, ambient, heat)
         likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
         made = responses, intact, scatter, odd, family.base, core, len(factors)
         return Prepared(likelihood, numbers, family.factors, *made)
+
+    def _learn(
+        self,
+        plain: _Family,
+        yielding: Callable[[], _Family | None],
+        taught: Callable[[_Family, Values], ModelError],
+        warmer: Callable[[_Family], FloatArray],
+        responses: Responses | ModeResponses,
+        intact: Values,
+    ) -> tuple[ModelError, Values, FloatArray, float, Contradiction, bool]:
+        """What ``_taught`` holds."""
+        step("learning the model's errors")
+        error, family = taught(plain, intact), plain
+        if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
+            reject(
+                "model",
+                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
+                "a model of the tested structure",
+                f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
+                "measurement.".lstrip(),
+            )
+        doubtful = self.model_error is None and not self.reduced and error.doubtful
+        if doubtful and (other := yielding()) is not None:
+            step("learning what joints yield")
+            its = taught(other, intact)
+            if its.log_evidence > error.log_evidence + _CLEARLY:
+                error, family = its, other
+        drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
+        if scatter > 1.0:
+            if isinstance(responses, Responses):
+                by_heat = error.intact.slopes[:, len(self.numbers) :] * np.exp(error.theta) @ warmer(family)
+                intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
+                scatter = scatter_between(intact, intact.log_f, error.partner)
+            error = taught(family, intact.noisier(scatter))
+        odd = contradiction(intact.plain, responses.tests)
+        return error, intact, drift, scatter, odd, family is not plain
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""
