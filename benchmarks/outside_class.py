@@ -17,6 +17,7 @@ Then the probability of the best hypothesis against how often it is right, overa
 
     python -m benchmarks.outside_class                      # all, 25 intact, 25 single, 15 double, 10 others
     python -m benchmarks.outside_class --structures portal --kinds single joint --single 10 --others 10
+    python -m benchmarks.outside_class --kinds temperature --environment temperature --others 20
     python -m benchmarks.outside_class --out after.json --against before.json   # case by case
 """
 
@@ -59,7 +60,7 @@ CLASSES = {
 def one_case(task):
     """Truth and answer."""
     warnings.simplefilter("ignore", ar.exceptions.AntiresWarning)
-    name, kind, number, seed = task
+    name, kind, number, seed, environment = task
     one = case(name, kind, number, seed)
     model, elements = one.structure.model, one.structure.elements
     row = {
@@ -75,7 +76,8 @@ def one_case(task):
     }
     start = time.process_time()
     try:
-        result = ar.assess_damage(model, one.now, baseline=one.before, elements=elements, workers=1)
+        how = {"elements": elements, "environment": environment, "workers": 1}
+        result = ar.assess_damage(model, one.now, baseline=one.before, **how)
         row |= answered(one, result)
     except ar.exceptions.InvalidInputError as exc:
         row |= REFUSED | {"refused": str(exc)}
@@ -258,6 +260,7 @@ def main():
     parser.add_argument("--single", type=int, default=25)
     parser.add_argument("--double", type=int, default=15)
     parser.add_argument("--others", type=int, default=10, help="cases of each other kind")
+    parser.add_argument("--environment", nargs="+", help="what is said to differ, as in assess_damage")
     parser.add_argument("--seed0", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, help="file for the rows, as JSON")
@@ -267,7 +270,7 @@ def main():
     counts = {"intact": given.intact, "single": given.single, "double": given.double}
     # By number, so that a part of a run holds some of everything.
     tasks = [
-        (name, kind, number, given.seed0)
+        (name, kind, number, given.seed0, given.environment)
         for number in range(max(*counts.values(), given.others))
         for kind in given.kinds
         for name in given.structures

@@ -133,3 +133,19 @@ def test_an_assessment_that_was_interrupted_is_begun_anew(tmp_path, monkeypatch,
     assert cli.main(["damage", str(tmp_path / "job.toml")]) == 0
     assert cli.main(["resume", str(tmp_path / "job.toml")]) == 0
     assert "this search has finished (judged)" in capsys.readouterr().err
+
+
+def test_what_may_differ_between_the_tests(tmp_path):
+    """Springs 1 % stiffer, and one lost."""
+    rng, chain, sets = np.random.default_rng(4), ar.cases.chain8().model, []
+    springs = ar.stiffness_factor(range(7), bounds=(0.1, 2.0))
+    for factors in (np.ones(7), np.where(np.arange(7) == 4, 0.8, 1.01)):
+        model = chain.with_parameters(springs, factors)
+        found = {dof: model.antiresonances(dof, 0) * (1.0 + 1e-4 * rng.standard_normal()) for dof in range(4)}
+        sets.append(ar.AntiresonanceSet(0, found, std_hz={dof: 1e-4 * f for dof, f in found.items()}))
+    for name, one in zip(("intact", "measured"), sets, strict=True):
+        one.save(tmp_path / f"{name}.json")
+    summary = run(tmp_path, WITH.replace("[search]", 'environment = "temperature"\n\n[search]'))
+    assert set(losses(summary)) == {"spring 4"}
+    kept = ar.DamageResult.load(tmp_path / "job_results" / "result.npz")
+    assert kept.options["environment"] == ["temperature"]

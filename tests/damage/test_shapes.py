@@ -131,6 +131,46 @@ def test_temperature_beside_damage():
         assessed(before, before, rng, environment=("wind",))
 
 
+def warmer(model, by):
+    """With another modulus of all elements."""
+    return model.with_parameters(ar.stiffness_factor(range(10), bounds=(0.1, 2.0)), np.full(10, 1.0 + by))
+
+
+@pytest.mark.parametrize(
+    ("seed", "by", "said"), [(0, 0.025, None), (2, 0.025, ("temperature",)), (1, -0.05, None)]
+)
+def test_a_loss_beside_temperature_is_where_the_values_are_most_probable(seed, by, said):
+    """Two roots of the beam nearly meet, and are not linear in what moves all of them."""
+    rng = np.random.default_rng(seed)
+    before = off(PLAIN, rng)
+    now = warmer(before, by).with_parameters(ar.stiffness_reduction(4), 0.2)
+    result = assessed(now, before, rng, environment=said)
+    assert (result.damaged, result.severity[4]) == ([4], pytest.approx(0.2, abs=0.005))
+
+
+def test_supports_that_may_differ_are_no_damage_be_they_right_in_the_model():
+    rng = np.random.default_rng
+    before, now = (off(beam(ground_springs=[(7, "v", k)]), rng(3)) for k in (2e4, 1.85e4))
+    best = assessed(now, before, rng(103), environment=("supports",)).hypotheses[0]
+    assert (best.elements, best.probability > 0.99) == ((), True)
+    hurt = now.with_parameters(ar.stiffness_reduction(4), 0.2)
+    assert assessed(hurt, before, rng(104), environment=("supports",)).damaged == [4]
+
+
+def test_what_moves_all_values_of_an_intact_test_is_no_scatter_of_each():
+    rng = np.random.default_rng(7)
+    before = off(PLAIN, rng)
+    cold = [measured(warmer(before, k * 0.01), rng) for k in (-1, 0, 1)]
+    now = warmer(before, 0.006).with_parameters(ar.stiffness_reduction(4), 0.1)
+    result = ar.assess_damage(PLAIN, measured(now, rng), baseline=cold)
+    assert (result.damaged, result.assessment.scatter) == ([4], pytest.approx(1.0, abs=0.3))
+    assert result.interval[4][0] < 0.1 < result.interval[4][1]
+    assert max(result.detectable[e] for e in range(9)) < 0.03
+    assert "differ by the stiffness of all elements together" in result.summary()
+    none = ar.assess_damage(PLAIN, measured(warmer(before, 0.006), rng), baseline=cold)
+    assert (none.damaged, none.hypotheses[0].elements) == ([], ())
+
+
 def test_what_springs_yield_is_learned_from_the_baseline():
     """A support of the model that is off by a third makes no element wrong."""
     rng = np.random.default_rng(11)

@@ -14,7 +14,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -30,6 +30,7 @@ from ..support.checks import FloatArray
 from ..support.progress import step
 from ..updating.model_check import hint_of
 from ..updating.targets import targets_of
+from .hypotheses import figure
 from .measured_modes import ModeResponses, ModeRoots, measured_modes
 from .measured_states import (
     FOUND,
@@ -45,6 +46,7 @@ from .measured_states import (
     price_alone,
     roots_at,
     scatter_between,
+    without_shifts,
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
@@ -310,7 +312,7 @@ def _from(
     spare = y.size - float(np.trace(cho_solve(factor, by_factors)))
     lost = values.size - y.size
     log_evidence -= 0.5 * float(np.sum((np.log(s / np.array([S[0], S_JOINTS[0]])[: s.size]) / S[1]) ** 2))
-    rest = mean, rows, prior, factor, log_evidence, lost, bool(group.any())
+    rest = mean, rows, prior, factor, log_evidence, lost
     found = ModelError(theta, float(s[0]), taus, intact, partner, place, spare, *rest)
     return found, log_evidence, settled
 
@@ -367,9 +369,11 @@ ERRORS = (
     (1.6, 2.0, 0.05),
 )
 Errors = tuple[tuple[float, float, float], ...]
-#: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation
-#: (ln f), its share of the probability, and the errors beside which it is looked at.
-_ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
+#: A change of all values alike, and one of temperature, may come with any hypothesis: the former's standard
+#: deviation (ln f), the share of the probability of each, and the errors beside which they are looked at.
+_ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.025, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
+#: Which of the ways it is; and beside how many losses temperature is not looked at.
+_WARM, _MANY = 2, 3
 #: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change
 #: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
 #: square), its share of the probability, and the errors beside which it is looked at. Set on building.
@@ -403,6 +407,8 @@ class View:
     chi_square: float
     shift: float = 0.0  # of all values alike, ln f, where such a change is part of the most probable error
     gain_std: float = 0.0  # relative error of a loss (u) by that of the model
+    #: What of the surroundings has changed, in the most probable error, in standard deviations.
+    felt: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def gains(self) -> FloatArray:
@@ -441,11 +447,17 @@ class Foreseen(NamedTuple):
     seen: NDArray[np.bool_]  # in the intact state
     gain_std: float  # relative error of a loss (u)
     n_elements: int  # first columns of the slopes
+    #: Changes of all of standard deviation 1: all alike, by temperature, by the environment, (r, 1 + k).
+    together: FloatArray
+    n_warm: int  # of these by temperature
+    shift: FloatArray  # what those that were found come to; place is without it
+    known: FloatArray  # variance that they leave no more
 
 
 def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: FloatArray) -> View:
     """The most probable of the ways to associate values and roots."""
-    variance = np.maximum(np.diag(roots.spread), 0.0) + (_FIRST_KAPPA * roots.change) ** 2
+    change = roots.change + roots.shift
+    variance = np.maximum(np.diag(roots.spread) - roots.known, 0.0) + (_FIRST_KAPPA * change) ** 2
     ways = [(np.sqrt(variance), wider) for wider in _WIDER]
     found: list[View] = []
     before: NDArray[np.intp] | None = None
@@ -464,9 +476,10 @@ def associated(
     now: Values, roots: Foreseen, band: Band, sigma: FloatArray, wider: float
 ) -> tuple[NDArray[np.intp], FloatArray, float]:
     """Root of each value, the values as seen from there, and what those without a partner cost."""
-    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(roots.place, roots.seen))
+    expected = roots.place + roots.shift
+    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(expected, roots.seen))
     alone = price_alone(*band)
-    partner, place, lost = now.associated(roots.roots, roots.place, sigma, alone, missed - present, wider)
+    partner, place, lost = now.associated(roots.roots, expected, sigma, alone, missed - present, wider)
     taken = partner[partner >= 0]
     price = lost + now.times_measured(roots.roots.response) @ missed - (missed - present)[taken].sum()
     return partner, place, float(price)
@@ -492,62 +505,89 @@ def _judged(
     size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
-    kappa, times, share, alike, mixed = errors.T[..., None, None]
-    frequency = (roots.roots.kind[root] == 0).astype(np.float64)
-    spread = times**2 * noise + kappa**2 * unmodelled + alike**2 * np.outer(frequency, frequency)
+    kappa, times, mixed = errors.T[:3, :, None, None]
+    spread = model + times**2 * noise + kappa**2 * unmodelled
     by_elements = roots.roots.slopes[root, : roots.n_elements] * (1.0 - beta[: roots.n_elements])
     along = by_elements @ by_elements.T
-    if has.size and (total := float(np.trace(along))) > 0.0:
+    if has.size and mixed.any() and (total := float(np.trace(along))) > 0.0:
         spread = spread + mixed**2 * along * (float(np.sum(change**2)) / total)
-    triangles = np.linalg.cholesky(model + spread)
+    triangles = np.linalg.cholesky(spread)
+    n_common, together = 1 + roots.n_warm, roots.together[root]
+    ways = (together[:, :0], together[:, :1], together[:, 1:n_common])
+    sides = np.hstack([residual[:, None], together[:, :n_common]])
     # A row-major lower triangle is a column-major upper one.
-    solved = [dtrtrs(each.T, residual, trans=1)[0] for each in triangles] if has.size else []
-    white = np.reshape(solved, (len(errors), has.size))
+    solved = [dtrtrs(each.T, sides, trans=1)[0] for each in triangles] if has.size else []
+    whole = np.reshape(solved, (len(errors), has.size, 1 + n_common))
+    squares = whole.transpose(0, 2, 1) @ whole
     log_diagonal = np.log(np.diagonal(triangles, axis1=1, axis2=2)).sum(axis=1)
-    logs = np.log(share[:, 0, 0]) - 0.5 * np.einsum("ei,ei->e", white, white) - log_diagonal
-    best = int(np.argmax(logs))
+    logs = errors.T[3:] - log_diagonal - 0.5 * squares[:, 0, 0]
+    logs[1] += _gained(squares, range(1, 2))
+    logs[_WARM] += _gained(squares, range(2, 1 + n_common))
+    way, best = divmod(int(np.argmax(logs)), len(errors))
+    triangle, white = triangles[best], whole[best, :, 0]
+    if way and has.size:
+        triangle = np.linalg.cholesky(spread[best] + ways[way] @ ways[way].T)
+        white = dtrtrs(triangle.T, residual, trans=1)[0]
     slopes = roots.roots.slopes[root, : beta.size]
-    slope = dtrtrs(triangles[best].T, slopes, trans=1)[0] if has.size else slopes
+    slope = dtrtrs(triangle.T, slopes, trans=1)[0] if has.size else slopes
     beside = np.zeros(now.size)
     beside[has] = roots.beside[root]
-    shift = 0.0
-    if errors[best, 3] and has.size:
-        shift = float(errors[best, 3]) ** 2 * float(
-            dtrtrs(triangles[best].T, frequency, trans=1)[0] @ white[best]
-        )
+    shift, felt = 0.0, np.zeros(together.shape[1] - 1)
+    if has.size and (way or n_common < together.shape[1]):
+        pull = dtrtrs(triangle.T, white)[0]
+        felt = together[:, 1:].T @ pull
+        felt[: roots.n_warm] *= way == _WARM
+        moved = ways[way] @ (ways[way].T @ pull)
+        shift = float(np.median(moved[roots.roots.kind[root] == 0])) if way else 0.0
+    price += 0.5 * has.size * float(np.log(2.0 * np.pi))
     return View(
         beta=beta,
-        log_likelihood=float(np.logaddexp.reduce(logs)) - 0.5 * has.size * float(np.log(2.0 * np.pi)) - price,
-        gain=slope.T @ white[best],
+        log_likelihood=float(np.logaddexp.reduce(logs, axis=None)) - price,
+        gain=slope.T @ white,
         curvature=slope.T @ slope,
         kappa=float(errors[best, 0]),
         times=float(errors[best, 1]),
         partner=partner,
         beside=beside,
         residual=residual,
-        std=np.linalg.norm(triangles[best], axis=1),
-        chi_square=float(white[best] @ white[best]),
+        std=np.linalg.norm(triangle, axis=1),
+        chi_square=float(white @ white),
         shift=shift,
         gain_std=roots.gain_std,
+        felt=felt,
     )
 
 
+def _gained(squares: FloatArray, columns: Iterable[int]) -> FloatArray:
+    """What a density gains (ln) where changes of standard deviation 1 may come to values: products (e, k, k)
+    of residuals, the first, and changes, all made independent, and which of these it is."""
+    left, gained = squares, 0.5 * squares[:, 0, 0]
+    for column in columns:
+        own = left[:, column]
+        size = 1.0 + own[:, column]
+        left = left - own[:, :, None] * (own / size[:, None])[:, None]
+        gained = gained - 0.5 * np.log(size)
+    return gained - 0.5 * left[:, 0, 0]
+
+
 def all_errors(outside: float, with_mixed: float) -> FloatArray:
-    """Rows of kappa, multiple of the standard deviations, probability, standard deviation of a change of all
-    values alike, and share of a change that is wrong along the slopes of all elements, which has the
-    probability ``with_mixed``; ``outside`` is :attr:`ModelError.outside`."""
-    usual = 1.0 - _WITH_ALIKE - with_mixed
-    found = [(outside * k, times, p * usual, 0.0, 0.0) for k, times, p in ERRORS]
-    ways: list[tuple[float, tuple[tuple[float, float], ...], float, float]] = [
-        (_WITH_ALIKE, _BESIDE_ALIKE, _ALIKE_STD, 0.0)
-    ]
-    if with_mixed:
-        ways += [(with_mixed / len(_MIXED), _BESIDE_MIXED, 0.0, mixed) for mixed in _MIXED]
-    for share, beside, alike, mixed in ways:
-        own = [each for each in ERRORS if each[:2] in beside]
-        total = sum(p for *_, p in own)
-        found += [(outside * k, times, share * p / total, alike, mixed) for k, times, p in own]
-    return np.array(found)
+    """Rows of kappa, multiple of the standard deviations, and the share of a change that is wrong along the
+    slopes of all elements, which has the probability ``with_mixed``; ln of the probability of each, alone,
+    where all values may move alike as well, and where they may by temperature; ``outside`` is
+    :attr:`ModelError.outside`."""
+    usual = 1.0 - 2.0 * _WITH_ALIKE - with_mixed
+    total = sum(p for *each, p in ERRORS if tuple(each) in _BESIDE_ALIKE)
+    found = []
+    for *each, p in ERRORS:
+        more = _WITH_ALIKE * p / total if tuple(each) in _BESIDE_ALIKE else 0.0
+        found.append((outside * each[0], each[1], 0.0, usual * p, more, more))
+    own = [each for each in ERRORS if with_mixed and each[:2] in _BESIDE_MIXED]
+    each_of = with_mixed / (len(_MIXED) * sum(p for *_, p in own)) if own else 0.0
+    found += [(outside * k, t, mixed, each_of * p, 0.0, 0.0) for mixed in _MIXED for k, t, p in own]
+    rows = np.array(found)
+    with np.errstate(divide="ignore"):
+        rows[:, 3:] = np.log(rows[:, 3:])
+    return rows
 
 
 def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
@@ -593,6 +633,10 @@ def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray)
         seen,
         there.gain_std,
         there.n_elements,
+        joined(there.together),
+        there.n_warm,
+        joined(there.shift),
+        joined(there.known),
     )
 
 
@@ -691,14 +735,20 @@ class Likelihood(ValueLikelihood):
         common: float,
         threads: int,
         ambient: FloatArray | None = None,
+        warmer: FloatArray | None = None,
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev, self.n_elements = common, 0, n_elements
         self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
-        self.ambient = np.zeros((self.factors.size, 0)) if ambient is None else ambient
+        none = np.zeros((self.factors.size, 0))
+        self.ambient = none if ambient is None else ambient
+        #: The same of temperature, which may come with any hypothesis.
+        self.warmer = none if warmer is None else warmer
         self._errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
+        self._not_warm = self._errors.copy()
+        self._not_warm[:, 3 + _WARM] = -np.inf
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
 
@@ -717,12 +767,13 @@ class Likelihood(ValueLikelihood):
     @cached_property
     def start(self) -> View:  # type: ignore[override]
         """See the base class."""
-        return self._view(np.zeros(self.n), self._undamaged, 0.0)
+        return self.without_damage(0.0, 0.0)
 
-    def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
-        """The model's roots at each row of severities (m, n)."""
+    def roots(self, betas: FloatArray, *, slopes: bool, changed: FloatArray | None = None) -> list[Roots]:
+        """The model's roots at each row of severities (m, n), where ln factors have ``changed`` by (m, p)."""
         self.nfev += len(betas)
-        x = np.hstack([betas, np.broadcast_to(self.factors, (len(betas), self.factors.size))])
+        changed = np.zeros((len(betas), self.factors.size)) if changed is None else changed
+        x = np.hstack([betas, self.factors * np.exp(changed)])
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
@@ -734,8 +785,24 @@ class Likelihood(ValueLikelihood):
 
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """See the base class."""
-        found = self.roots(betas, slopes=True)
-        return [self._view(beta, roots, extra) for beta, roots in zip(betas, found, strict=True)]
+        return self._seen(betas, self.roots(betas, slopes=True), extra)
+
+    def _seen(
+        self, betas: FloatArray, found: list[Roots], extra: float | FloatArray, common: float = 0.0
+    ) -> list[View]:
+        """The views; where the surroundings have changed, from where that leads to."""
+        views = [self._view(*each, extra, common) for each in zip(betas, found, strict=True)]
+        # Near where two roots meet they are not linear in a factor, nor is a loss seen alike everywhere.
+        felt = [n for n, view in enumerate(views) if view.felt.any() and not np.any(extra)]
+        if felt and isinstance(self.core, _core.Objective):
+            change = np.array([views[n].felt for n in felt])
+            changed = change @ np.hstack([self.warmer, self.ambient]).T
+            there = self.roots(betas[felt], slopes=True, changed=changed)
+            for nth, n in enumerate(felt):
+                other = self._view(betas[n], there[nth], extra, common, change[nth], changed[nth])
+                if other.log_likelihood > views[n].log_likelihood:
+                    views[n] = other
+        return views
 
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """See the base class; roots lie as far beside the model's as the intact ones do."""
@@ -754,15 +821,28 @@ class Likelihood(ValueLikelihood):
 
     def without_damage(self, extra: float | FloatArray, common: float) -> View:
         """See the base class."""
-        return self._view(np.zeros(self.n), self._undamaged, extra, common)
+        return self._seen(np.zeros((1, self.n)), [self._undamaged], extra, common)[0]
 
-    def _view(self, beta: FloatArray, roots: Roots, extra: float | FloatArray, common: float = 0.0) -> View:
-        """``extra`` is the error of every value, or of those of each response."""
+    def _view(
+        self,
+        beta: FloatArray,
+        roots: Roots,
+        extra: float | FloatArray,
+        common: float,
+        felt: FloatArray | None = None,
+        changed: FloatArray | float = 0.0,
+    ) -> View:
+        """``extra`` is the error of every value, or of those of each response; ``felt`` is the change of the
+        surroundings at which the roots are, and ``changed`` that of ln factors."""
         roots, identity, followed = self.near(roots)
         error, log_f, slopes = self.error, roots.log_f, roots.slopes
-        by_theta = slopes[:, self.n :] * self.factors
+        by_theta = slopes[:, self.n :] * self.factors * np.exp(changed)
         beside, spread = error.predicted(by_theta, identity, roots.kind)
-        old, moved = identity >= 0, by_theta @ self.ambient
+        old, by_heat, moved = identity >= 0, by_theta @ self.warmer, by_theta @ self.ambient
+        known, shift = np.zeros(log_f.size), np.zeros(log_f.size)
+        if felt is not None:
+            known, shift = np.sum(moved**2, axis=1), np.hstack([by_heat, moved]) @ felt
+        log_f = log_f - shift
         alike = np.hypot(self.common, common) * (roots.kind == 0)
         own = (
             np.broadcast_to(extra, log_f.shape) if np.ndim(extra) == 0 else np.asarray(extra)[roots.response]
@@ -776,15 +856,26 @@ class Likelihood(ValueLikelihood):
             old & error.seen[identity],
             error.gain_std,
             self.n_elements,
+            np.column_stack([_ALIKE_STD * (roots.kind == 0), by_heat, moved]),
+            by_heat.shape[1],
+            shift,
+            known,
         )
         if not isinstance(roots, ModeRoots):  # modes do not vanish
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
             places = error.intact.log_f[gone] + self._beside[gone]
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
-        return viewed(beta, self.now, foreseen, self.band, self._errors)
+        # Warmth, its gradient and three losses together explain what a stiffened element does as well.
+        many = np.count_nonzero(beta[: self.n_elements]) >= _MANY
+        return viewed(beta, self.now, foreseen, self.band, self._not_warm if many else self._errors)
 
 
 # -- Two states and what is assumed of them: all that decides how probable the values are
+
+_DRIFTS = (
+    "The intact tests differ by the stiffness of all elements together, as of temperature ({}, standard "
+    "deviation): that was taken out of them, and may be in the values of now too."
+)
 
 
 class Prepared(NamedTuple):
@@ -856,9 +947,9 @@ class Question:
     options: SearchOptions = field(default_factory=SearchOptions)
     model_error: float | None = None
     reduced: bool = False
-    #: What the baseline taught (error, scatter, contradiction, whether joints yield) once it was asked:
-    #: intervals ask again.
-    _taught: list[tuple[ModelError, float, Contradiction, bool]] = field(
+    #: What the baseline taught once it was asked, as intervals ask again: errors, the values without what
+    #: moved all of a test, how that scatters, and the values beside, contradictions, whether joints yield.
+    _taught: list[tuple[ModelError, Values, FloatArray, float, Contradiction, bool]] = field(
         default_factory=list, init=False, repr=False, compare=False
     )
 
@@ -871,12 +962,17 @@ class Question:
         """Learn the model's errors from the baseline; ``silent`` keeps antiresonances of responses that have
         no value yet."""
         model, numbers, factors = self.model, self.numbers, factors_of(self.model)
+        frame, surrounded = structure_of(model), self.options.environment or ()
+        group = np.zeros(len(factors), dtype=np.intp)
+        if "supports" in surrounded:  # what changes needs a factor, be it right in the model
+            factors += tuple(p for p in frame.springs if p.terms[0] not in model._springs)
+            group = np.pad(group, (0, len(factors) - group.size), constant_values=1)
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        plain = _Family(model, core, factors, np.zeros(len(factors), dtype=np.intp))
+        plain = _Family(model, core, factors, group)
         if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
 
@@ -884,7 +980,6 @@ class Question:
             """The model with joints and supports that yield, each by a factor of its own."""
             if not isinstance(responses, Responses):
                 return None
-            frame = structure_of(model)
             joints, given = frame.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
             springs = [p for p in frame.springs if p.terms not in given]
             more = (*springs, *joints.factors(model, BOUNDS))
@@ -892,44 +987,67 @@ class Question:
                 return None
             base, every = joints.joined(model), (*factors, *more)
             parts = model.description.core_parameters((*stiffness_reduction(numbers), *every))
-            group = np.repeat([0, 1], [len(factors), len(more)])
-            return _Family(base, responses.source(base, parts, **how), every, group)
+            both = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
+            return _Family(base, responses.source(base, parts, **how), every, both)
+
+        def warmer(family: _Family) -> FloatArray:
+            return surroundings(model, family.factors, ("temperature",), frame.along)
 
         def taught(family: _Family, intact: Values) -> ModelError:
-            return learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
+            found = learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
+            return replace(found, lacking=family is not plain)
 
         if not self._taught:
-            step("learning the model's errors")
-            error, family = taught(plain, intact), plain
-            if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
-                reject(
-                    "model",
-                    f"one that does not explain the measurement: no {responses.noun} near the measured ones",
-                    "a model of the tested structure",
-                    f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
-                    "measurement.".lstrip(),
-                )
-            doubtful = self.model_error is None and not self.reduced and error.doubtful
-            if doubtful and (other := yielding()) is not None:
-                step("learning what joints yield")
-                its = taught(other, intact)
-                if its.log_evidence > error.log_evidence + _CLEARLY:
-                    error, family = its, other
-            scatter = scatter_between(intact, error.place, error.partner)
-            if scatter > 1.0:
-                error = taught(family, intact.noisier(scatter))
-            odd = contradiction(intact.plain, responses.tests)
-            self._taught.append((error, scatter, odd, family is not plain))
-        error, scatter, odd, with_joints = self._taught[0]
+            self._taught.append(self._learn(plain, yielding, taught, warmer, responses, intact))
+        error, intact, drift, scatter, odd, with_joints = self._taught[0]
         family = (yielding() if with_joints else None) or plain
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        along = structure_of(model).along if self.options.environment else None
-        ambient = surroundings(model, family.factors, self.options.environment or (), along)
-        rest = self.options.std_common, threads, ambient
+        ambient, heat = surroundings(model, family.factors, surrounded, frame.along), warmer(family)
+        if drift.any():
+            ambient = np.hstack([ambient, heat * drift])
+            left_out = (*responses.left_out, _DRIFTS.format(figure(_WARMER * float(drift[0]))))
+            responses = replace(responses, left_out=left_out)
+        rest: Any = (self.options.std_common, threads, ambient, heat)
         likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
         made = responses, intact, scatter, odd, family.base, core, len(factors)
         return Prepared(likelihood, numbers, family.factors, *made)
+
+    def _learn(
+        self,
+        plain: _Family,
+        yielding: Callable[[], _Family | None],
+        taught: Callable[[_Family, Values], ModelError],
+        warmer: Callable[[_Family], FloatArray],
+        responses: Responses | ModeResponses,
+        intact: Values,
+    ) -> tuple[ModelError, Values, FloatArray, float, Contradiction, bool]:
+        """What ``_taught`` holds."""
+        step("learning the model's errors")
+        error, family = taught(plain, intact), plain
+        if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
+            reject(
+                "model",
+                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
+                "a model of the tested structure",
+                f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
+                "measurement.".lstrip(),
+            )
+        doubtful = self.model_error is None and not self.reduced and error.doubtful
+        if doubtful and (other := yielding()) is not None:
+            step("learning what joints yield")
+            its = taught(other, intact)
+            if its.log_evidence > error.log_evidence + _CLEARLY:
+                error, family = its, other
+        drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
+        if scatter > 1.0:
+            if isinstance(responses, Responses):
+                by_heat = error.intact.slopes[:, len(self.numbers) :] * np.exp(error.theta) @ warmer(family)
+                intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
+                scatter = scatter_between(intact, intact.log_f, error.partner)
+            error = taught(family, intact.noisier(scatter))
+        odd = contradiction(intact.plain, responses.tests)
+        return error, intact, drift, scatter, odd, family is not plain
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""

@@ -395,6 +395,38 @@ def scatter_between(values: Values, place: FloatArray, root: NDArray[np.intp]) -
     return float(max(np.sqrt(total / spare), 1.0)) if spare >= _LEAST_REPEATS else 1.0
 
 
+#: The largest change of a test that is of its surroundings; by how much it must lower what is left, ln.
+_FURTHEST, _SHOWS = 4.0, 3.0
+
+
+def without_shifts(
+    values: Values, place: FloatArray, root: NDArray[np.intp], ways: FloatArray
+) -> tuple[Values, FloatArray]:
+    """The values without what each test has of changes of all, by root (r, k) of standard deviation 1, and
+    how these scatter, (k,): 0 where tests do not show them (by Schwarz's criterion)."""
+    has, none = np.flatnonzero(root >= 0), np.zeros(ways.shape[1])
+    weight, of_test = 1.0 / values.std[has], (values.test[has, None] == values.tests).astype(np.float64)
+    each = np.einsum("it,ik->itk", of_test, ways[root[has]]).reshape(has.size, -1)
+    sides = weight[:, None] * np.column_stack([place[has], each])
+    for number in np.unique(root[has]):  # the mean of each root is free
+        own = root[has] == number
+        unit = weight[own] / np.linalg.norm(weight[own])
+        sides[own] -= np.outer(unit, unit @ sides[own])
+    change, _, rank, _ = np.linalg.lstsq(sides[:, 1:], sides[:, 0], rcond=1e-9)
+    left = np.sum((sides[:, 0] - sides[:, 1:] @ change) ** 2)
+    spare = has.size - np.unique(root[has]).size
+    gained = 0.5 * spare * np.log(np.sum(sides[:, 0] ** 2) / max(left, 1e-300))
+    shown = gained > 0.5 * rank * np.log(has.size) + _SHOWS
+    change = change.reshape(values.tests.size, -1)
+    if not rank or spare - rank < _LEAST_REPEATS or not shown or np.abs(change).max() > _FURTHEST:
+        return values, none
+    moved = np.einsum("it,tk,ik->i", of_test, change, ways[root[has]])
+    log_f = values.log_f.copy()
+    log_f[has] -= moved
+    few = 1.0 + 1.0 / values.tests.size
+    return replace(values, log_f=log_f), np.sqrt(few * np.sum(change**2, axis=0) / (values.tests.size - 1))
+
+
 class Contradiction(NamedTuple):
     """Tests of the baseline that contradict the others, the odd one alone where it is known."""
 

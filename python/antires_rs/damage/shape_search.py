@@ -30,9 +30,9 @@ class ShapedLikelihood(Likelihood):
 
     offset: FloatArray
 
-    def roots(self, betas: FloatArray, *, slopes: bool) -> list[Roots]:
+    def roots(self, betas: FloatArray, *, slopes: bool, changed: FloatArray | None = None) -> list[Roots]:
         """See the base class."""
-        return super().roots(betas + self.offset, slopes=slopes)
+        return super().roots(betas + self.offset, slopes=slopes, changed=changed)
 
 
 def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> ShapedLikelihood | None:
@@ -51,7 +51,15 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> Shape
         return None
     error = replace(plain.error, intact=intact)
     found = ShapedLikelihood(
-        core, offset.size, error, prepared.intact, plain.now, plain.common, plain.threads, plain.ambient
+        core,
+        offset.size,
+        error,
+        prepared.intact,
+        plain.now,
+        plain.common,
+        plain.threads,
+        plain.ambient,
+        plain.warmer,
     )
     found.offset, found.n_elements = offset, len(own)
     return found
