@@ -48,7 +48,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import Joined, structure_of
+from .shapes import Joined, Structure, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -799,6 +799,7 @@ class Prepared(NamedTuple):
     odd: Contradiction
     #: The model with what its joints and supports may yield, which ``factors`` are of too.
     base: StructuralModel | Joined
+    structure: Structure  # its geometry, and what its elements do between nodes
     plain: Core  # the roots of the model as it was given
     n_given: int  # factors that are of this
 
@@ -856,9 +857,9 @@ class Question:
     options: SearchOptions = field(default_factory=SearchOptions)
     model_error: float | None = None
     reduced: bool = False
-    #: What the baseline taught (error, scatter, contradiction, whether joints yield) once it was asked:
-    #: intervals ask again.
-    _taught: list[tuple[ModelError, float, Contradiction, bool]] = field(
+    #: What the baseline taught (error, scatter, contradiction, whether elements move between their nodes and
+    #: joints yield) once it was asked: intervals ask again.
+    _taught: list[tuple[ModelError, float, Contradiction, Structure, bool]] = field(
         default_factory=list, init=False, repr=False, compare=False
     )
 
@@ -880,17 +881,22 @@ class Question:
         if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
 
-        def yielding() -> _Family | None:
+        def of(structure: Structure) -> _Family:
+            """The model as it was given, or with what its elements do between their nodes."""
+            finer = structure.finer
+            return plain if finer is None else plain._replace(base=finer, core=responses.source(finer, parts, **how))
+
+        def yielding(structure: Structure) -> _Family | None:
             """The model with joints and supports that yield, each by a factor of its own."""
             if not isinstance(responses, Responses):
                 return None
-            frame = structure_of(model)
-            joints, given = frame.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
-            springs = [p for p in frame.springs if p.terms not in given]
-            more = (*springs, *joints.factors(model, BOUNDS))
+            joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
+            springs = [p for p in structure.springs if p.terms not in given]
+            own = model if structure.finer is None else structure.finer
+            more = (*springs, *joints.factors(own, BOUNDS))
             if not more:
                 return None
-            base, every = joints.joined(model), (*factors, *more)
+            base, every = joints.joined(own), (*factors, *more)
             parts = model.description.core_parameters((*stiffness_reduction(numbers), *every))
             group = np.repeat([0, 1], [len(factors), len(more)])
             return _Family(base, responses.source(base, parts, **how), every, group)
@@ -909,8 +915,16 @@ class Question:
                     f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
                     "measurement.".lstrip(),
                 )
+            structure = structure_of(model)
+            if not self.reduced and intact.size and isinstance(responses, Responses):
+                finer = structure_of(model, float(np.exp(intact.plain.log_f.max())))
+                if finer.finer is not None:
+                    step("learning the model's errors between nodes")
+                    its = taught(of(finer), intact)
+                    if its.log_evidence > error.log_evidence:
+                        error, structure, family = its, finer, of(finer)
             doubtful = self.model_error is None and not self.reduced and error.doubtful
-            if doubtful and (other := yielding()) is not None:
+            if doubtful and (other := yielding(structure)) is not None:
                 step("learning what joints yield")
                 its = taught(other, intact)
                 if its.log_evidence > error.log_evidence + _CLEARLY:
@@ -919,16 +933,16 @@ class Question:
             if scatter > 1.0:
                 error = taught(family, intact.noisier(scatter))
             odd = contradiction(intact.plain, responses.tests)
-            self._taught.append((error, scatter, odd, family is not plain))
-        error, scatter, odd, with_joints = self._taught[0]
-        family = (yielding() if with_joints else None) or plain
+            self._taught.append((error, scatter, odd, structure, len(family.factors) > len(factors)))
+        error, scatter, odd, structure, with_joints = self._taught[0]
+        family = (yielding(structure) if with_joints else None) or of(structure)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        along = structure_of(model).along if self.options.environment else None
+        along = structure.along if self.options.environment else None
         ambient = surroundings(model, family.factors, self.options.environment or (), along)
         rest = self.options.std_common, threads, ambient
         likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
-        made = responses, intact, scatter, odd, family.base, core, len(factors)
+        made = responses, intact, scatter, odd, family.base, structure, core, len(factors)
         return Prepared(likelihood, numbers, family.factors, *made)
 
     def hint(self) -> str:

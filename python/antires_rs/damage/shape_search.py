@@ -14,7 +14,7 @@ from .evidence import Fit, fitted
 from .inference import SHARES, USUALLY_LOST, Elements, Search, stepped, too_much
 from .likelihood import Likelihood, Prepared, Question, View
 from .measured_states import Responses, Roots, Values, roots_at
-from .shapes import Found, Shape, Shaped, Shapes, Structure, structure_of
+from .shapes import Found, Shape, Shaped, Shapes, Structure
 
 #: Shares of the prior of what is in no element, by kind.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
@@ -89,7 +89,7 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
 
 def _search(search: Search, prepared: Prepared, question: Question, found: Found) -> None:
     """Add to what is found."""
-    frame = structure_of(question.model)
+    frame = prepared.structure
     plain = prepared.likelihood.start
     lost = plain.partner.size - plain.n_matched
     changed = too_much(plain) or lost > max(1, USUALLY_LOST * plain.partner.size)

@@ -18,12 +18,14 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core import Model as CoreModel
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.matrices import Columns, Entries, as_sparse
 from ..models.parameters import Parameter
+from ..models.recipes import FrameRecipe
 from ..models.structural_model import ModelDescription
 from ..support.checks import FloatArray
 
@@ -144,6 +146,10 @@ def _entries(columns: Columns) -> tuple[Any, Any, FloatArray]:
     return rows.astype(np.uint32), column, values
 
 
+def _together(several: Sequence[tuple[Any, Any, FloatArray]]) -> Entries:
+    return Entries.joined(*map(np.concatenate, zip(*several, strict=True)))
+
+
 def _of_core(term: Any, n: int) -> Any:
     from scipy.sparse import coo_array
 
@@ -151,10 +157,11 @@ def _of_core(term: Any, n: int) -> Any:
     return coo_array((values, (rows, columns)), shape=(n, n)).tocsr()
 
 
-def structure_of(model: StructuralModel) -> Structure:
-    """What is known of a model beside its matrices."""
+def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
+    """What is known of a model beside its matrices; ``highest_hz`` is the frequency up to which the elements
+    of a frame are to move as beams do between their nodes, too."""
     if isinstance(model, FrameModel):
-        return Frame(model)
+        return Frame(model, highest_hz)
     return Chain(model) if isinstance(model, MassSpringChain) else Structure(model)
 
 
@@ -167,6 +174,8 @@ class Structure:
 
     def __init__(self, model: StructuralModel) -> None:
         self.model = model
+        #: The model with what its elements do between their nodes; None where that does not count.
+        self.finer: Joined | None = None
 
     @property
     def along(self) -> FloatArray | None:
@@ -252,13 +261,33 @@ class Chain(Structure):
         return _listed(found)
 
 
+# -- Elements that are long against the waves in them: what a beam does while its ends are held, as further dofs
+#
+# Each element is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig
+# and M. C. C. Bampton, AIAA J. 6 (1968) 1313-1319). They scale with the element's stiffness and mass.
+
+#: Parts of an element; modes up to this multiple of the highest frequency that was measured.
+_PARTS, _HELD_UP_TO = 4, 8.0
+#: Least mass that such a mode carries along, over that of the element, as a square root.
+_STILL = 1e-3
+
+
+class Inner(NamedTuple):
+    """Modes of an element whose ends are held, of mass one."""
+
+    dofs: NDArray[np.intp]  # (k,)
+    squares: FloatArray  # of their frequencies (rad/s), (k,)
+    carried: FloatArray  # mass between the dofs of both ends and them, (m, k)
+    forces: tuple[FloatArray, ...]  # on them by the second end of each part, (dofs of a node, k)
+
+
 class Frame(Structure):
     """The geometry of a frame, its matrices with every dof free, and the shapes that these give.
 
     ``factor`` is that of each element's stiffness, after the baseline.
     """
 
-    def __init__(self, model: FrameModel) -> None:
+    def __init__(self, model: FrameModel, highest_hz: float = 0.0) -> None:
         recipe = model._recipe
         whole = ModelDescription(replace(recipe, fixed=()), model.description.applied).core()
         frame = whole.frame()
@@ -285,6 +314,75 @@ class Frame(Structure):
                 self.turning[node] = "support"
             elif len(several) > 2 or (len(several) == 2 and not self._straight(several)):
                 self.turning[node] = "joint"
+        self.inner: dict[int, Inner] = {}
+        if highest_hz:
+            self._refine(whole.mass_terms(), (2.0 * np.pi * _HELD_UP_TO * highest_hz) ** 2)
+
+    def _refine(self, masses: Sequence[Any], most: float) -> None:
+        """Add what elements do between their nodes, up to a square of frequency."""
+        core, n, row = self.model._core, self.free.size, np.full(self.n, -1)
+        row[self.free] = np.arange(n)
+        stiffness, mass = core.stiffness_terms(), core.mass_terms()
+        added: tuple[list[Any], list[Any]] = ([_entries(core.stiffness())], [_entries(core.mass())])
+        for element in range(len(self.ends)):
+            inner = self._held(element, masses[element], n, most)
+            own = inner.dofs
+            if not own.size:
+                continue
+            n += own.size
+            self.inner[element] = inner
+            at = row[self._ends_of(element)]
+            moves, columns = np.meshgrid(at, own, indexing="ij")
+            free = moves >= 0
+            pairs, between = (moves[free], columns[free]), inner.carried[free]
+            more = (own, own, inner.squares), (
+                np.concatenate([*pairs, own]),
+                np.concatenate([*pairs[::-1], own]),
+                np.concatenate([between, between, np.ones(own.size)]),
+            )
+            for terms, whole, entries in zip((stiffness, mass), added, more, strict=True):
+                terms[element] = _together([terms[element], entries])
+                whole.append(entries)
+        if self.inner:
+            whole = map(_together, added)
+            self.finer = Joined(n, CoreModel.from_matrices(n, *whole, stiffness, mass))
+
+    def _held(self, element: int, mass: Any, first: int, most: float) -> Inner:
+        """Modes of an element with its ends held, where they move with what is free."""
+        from scipy.linalg import eigh
+
+        recipe, ends = self.model._recipe, self._ends_of(element)
+        line = self.nodes[self.ends[element]]
+        core = FrameRecipe(
+            line[0] + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (line[1] - line[0]),
+            tuple((nth, nth + 1, 0) for nth in range(_PARTS)),
+            (0,),
+            (list(self.model.sections.values())[recipe.beams[element][2]],),
+            None if recipe.orientation is None else np.repeat(recipe.orientation[element][None], _PARTS, axis=0),
+        ).core()
+        n, per = core.n_dof, ends.size // 2
+        outer, inside = np.r_[:per, n - per : n], np.r_[per : n - per]
+        k, m = (as_sparse(each).toarray() for each in (core.stiffness(), core.mass()))
+        static = np.zeros((n, ends.size))
+        static[outer] = np.eye(ends.size)
+        static[inside] = -np.linalg.solve(k[np.ix_(inside, inside)], k[np.ix_(inside, outer)])
+        # Updating may have changed both by factors.
+        now = [float(each.diagonal()[ends].sum()) for each in (self.stiffness[element], _of_core(mass, self.n))]
+        by = [own / float(np.trace(static.T @ each @ static)) for own, each in zip(now, (k, m), strict=True)]
+        squares, shapes = eigh(by[0] * k[np.ix_(inside, inside)], by[1] * m[np.ix_(inside, inside)])
+        carried = by[1] * (static.T @ m)[:, inside] @ shapes
+        modes = np.zeros((n, squares.size))
+        modes[inside] = shapes
+        moved = np.abs(carried[np.isin(ends, self.free)]).max(axis=0, initial=0.0)
+        kept = (squares < most) & (moved > _STILL * np.sqrt(by[1] * np.trace(m)))
+        forces = []
+        for part, term in enumerate(core.stiffness_terms()):
+            second = np.arange((part + 1) * per, (part + 2) * per)
+            forces.append(by[0] * (_of_core(term, n)[second] @ modes[:, kept]))
+        return Inner(first + np.arange(kept.sum()), squares[kept], carried[:, kept], tuple(forces))
+
+    def _ends_of(self, element: int) -> NDArray[np.intp]:
+        return np.array([dof for node in self.ends[element] for dof in self._of_node(node)])
 
     def shapes(self, factor: Mapping[int, float]) -> Shapes:
         """Cracks, joints and masses."""
@@ -366,13 +464,21 @@ class Frame(Structure):
         for turn in self._axes(element, along):
             kink = np.zeros(self.n)
             arm = (1.0 - share) * length * np.pad(along, (0, 3 - along.size))
-            kink[self._dofs(second)] = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
+            kink[self._of_node(second)] = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
             force = self.stiffness[element] @ kink
             stiff = float(kink @ force)
-            own = (force / np.sqrt(stiff))[self.free]
+            own = force[self.free]
             if not stiff > 0.0 or not own.any():
                 continue
-            column = csr_array(own[:, None])
+            if self.finer is not None:
+                own = np.pad(own, (0, self.finer.n_dof - own.size))
+            if element in self.inner:
+                inner, part = self.inner[element], min(int(share * _PARTS), _PARTS - 1)
+                arm *= ((part + 1) / _PARTS - share) / (1.0 - share) if share < 1.0 else 0.0
+                turned = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
+                own[inner.dofs] = turned @ inner.forces[part]
+                stiff += float(np.sum(own[inner.dofs] ** 2 / inner.squares))
+            column = csr_array((own / np.sqrt(stiff))[:, None])
             shape = Shape(kind, element, share, node, self._bending(element, turn) / stiff, length)
             found.append((shape, factor.get(element, 1.0) * (column @ column.T)))
         return found
@@ -387,7 +493,7 @@ class Frame(Structure):
         _, ways = np.linalg.eigh([[own[0], both], [both, own[1]]])
         return [one * first + other * second for first, second in ways.T]
 
-    def _dofs(self, node: int) -> list[int]:
+    def _of_node(self, node: int) -> list[int]:
         return [self.at[node, name] for name in (*self.moves, *self.turns)]
 
     def _turns(self, turn: FloatArray) -> FloatArray:
@@ -397,7 +503,7 @@ class Frame(Structure):
         """EI / L of an element about an axis: the moment over the angle between ends that turn alike."""
         bent, still = np.zeros(self.n), np.zeros(self.nodes.shape[1])
         for sign, node in zip((-0.5, 0.5), self.ends[element], strict=True):
-            bent[self._dofs(node)] = [*still, *(sign * self._turns(turn))]
+            bent[self._of_node(node)] = [*still, *(sign * self._turns(turn))]
         return float(bent @ (self.stiffness[element] @ bent))
 
     def _masses(self) -> list[tuple[Shape, Any]]:
