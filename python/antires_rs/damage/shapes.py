@@ -59,10 +59,20 @@ class Shape(NamedTuple):
     length_m: float = 0.0
     name: str = ""  # of a spring, or of the mass of a chain that gets more
 
-    def loss(self, beta: float) -> float:
+    def loss(self, beta: Any) -> Any:
         """Loss of the whole element that makes it as flexible as a hinge."""
         flexible = self.size * beta / (1.0 - beta)
         return flexible / (1.0 + flexible)
+
+    def amount(self, loss: float) -> float:
+        """The amount beta of that loss."""
+        flexible = loss / ((1.0 - loss) * self.size)
+        return flexible / (1.0 + flexible)
+
+    def told(self, reach: tuple[float, float] | None = None) -> str:
+        """Where a crack is, with the interval of its place."""
+        ends = "" if reach is None else f" ({reach[0] * self.length_m:.3g} to {reach[1] * self.length_m:.3g})"
+        return f"crack {self.share * self.length_m:.3g} m{ends} from node {self.node} in element {self.element}"
 
 
 @dataclass(frozen=True)
