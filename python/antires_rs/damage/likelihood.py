@@ -114,6 +114,8 @@ def surroundings(
 #: Median and logarithmic standard deviation of the priors of s, of factors and of what joints and supports
 #: yield, and of tau, of frequencies and of shapes.
 S, S_JOINTS, TAU, TAU_SHAPE = (0.05, 1.5), (0.05, 1.5), (1e-3, 1.5), (5e-3, 1.5)
+#: Multiple of that scatter of joints from which on it is learned too.
+_MUCH = 10.0
 _S_GRID = np.geomspace(5e-4, 0.6, 22)
 _TAU_GRID = np.geomspace(2e-6, 0.15, 18)
 #: Without a baseline the roots' own errors are this share of what is assumed of the factors.
@@ -129,8 +131,8 @@ _OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
 #: The least of that share where the model lacks what its joints yield: it lacks more than that.
 _LACKING = 0.05
-#: ln of what joints and supports keep to begin with, where the model as given does not lead to the values.
-_YIELDING = (-0.3, -0.8)
+#: ln of what joints and supports keep to begin with; so many of these that lead nearest to the values count.
+_YIELDING, _NEAREST = np.array([0.0, -0.3, -0.6, -0.8, -1.0, -1.2, -1.5, -1.8]), 2
 #: A model with more scatter of its factors, or a larger error beside them, may lack something else; what its
 #: joints yield is believed where it makes the values so much more probable (ln).
 _DOUBTED_S, _DOUBTED_TAU, _CLEARLY = 0.06, 2e-3, 4.0
@@ -138,8 +140,6 @@ _DOUBTED_S, _DOUBTED_TAU, _CLEARLY = 0.06, 2e-3, 4.0
 _LOST = 0.05
 #: Largest step of ln factor in one iteration, and its bound.
 _STEP, _REACH = 0.3, 1.6
-#: The bound of what joints and supports may yield: hinges at both ends of an element leave a stiffness.
-_YIELDS = 1.0
 
 
 @dataclass(frozen=True)
@@ -214,11 +214,19 @@ def rows_of(slopes: FloatArray, identity: NDArray[np.intp], intact: Roots) -> Fl
 
 
 def learned(
-    core: Core, n_elements: int, group: NDArray[np.intp], values: Values, assumed: float | None, threads: int
+    core: Core,
+    n_elements: int,
+    group: NDArray[np.intp],
+    values: Values,
+    assumed: float | None,
+    threads: int,
+    low: FloatArray | None = None,
 ) -> ModelError:
     """Theta, s and taus from the baseline; ``assumed`` is s where it is not to be learned. Factors of one
-    ``group`` (p,) have one scatter: 0 of stiffness and mass, 1 of joints and supports."""
+    ``group`` (p,) have one scatter: 0 of stiffness and mass, 1 of joints and supports; ``low`` (p,) are
+    their lower bounds (ln)."""
     n_factors = group.size
+    low = np.full(n_factors, -_REACH) if low is None else low
 
     def undamaged(theta: FloatArray) -> tuple[Roots, FloatArray]:
         """The roots, and their slopes by theta."""
@@ -239,18 +247,23 @@ def learned(
             theta, float(s[0]), taus, intact, partner, values.log_f, 0.0, mean, none, prior, None
         )
     fixed = assumed is not None
-    rest = group, s, taus, fixed, values, undamaged
-    found, log_evidence, settled = _from(0, theta, *rest)
+    rest = group, low, s, taus, fixed, values, undamaged
+    starts = [theta]
+    if group.any():
+        rows = np.maximum(np.where(group == 1, _YIELDING[:, None], 0.0), low)
+        x = np.hstack([np.zeros((len(rows), n_elements)), np.exp(rows)])
+        seen = roots_at(core, x, slopes=False, threads=threads)
+        left = [values.plain.unexplained(roots, roots.log_f) for roots in seen]
+        starts = list(rows[np.argsort(left, kind="stable")[:_NEAREST]])
+    found, log_evidence, settled = _from(0, starts[0], *rest)
     lost = np.count_nonzero(found.partner < 0)
     if settled and lost <= max(1, _LOST * values.size):
         return found
     # Among many roots a wide first association may join a whole run of values to their neighbours, which
     # wild factors then explain: the others begin narrower, and what makes the values most probable counts.
     # And where joints yield much, values are so far from the model's that they join others.
-    starts = [(first, theta) for first in range(1, len(_FIRST) - 1)]
-    if group.any():
-        starts += [(first, np.where(group == 1, yielding, 0.0)) for yielding in _YIELDING for first in (0, 1)]
-    for first, start in starts:
+    more = [(first, start) for start in starts for first in range(len(_FIRST) - 1)]
+    for first, start in more[1:]:
         step("learning the model's errors again")
         other, its_evidence, _ = _from(first, start, *rest)
         if its_evidence > log_evidence:
@@ -262,6 +275,7 @@ def _from(
     first: int,
     theta: FloatArray,
     group: NDArray[np.intp],
+    least: FloatArray,
     s: FloatArray,
     taus: FloatArray,
     fixed: bool,
@@ -275,7 +289,6 @@ def _from(
     plain = values.plain.log_f
     low, high = plain.min(), plain.max()
     n, settled = theta.size, False
-    reach = np.where(group == 1, _YIELDS, _REACH)
     for nth in range(first, _ITERATIONS + first + 1):
         intact, slopes = undamaged(theta)
         last = settled or nth == _ITERATIONS + first
@@ -301,7 +314,7 @@ def _from(
         if last:
             break
         step_by = mean[:n] - theta
-        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), -reach, _REACH)
+        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), least, _REACH)
         settled = nth >= len(_FIRST) and bool(np.abs(step_by).max(initial=0.0) < _SETTLED)
     log_evidence = -0.5 * float(y @ cho_solve(factor, y)) - float(np.log(np.diag(factor[0])).sum())
     log_evidence -= 0.5 * y.size * float(np.log(2.0 * np.pi)) + (values.size - y.size) * alone
@@ -335,15 +348,19 @@ def _scales(
         prior = sum((np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(scales, priors, strict=True))
         return float(-0.5 * (y @ cho_solve(factor, y) + prior) - np.sum(np.log(np.diag(factor[0]))))
 
-    scales = [p[0] for p in priors]
-    while True:
-        before = list(scales)
-        for nth, _ in enumerate(parts):
-            trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
-            scales = max(trial, key=log_evidence)
-        if scales == before:
-            taus = [*scales[n_groups:], TAU_SHAPE[0]][:2]
-            return np.array(scales[:n_groups]), np.array(taus)
+    # By turns either group may take what is of the other: of joints it is begun from more as well.
+    found = []
+    for more in (1.0, _MUCH)[:n_groups]:
+        scales = [p[0] * (more if nth == 1 else 1.0) for nth, p in enumerate(priors)]
+        before: list[float] = []
+        while scales != before:
+            before = list(scales)
+            for nth, _ in enumerate(parts):
+                trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
+                scales = max(trial, key=log_evidence)
+        found.append(scales)
+    scales = max(found, key=log_evidence)
+    return np.array(scales[:n_groups]), np.array([*scales[n_groups:], TAU_SHAPE[0]][:2])
 
 
 # -- The values of now, seen from one point of the severities: which root each belongs to, and what it says
@@ -837,12 +854,15 @@ class Prepared(NamedTuple):
 
 
 class _Family(NamedTuple):
-    """A model, the source of its roots, what may be wrong in it, and which of these have one scatter."""
+    """A model, the source of its roots, what may be wrong in it, which of these have one scatter, and their
+    lower bounds (ln)."""
 
+    structure: Structure
     base: StructuralModel | Joined
     core: Any
     factors: tuple[Parameter, ...]
     group: NDArray[np.intp]
+    low: FloatArray
 
 
 @dataclass(frozen=True)
@@ -877,32 +897,31 @@ class Question:
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        plain = _Family(model, core, factors, np.zeros(len(factors), dtype=np.intp))
-        if self.reduced and isinstance(responses, Responses):
+        group, low = np.zeros(len(factors), dtype=np.intp), np.full(len(factors), -_REACH)
+        plain = _Family(structure_of(model), model, core, factors, group, low)
+        identified = isinstance(responses, Responses)
+        if self.reduced and identified:
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
 
-        def of(structure: Structure) -> _Family:
-            """The model as it was given, or with what its elements do between their nodes."""
-            finer = structure.finer
-            return plain if finer is None else plain._replace(base=finer, core=responses.source(finer, parts, **how))
-
-        def yielding(structure: Structure) -> _Family | None:
-            """The model with joints and supports that yield, each by a factor of its own."""
-            if not isinstance(responses, Responses):
-                return None
+        def family_of(structure: Structure, yields: bool) -> _Family:
+            """The model with what its elements do between their nodes; and with springs, joints and supports
+            that yield, each by a factor of its own, if there are any."""
+            base = structure.finer or model
             joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
             springs = [p for p in structure.springs if p.terms not in given]
-            own = model if structure.finer is None else structure.finer
-            more = (*springs, *joints.factors(own, BOUNDS))
-            if not more:
-                return None
-            base, every = joints.joined(own), (*factors, *more)
-            parts = model.description.core_parameters((*stiffness_reduction(numbers), *every))
-            group = np.repeat([0, 1], [len(factors), len(more)])
-            return _Family(base, responses.source(base, parts, **how), every, group)
+            more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
+            if base is model and not more:
+                return plain
+            least = np.concatenate([-np.ones(len(springs)), structure.least(joints)])[: len(more)]
+            base, every = joints.joined(base) if more else base, (*factors, *more)
+            own = model.description.core_parameters((*stiffness_reduction(numbers), *every))
+            groups = np.repeat([0, 1], [len(factors), len(more)])
+            found: Any = responses.source(base, own, **how)
+            return _Family(structure, base, found, every, groups, np.concatenate([low, least]))
 
         def taught(family: _Family, intact: Values) -> ModelError:
-            return learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
+            how = self.model_error, threads, family.low
+            return learned(family.core, len(numbers), family.group, intact, *how)
 
         if not self._taught:
             step("learning the model's errors")
@@ -915,27 +934,26 @@ class Question:
                     f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
                     "measurement.".lstrip(),
                 )
-            structure = structure_of(model)
-            if not self.reduced and intact.size and isinstance(responses, Responses):
+            structures = [plain.structure]
+            if identified and not self.reduced and intact.size:
                 finer = structure_of(model, float(np.exp(intact.plain.log_f.max())))
-                if finer.finer is not None:
-                    step("learning the model's errors between nodes")
-                    its = taught(of(finer), intact)
-                    if its.log_evidence > error.log_evidence:
-                        error, structure, family = its, finer, of(finer)
-            doubtful = self.model_error is None and not self.reduced and error.doubtful
-            if doubtful and (other := yielding(structure)) is not None:
-                step("learning what joints yield")
-                its = taught(other, intact)
-                if its.log_evidence > error.log_evidence + _CLEARLY:
-                    error, family = its, other
+                structures += [finer] if finer.finer else []
+            for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
+                if yields and not (identified and self.model_error is None and not self.reduced and error.doubtful):
+                    break
+                least = error.log_evidence + clearly
+                for structure in structures:
+                    step("learning what its elements do between nodes, and what joints yield")
+                    other = family_of(structure, yields)
+                    if other is not plain and (its := taught(other, intact)).log_evidence > least:
+                        error, family, least = its, other, its.log_evidence
             scatter = scatter_between(intact, error.place, error.partner)
             if scatter > 1.0:
                 error = taught(family, intact.noisier(scatter))
             odd = contradiction(intact.plain, responses.tests)
-            self._taught.append((error, scatter, odd, structure, len(family.factors) > len(factors)))
+            self._taught.append((error, scatter, odd, family.structure, len(family.factors) > len(factors)))
         error, scatter, odd, structure, with_joints = self._taught[0]
-        family = (yielding(structure) if with_joints else None) or of(structure)
+        family = family_of(structure, with_joints)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
         along = structure.along if self.options.environment else None

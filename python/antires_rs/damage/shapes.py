@@ -175,6 +175,8 @@ def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
     return Chain(model) if isinstance(model, MassSpringChain) else Structure(model)
 
 
+#: How far joints and supports may yield (ln of what they keep), and those that share no element with others.
+_YIELDS, _YIELDS_ALONE = 1.0, 2.5
 #: Dofs of a model of matrices up to which each may have another mass.
 _MOST_DOFS = 100
 
@@ -215,6 +217,10 @@ class Structure:
             term = csr_array(([own[dof]], ([dof], [dof])), shape=(n, n))
             found.append((Shape("mass", -1, 0.0, dof, float(own[dof])), term))
         return _listed(found)
+
+    def least(self, joints: Shapes) -> FloatArray:
+        """ln of what of each at least is left."""
+        return np.full(len(joints), -_YIELDS)
 
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> Shapes:
         """None."""
@@ -417,6 +423,12 @@ class Frame(Structure):
             before = found.get(shape.node)
             found[shape.node] = (shape, term if before is None else before[1] + term)
         return _listed(list(found.values()))
+
+    def least(self, joints: Shapes) -> FloatArray:
+        """Hinges at both ends of an element leave some stiffness; at one, none."""
+        far = {n: {m for e, _ in self.meeting[n] for m in self.ends[e]} - {n} for n in self.turning}
+        both = [bool(far[shape.node] & set(self.turning)) for shape in joints.shapes]
+        return np.where(both, -_YIELDS, -_YIELDS_ALONE)
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
