@@ -138,6 +138,8 @@ _YIELDING, _NEAREST = np.array([0.0, -0.3, -0.6, -0.8, -1.0, -1.2, -1.5, -1.8]),
 _DOUBTED_S, _DOUBTED_TAU, _CLEARLY = 0.06, 2e-3, 4.0
 #: Share of values without a root that asks for another first association.
 _LOST = 0.05
+#: The bound of what joints of chains and matrices may yield.
+_YIELDS = 1.0
 #: Largest step of ln factor in one iteration, and its bound.
 _STEP, _REACH = 0.3, 1.6
 
@@ -908,16 +910,26 @@ class Question:
             that yield, each by a factor of its own, if there are any."""
             base = structure.finer or model
             joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
-            springs = [p for p in structure.springs if p.terms not in given]
+            springs = [p for p in structure.yielding if p.terms not in given]
             more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
             if base is model and not more:
                 return plain
-            least = np.concatenate([-np.ones(len(springs)), structure.least(joints)])[: len(more)]
-            base, every = joints.joined(base) if more else base, (*factors, *more)
+            base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
             own = model.description.core_parameters((*stiffness_reduction(numbers), *every))
+            least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
             groups = np.repeat([0, 1], [len(factors), len(more)])
             found: Any = responses.source(base, own, **how)
             return _Family(structure, base, found, every, groups, np.concatenate([low, least]))
+
+        def nearest(structure: Structure) -> _Family:
+            """With joints that yield as much as leads nearest to the intact values."""
+
+            def left(family: _Family) -> float:
+                x = np.repeat([0.0, 1.0], [len(numbers), len(family.factors)])
+                roots = roots_at(family.core, x[None], slopes=False, threads=threads)[0]
+                return intact.unexplained(roots, roots.log_f)
+
+            return min((family_of(each, True) for each in structure.hinged()), key=left)
 
         def taught(family: _Family, intact: Values) -> ModelError:
             how = self.model_error, threads, family.low
@@ -944,7 +956,7 @@ class Question:
                 least = error.log_evidence + clearly
                 for structure in structures:
                     step("learning what its elements do between nodes, and what joints yield")
-                    other = family_of(structure, yields)
+                    other = nearest(structure) if yields else family_of(structure, False)
                     if other is not plain and (its := taught(other, intact)).log_evidence > least:
                         error, family, least = its, other, its.log_evidence
             scatter = scatter_between(intact, error.place, error.partner)

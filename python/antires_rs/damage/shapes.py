@@ -13,7 +13,8 @@ Cracks as rotational springs: A. D. Dimarogonas, Eng. Fract. Mech. 55 (1996) 831
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -156,6 +157,17 @@ def _entries(columns: Columns) -> tuple[Any, Any, FloatArray]:
     return rows.astype(np.uint32), column, values
 
 
+def _bordered(at: Any, own: Any, side: FloatArray, corner: FloatArray) -> tuple[Any, Any, FloatArray]:
+    """Entries of the rows and columns ``own``, beside those ``at`` and among themselves."""
+    rows, columns = np.meshgrid(at, own, indexing="ij")
+    corners = np.meshgrid(own, own, indexing="ij")
+    return (
+        np.concatenate([rows.ravel(), columns.ravel(), corners[0].ravel()]),
+        np.concatenate([columns.ravel(), rows.ravel(), corners[1].ravel()]),
+        np.concatenate([side.ravel(), side.ravel(), corner.ravel()]),
+    )
+
+
 def _together(several: Sequence[tuple[Any, Any, FloatArray]]) -> Entries:
     return Entries.joined(*map(np.concatenate, zip(*several, strict=True)))
 
@@ -175,8 +187,6 @@ def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
     return Chain(model) if isinstance(model, MassSpringChain) else Structure(model)
 
 
-#: How far joints and supports may yield (ln of what they keep), and those that share no element with others.
-_YIELDS, _YIELDS_ALONE = 1.0, 2.5
 #: Dofs of a model of matrices up to which each may have another mass.
 _MOST_DOFS = 100
 
@@ -199,6 +209,15 @@ class Structure:
         """A factor of each spring that is no element."""
         return ()
 
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """The same, and of what joints yield where they are dofs of their own."""
+        return self.springs
+
+    def hinged(self) -> list[Structure]:
+        """With joints that yield as dofs of their own, as much as they may."""
+        return [self]
+
     def shapes(self, factor: Mapping[int, float]) -> Shapes:
         """What may change beside the losses of elements."""
         del factor
@@ -217,10 +236,6 @@ class Structure:
             term = csr_array(([own[dof]], ([dof], [dof])), shape=(n, n))
             found.append((Shape("mass", -1, 0.0, dof, float(own[dof])), term))
         return _listed(found)
-
-    def least(self, joints: Shapes) -> FloatArray:
-        """ln of what of each at least is left."""
-        return np.full(len(joints), -_YIELDS)
 
     def cracks(self, element: int, shares: Sequence[float], factor: Mapping[int, float]) -> Shapes:
         """None."""
@@ -284,6 +299,8 @@ class Chain(Structure):
 
 #: Parts of an element; modes up to this multiple of the highest frequency that was measured.
 _PARTS, _HELD_UP_TO = 4, 8.0
+#: Springs of joints and supports that turn, in EI / L of the element.
+_HINGES = (60.0, 25.0, 12.0, 6.0, 3.0)
 #: Least mass that such a mode carries along, over that of the element, as a square root.
 _STILL = 1e-3
 
@@ -295,6 +312,11 @@ class Inner(NamedTuple):
     squares: FloatArray  # of their frequencies (rad/s), (k,)
     carried: FloatArray  # mass between the dofs of both ends and them, (m, k)
     forces: tuple[FloatArray, ...]  # on them by the second end of each part, (dofs of a node, k)
+
+    @classmethod
+    def none(cls, m: int) -> Inner:
+        """Of an element that has none."""
+        return cls(np.empty(0, dtype=np.intp), np.empty(0), np.empty((m, 0)), ())
 
 
 class Frame(Structure):
@@ -331,39 +353,79 @@ class Frame(Structure):
             elif len(several) > 2 or (len(several) == 2 and not self._straight(several)):
                 self.turning[node] = "joint"
         self.inner: dict[int, Inner] = {}
+        self.masses = [_of_core(term, self.n) for term in whole.mass_terms()[: len(self.ends)]]
+        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have any.
+        self.hinges: dict[int, tuple[list[int], FloatArray]] = {}
+        self.hinge_nodes: list[int] = []
         if highest_hz:
-            self._refine(whole.mass_terms(), (2.0 * np.pi * _HELD_UP_TO * highest_hz) ** 2)
+            n = self.free.size
+            for element in range(len(self.ends)):
+                inner = self._held(element, n, (2.0 * np.pi * _HELD_UP_TO * highest_hz) ** 2)
+                if inner.dofs.size:
+                    self.inner[element] = inner
+                    n += inner.dofs.size
+            if self.inner:
+                self.finer = self._refined(0.0)
 
-    def _refine(self, masses: Sequence[Any], most: float) -> None:
-        """Add what elements do between their nodes, up to a square of frequency."""
-        core, n, row = self.model._core, self.free.size, np.full(self.n, -1)
-        row[self.free] = np.arange(n)
-        stiffness, mass = core.stiffness_terms(), core.mass_terms()
+    def _with_hinges(self, times: float) -> Frame:
+        other = copy(self)
+        other.hinges, other.hinge_nodes = {}, []
+        other.finer = other._refined(times)
+        return other
+
+    def _refined(self, times: float) -> Joined:
+        """The model with what elements do between their nodes, and hinges of so many times EI / L."""
+        core, row = self.model._core, np.full(self.n, -1)
+        row[self.free] = np.arange(self.free.size)
+        n = self.free.size + sum(inner.dofs.size for inner in self.inner.values())
+        terms = core.stiffness_terms(), core.mass_terms()
         added: tuple[list[Any], list[Any]] = ([_entries(core.stiffness())], [_entries(core.mass())])
+        springs: dict[int, list[tuple[int, float]]] = {}
         for element in range(len(self.ends)):
-            inner = self._held(element, masses[element], n, most)
-            own = inner.dofs
-            if not own.size:
-                continue
-            n += own.size
-            self.inner[element] = inner
-            at = row[self._ends_of(element)]
-            moves, columns = np.meshgrid(at, own, indexing="ij")
-            free = moves >= 0
-            pairs, between = (moves[free], columns[free]), inner.carried[free]
-            more = (own, own, inner.squares), (
-                np.concatenate([*pairs, own]),
-                np.concatenate([*pairs[::-1], own]),
-                np.concatenate([between, between, np.ones(own.size)]),
+            ends = self._ends_of(element)
+            k, m = (each[ends][:, ends].toarray() for each in (self.stiffness[element], self.masses[element]))
+            free = row[ends] >= 0
+            inner = self.inner.get(element) or Inner.none(ends.size)
+            turned: list[FloatArray] = []
+            own: list[int] = []
+            for node, turn, stiffness in self._turns_of(element) if times else ():
+                column = np.zeros(ends.size)
+                column[np.isin(ends, [self.at[node, name] for name in self.turns])] = self._turns(turn)
+                if (k @ column)[free].any():
+                    turned.append(column)
+                    own.append(n)
+                    springs.setdefault(node, []).append((n, times * stiffness))
+                    n += 1
+            d = np.array(turned).reshape(-1, ends.size).T
+            if own:
+                self.hinges[element] = own, d
+            dofs, none = np.concatenate([inner.dofs, own]).astype(np.intp), np.zeros((ends.size, inner.dofs.size))
+            zero = none.T @ d
+            beside = np.hstack([none, k @ d]), np.hstack([inner.carried, m @ d])
+            corner = (
+                np.block([[np.diag(inner.squares), zero], [zero.T, d.T @ k @ d]]),
+                np.block([[np.eye(inner.dofs.size), inner.carried.T @ d], [d.T @ inner.carried, d.T @ m @ d]]),
             )
-            for terms, whole, entries in zip((stiffness, mass), added, more, strict=True):
-                terms[element] = _together([terms[element], entries])
-                whole.append(entries)
-        if self.inner:
-            whole = map(_together, added)
-            self.finer = Joined(n, CoreModel.from_matrices(n, *whole, stiffness, mass))
+            for own_terms, whole, side, block in zip(terms, added, beside, corner, strict=True):
+                if dofs.size:
+                    more = _bordered(row[ends][free], dofs, side[free], block)
+                    own_terms[element] = _together([own_terms[element], more])
+                    whole.append(more)
+        for node, several in springs.items():
+            at = np.array([dof for dof, _ in several])
+            terms[0].append((at, at, np.array([stiffness for _, stiffness in several])))
+            added[0].append(terms[0][-1])
+            self.hinge_nodes.append(node)
+        matrices = [_together([each]) for each in terms[0]], [_together([each]) for each in terms[1]]
+        return Joined(n, CoreModel.from_matrices(n, *map(_together, added), *matrices))
 
-    def _held(self, element: int, mass: Any, first: int, most: float) -> Inner:
+    def _turns_of(self, element: int) -> Iterator[tuple[int, FloatArray, float]]:
+        """Nodes at which an element may turn, axes, and its EI / L."""
+        for node in self.ends[element]:
+            for turn in self._axes(element, self._along(element)[0]) if node in self.turning else ():
+                yield node, turn, self._bending(element, turn)
+
+    def _held(self, element: int, first: int, most: float) -> Inner:
         """Modes of an element with its ends held, where they move with what is free."""
         from scipy.linalg import eigh
 
@@ -383,7 +445,7 @@ class Frame(Structure):
         static[outer] = np.eye(ends.size)
         static[inside] = -np.linalg.solve(k[np.ix_(inside, inside)], k[np.ix_(inside, outer)])
         # Updating may have changed both by factors.
-        now = [float(each.diagonal()[ends].sum()) for each in (self.stiffness[element], _of_core(mass, self.n))]
+        now = [float(each.diagonal()[ends].sum()) for each in (self.stiffness[element], self.masses[element])]
         by = [own / float(np.trace(static.T @ each @ static)) for own, each in zip(now, (k, m), strict=True)]
         squares, shapes = eigh(by[0] * k[np.ix_(inside, inside)], by[1] * m[np.ix_(inside, inside)])
         carried = by[1] * (static.T @ m)[:, inside] @ shapes
@@ -416,19 +478,16 @@ class Frame(Structure):
         size = float(np.ptp(own))
         return np.asarray(2.0 * (own - own.min()) / size - 1.0 if size else np.zeros(own.size))
 
-    def joints(self) -> Shapes:
-        """Joints and supports of the sound frame, one a node: all ends there turn alike."""
-        found: dict[int, tuple[Shape, Any]] = {}
-        for shape, term in self._turning({}):
-            before = found.get(shape.node)
-            found[shape.node] = (shape, term if before is None else before[1] + term)
-        return _listed(list(found.values()))
+    def hinged(self) -> list[Structure]:
+        """With springs between elements and the nodes at which they may turn, of several stiffnesses."""
+        return [self._with_hinges(times) for times in _HINGES] if self.turning else [self]
 
-    def least(self, joints: Shapes) -> FloatArray:
-        """Hinges at both ends of an element leave some stiffness; at one, none."""
-        far = {n: {m for e, _ in self.meeting[n] for m in self.ends[e]} - {n} for n in self.turning}
-        both = [bool(far[shape.node] & set(self.turning)) for shape in joints.shapes]
-        return np.where(both, -_YIELDS, -_YIELDS_ALONE)
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """Springs, and those of the hinges, one a node."""
+        first = self.model._core.n_stiffness_terms
+        turning = range(first, first + len(self.hinge_nodes))
+        return (*self.springs, *(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in turning))
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
@@ -494,6 +553,9 @@ class Frame(Structure):
                 continue
             if self.finer is not None:
                 own = np.pad(own, (0, self.finer.n_dof - own.size))
+            if element in self.hinges:
+                dofs, turned_by = self.hinges[element]
+                own[dofs] = force[self._ends_of(element)] @ turned_by
             if element in self.inner:
                 inner, part = self.inner[element], min(int(share * _PARTS), _PARTS - 1)
                 arm *= ((part + 1) / _PARTS - share) / (1.0 - share) if share < 1.0 else 0.0
