@@ -649,6 +649,12 @@ class ValueLikelihood(ABC):
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """The values as seen from each row of severities (m, n), with an extra error of every value."""
 
+    def strict(self, beta: FloatArray) -> View | None:
+        """The values as seen from severities (n,), with errors as they are stated; None where that is not
+        known."""
+        del beta
+        return None
+
     @abstractmethod
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """How far the values are from the nearest roots at each row of severities, (m,)."""
@@ -756,6 +762,13 @@ class Likelihood(ValueLikelihood):
         found = self.roots(betas, slopes=True)
         return [self._view(beta, roots, extra) for beta, roots in zip(betas, found, strict=True)]
 
+    def strict(self, beta: FloatArray) -> View:
+        """See the base class."""
+        (roots,) = self.roots(beta[None], slopes=True)
+        kappa, times, _, *others = self._errors.T
+        stated = (kappa == 0.0) & (times == 1.0) & (np.sum(others, axis=0) == 0.0)
+        return self._view(beta, roots, 0.0, errors=self._errors[stated])
+
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """See the base class; roots lie as far beside the model's as the intact ones do."""
         left = []
@@ -775,7 +788,14 @@ class Likelihood(ValueLikelihood):
         """See the base class."""
         return self._view(np.zeros(self.n), self._undamaged, extra, common)
 
-    def _view(self, beta: FloatArray, roots: Roots, extra: float | FloatArray, common: float = 0.0) -> View:
+    def _view(
+        self,
+        beta: FloatArray,
+        roots: Roots,
+        extra: float | FloatArray,
+        common: float = 0.0,
+        errors: FloatArray | None = None,
+    ) -> View:
         """``extra`` is the error of every value, or of those of each response."""
         roots, identity, followed = self.near(roots)
         error, log_f, slopes = self.error, roots.log_f, roots.slopes
@@ -800,7 +820,7 @@ class Likelihood(ValueLikelihood):
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
             places = error.intact.log_f[gone] + self._beside[gone]
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
-        return viewed(beta, self.now, foreseen, self.band, self._errors)
+        return viewed(beta, self.now, foreseen, self.band, self._errors if errors is None else errors)
 
 
 # -- Two states and what is assumed of them: all that decides how probable the values are
