@@ -64,6 +64,8 @@ _LONGEST = 0.7
 #: Gain of the log-likelihood, to second order, below which no further element can win against its prior; and
 #: below which no pair is looked for where one element explains the values: of a large loss slopes show less.
 _GAIN, _PAIR_GAIN = 7.0, 5.0
+#: Share of what errors as they are stated do not explain, above which one more element may.
+_MOSTLY = 0.5
 #: Chi-square so many standard deviations above what is expected is too much.
 _TOO_MUCH = 3.0
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
@@ -240,7 +242,23 @@ class Search:
         stated = view.times <= (_WIDER if fit.elements else 1.0)
         # A few values are explained by much that is not so, and what is no damage may explain them better.
         many = not fit.elements or count >= _MANY + len(fit.elements)
-        return bool(fits and all_there and gains.max() < gain and stated and many and self._any())
+        ends = fits and all_there and gains.max() < gain and stated and many and self._any()
+        return bool(ends) and not self._hidden(fit, gain)
+
+    def _hidden(self, fit: Fit, gain: float) -> bool:
+        """Whether another element may explain with errors as they are stated what now takes larger ones."""
+        if not fit.elements or (fit.view.kappa == 0.0 and fit.view.times <= 1.0):
+            return False
+        view = self.likelihood.strict(fit.view.beta)
+        if view is None:
+            return False
+        sets = np.array([(*fit.elements, e) for e in self._further(fit.elements)], dtype=np.intp)
+        if not sets.size:
+            return False
+        matrix = view.curvature[sets[:, :, None], sets[:, None, :]] + BLIND * np.eye(sets.shape[1])
+        slope = view.gain[sets]
+        more = 0.5 * np.einsum("ij,ij->i", slope, np.linalg.solve(matrix, slope[:, :, None])[:, :, 0])
+        return bool(more.max() > max(gain, _MOSTLY * 0.5 * (view.chi_square - view.n_matched)))
 
     def outside(self, elements: Elements) -> bool:
         """Whether a set has an element that is no candidate."""

@@ -50,7 +50,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import Joined, structure_of
+from .shapes import Joined, Structure, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -116,6 +116,8 @@ def surroundings(
 #: Median and logarithmic standard deviation of the priors of s, of factors and of what joints and supports
 #: yield, and of tau, of frequencies and of shapes.
 S, S_JOINTS, TAU, TAU_SHAPE = (0.05, 1.5), (0.05, 1.5), (1e-3, 1.5), (5e-3, 1.5)
+#: Multiple of that scatter of joints from which on it is learned too.
+_MUCH = 10.0
 _S_GRID = np.geomspace(5e-4, 0.6, 22)
 _TAU_GRID = np.geomspace(2e-6, 0.15, 18)
 #: Without a baseline the roots' own errors are this share of what is assumed of the factors.
@@ -131,17 +133,17 @@ _OUTSIDE, _UNTOLD = (0.01, 0.25), 0.08
 _ITERATIONS, _SETTLED = 12, 1e-4
 #: The least of that share where the model lacks what its joints yield: it lacks more than that.
 _LACKING = 0.05
-#: ln of what joints and supports keep to begin with, where the model as given does not lead to the values.
-_YIELDING = (-0.3, -0.8)
+#: ln of what joints and supports keep to begin with; so many of these that lead nearest to the values count.
+_YIELDING, _NEAREST = np.array([0.0, -0.3, -0.6, -0.8, -1.0, -1.2, -1.5, -1.8]), 2
 #: A model with more scatter of its factors, or a larger error beside them, may lack something else; what its
 #: joints yield is believed where it makes the values so much more probable (ln).
 _DOUBTED_S, _DOUBTED_TAU, _CLEARLY = 0.06, 2e-3, 4.0
 #: Share of values without a root that asks for another first association.
 _LOST = 0.05
+#: The bound of what joints of chains and matrices may yield.
+_YIELDS = 1.0
 #: Largest step of ln factor in one iteration, and its bound.
 _STEP, _REACH = 0.3, 1.6
-#: The bound of what joints and supports may yield: hinges at both ends of an element leave a stiffness.
-_YIELDS = 1.0
 
 
 @dataclass(frozen=True)
@@ -216,11 +218,19 @@ def rows_of(slopes: FloatArray, identity: NDArray[np.intp], intact: Roots) -> Fl
 
 
 def learned(
-    core: Core, n_elements: int, group: NDArray[np.intp], values: Values, assumed: float | None, threads: int
+    core: Core,
+    n_elements: int,
+    group: NDArray[np.intp],
+    values: Values,
+    assumed: float | None,
+    threads: int,
+    low: FloatArray | None = None,
 ) -> ModelError:
     """Theta, s and taus from the baseline; ``assumed`` is s where it is not to be learned. Factors of one
-    ``group`` (p,) have one scatter: 0 of stiffness and mass, 1 of joints and supports."""
+    ``group`` (p,) have one scatter: 0 of stiffness and mass, 1 of joints and supports; ``low`` (p,) are
+    their lower bounds (ln)."""
     n_factors = group.size
+    low = np.full(n_factors, -_REACH) if low is None else low
 
     def undamaged(theta: FloatArray) -> tuple[Roots, FloatArray]:
         """The roots, and their slopes by theta."""
@@ -241,18 +251,23 @@ def learned(
             theta, float(s[0]), taus, intact, partner, values.log_f, 0.0, mean, none, prior, None
         )
     fixed = assumed is not None
-    rest = group, s, taus, fixed, values, undamaged
-    found, log_evidence, settled = _from(0, theta, *rest)
+    rest = group, low, s, taus, fixed, values, undamaged
+    starts = [theta]
+    if group.any():
+        rows = np.maximum(np.where(group == 1, _YIELDING[:, None], 0.0), low)
+        x = np.hstack([np.zeros((len(rows), n_elements)), np.exp(rows)])
+        seen = roots_at(core, x, slopes=False, threads=threads)
+        left = [values.plain.unexplained(roots, roots.log_f) for roots in seen]
+        starts = list(rows[np.argsort(left, kind="stable")[:_NEAREST]])
+    found, log_evidence, settled = _from(0, starts[0], *rest)
     lost = np.count_nonzero(found.partner < 0)
     if settled and lost <= max(1, _LOST * values.size):
         return found
     # Among many roots a wide first association may join a whole run of values to their neighbours, which
     # wild factors then explain: the others begin narrower, and what makes the values most probable counts.
     # And where joints yield much, values are so far from the model's that they join others.
-    starts = [(first, theta) for first in range(1, len(_FIRST) - 1)]
-    if group.any():
-        starts += [(first, np.where(group == 1, yielding, 0.0)) for yielding in _YIELDING for first in (0, 1)]
-    for first, start in starts:
+    more = [(first, start) for start in starts for first in range(len(_FIRST) - 1)]
+    for first, start in more[1:]:
         step("learning the model's errors again")
         other, its_evidence, _ = _from(first, start, *rest)
         if its_evidence > log_evidence:
@@ -264,6 +279,7 @@ def _from(
     first: int,
     theta: FloatArray,
     group: NDArray[np.intp],
+    least: FloatArray,
     s: FloatArray,
     taus: FloatArray,
     fixed: bool,
@@ -277,7 +293,6 @@ def _from(
     plain = values.plain.log_f
     low, high = plain.min(), plain.max()
     n, settled = theta.size, False
-    reach = np.where(group == 1, _YIELDS, _REACH)
     for nth in range(first, _ITERATIONS + first + 1):
         intact, slopes = undamaged(theta)
         last = settled or nth == _ITERATIONS + first
@@ -303,7 +318,7 @@ def _from(
         if last:
             break
         step_by = mean[:n] - theta
-        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), -reach, _REACH)
+        theta = np.clip(theta + np.clip(step_by, -_STEP, _STEP), least, _REACH)
         settled = nth >= len(_FIRST) and bool(np.abs(step_by).max(initial=0.0) < _SETTLED)
     log_evidence = -0.5 * float(y @ cho_solve(factor, y)) - float(np.log(np.diag(factor[0])).sum())
     log_evidence -= 0.5 * y.size * float(np.log(2.0 * np.pi)) + (values.size - y.size) * alone
@@ -337,15 +352,19 @@ def _scales(
         prior = sum((np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(scales, priors, strict=True))
         return float(-0.5 * (y @ cho_solve(factor, y) + prior) - np.sum(np.log(np.diag(factor[0]))))
 
-    scales = [p[0] for p in priors]
-    while True:
-        before = list(scales)
-        for nth, _ in enumerate(parts):
-            trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
-            scales = max(trial, key=log_evidence)
-        if scales == before:
-            taus = [*scales[n_groups:], TAU_SHAPE[0]][:2]
-            return np.array(scales[:n_groups]), np.array(taus)
+    # By turns either group may take what is of the other: of joints it is begun from more as well.
+    found = []
+    for more in (1.0, _MUCH)[:n_groups]:
+        scales = [p[0] * (more if nth == 1 else 1.0) for nth, p in enumerate(priors)]
+        before: list[float] = []
+        while scales != before:
+            before = list(scales)
+            for nth, _ in enumerate(parts):
+                trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
+                scales = max(trial, key=log_evidence)
+        found.append(scales)
+    scales = max(found, key=log_evidence)
+    return np.array(scales[:n_groups]), np.array([*scales[n_groups:], TAU_SHAPE[0]][:2])
 
 
 # -- The values of now, seen from one point of the severities: which root each belongs to, and what it says
@@ -674,6 +693,12 @@ class ValueLikelihood(ABC):
     def views(self, betas: FloatArray, extra: float = 0.0) -> list[View]:
         """The values as seen from each row of severities (m, n), with an extra error of every value."""
 
+    def strict(self, beta: FloatArray) -> View | None:
+        """The values as seen from severities (n,), with errors as they are stated; None where that is not
+        known."""
+        del beta
+        return None
+
     @abstractmethod
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """How far the values are from the nearest roots at each row of severities, (m,)."""
@@ -804,6 +829,14 @@ class Likelihood(ValueLikelihood):
                     views[n] = other
         return views
 
+    def strict(self, beta: FloatArray) -> View:
+        """See the base class."""
+        (roots,) = self.roots(beta[None], slopes=True)
+        kappa, times, mixed = self._errors.T[:3]
+        stated = self._errors[(kappa == 0.0) & (times == 1.0) & (mixed == 0.0)]
+        stated[:, 4:] = -np.inf  # nothing moves alike
+        return self._view(beta, roots, 0.0, errors=stated)
+
     def unexplained(self, betas: FloatArray) -> FloatArray:
         """See the base class; roots lie as far beside the model's as the intact ones do."""
         left = []
@@ -828,9 +861,10 @@ class Likelihood(ValueLikelihood):
         beta: FloatArray,
         roots: Roots,
         extra: float | FloatArray,
-        common: float,
+        common: float = 0.0,
         felt: FloatArray | None = None,
         changed: FloatArray | float = 0.0,
+        errors: FloatArray | None = None,
     ) -> View:
         """``extra`` is the error of every value, or of those of each response; ``felt`` is the change of the
         surroundings at which the roots are, and ``changed`` that of ln factors."""
@@ -867,7 +901,8 @@ class Likelihood(ValueLikelihood):
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
         # Warmth, its gradient and three losses together explain what a stiffened element does as well.
         many = np.count_nonzero(beta[: self.n_elements]) >= _MANY
-        return viewed(beta, self.now, foreseen, self.band, self._not_warm if many else self._errors)
+        usual = self._not_warm if many else self._errors
+        return viewed(beta, self.now, foreseen, self.band, usual if errors is None else errors)
 
 
 # -- Two states and what is assumed of them: all that decides how probable the values are
@@ -890,6 +925,7 @@ class Prepared(NamedTuple):
     odd: Contradiction
     #: The model with what its joints and supports may yield, which ``factors`` are of too.
     base: StructuralModel | Joined
+    structure: Structure  # its geometry, and what its elements do between nodes
     plain: Core  # the roots of the model as it was given
     n_given: int  # factors that are of this
 
@@ -927,12 +963,15 @@ class Prepared(NamedTuple):
 
 
 class _Family(NamedTuple):
-    """A model, the source of its roots, what may be wrong in it, and which of these have one scatter."""
+    """A model, the source of its roots, what may be wrong in it, which of these have one scatter, and their
+    lower bounds (ln)."""
 
+    structure: Structure
     base: StructuralModel | Joined
     core: Any
     factors: tuple[Parameter, ...]
     group: NDArray[np.intp]
+    low: FloatArray
 
 
 @dataclass(frozen=True)
@@ -948,8 +987,9 @@ class Question:
     model_error: float | None = None
     reduced: bool = False
     #: What the baseline taught once it was asked, as intervals ask again: errors, the values without what
-    #: moved all of a test, how that scatters, and the values beside, contradictions, whether joints yield.
-    _taught: list[tuple[ModelError, Values, FloatArray, float, Contradiction, bool]] = field(
+    #: moved all of a test, how that scatters, and the values beside, contradictions, whether elements move
+    #: between their nodes and joints yield.
+    _taught: list[tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]] = field(
         default_factory=list, init=False, repr=False, compare=False
     )
 
@@ -972,56 +1012,80 @@ class Question:
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        plain = _Family(model, core, factors, group)
-        if self.reduced and isinstance(responses, Responses):
+        low = np.full(len(factors), -_REACH)
+        plain = _Family(frame, model, core, factors, group, low)
+        identified = isinstance(responses, Responses)
+        if self.reduced and identified:
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
 
-        def yielding() -> _Family | None:
-            """The model with joints and supports that yield, each by a factor of its own."""
-            if not isinstance(responses, Responses):
-                return None
-            joints, given = frame.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
-            springs = [p for p in frame.springs if p.terms not in given]
-            more = (*springs, *joints.factors(model, BOUNDS))
-            if not more:
-                return None
-            base, every = joints.joined(model), (*factors, *more)
-            parts = model.description.core_parameters((*stiffness_reduction(numbers), *every))
-            both = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
-            return _Family(base, responses.source(base, parts, **how), every, both)
+        def family_of(structure: Structure, yields: bool) -> _Family:
+            """The model with what its elements do between their nodes; and with springs, joints and supports
+            that yield, each by a factor of its own, if there are any."""
+            base = structure.finer or model
+            joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
+            springs = [p for p in structure.yielding if p.terms not in given]
+            more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
+            if base is model and not more:
+                return plain
+            base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
+            own = model.description.core_parameters((*stiffness_reduction(numbers), *every))
+            least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
+            groups = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
+            found: Any = responses.source(base, own, **how)
+            return _Family(structure, base, found, every, groups, np.concatenate([low, least]))
+
+        def nearest(structure: Structure) -> _Family:
+            """With joints that yield as much as leads nearest to the intact values."""
+
+            def left(family: _Family) -> float:
+                x = np.repeat([0.0, 1.0], [len(numbers), len(family.factors)])
+                roots = roots_at(family.core, x[None], slopes=False, threads=threads)[0]
+                return intact.unexplained(roots, roots.log_f)
+
+            return min((family_of(each, True) for each in structure.hinged()), key=left)
+
+        def others(yields: bool) -> list[_Family]:
+            structures = [plain.structure]
+            if identified and not self.reduced and intact.size:
+                finer = structure_of(model, float(np.exp(intact.plain.log_f.max())))
+                structures += [finer] if finer.finer else []
+            found = (nearest(each) if yields else family_of(each, False) for each in structures)
+            return [family for family in found if family is not plain]
 
         def warmer(family: _Family) -> FloatArray:
-            return surroundings(model, family.factors, ("temperature",), frame.along)
+            return surroundings(model, family.factors, ("temperature",), family.structure.along)
 
         def taught(family: _Family, intact: Values) -> ModelError:
-            found = learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
-            return replace(found, lacking=family is not plain)
+            how = self.model_error, threads, family.low
+            found = learned(family.core, len(numbers), family.group, intact, *how)
+            return replace(found, lacking=len(family.factors) > len(factors))
 
         if not self._taught:
-            self._taught.append(self._learn(plain, yielding, taught, warmer, responses, intact))
-        error, intact, drift, scatter, odd, with_joints = self._taught[0]
-        family = (yielding() if with_joints else None) or plain
+            self._taught.append(self._learn(plain, others, taught, warmer, responses, intact))
+        error, intact, drift, scatter, odd, structure, with_joints = self._taught[0]
+        family = family_of(structure, with_joints)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        ambient, heat = surroundings(model, family.factors, surrounded, frame.along), warmer(family)
+        heat = warmer(family)
+        ambient = surroundings(model, family.factors, surrounded, structure.along)
         if drift.any():
             ambient = np.hstack([ambient, heat * drift])
             left_out = (*responses.left_out, _DRIFTS.format(figure(_WARMER * float(drift[0]))))
             responses = replace(responses, left_out=left_out)
         rest: Any = (self.options.std_common, threads, ambient, heat)
         likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
-        made = responses, intact, scatter, odd, family.base, core, len(factors)
+        made = responses, intact, scatter, odd, family.base, structure, core, len(factors)
         return Prepared(likelihood, numbers, family.factors, *made)
 
     def _learn(
         self,
         plain: _Family,
-        yielding: Callable[[], _Family | None],
+        others: Callable[[bool], list[_Family]],
         taught: Callable[[_Family, Values], ModelError],
         warmer: Callable[[_Family], FloatArray],
         responses: Responses | ModeResponses,
         intact: Values,
-    ) -> tuple[ModelError, Values, FloatArray, float, Contradiction, bool]:
+    ) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
         """What ``_taught`` holds."""
         step("learning the model's errors")
         error, family = taught(plain, intact), plain
@@ -1033,12 +1097,15 @@ class Question:
                 f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
                 "measurement.".lstrip(),
             )
-        doubtful = self.model_error is None and not self.reduced and error.doubtful
-        if doubtful and (other := yielding()) is not None:
-            step("learning what joints yield")
-            its = taught(other, intact)
-            if its.log_evidence > error.log_evidence + _CLEARLY:
-                error, family = its, other
+        asked = isinstance(responses, Responses) and self.model_error is None and not self.reduced
+        for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
+            if yields and not (asked and error.doubtful):
+                break
+            step("learning what its elements do between nodes, and what joints yield")
+            least = error.log_evidence + clearly
+            for other in others(yields):
+                if (its := taught(other, intact)).log_evidence > least:
+                    error, family, least = its, other, its.log_evidence
         drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
         if scatter > 1.0:
             if isinstance(responses, Responses):
@@ -1047,7 +1114,8 @@ class Question:
                 scatter = scatter_between(intact, intact.log_f, error.partner)
             error = taught(family, intact.noisier(scatter))
         odd = contradiction(intact.plain, responses.tests)
-        return error, intact, drift, scatter, odd, family is not plain
+        yields = len(family.factors) > len(plain.factors)
+        return error, intact, drift, scatter, odd, family.structure, yields
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""

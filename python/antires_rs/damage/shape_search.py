@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
-from .evidence import Fit, fitted
+from .evidence import FURTHEST, Fit, fitted, refitted
 from .inference import SHARES, USUALLY_LOST, Elements, Search, stepped, too_much
 from .likelihood import Likelihood, Prepared, Question, View
 from .measured_states import Responses, Roots, Values, roots_at
-from .shapes import Found, Shape, Shaped, Shapes, Structure, structure_of
+from .shapes import Found, Shape, Shaped, Shapes, Structure
 
 #: Shares of the prior of what is in no element, by kind.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
@@ -74,12 +76,16 @@ _GAIN = 4.0
 #: Errors added on the way to the most probable amounts; sets given up when so far behind, but for so many.
 _TEMPERED, _HOPELESS, _KEPT = (0.03, 0.01, 0.003, 0.0, 0.0, 0.0), 12.0, 6
 #: Of pairs: sets that get another column, columns that join each, and pairs that are refined.
-_PARENTS, _JOINING, _PAIRS = 4, 12, 12
+_PARENTS, _JOINING, _PAIRS = 6, 12, 12
+#: Pairs whose members are joined by others once more.
+_NEAREST = 2
 #: Amounts of a scan.
 _SCAN = np.array([0.03, 0.1, 0.25, 0.5, 0.75, 0.93])
-#: Rounds in which the place of a crack is narrowed down, for so many elements.
-_ROUNDS, _NARROWED = 2, 2
-_SHARES = np.linspace(0.0, 1.0, 101)
+#: Rounds in which the place of a crack is narrowed down, for so many elements and pairs; errors added meanwhile.
+_ROUNDS, _NARROWED, _NEAR = 3, 2, (0.0, 0.0, 0.0)
+_SHARES, _QUANTILES = np.linspace(0.0, 1.0, 401), np.arange(0.5, 20.0) / 20.0
+#: Places so near are one; the first step from a single one.
+_SAME_PLACE, _STEP = 2e-3, 0.2
 #: What the likeliest place of a crack has over the mean of its element (ln), about.
 _OVER_PLACES = 1.0
 
@@ -97,7 +103,7 @@ def found_shapes(search: Search, prepared: Prepared, question: Question) -> Foun
 
 def _search(search: Search, prepared: Prepared, question: Question, found: Found) -> None:
     """Add to what is found."""
-    frame = structure_of(question.model)
+    frame = prepared.structure
     plain = prepared.likelihood.start
     lost = plain.partner.size - plain.n_matched
     changed = too_much(plain) or lost > max(1, USUALLY_LOST * plain.partner.size)
@@ -126,7 +132,7 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
     chosen = {*by_gain.tolist(), *scanned, *(n + k for k, s in enumerate(shapes.shapes) if s.element in near)}
     chosen |= {s[0] for s in singles[:_PARENTS]}
     fits = _refined(likelihood, [(c,) for c in sorted(chosen)])
-    _narrow(prepared, question, frame, shapes, n, fits, found)
+    _singles(prepared, question, shapes, n, fits, found)
     # A spring that is a candidate is judged as one.
     named = {question.model.element_label(e) for e in question.elements}
     for kind, share in _ELSEWHERE.items():
@@ -138,9 +144,10 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
     best = max([likeliest, *fits.values()], key=lambda fit: fit.log_evidence)
     unknown = search.likelihood.something_else
     cracks = any(shape.kind == "crack" for shape in shapes.shapes)
-    if cracks and (too_much(best.view) or best.log_evidence < unknown):
+    unsure = best.view.kappa > 0.0 or best.view.times > 1.0
+    if cracks and (unsure or too_much(best.view) or best.log_evidence < unknown):
         pairs = _pairs(likelihood, shapes, numbers, question.elements, fits)
-        _join_pairs(shapes, numbers, pairs, found)
+        _doubles(prepared, question, shapes, pairs, found)
 
 
 #: Changes (ln f) of the values of a sensor that has moved.
@@ -169,9 +176,14 @@ def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:
 
 
 def _refined(
-    likelihood: Likelihood, sets: Sequence[Elements], starts: FloatArray | None = None
+    likelihood: Likelihood,
+    sets: Sequence[Elements],
+    starts: FloatArray | None = None,
+    errors: Sequence[float] = _TEMPERED,
 ) -> dict[Elements, Fit]:
     """The most probable amounts of each set, and its evidence."""
+    if not sets:
+        return {}
     betas = np.array([likelihood.rows(s, [[0.0] * len(s)])[0] for s in sets])
     if starts is None:
         rows = np.repeat(betas, _SCAN.size, axis=0)
@@ -183,7 +195,7 @@ def _refined(
         betas = starts
     fits: dict[Elements, Fit] = {}
     sets = list(sets)
-    for nth, extra in enumerate(_TEMPERED):
+    for nth, extra in enumerate(errors):
         views = likelihood.views(betas, extra)
         logs = np.array([view.log_likelihood for view in views])
         order = np.argsort(-logs, kind="stable")
@@ -207,86 +219,124 @@ def _keep(fits: dict[Elements, Fit], sets: Sequence[Elements], views: Sequence[V
                 fits[s] = fit
 
 
-def _narrow(
-    prepared: Prepared,
-    question: Question,
-    frame: Structure,
-    shapes: Shapes,
-    n: int,
-    fits: dict[Elements, Fit],
-    found: Found,
+class _Crack(NamedTuple):
+    """A crack at several places, and the most probable amounts at each; its own comes first."""
+
+    places: list[tuple[Shape, Fit]]
+    #: What is beside it: a crack at one place, or the number of an element among the likelihood's.
+    beside: Shape | int | None = None
+
+    @property
+    def likeliest(self) -> tuple[Shape, Fit]:
+        return max(self.places, key=lambda each: each[1].log_evidence)
+
+    def curve(self) -> tuple[FloatArray, FloatArray, list[tuple[Shape, Fit]]]:
+        """Places in ascending order, log evidence, and the likelier crack at each."""
+        best: dict[float, tuple[Shape, Fit]] = {}
+        for shape, fit in self.places:
+            known = best.get(shape.share)
+            if known is None or fit.log_evidence > known[1].log_evidence:
+                best[shape.share] = (shape, fit)
+        shares = sorted(best)
+        return (
+            np.array(shares),
+            np.array([best[s][1].log_evidence for s in shares]),
+            [best[s] for s in shares],
+        )
+
+    def ahead(self) -> list[float]:
+        """Places from where to see more of it: the top of a parabola through the likeliest ones, and beside it."""
+        shares, heights, _ = self.curve()
+        at = int(np.argmax(heights))
+        near, ends = slice(max(at - 1, 0), at + 2), (0.0, 1.0)
+        x, y = shares[near], heights[near]
+        wanted: list[float] = []
+        if x.size == 3:
+            bent, slope, _ = np.polyfit(x - x[1], y, 2)
+            if bent < 0.0:
+                top, wide = x[1] - 0.5 * slope / bent, np.sqrt(-0.5 / bent)
+                wanted = [top, top - 1.5 * wide, top + 1.5 * wide]
+        around = [x[0] if at else shares[at] - _STEP, x[-1] if at + 1 < shares.size else shares[at] + _STEP]
+        wanted = wanted or [0.5 * (shares[at] + other) for other in around]
+        found: list[float] = []
+        for each in np.clip(wanted, *ends).tolist():
+            if min(abs(each - other) for other in [*shares.tolist(), *found]) > _SAME_PLACE:
+                found.append(each)
+        return found
+
+    def over_places(self) -> tuple[float, tuple[float, float], tuple[float, float, float]]:
+        """Log evidence averaged over the length, the interval of the place, and severity with its interval."""
+        from scipy.interpolate import PchipInterpolator
+        from scipy.special import ndtri
+
+        shares, heights, best = self.curve()
+        along = np.clip(_SHARES, shares[0], shares[-1])
+        height = PchipInterpolator(shares, heights)(along) if shares.size > 1 else heights[0] + 0.0 * along
+        weight = np.exp(height - heights.max())
+        total = float(heights.max() + np.log(weight.mean()))
+        cumulative = np.cumsum(weight) / weight.sum()
+        low, high = (float(_SHARES[np.searchsorted(cumulative, q)]) for q in SHARES)
+        shape, fit = self.likeliest
+        u = [fit.mean[0] + np.sqrt(fit.covariance[0, 0]) * ndtri(_QUANTILES) for _, fit in best]
+        losses = np.array(
+            [one.loss(-np.expm1(-np.clip(own, 0.0, FURTHEST))) for (one, _), own in zip(best, u)]
+        )
+        every = np.array([np.interp(_SHARES, shares, each) for each in losses.T])
+        order = np.argsort(every, axis=None)
+        mass = np.cumsum(np.broadcast_to(weight, every.shape).ravel()[order])
+        ends = np.interp(SHARES, mass / mass[-1], every.ravel()[order])
+        loss = float(shape.loss(fit.beta[0]))
+        severity = loss, min(float(ends[0]), loss), max(float(ends[1]), loss)
+        return total, (min(low, shape.share), max(high, shape.share)), severity
+
+
+def _narrowed(prepared: Prepared, question: Question, crack: _Crack) -> _Crack:
+    """More places of a crack, ever nearer to the likeliest."""
+    n = len(prepared.numbers)
+    for _ in range(_ROUNDS):
+        shares, (likeliest, fit) = crack.ahead(), crack.likeliest
+        if not shares:
+            break
+        more = prepared.structure.cracks(likeliest.element, shares, prepared.stiffness_factors)
+        every, own = more, [(n + k,) for k in range(len(more))]
+        if isinstance(crack.beside, Shape):
+            other = prepared.structure.cracks(
+                crack.beside.element, [crack.beside.share], prepared.stiffness_factors
+            )
+            own = [(*each, n + len(more) + other.shapes.index(crack.beside)) for each in own]
+            every = Shapes(more.shapes + other.shapes, more.terms + other.terms)
+        elif crack.beside is not None:
+            own = [(*each, crack.beside) for each in own]
+        likelihood = with_shapes(prepared, question, every)
+        if likelihood is None:
+            break
+        starts = np.zeros((len(own), likelihood.n))
+        for row, columns, shape in zip(starts, own, more.shapes, strict=True):
+            row[list(columns)] = [shape.amount(likeliest.loss(float(fit.beta[0]))), *fit.beta[1:]]
+        fits = _refined(likelihood, own, starts, _NEAR)
+        for columns, one in fits.items():
+            crack.places.append((more.shapes[columns[0] - n], one))
+    return crack
+
+
+def _singles(
+    prepared: Prepared, question: Question, shapes: Shapes, n: int, fits: dict[Elements, Fit], found: Found
 ) -> None:
     """Cracks of each element: evidence over their places, and the likeliest place narrowed down."""
-    by_element: dict[int, list[tuple[Shape, Fit]]] = {}
+    by_element: dict[int, _Crack] = {}
     for k, shape in enumerate(shapes.shapes):
-        if shape.kind == "crack" and (n + k,) in fits:
-            by_element.setdefault(shape.element, []).append((shape, fits[n + k,]))
-    order = sorted(by_element, key=lambda e: -max(fit.log_evidence for _, fit in by_element[e]))
-    top = max((fit.log_evidence for each in by_element.values() for _, fit in each), default=0.0)
-    for rank, element in enumerate(order):
-        if element not in question.elements:
-            continue
-        own = by_element[element]
-        best = max(fit.log_evidence for _, fit in own)
-        if rank < _NARROWED and best > top - _HOPELESS:
-            for _ in range(_ROUNDS):
-                shares = _between(own)
-                if not shares:
-                    break
-                extra = frame.cracks(element, shares, prepared.stiffness_factors)
-                likelihood = with_shapes(prepared, question, extra)
-                if likelihood is None:
-                    break
-                more = _refined(likelihood, [(n + k,) for k in range(len(extra))])
-                own = own + [(extra.shapes[key[0] - n], fit) for key, fit in more.items()]
-        found.cracked[(prepared.numbers.index(element),)] = _over_places(own)
-
-
-def _between(own: list[tuple[Shape, Fit]]) -> list[float]:
-    """Places beside the likeliest one, between it and its neighbours."""
-    shares = np.array(sorted({shape.share for shape, _ in own}))
-    likeliest = max(own, key=lambda each: each[1].log_evidence)[0].share
-    at = int(np.argmin(np.abs(shares - likeliest)))
-    around = [0.0 if at == 0 else shares[at - 1], 1.0 if at == shares.size - 1 else shares[at + 1]]
-    middles = [0.5 * (likeliest + other) for other in around]
-    return [m for m in middles if np.abs(shares - m).min() > 0.02]
-
-
-def _over_places(own: list[tuple[Shape, Fit]]) -> Shaped:
-    """Evidence averaged over the length, and the interval of the place."""
-    best: dict[float, float] = {}
-    for shape, fit in own:
-        best[shape.share] = max(best.get(shape.share, -np.inf), fit.log_evidence)
-    shares = np.array(sorted(best))
-    curve = np.interp(_SHARES, shares, [best[s] for s in shares])
-    weight = np.exp(curve - curve.max())
-    total = float(curve.max() + np.log(weight.mean()))
-    cumulative = np.cumsum(weight) / weight.sum()
-    low, high = (float(_SHARES[np.searchsorted(cumulative, q)]) for q in SHARES)
-    shape, fit = max(own, key=lambda each: each[1].log_evidence)
-    return _cracked([shape], fit, [0], total, (min(low, shape.share), max(high, shape.share)))
-
-
-def _cracked(
-    shapes: Sequence[Shape | int],
-    fit: Fit,
-    at: Sequence[int],
-    log_evidence: float,
-    reach: tuple[float, float] | None = None,
-) -> Shaped:
-    """A crack, or one beside another or beside the loss of an element; ``at`` are their places in the fit."""
-    places, rows = [], []
-    for one, nth in zip(shapes, at, strict=True):
-        losses = [float(fit.beta[nth]), *fit.interval(nth, SHARES)]
-        if isinstance(one, Shape):
-            losses = [one.loss(beta) for beta in losses]
-            middle, ends = one.share * one.length_m, ""
-            if reach is not None:
-                ends = f" ({reach[0] * one.length_m:.3g} to {reach[1] * one.length_m:.3g})"
-            places.append(f"crack {middle:.3g} m{ends} from node {one.node} in element {one.element}")
-        rows.append(losses)
-    kinds = "crack" if len(places) == len(rows) else "crack and element"
-    return Shaped(kinds, "; ".join(places), log_evidence, fit.view, *map(tuple, zip(*rows, strict=True)))
+        if shape.kind == "crack" and (n + k,) in fits and shape.element in question.elements:
+            by_element.setdefault(shape.element, _Crack([])).places.append((shape, fits[n + k,]))
+    order = sorted(by_element.values(), key=lambda crack: -crack.likeliest[1].log_evidence)
+    for rank, crack in enumerate(order):
+        height = crack.likeliest[1].log_evidence
+        if rank < _NARROWED and height > order[0].likeliest[1].log_evidence - _HOPELESS:
+            crack = _narrowed(prepared, question, crack)
+        shape, fit = crack.likeliest
+        total, reach, losses = crack.over_places()
+        rows = [(float(each),) for each in losses]
+        key = (prepared.numbers.index(shape.element),)
+        found.cracked[key] = Shaped("crack", shape.told(reach), total, fit.view, *rows)
 
 
 def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
@@ -314,14 +364,32 @@ def _pairs(
     """Pairs of cracks, or of a crack and an element, in two candidates."""
     owner = np.array([*numbers, *(s.element if s.kind == "crack" else -1 for s in shapes.shapes)])
     owner[~np.isin(owner, candidates)] = -1
-    parents = sorted((s for s in fits if owner[s[0]] >= 0), key=lambda s: -fits[s].log_evidence)
-    taken: list[Elements] = []
-    for s in parents:  # the likeliest place of each element
-        if owner[s[0]] not in [owner[t[0]] for t in taken]:
-            taken.append(s)
+    singles = sorted((s for s in fits if owner[s[0]] >= 0), key=lambda s: -fits[s].log_evidence)
+    first: dict[tuple[int, bool], tuple[int, float]] = {}
+    for (c,) in singles:  # each element, and its likeliest crack
+        first.setdefault((owner[c], c < len(numbers)), (c, float(fits[c,].beta[0])))
+    parents, found = list(first.values())[:_PARENTS], {}
+    tried: set[int] = set()
+    while parents:
+        tried.update(c for c, _ in parents)
+        found |= _refined(likelihood, *_joined(likelihood, owner, parents, found))
+        # What the members of the likeliest pairs are joined by, of the amount that they have in these.
+        near = sorted(found.values(), key=lambda fit: -fit.log_evidence)[:_NEAREST]
+        members = {c: float(beta) for fit in near for c, beta in zip(fit.elements, fit.beta, strict=True)}
+        parents = [(c, beta) for c, beta in members.items() if c not in tried]
+    return found
+
+
+def _joined(
+    likelihood: Likelihood,
+    owner: NDArray[np.intp],
+    parents: Sequence[tuple[int, float]],
+    known: Container[Elements],
+) -> tuple[list[Elements], FloatArray]:
+    """New pairs that explain most, and the amounts at which they do."""
     rows, sets = [], []
-    for (first,) in taken[:_PARENTS]:
-        view = fits[first,].view
+    alone = np.concatenate([likelihood.rows((c,), [[beta]]) for c, beta in parents])
+    for (first, _), view in zip(parents, likelihood.views(alone), strict=True):
         gains = np.where((owner >= 0) & (owner != owner[first]), view.gains, -1.0)
         joining = np.argsort(-gains, kind="stable")[: min(_JOINING, int((gains > 0.0).sum()))]
         for second in joining.tolist():
@@ -330,31 +398,40 @@ def _pairs(
                 row[second] = amount
                 rows.append(row)
                 sets.append((first, second))
-    if not rows:
-        return {}
-    left = likelihood.unexplained(np.array(rows))
     chosen: dict[Elements, FloatArray] = {}
+    left = likelihood.unexplained(np.array(rows)) if rows else np.empty(0)
     for at in np.argsort(left, kind="stable").tolist():
         key = tuple(sorted(sets[at]))
-        if key not in chosen and len(chosen) < _PAIRS:
+        if key not in chosen and key not in known and len(chosen) < _PAIRS:
             chosen[key] = rows[at]
-    return _refined(likelihood, list(chosen), np.array(list(chosen.values())))
+    return list(chosen), np.array(list(chosen.values()))
 
 
-def _element(one: Shape | int) -> int:
-    return one.element if isinstance(one, Shape) else one
-
-
-def _join_pairs(shapes: Shapes, numbers: Sequence[int], pairs: dict[Elements, Fit], found: Found) -> None:
-    """Pairs by their elements; over places, the likeliest stands for its share."""
-    for columns, fit in pairs.items():
-        n = len(numbers)
-        named = [(nth, shapes.shapes[c - n] if c >= n else numbers[c]) for nth, c in enumerate(columns)]
-        own = sorted(named, key=lambda each: numbers.index(_element(each[1])))
-        key = tuple(numbers.index(_element(one)) for _, one in own)
-        n_cracks = sum(isinstance(one, Shape) for _, one in own)
-        if not n_cracks:
-            continue
-        log_evidence = fit.log_evidence - n_cracks * _OVER_PLACES
-        if key not in found.cracked or log_evidence > found.cracked[key].log_evidence:
-            found.cracked[key] = _cracked([one for _, one in own], fit, [nth for nth, _ in own], log_evidence)
+def _doubles(
+    prepared: Prepared, question: Question, shapes: Shapes, pairs: dict[Elements, Fit], found: Found
+) -> None:
+    """Pairs by their elements; of the likeliest the places are narrowed down, of others one stands for all."""
+    n, numbers = len(prepared.numbers), prepared.numbers
+    order = sorted(pairs.values(), key=lambda fit: -fit.log_evidence)
+    for rank, fit in enumerate(order):
+        parts = [shapes.shapes[c - n] if c >= n else c for c in fit.elements]
+        near = rank < _NARROWED and fit.log_evidence > order[0].log_evidence - _HOPELESS
+        rows, places, averaged = {}, [], 0.0
+        for nth in (0, 1):
+            part, fit = parts[nth], refitted(fit.view, fit.elements[::-1] if nth else fit.elements)
+            if not isinstance(part, Shape):
+                rows[part] = (float(fit.beta[0]), *fit.interval(0, SHARES))
+                continue
+            crack = _Crack([(part, fit)], parts[1 - nth])
+            if near:
+                crack = _narrowed(prepared, question, crack)
+            total, reach, losses = crack.over_places()
+            parts[nth], fit = crack.likeliest
+            averaged += total - fit.log_evidence if near else -_OVER_PLACES
+            rows[numbers.index(part.element)] = losses
+            places.append(parts[nth].told(reach if near else None))
+        key, log_evidence = tuple(sorted(rows)), fit.log_evidence + averaged
+        if places and (key not in found.cracked or log_evidence > found.cracked[key].log_evidence):
+            kind = "crack" if len(places) == len(rows) else "crack and element"
+            losses = zip(*(rows[each] for each in key), strict=True)
+            found.cracked[key] = Shaped(kind, "; ".join(places), log_evidence, fit.view, *losses)

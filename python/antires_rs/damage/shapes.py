@@ -13,17 +13,20 @@ Cracks as rotational springs: A. D. Dimarogonas, Eng. Fract. Mech. 55 (1996) 831
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core import Model as CoreModel
 from ..models.chain import MassSpringChain
 from ..models.frame import FrameModel
 from ..models.matrices import Columns, Entries, as_sparse
 from ..models.parameters import Parameter
+from ..models.recipes import FrameRecipe
 from ..models.structural_model import ModelDescription
 from ..support.checks import FloatArray
 
@@ -57,10 +60,22 @@ class Shape(NamedTuple):
     length_m: float = 0.0
     name: str = ""  # of a spring, or of the mass of a chain that gets more
 
-    def loss(self, beta: float) -> float:
+    def loss(self, beta: Any) -> Any:
         """Loss of the whole element that makes it as flexible as a hinge."""
         flexible = self.size * beta / (1.0 - beta)
         return flexible / (1.0 + flexible)
+
+    def amount(self, loss: float) -> float:
+        """The amount beta of that loss."""
+        flexible = loss / ((1.0 - loss) * self.size)
+        return flexible / (1.0 + flexible)
+
+    def told(self, reach: tuple[float, float] | None = None) -> str:
+        """Where a crack is, with the interval of its place."""
+        ends = "" if reach is None else f" ({reach[0] * self.length_m:.3g} to {reach[1] * self.length_m:.3g})"
+        return (
+            f"crack {self.share * self.length_m:.3g} m{ends} from node {self.node} in element {self.element}"
+        )
 
 
 @dataclass(frozen=True)
@@ -144,6 +159,21 @@ def _entries(columns: Columns) -> tuple[Any, Any, FloatArray]:
     return rows.astype(np.uint32), column, values
 
 
+def _bordered(at: Any, own: Any, side: FloatArray, corner: FloatArray) -> tuple[Any, Any, FloatArray]:
+    """Entries of the rows and columns ``own``, beside those ``at`` and among themselves."""
+    rows, columns = np.meshgrid(at, own, indexing="ij")
+    corners = np.meshgrid(own, own, indexing="ij")
+    return (
+        np.concatenate([rows.ravel(), columns.ravel(), corners[0].ravel()]),
+        np.concatenate([columns.ravel(), rows.ravel(), corners[1].ravel()]),
+        np.concatenate([side.ravel(), side.ravel(), corner.ravel()]),
+    )
+
+
+def _together(several: Sequence[tuple[Any, Any, FloatArray]]) -> Entries:
+    return Entries.joined(*map(np.concatenate, zip(*several, strict=True)))
+
+
 def _of_core(term: Any, n: int) -> Any:
     from scipy.sparse import coo_array
 
@@ -151,10 +181,11 @@ def _of_core(term: Any, n: int) -> Any:
     return coo_array((values, (rows, columns)), shape=(n, n)).tocsr()
 
 
-def structure_of(model: StructuralModel) -> Structure:
-    """What is known of a model beside its matrices."""
+def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
+    """What is known of a model beside its matrices; ``highest_hz`` is the frequency up to which the elements
+    of a frame are to move as beams do between their nodes, too."""
     if isinstance(model, FrameModel):
-        return Frame(model)
+        return Frame(model, highest_hz)
     return Chain(model) if isinstance(model, MassSpringChain) else Structure(model)
 
 
@@ -167,6 +198,8 @@ class Structure:
 
     def __init__(self, model: StructuralModel) -> None:
         self.model = model
+        #: The model with what its elements do between their nodes; None where that does not count.
+        self.finer: Joined | None = None
 
     @property
     def along(self) -> FloatArray | None:
@@ -177,6 +210,15 @@ class Structure:
     def springs(self) -> tuple[Parameter, ...]:
         """A factor of each spring that is no element."""
         return ()
+
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """The same, and of what joints yield where they are dofs of their own."""
+        return self.springs
+
+    def hinged(self) -> list[Structure]:
+        """With joints that yield as dofs of their own, as much as they may."""
+        return [self]
 
     def shapes(self, factor: Mapping[int, float]) -> Shapes:
         """What may change beside the losses of elements."""
@@ -252,13 +294,40 @@ class Chain(Structure):
         return _listed(found)
 
 
+# -- Elements that are long against the waves in them: what a beam does while its ends are held, as further dofs
+#
+# Each element is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig
+# and M. C. C. Bampton, AIAA J. 6 (1968) 1313-1319). They scale with the element's stiffness and mass.
+
+#: Parts of an element; modes up to this multiple of the highest frequency that was measured.
+_PARTS, _HELD_UP_TO = 4, 8.0
+#: Springs of joints and supports that turn, in EI / L of the element.
+_HINGES = (60.0, 25.0, 12.0, 6.0, 3.0)
+#: Least mass that such a mode carries along, over that of the element, as a square root.
+_STILL = 1e-3
+
+
+class Inner(NamedTuple):
+    """Modes of an element whose ends are held, of mass one."""
+
+    dofs: NDArray[np.intp]  # (k,)
+    squares: FloatArray  # of their frequencies (rad/s), (k,)
+    carried: FloatArray  # mass between the dofs of both ends and them, (m, k)
+    forces: tuple[FloatArray, ...]  # on them by the second end of each part, (dofs of a node, k)
+
+    @classmethod
+    def none(cls, m: int) -> Inner:
+        """Of an element that has none."""
+        return cls(np.empty(0, dtype=np.intp), np.empty(0), np.empty((m, 0)), ())
+
+
 class Frame(Structure):
     """The geometry of a frame, its matrices with every dof free, and the shapes that these give.
 
     ``factor`` is that of each element's stiffness, after the baseline.
     """
 
-    def __init__(self, model: FrameModel) -> None:
+    def __init__(self, model: FrameModel, highest_hz: float = 0.0) -> None:
         recipe = model._recipe
         whole = ModelDescription(replace(recipe, fixed=()), model.description.applied).core()
         frame = whole.frame()
@@ -285,6 +354,122 @@ class Frame(Structure):
                 self.turning[node] = "support"
             elif len(several) > 2 or (len(several) == 2 and not self._straight(several)):
                 self.turning[node] = "joint"
+        self.inner: dict[int, Inner] = {}
+        self.masses = [_of_core(term, self.n) for term in whole.mass_terms()[: len(self.ends)]]
+        #: Dofs of an element's hinges, and how they turn the dofs of its ends, (m, k); nodes that have any.
+        self.hinges: dict[int, tuple[list[int], FloatArray]] = {}
+        self.hinge_nodes: list[int] = []
+        if highest_hz:
+            n = self.free.size
+            for element in range(len(self.ends)):
+                inner = self._held(element, n, (2.0 * np.pi * _HELD_UP_TO * highest_hz) ** 2)
+                if inner.dofs.size:
+                    self.inner[element] = inner
+                    n += inner.dofs.size
+            if self.inner:
+                self.finer = self._refined(0.0)
+
+    def _with_hinges(self, times: float) -> Frame:
+        other = copy(self)
+        other.hinges, other.hinge_nodes = {}, []
+        other.finer = other._refined(times)
+        return other
+
+    def _refined(self, times: float) -> Joined:
+        """The model with what elements do between their nodes, and hinges of so many times EI / L."""
+        core, row = self.model._core, np.full(self.n, -1)
+        row[self.free] = np.arange(self.free.size)
+        n = self.free.size + sum(inner.dofs.size for inner in self.inner.values())
+        terms = core.stiffness_terms(), core.mass_terms()
+        added: tuple[list[Any], list[Any]] = ([_entries(core.stiffness())], [_entries(core.mass())])
+        springs: dict[int, list[tuple[int, float]]] = {}
+        for element in range(len(self.ends)):
+            ends = self._ends_of(element)
+            k, m = (each[ends][:, ends].toarray() for each in (self.stiffness[element], self.masses[element]))
+            free = row[ends] >= 0
+            inner = self.inner.get(element) or Inner.none(ends.size)
+            turned: list[FloatArray] = []
+            own: list[int] = []
+            for node, turn, stiffness in self._turns_of(element) if times else ():
+                column = np.zeros(ends.size)
+                column[np.isin(ends, [self.at[node, name] for name in self.turns])] = self._turns(turn)
+                if (k @ column)[free].any():
+                    turned.append(column)
+                    own.append(n)
+                    springs.setdefault(node, []).append((n, times * stiffness))
+                    n += 1
+            d = np.array(turned).reshape(-1, ends.size).T
+            if own:
+                self.hinges[element] = own, d
+            dofs, none = (
+                np.concatenate([inner.dofs, own]).astype(np.intp),
+                np.zeros((ends.size, inner.dofs.size)),
+            )
+            zero = none.T @ d
+            beside = np.hstack([none, k @ d]), np.hstack([inner.carried, m @ d])
+            corner = (
+                np.block([[np.diag(inner.squares), zero], [zero.T, d.T @ k @ d]]),
+                np.block(
+                    [[np.eye(inner.dofs.size), inner.carried.T @ d], [d.T @ inner.carried, d.T @ m @ d]]
+                ),
+            )
+            for own_terms, whole, side, block in zip(terms, added, beside, corner, strict=True):
+                if dofs.size:
+                    more = _bordered(row[ends][free], dofs, side[free], block)
+                    own_terms[element] = _together([own_terms[element], more])
+                    whole.append(more)
+        for node, several in springs.items():
+            at = np.array([dof for dof, _ in several])
+            terms[0].append((at, at, np.array([stiffness for _, stiffness in several])))
+            added[0].append(terms[0][-1])
+            self.hinge_nodes.append(node)
+        matrices = [_together([each]) for each in terms[0]], [_together([each]) for each in terms[1]]
+        return Joined(n, CoreModel.from_matrices(n, *map(_together, added), *matrices))
+
+    def _turns_of(self, element: int) -> Iterator[tuple[int, FloatArray, float]]:
+        """Nodes at which an element may turn, axes, and its EI / L."""
+        for node in self.ends[element]:
+            for turn in self._axes(element, self._along(element)[0]) if node in self.turning else ():
+                yield node, turn, self._bending(element, turn)
+
+    def _held(self, element: int, first: int, most: float) -> Inner:
+        """Modes of an element with its ends held, where they move with what is free."""
+        from scipy.linalg import eigh
+
+        recipe, ends = self.model._recipe, self._ends_of(element)
+        line = self.nodes[self.ends[element]]
+        core = FrameRecipe(
+            line[0] + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (line[1] - line[0]),
+            tuple((nth, nth + 1, 0) for nth in range(_PARTS)),
+            (0,),
+            (list(self.model.sections.values())[recipe.beams[element][2]],),
+            None
+            if recipe.orientation is None
+            else np.repeat(recipe.orientation[element][None], _PARTS, axis=0),
+        ).core()
+        n, per = core.n_dof, ends.size // 2
+        outer, inside = np.r_[:per, n - per : n], np.r_[per : n - per]
+        k, m = (as_sparse(each).toarray() for each in (core.stiffness(), core.mass()))
+        static = np.zeros((n, ends.size))
+        static[outer] = np.eye(ends.size)
+        static[inside] = -np.linalg.solve(k[np.ix_(inside, inside)], k[np.ix_(inside, outer)])
+        # Updating may have changed both by factors.
+        now = [float(each.diagonal()[ends].sum()) for each in (self.stiffness[element], self.masses[element])]
+        by = [own / float(np.trace(static.T @ each @ static)) for own, each in zip(now, (k, m), strict=True)]
+        squares, shapes = eigh(by[0] * k[np.ix_(inside, inside)], by[1] * m[np.ix_(inside, inside)])
+        carried = by[1] * (static.T @ m)[:, inside] @ shapes
+        modes = np.zeros((n, squares.size))
+        modes[inside] = shapes
+        moved = np.abs(carried[np.isin(ends, self.free)]).max(axis=0, initial=0.0)
+        kept = (squares < most) & (moved > _STILL * np.sqrt(by[1] * np.trace(m)))
+        forces = []
+        for part, term in enumerate(core.stiffness_terms()):
+            second = np.arange((part + 1) * per, (part + 2) * per)
+            forces.append(by[0] * (_of_core(term, n)[second] @ modes[:, kept]))
+        return Inner(first + np.arange(kept.sum()), squares[kept], carried[:, kept], tuple(forces))
+
+    def _ends_of(self, element: int) -> NDArray[np.intp]:
+        return np.array([dof for node in self.ends[element] for dof in self._of_node(node)])
 
     def shapes(self, factor: Mapping[int, float]) -> Shapes:
         """Cracks, joints and masses."""
@@ -302,13 +487,16 @@ class Frame(Structure):
         size = float(np.ptp(own))
         return np.asarray(2.0 * (own - own.min()) / size - 1.0 if size else np.zeros(own.size))
 
-    def joints(self) -> Shapes:
-        """Joints and supports of the sound frame, one a node: all ends there turn alike."""
-        found: dict[int, tuple[Shape, Any]] = {}
-        for shape, term in self._turning({}):
-            before = found.get(shape.node)
-            found[shape.node] = (shape, term if before is None else before[1] + term)
-        return _listed(list(found.values()))
+    def hinged(self) -> list[Structure]:
+        """With springs between elements and the nodes at which they may turn, of several stiffnesses."""
+        return [self._with_hinges(times) for times in _HINGES] if self.turning else [self]
+
+    @property
+    def yielding(self) -> tuple[Parameter, ...]:
+        """Springs, and those of the hinges, one a node."""
+        first = self.model._core.n_stiffness_terms
+        turning = range(first, first + len(self.hinge_nodes))
+        return (*self.springs, *(Parameter("stiffness_factor", (k,), (0.2, 5.0)) for k in turning))
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
@@ -366,13 +554,24 @@ class Frame(Structure):
         for turn in self._axes(element, along):
             kink = np.zeros(self.n)
             arm = (1.0 - share) * length * np.pad(along, (0, 3 - along.size))
-            kink[self._dofs(second)] = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
+            kink[self._of_node(second)] = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
             force = self.stiffness[element] @ kink
             stiff = float(kink @ force)
-            own = (force / np.sqrt(stiff))[self.free]
+            own = force[self.free]
             if not stiff > 0.0 or not own.any():
                 continue
-            column = csr_array(own[:, None])
+            if self.finer is not None:
+                own = np.pad(own, (0, self.finer.n_dof - own.size))
+            if element in self.hinges:
+                dofs, turned_by = self.hinges[element]
+                own[dofs] = force[self._ends_of(element)] @ turned_by
+            if element in self.inner:
+                inner, part = self.inner[element], min(int(share * _PARTS), _PARTS - 1)
+                arm *= ((part + 1) / _PARTS - share) / (1.0 - share) if share < 1.0 else 0.0
+                turned = [*np.cross(turn, arm)[: along.size], *self._turns(turn)]
+                own[inner.dofs] = turned @ inner.forces[part]
+                stiff += float(np.sum(own[inner.dofs] ** 2 / inner.squares))
+            column = csr_array((own / np.sqrt(stiff))[:, None])
             shape = Shape(kind, element, share, node, self._bending(element, turn) / stiff, length)
             found.append((shape, factor.get(element, 1.0) * (column @ column.T)))
         return found
@@ -387,7 +586,7 @@ class Frame(Structure):
         _, ways = np.linalg.eigh([[own[0], both], [both, own[1]]])
         return [one * first + other * second for first, second in ways.T]
 
-    def _dofs(self, node: int) -> list[int]:
+    def _of_node(self, node: int) -> list[int]:
         return [self.at[node, name] for name in (*self.moves, *self.turns)]
 
     def _turns(self, turn: FloatArray) -> FloatArray:
@@ -397,7 +596,7 @@ class Frame(Structure):
         """EI / L of an element about an axis: the moment over the angle between ends that turn alike."""
         bent, still = np.zeros(self.n), np.zeros(self.nodes.shape[1])
         for sign, node in zip((-0.5, 0.5), self.ends[element], strict=True):
-            bent[self._dofs(node)] = [*still, *(sign * self._turns(turn))]
+            bent[self._of_node(node)] = [*still, *(sign * self._turns(turn))]
         return float(bent @ (self.stiffness[element] @ bent))
 
     def _masses(self) -> list[tuple[Shape, Any]]:
