@@ -127,11 +127,13 @@ class PreparedTest:
     def __new__(
         cls, tables: PreparedTables, response: Sequence[int], log_f: Sequence[float], std: Sequence[float],
         set: Sequence[int], times: Sequence[float], band: tuple[float, float], common: float, extra: float,
-        errors: Sequence[tuple[float, float, float]], outside: float
+        errors: Sequence[Sequence[float]], outside: float
     ) -> PreparedTest: ...
     def look(
         self, elements: Sequence[int], u: Sequence[float]
-    ) -> tuple[float, _Floats, _Floats, int, NDArray[np.intp], _Floats, _Floats, _Floats, float]: ...
+    ) -> tuple[
+        float, _Floats, _Floats, int, NDArray[np.intp], _Floats, _Floats, _Floats, float, float
+    ]: ...
     def scan(
         self, elements: Sequence[int], u: Sequence[float], further: Sequence[int]
     ) -> tuple[_Floats, _Floats]: ...

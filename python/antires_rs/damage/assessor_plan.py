@@ -23,8 +23,6 @@ from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
 from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
 from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
 from .likelihood import (
-    ERRORS,
-    Errors,
     Likelihood,
     ModelError,
     Prepared,
@@ -250,11 +248,6 @@ class Plan:
         return {e: self.question.model.element_label(e) for e in self.question.numbers}
 
     @cached_property
-    def errors(self) -> Errors:
-        """As the likelihood has them."""
-        return tuple((self.learned.outside * kappa, times, p) for kappa, times, p in ERRORS)
-
-    @cached_property
     def tables_in_core(self) -> _core.PreparedTables:
         """The tables, handed over."""
         t = self.tables
@@ -327,7 +320,7 @@ class TabulatedLikelihood(ValueLikelihood):
             (band.low, band.high),
             float(np.hypot(plan.question.options.std_common, common)),
             extra,
-            list(plan.errors),
+            self.computed.errors.tolist(),
             plan.learned.outside,
         )
 
@@ -356,7 +349,9 @@ class TabulatedLikelihood(ValueLikelihood):
 
     def _view(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
-        return View(beta, log_likelihood, gain, curvature, *self.plan.errors[error][:2], *rest)
+        kappa, times = self.computed.errors[error, :2].tolist()
+        gain_std = self.computed.error.gain_std
+        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest, gain_std)
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.

@@ -366,7 +366,6 @@ ERRORS = (
     (1.6, 1.0, 0.10),
     (1.6, 2.0, 0.05),
 )
-Errors = tuple[tuple[float, float, float], ...]
 #: A change of all values alike, as of temperature, may come with any hypothesis: its standard deviation
 #: (ln f), its share of the probability, and the errors beside which it is looked at.
 _ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.05, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
@@ -698,7 +697,7 @@ class Likelihood(ValueLikelihood):
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
         self.ambient = np.zeros((self.factors.size, 0)) if ambient is None else ambient
-        self._errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
+        self.errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
 
@@ -781,7 +780,7 @@ class Likelihood(ValueLikelihood):
             gone = np.setdiff1d(np.flatnonzero(error.seen), followed)
             places = error.intact.log_f[gone] + self._beside[gone]
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
-        return viewed(beta, self.now, foreseen, self.band, self._errors)
+        return viewed(beta, self.now, foreseen, self.band, self.errors)
 
 
 # -- Two states and what is assumed of them: all that decides how probable the values are

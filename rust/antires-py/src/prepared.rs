@@ -93,7 +93,8 @@ pub struct PreparedTest {
     variance: Vec<f64>,
 }
 
-/// Log-likelihood, gain (k,), curvature (k, k), number of the error, partner, beside, residual, std, chi-square.
+/// Log-likelihood, gain (k,), curvature (k, k), number of the error, partner, beside, residual, std, chi-square,
+/// shift.
 type PyLook<'py> = (
     f64,
     Bound<'py, PyArray1<f64>>,
@@ -103,6 +104,7 @@ type PyLook<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
+    f64,
     f64,
 );
 
@@ -196,6 +198,7 @@ impl PreparedTest {
             found.residual.into_pyarray(py),
             found.std.into_pyarray(py),
             found.chi_square,
+            found.shift,
         ))
     }
 

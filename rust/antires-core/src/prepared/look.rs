@@ -35,6 +35,8 @@ pub struct Look {
     pub std: Vec<f64>,
     /// Of all together.
     pub chi_square: f64,
+    /// Of all values alike, ln f, by that error.
+    pub shift: f64,
 }
 
 /// Root of each value, and what those without a partner cost.
@@ -65,32 +67,12 @@ fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (
     (partner, lost + missed - taken)
 }
 
-/// Slopes of roots by the severities of `columns`, where `room` is 1 − β of each; row-major.
-fn slopes_of(
-    t: &Tables<'_>,
-    at: &Places,
-    roots: &Foreseen,
-    root: &[usize],
-    (columns, room): (&[usize], &[f64]),
-) -> Vec<f64> {
-    let width = columns.len();
-    let mut slopes = vec![0.0; root.len() * width];
-    if width == t.n {
-        for (&k, out) in root.iter().zip(slopes.chunks_exact_mut(width)) {
-            if !roots.gone[k] {
-                at.row(t, roots.root[k], |e, l, r| t.slope_row(e, l, r), out);
-            }
-        }
-    } else {
-        for (i, &k) in root.iter().enumerate() {
-            for (c, &by) in columns.iter().enumerate() {
-                slopes[i * width + c] = if roots.gone[k] { 0.0 } else { at.slope(t, roots.root[k], by) };
-            }
-        }
-    }
-    for out in slopes.chunks_exact_mut(width.max(1)) {
-        for (x, r) in out.iter_mut().zip(room) {
-            *x /= r;
+/// Slopes of roots by all u, row-major.
+fn slopes_of(t: &Tables<'_>, at: &Places, roots: &Foreseen, root: &[usize]) -> Vec<f64> {
+    let mut slopes = vec![0.0; root.len() * t.n];
+    for (&k, out) in root.iter().zip(slopes.chunks_exact_mut(t.n)) {
+        if !roots.gone[k] {
+            at.row(t, roots.root[k], |e, l, r| t.slope_row(e, l, r), out);
         }
     }
     slopes
@@ -109,18 +91,26 @@ fn judged(
     let root: Vec<usize> = has.iter().map(|&i| partner[i] as usize).collect();
     let m = has.len();
     let residual: Vec<f64> = has.iter().zip(&root).map(|(&i, &k)| test.log_f[i] - roots.place[k]).collect();
-    let mean = root.iter().map(|&k| roots.change[k].powi(2)).sum::<f64>() / m.max(1) as f64;
+    let changes: f64 = root.iter().map(|&k| roots.change[k].powi(2)).sum();
+    let mean = changes / m.max(1) as f64;
     let size: Vec<f64> = root.iter().map(|&k| (roots.change[k].powi(2) + COMMON * mean).sqrt()).collect();
     let model = covariance(t, test, roots, &root);
+    let by_u = slopes_of(t, at, roots, &root);
+    let of = |i: usize| &by_u[i * t.n..][..t.n];
+    let total: f64 = by_u.iter().map(|s| s * s).sum();
+    let mixed = test.errors.iter().any(|e| e[4] > 0.0) && total > 0.0;
     let error = |l: usize| test.errors[l.min(test.errors.len() - 1)];
-    let squares: [(f64, f64); SIDE] = std::array::from_fn(|l| (error(l)[0].powi(2), error(l)[1].powi(2)));
+    let squares: [Entry; 4] = [0, 1, 3, 4].map(|part| std::array::from_fn(|l| error(l)[part].powi(2)));
     let mut a: Vec<Entry> = Vec::with_capacity(model.len());
     for i in 0..m {
         for j in 0..=i {
             let c = model[row(i) + j];
             let own = if root[i] == root[j] { size[i] * size[j] } else { 0.0 };
             let noise = if i == j { test.std[has[i]].powi(2) } else { 0.0 };
-            a.push(std::array::from_fn(|l| c + squares[l].1 * noise + squares[l].0 * own));
+            let along = if mixed { dot(of(i), of(j)) * changes / total } else { 0.0 };
+            a.push(std::array::from_fn(|l| {
+                c + squares[1][l] * noise + squares[0][l] * own + squares[2][l] + squares[3][l] * along
+            }));
         }
     }
     let diagonal: Vec<Entry> = (0..m).map(|i| a[row(i) + i]).collect();
@@ -136,7 +126,10 @@ fn judged(
     let best = (0..test.errors.len()).fold(0, |b, l| if logs[l] > logs[b] { l } else { b });
     let sum: f64 = logs.iter().map(|x| (x - logs[best]).exp()).sum();
     let width = columns.len();
-    let mut slopes = slopes_of(t, at, roots, &root, (columns, room));
+    let mut slopes = Vec::with_capacity(m * width);
+    for i in 0..m {
+        slopes.extend(columns.iter().zip(room).map(|(&c, r)| of(i)[c] / r));
+    }
     whiten_rows(&a, best, &mut slopes, width);
     let mut gain = vec![0.0; width];
     for (own, w) in slopes.chunks_exact(width.max(1)).zip(&white) {
@@ -144,6 +137,9 @@ fn judged(
             *g += s * w[best];
         }
     }
+    let mut ones = vec![1.0; m];
+    whiten_rows(&a, best, &mut ones, 1);
+    let shift = squares[2][best] * ones.iter().zip(&white).map(|(one, w)| one * w[best]).sum::<f64>();
     let mut beside = vec![0.0; partner.len()];
     for (&i, &k) in has.iter().zip(&root) {
         beside[i] = if roots.gone[k] { 0.0 } else { at.beside[roots.root[k]] };
@@ -158,30 +154,44 @@ fn judged(
         residual,
         std: diagonal.iter().map(|d| d[best].sqrt()).collect(),
         chi_square: chi[best],
+        shift,
     }
 }
 
-/// The more probable of two ways to associate values and roots, with slopes by the severities of `columns`.
+/// The most probable of the ways to associate values and roots, with slopes by the severities of `columns`.
 pub fn look(t: &Tables<'_>, test: &Test<'_>, at: &Places, columns: &[usize]) -> Look {
     let roots = foreseen(t, test, at);
     let own = variances(t, &roots);
-    let sigma: Vec<f64> = (0..own.len())
-        .map(|k| {
-            let alike = if roots.gone[k] { 0.0 } else { test.common * test.common };
-            (own[k] + alike + roots.extra[k] + (FIRST_KAPPA * roots.change[k]).powi(2)).sqrt()
-        })
-        .collect();
     let room: Vec<f64> = columns
         .iter()
         .map(|c| at.elements.iter().position(|e| e == c).map_or(1.0, |nth| (-at.u[nth]).exp()))
         .collect();
-    let [narrow, wide] = WIDER.map(|wider| associated(test, &roots, &sigma, wider));
-    let one = (narrow.0 != wide.0).then(|| judged(t, test, at, &roots, wide, (columns, &room)));
-    let other = judged(t, test, at, &roots, narrow, (columns, &room));
-    match one {
-        Some(one) if one.log_likelihood > other.log_likelihood => one,
-        _ => other,
+    let alike = test.errors.iter().map(|e| e[3]).fold(0.0, f64::max);
+    let mut best: Option<Look> = None;
+    let mut before: Option<Vec<i64>> = None;
+    for (wider, moved) in [(WIDER[0], 0.0), (WIDER[1], 0.0), (1.0, alike)] {
+        // All may have moved alike where some found no root.
+        if moved > 0.0 && before.as_ref().is_some_and(|partner| !partner.contains(&-1)) {
+            break;
+        }
+        let sigma: Vec<f64> = (0..own.len())
+            .map(|k| {
+                let common = if roots.gone[k] { 0.0 } else { test.common * test.common };
+                let change = (FIRST_KAPPA * roots.change[k]).powi(2);
+                (own[k] + common + roots.extra[k] + change + moved * moved).sqrt()
+            })
+            .collect();
+        let way = associated(test, &roots, &sigma, wider);
+        if before.as_ref() == Some(&way.0) {
+            continue;
+        }
+        before = Some(way.0.clone());
+        let found = judged(t, test, at, &roots, way, (columns, &room));
+        if best.as_ref().is_none_or(|known| found.log_likelihood > known.log_likelihood) {
+            best = Some(found);
+        }
     }
+    best.unwrap_or_default()
 }
 
 // ---- expected

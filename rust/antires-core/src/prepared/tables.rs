@@ -105,8 +105,10 @@ const FALSE: f64 = 0.01;
 /// Over so much of ln f from the edges of the band a root is ever more surely found; least width of the band.
 const EDGE: f64 = 0.06;
 const LEAST_BAND: f64 = 0.1;
-/// An error of predictions (multiple of the change), a multiple of the standard deviations, and a probability.
-pub type Error = [f64; 3];
+/// An error of predictions (multiple of the change), a multiple of the standard deviations, a probability, the
+/// standard deviation of a change of all values alike, and the share of a change that is wrong along the slopes
+/// of all elements.
+pub type Error = [f64; 5];
 
 /// Values of a test, ascending within each response of each set.
 #[derive(Clone, Copy, Debug)]
@@ -323,7 +325,7 @@ impl Places {
 // ---- factor
 
 /// Matrices side by side.
-pub const SIDE: usize = 12;
+pub const SIDE: usize = 20;
 
 /// One entry of all of them.
 pub type Entry = [f64; SIDE];
