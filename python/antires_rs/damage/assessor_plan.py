@@ -363,8 +363,8 @@ _STEPS, _HOPELESS = 2, 18.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
 _SETTLING, _FAR = 2, 6.0
-#: Pairs that are seen from single elements.
-_GROWN = 6
+#: Pairs that are seen from single elements; how far the second one's severity (u) may be.
+_GROWN, _GROWS = 6, 0.3
 #: Sets known from another one's severities alone that are looked at from their own in the end.
 _LINEAR = 6
 #: So many elements join a set of one and of two in the linear model of its view.
@@ -483,7 +483,11 @@ class QuickSearch(Search):
                 self._settle(near[0])
                 continue
             # The tables are as good as computed antiresonances where one element alone is damaged.
-            self._judge_from(self.likelihood.seen(near[0], self._u(near[0])), near[0])
+            for _ in range(_LOOKS):
+                u = self._u(near[0])
+                self._judge_from(self.likelihood.seen(near[0], u), near[0])
+                if np.abs(self._u(near[0]) - u).max() <= _SURE_RESTS:
+                    break
             self._judge_larger(near[0], self.fits[near[0]].view)
         if size == 1:
             self._grow()
@@ -547,17 +551,16 @@ class QuickSearch(Search):
         for (a,) in self._known(1)[: self._most_parents(1)]:
             view = self.likelihood.seen((a,), self._u((a,)))
             own, other, rise = _both(view, a)
-            near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= LINEAR)
+            near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= _GROWS)
             further = (e for e in self._further((a,)) if near[e])
             found += [(view.log_likelihood + float(rise[e]), a, e) for e in further]
         asked = []
         for _, a, e in sorted(found, reverse=True)[:_GROWN]:
             both = sorted([(a, float(self._u((a,))[0])), (e, 0.0)])
             asked.append(([k for k, _ in both], [u for _, u in both]))
-        for (elements, start), seen in zip(asked, self.likelihood.test.settle(asked, 1, 0.0), strict=True):
-            u = np.array(seen[1])
-            if np.abs(u - start).max() <= LINEAR and tuple(elements) not in self.fits:
-                self.grown[tuple(elements)] = seen[4], u
+        for (elements, _), seen in zip(asked, self.likelihood.test.settle(asked, 2, _RESTS), strict=True):
+            if tuple(elements) not in self.fits:
+                self.grown[tuple(elements)] = seen[4], np.array(seen[1])
 
     def _smaller(self) -> None:
         """See the base class; only those that are new."""
