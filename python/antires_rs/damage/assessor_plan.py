@@ -21,7 +21,7 @@ from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
 from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
-from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
+from .inference import HARDLY, LARGEST, Elements, Learned, Search, intact_slopes, learned_from
 from .likelihood import (
     Likelihood,
     ModelError,
@@ -260,6 +260,18 @@ class Plan:
         )  # fmt: skip
 
     @cached_property
+    def alike(self) -> list[list[tuple[int, float]]]:
+        """By element, those whose sensitivities are most like its own, and the loss of each that is like 1."""
+        likelihood = self.prepared.likelihood
+        slopes = intact_slopes(likelihood, likelihood.n)
+        products = slopes.T @ slopes
+        size = np.maximum(np.diag(products), 1e-300)
+        likeness = products / np.sqrt(np.outer(size, size)) - 2.0 * np.eye(size.size)
+        share = np.clip(products / size, 0.0, 10.0)
+        order = np.argsort(-likeness, axis=1)[:, :_ALIKE].tolist()
+        return [[(other, float(share[e, other])) for other in row] for e, row in enumerate(order)]
+
+    @cached_property
     def prepared(self) -> Prepared:
         """The full run's own likelihood: its antiresonances and errors are computed."""
         return self.question.prepared(1, silent=True)
@@ -367,6 +379,8 @@ _SETTLING, _FAR = 2, 6.0
 _GROWN, _GROWS = 6, 0.3
 #: Sets known from another one's severities alone that are looked at from their own in the end.
 _LINEAR = 6
+#: Elements that are looked at in place of one that moves the roots alike; how often that is done.
+_ALIKE, _EXCHANGES = 4, 2
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
@@ -414,11 +428,24 @@ class QuickSearch(Search):
         own = [s for s in known if len(s) == size and not self.outside(s)]
         return sorted(own, key=lambda s: -known[s])
 
-    def _replaced(self, elements: Elements) -> dict[Elements, FloatArray]:
-        """The same of those with another element in place of one of a set."""
-        u = self._u(elements)
-        kept = [[k for k in range(u.size) if k != nth] for nth in range(u.size)]
-        return self._scanned([(tuple(elements[k] for k in some), u[some]) for some in kept])
+    def _exchange(self, size: int) -> None:
+        """Look at what may stand in place of each element of the likeliest set of a size."""
+        for _ in range(_EXCHANGES):
+            for elements in self._known(size)[:1]:
+                self._tabulate(self._exchanged(elements))
+
+    def _exchanged(self, elements: Elements) -> dict[Elements, FloatArray]:
+        """Sets with one of the elements for another that moves the roots much alike, and severities (u)."""
+        asked: dict[Elements, list[float]] = {}
+        own = dict(zip(elements, self._u(elements).tolist(), strict=True))
+        for e, u in own.items():
+            for other, share in self.likelihood.plan.alike[e]:
+                if other in self._further(elements):
+                    both = sorted({**own, other: share * u}.items())
+                    asked[tuple(k for k, _ in both if k != e)] = [x for k, x in both if k != e]
+        new = {s: u for s, u in asked.items() if s not in self.rough and s not in self.seen}
+        found = self.likelihood.test.refine([(list(s), u) for s, u in new.items()], _STEPS)
+        return {s: np.array(u) for s, (u, _) in zip(new, found, strict=True)}
 
     def _scanned(self, parents: list[tuple[Elements, FloatArray]]) -> dict[Elements, FloatArray]:
         """Sets with one element more than ``parents``, which have severities (u): those that explain most."""
@@ -472,10 +499,7 @@ class QuickSearch(Search):
             return
         self._tabulate(chosen)
         size = max(map(len, chosen))
-        own = [s for s in chosen if s in self.rough]
-        if size > 1 and own:
-            best = max(own, key=lambda s: self.rough[s][0])
-            self._tabulate({s: u for s, u in self._replaced(best).items() if s not in self.rough})
+        self._exchange(size)
         while near := self._open(size, 0.0, self.seen):
             if len(near[0]) > 1:
                 if self.looks >= _MOST_LOOKS:
@@ -578,6 +602,8 @@ class QuickSearch(Search):
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
         linear = {s: _within(self.fits[s]) for s in new}
         self._tabulate(linear, looks=1)
+        for size in {len(s) for s in self._near()[:_GROWN]} - {1}:
+            self._exchange(size)
         while near := self._open(LARGEST, _NEAR, self.judged):
             if self.looks >= _MOST_LOOKS:
                 self.cut = True
