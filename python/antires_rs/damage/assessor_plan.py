@@ -21,10 +21,10 @@ from ..support.checks import FloatArray
 from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
 from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
-from .inference import HARDLY, LARGEST, Elements, Learned, Search, learned_from
+from .inference import HARDLY, LARGEST, Elements, Learned, Search, intact_slopes, learned_from
 from .likelihood import (
-    ERRORS,
-    Errors,
+    ALIKE_STD,
+    MANY,
     Likelihood,
     ModelError,
     Prepared,
@@ -250,11 +250,6 @@ class Plan:
         return {e: self.question.model.element_label(e) for e in self.question.numbers}
 
     @cached_property
-    def errors(self) -> Errors:
-        """As the likelihood has them."""
-        return tuple((self.learned.outside * kappa, times, p) for kappa, times, p in ERRORS)
-
-    @cached_property
     def tables_in_core(self) -> _core.PreparedTables:
         """The tables, handed over."""
         t = self.tables
@@ -265,6 +260,29 @@ class Plan:
             c(t.beside), c(t.by_own), c(t.slopes), c(np.moveaxis(t.slopes, 3, 0)), c(t.errors),
             undamaged @ undamaged.T, self.learned.tau**2,
         )  # fmt: skip
+
+    @cached_property
+    def alike(self) -> list[list[tuple[int, float]]]:
+        """By element, those whose sensitivities are most like its own, and the loss of each that is like 1."""
+        likelihood = self.prepared.likelihood
+        slopes = intact_slopes(likelihood, likelihood.n)
+        products = slopes.T @ slopes
+        size = np.maximum(np.diag(products), 1e-300)
+        likeness = products / np.sqrt(np.outer(size, size)) - 2.0 * np.eye(size.size)
+        share = np.clip(products / size, 0.0, 10.0)
+        order = np.argsort(-likeness, axis=1)[:, :_ALIKE].tolist()
+        return [[(other, float(share[e, other])) for other in row] for e, row in enumerate(order)]
+
+    @cached_property
+    def heat(self) -> list[float]:
+        """Changes of ln stiffness by temperature, (k, n), one after the other."""
+        by_term = {
+            p.terms: row
+            for p, row in zip(self.prepared.factors, self.prepared.likelihood.warmer, strict=True)
+            if p.quantity == "stiffness_factor"
+        }
+        numbers, none = self.question.numbers, np.zeros(self.prepared.likelihood.warmer.shape[1])
+        return np.array([by_term.get((e,), none) for e in numbers]).T.ravel().tolist()
 
     @cached_property
     def prepared(self) -> Prepared:
@@ -327,7 +345,8 @@ class TabulatedLikelihood(ValueLikelihood):
             (band.low, band.high),
             float(np.hypot(plan.question.options.std_common, common)),
             extra,
-            list(plan.errors),
+            self.computed.errors.tolist(),
+            (ALIKE_STD, plan.heat, MANY),
             plan.learned.outside,
         )
 
@@ -356,7 +375,9 @@ class TabulatedLikelihood(ValueLikelihood):
 
     def _view(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
-        return View(beta, log_likelihood, gain, curvature, *self.plan.errors[error][:2], *rest)
+        kappa, times = self.computed.errors[error, :2].tolist()
+        gain_std = self.computed.error.gain_std
+        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest, gain_std)
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
@@ -368,10 +389,12 @@ _STEPS, _HOPELESS = 2, 18.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
 _SETTLING, _FAR = 2, 6.0
-#: Pairs that are seen from single elements.
-_GROWN = 6
+#: Pairs that are seen from single elements; how far the second one's severity (u) may be.
+_GROWN, _GROWS = 6, 0.3
 #: Sets known from another one's severities alone that are looked at from their own in the end.
 _LINEAR = 6
+#: Elements that are looked at in place of one that moves the roots alike; how often that is done.
+_ALIKE, _EXCHANGES = 4, 2
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
@@ -419,11 +442,24 @@ class QuickSearch(Search):
         own = [s for s in known if len(s) == size and not self.outside(s)]
         return sorted(own, key=lambda s: -known[s])
 
-    def _replaced(self, elements: Elements) -> dict[Elements, FloatArray]:
-        """The same of those with another element in place of one of a set."""
-        u = self._u(elements)
-        kept = [[k for k in range(u.size) if k != nth] for nth in range(u.size)]
-        return self._scanned([(tuple(elements[k] for k in some), u[some]) for some in kept])
+    def _exchange(self, size: int) -> None:
+        """Look at what may stand in place of each element of the likeliest set of a size."""
+        for _ in range(_EXCHANGES):
+            for elements in self._known(size)[:1]:
+                self._tabulate(self._exchanged(elements))
+
+    def _exchanged(self, elements: Elements) -> dict[Elements, FloatArray]:
+        """Sets with one of the elements for another that moves the roots much alike, and severities (u)."""
+        asked: dict[Elements, list[float]] = {}
+        own = dict(zip(elements, self._u(elements).tolist(), strict=True))
+        for e, u in own.items():
+            for other, share in self.likelihood.plan.alike[e]:
+                if other in self._further(elements):
+                    both = sorted({**own, other: share * u}.items())
+                    asked[tuple(k for k, _ in both if k != e)] = [x for k, x in both if k != e]
+        new = {s: u for s, u in asked.items() if s not in self.rough and s not in self.seen}
+        found = self.likelihood.test.refine([(list(s), u) for s, u in new.items()], _STEPS)
+        return {s: np.array(u) for s, (u, _) in zip(new, found, strict=True)}
 
     def _scanned(self, parents: list[tuple[Elements, FloatArray]]) -> dict[Elements, FloatArray]:
         """Sets with one element more than ``parents``, which have severities (u): those that explain most."""
@@ -477,10 +513,7 @@ class QuickSearch(Search):
             return
         self._tabulate(chosen)
         size = max(map(len, chosen))
-        own = [s for s in chosen if s in self.rough]
-        if size > 1 and own:
-            best = max(own, key=lambda s: self.rough[s][0])
-            self._tabulate({s: u for s, u in self._replaced(best).items() if s not in self.rough})
+        self._exchange(size)
         while near := self._open(size, 0.0, self.seen):
             if len(near[0]) > 1:
                 if self.looks >= _MOST_LOOKS:
@@ -488,7 +521,11 @@ class QuickSearch(Search):
                 self._settle(near[0])
                 continue
             # The tables are as good as computed antiresonances where one element alone is damaged.
-            self._judge_from(self.likelihood.seen(near[0], self._u(near[0])), near[0])
+            for _ in range(_LOOKS):
+                u = self._u(near[0])
+                self._judge_from(self.likelihood.seen(near[0], u), near[0])
+                if np.abs(self._u(near[0]) - u).max() <= _SURE_RESTS:
+                    break
             self._judge_larger(near[0], self.fits[near[0]].view)
         if size == 1:
             self._grow()
@@ -552,17 +589,16 @@ class QuickSearch(Search):
         for (a,) in self._known(1)[: self._most_parents(1)]:
             view = self.likelihood.seen((a,), self._u((a,)))
             own, other, rise = _both(view, a)
-            near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= LINEAR)
+            near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= _GROWS)
             further = (e for e in self._further((a,)) if near[e])
             found += [(view.log_likelihood + float(rise[e]), a, e) for e in further]
         asked = []
         for _, a, e in sorted(found, reverse=True)[:_GROWN]:
             both = sorted([(a, float(self._u((a,))[0])), (e, 0.0)])
             asked.append(([k for k, _ in both], [u for _, u in both]))
-        for (elements, start), seen in zip(asked, self.likelihood.test.settle(asked, 1, 0.0), strict=True):
-            u = np.array(seen[1])
-            if np.abs(u - start).max() <= LINEAR and tuple(elements) not in self.fits:
-                self.grown[tuple(elements)] = seen[4], u
+        for (elements, _), seen in zip(asked, self.likelihood.test.settle(asked, 2, _RESTS), strict=True):
+            if tuple(elements) not in self.fits:
+                self.grown[tuple(elements)] = seen[4], np.array(seen[1])
 
     def _smaller(self) -> None:
         """See the base class; only those that are new."""
@@ -580,6 +616,8 @@ class QuickSearch(Search):
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
         linear = {s: _within(self.fits[s]) for s in new}
         self._tabulate(linear, looks=1)
+        for size in {len(s) for s in self._near()[:_GROWN]} - {1}:
+            self._exchange(size)
         while near := self._open(LARGEST, _NEAR, self.judged):
             if self.looks >= _MOST_LOOKS:
                 self.cut = True

@@ -117,7 +117,7 @@ class Search:
         """Whether the likeliest set explains the values, and others of its size were looked at."""
         # No single element may be missing from the answer because it was not looked at.
         singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-        seen = self.ends_by_slopes or len(self._likeliest.elements) < size
+        seen = (self.ends_by_slopes and size > 1) or len(self._likeliest.elements) < size
         return singles and seen and self._explains(_PAIR_GAIN if size == 2 else _GAIN)
 
     def _any(self) -> bool:

@@ -387,12 +387,11 @@ ERRORS = (
     (1.6, 1.0, 0.10),
     (1.6, 2.0, 0.05),
 )
-Errors = tuple[tuple[float, float, float], ...]
 #: A change of all values alike, and one of temperature, may come with any hypothesis: the former's standard
 #: deviation (ln f), the share of the probability of each, and the errors beside which they are looked at.
-_ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.025, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
+ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.025, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
 #: Which of the ways it is; and beside how many losses temperature is not looked at.
-_WARM, _MANY = 2, 3
+_WARM, MANY = 2, 3
 #: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change
 #: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
 #: square), its share of the probability, and the errors beside which it is looked at. Set on building.
@@ -486,7 +485,7 @@ def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: F
         if before is None or not np.array_equal(partner, before):
             found.append(_judged(beta, now, place, roots, partner, price, errors))
         if not ways and wider > 1.0 and (partner < 0).any():  # all may have moved alike
-            ways.append((np.sqrt(variance + (roots.roots.kind == 0) * _ALIKE_STD**2), 1.0))
+            ways.append((np.sqrt(variance + (roots.roots.kind == 0) * ALIKE_STD**2), 1.0))
         before = partner
     return max(found, key=lambda view: view.log_likelihood)
 
@@ -771,8 +770,8 @@ class Likelihood(ValueLikelihood):
         self.ambient = none if ambient is None else ambient
         #: The same of temperature, which may come with any hypothesis.
         self.warmer = none if warmer is None else warmer
-        self._errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
-        self._not_warm = self._errors.copy()
+        self.errors = all_errors(error.outside, _WITH_MIXED if error.doubtful or error.lacking else 0.0)
+        self._not_warm = self.errors.copy()
         self._not_warm[:, 3 + _WARM] = -np.inf
         by_theta = error.intact.slopes[:, n_elements:] * self.factors
         self._beside = error.predicted(by_theta, np.arange(error.intact.size), error.intact.kind)[0]
@@ -832,8 +831,8 @@ class Likelihood(ValueLikelihood):
     def strict(self, beta: FloatArray) -> View:
         """See the base class."""
         (roots,) = self.roots(beta[None], slopes=True)
-        kappa, times, mixed = self._errors.T[:3]
-        stated = self._errors[(kappa == 0.0) & (times == 1.0) & (mixed == 0.0)]
+        kappa, times, mixed = self.errors.T[:3]
+        stated = self.errors[(kappa == 0.0) & (times == 1.0) & (mixed == 0.0)]
         stated[:, 4:] = -np.inf  # nothing moves alike
         return self._view(beta, roots, 0.0, errors=stated)
 
@@ -890,7 +889,7 @@ class Likelihood(ValueLikelihood):
             old & error.seen[identity],
             error.gain_std,
             self.n_elements,
-            np.column_stack([_ALIKE_STD * (roots.kind == 0), by_heat, moved]),
+            np.column_stack([ALIKE_STD * (roots.kind == 0), by_heat, moved]),
             by_heat.shape[1],
             shift,
             known,
@@ -900,8 +899,8 @@ class Likelihood(ValueLikelihood):
             places = error.intact.log_f[gone] + self._beside[gone]
             foreseen = and_vanished(foreseen, error.intact.response[gone], places)
         # Warmth, its gradient and three losses together explain what a stiffened element does as well.
-        many = np.count_nonzero(beta[: self.n_elements]) >= _MANY
-        usual = self._not_warm if many else self._errors
+        many = np.count_nonzero(beta[: self.n_elements]) >= MANY
+        usual = self._not_warm if many else self.errors
         return viewed(beta, self.now, foreseen, self.band, usual if errors is None else errors)
 
 

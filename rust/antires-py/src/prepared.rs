@@ -2,7 +2,7 @@
 
 use antires_core::prepared::look::{Look, look};
 use antires_core::prepared::nearest::{refined, scanned, settled, variances};
-use antires_core::prepared::tables::{Error, Places, Tables, Test};
+use antires_core::prepared::tables::{Error, Places, Tables, Test, Together};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyReadonlyArray3, PyReadonlyArray4,
@@ -89,11 +89,13 @@ pub struct PreparedTest {
     common: f64,
     extra: f64,
     errors: Vec<Error>,
+    together: (f64, Vec<f64>, usize),
     outside: f64,
     variance: Vec<f64>,
 }
 
-/// Log-likelihood, gain (k,), curvature (k, k), number of the error, partner, beside, residual, std, chi-square.
+/// Log-likelihood, gain (k,), curvature (k, k), number of the error, partner, beside, residual, std, chi-square,
+/// shift.
 type PyLook<'py> = (
     f64,
     Bound<'py, PyArray1<f64>>,
@@ -103,6 +105,7 @@ type PyLook<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
+    f64,
     f64,
 );
 
@@ -123,6 +126,7 @@ impl PreparedTest {
             common: self.common,
             extra: self.extra,
             errors: &self.errors,
+            together: Together { alike: self.together.0, heat: &self.together.1, many: self.together.2 },
         }
     }
 }
@@ -151,6 +155,7 @@ impl PreparedTest {
         common: f64,
         extra: f64,
         errors: Vec<Error>,
+        together: (f64, Vec<f64>, usize),
         outside: f64,
     ) -> PyResult<Self> {
         let mut made = Self {
@@ -164,6 +169,7 @@ impl PreparedTest {
             common,
             extra,
             errors,
+            together,
             outside,
             variance: Vec::new(),
         };
@@ -196,6 +202,7 @@ impl PreparedTest {
             found.residual.into_pyarray(py),
             found.std.into_pyarray(py),
             found.chi_square,
+            found.shift,
         ))
     }
 

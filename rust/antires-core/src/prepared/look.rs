@@ -35,6 +35,8 @@ pub struct Look {
     pub std: Vec<f64>,
     /// Of all together.
     pub chi_square: f64,
+    /// Of all values alike, ln f, by that error.
+    pub shift: f64,
 }
 
 /// Root of each value, and what those without a partner cost.
@@ -65,35 +67,37 @@ fn associated(test: &Test<'_>, roots: &Foreseen, sigma: &[f64], wider: f64) -> (
     (partner, lost + missed - taken)
 }
 
-/// Slopes of roots by the severities of `columns`, where `room` is 1 − β of each; row-major.
-fn slopes_of(
-    t: &Tables<'_>,
-    at: &Places,
-    roots: &Foreseen,
-    root: &[usize],
-    (columns, room): (&[usize], &[f64]),
-) -> Vec<f64> {
-    let width = columns.len();
-    let mut slopes = vec![0.0; root.len() * width];
-    if width == t.n {
-        for (&k, out) in root.iter().zip(slopes.chunks_exact_mut(width)) {
-            if !roots.gone[k] {
-                at.row(t, roots.root[k], |e, l, r| t.slope_row(e, l, r), out);
-            }
-        }
-    } else {
-        for (i, &k) in root.iter().enumerate() {
-            for (c, &by) in columns.iter().enumerate() {
-                slopes[i * width + c] = if roots.gone[k] { 0.0 } else { at.slope(t, roots.root[k], by) };
-            }
-        }
-    }
-    for out in slopes.chunks_exact_mut(width.max(1)) {
-        for (x, r) in out.iter_mut().zip(room) {
-            *x /= r;
+/// Slopes of roots by all u, row-major.
+fn slopes_of(t: &Tables<'_>, at: &Places, roots: &Foreseen, root: &[usize]) -> Vec<f64> {
+    let mut slopes = vec![0.0; root.len() * t.n];
+    for (&k, out) in root.iter().zip(slopes.chunks_exact_mut(t.n)) {
+        if !roots.gone[k] {
+            at.row(t, roots.root[k], |e, l, r| t.slope_row(e, l, r), out);
         }
     }
     slopes
+}
+
+/// Whitened vectors, the first of residuals, as they are where the `n` changes behind it, of standard deviation
+/// 1 each, have made the covariance larger; half of the logarithm of what its determinant has gained.
+fn moved_out(vectors: &mut [Vec<f64>], n: usize) -> f64 {
+    let mut log_size = 0.0;
+    for c in 1..=n {
+        let change = vectors[c].clone();
+        let square = dot(&change, &change);
+        if square > 0.0 {
+            // (I - f q q')^2 = I - q q' / (1 + q'q)
+            let share = (1.0 - 1.0 / (1.0 + square).sqrt()) / square;
+            for vector in &mut *vectors {
+                let along = share * dot(&change, vector);
+                for (x, q) in vector.iter_mut().zip(&change) {
+                    *x -= along * q;
+                }
+            }
+            log_size += 0.5 * square.ln_1p();
+        }
+    }
+    log_size
 }
 
 /// Slopes by `columns` at severities where `room` is 1 − β of each.
@@ -109,79 +113,143 @@ fn judged(
     let root: Vec<usize> = has.iter().map(|&i| partner[i] as usize).collect();
     let m = has.len();
     let residual: Vec<f64> = has.iter().zip(&root).map(|(&i, &k)| test.log_f[i] - roots.place[k]).collect();
-    let mean = root.iter().map(|&k| roots.change[k].powi(2)).sum::<f64>() / m.max(1) as f64;
+    let changes: f64 = root.iter().map(|&k| roots.change[k].powi(2)).sum();
+    let mean = changes / m.max(1) as f64;
     let size: Vec<f64> = root.iter().map(|&k| (roots.change[k].powi(2) + COMMON * mean).sqrt()).collect();
     let model = covariance(t, test, roots, &root);
+    let by_u = slopes_of(t, at, roots, &root);
+    let of = |i: usize| &by_u[i * t.n..][..t.n];
+    let total: f64 = by_u.iter().map(|s| s * s).sum();
+    let mixed = test.errors.iter().any(|e| e[2] > 0.0) && total > 0.0;
     let error = |l: usize| test.errors[l.min(test.errors.len() - 1)];
-    let squares: [(f64, f64); SIDE] = std::array::from_fn(|l| (error(l)[0].powi(2), error(l)[1].powi(2)));
+    let squares: [Entry; 3] = [0, 1, 2].map(|part| std::array::from_fn(|l| error(l)[part].powi(2)));
     let mut a: Vec<Entry> = Vec::with_capacity(model.len());
     for i in 0..m {
         for j in 0..=i {
             let c = model[row(i) + j];
             let own = if root[i] == root[j] { size[i] * size[j] } else { 0.0 };
             let noise = if i == j { test.std[has[i]].powi(2) } else { 0.0 };
-            a.push(std::array::from_fn(|l| c + squares[l].1 * noise + squares[l].0 * own));
+            let along = if mixed { dot(of(i), of(j)) * changes / total } else { 0.0 };
+            a.push(std::array::from_fn(|l| {
+                c + squares[1][l] * noise + squares[0][l] * own + squares[2][l] * along
+            }));
         }
     }
+    let mut sides: Vec<Vec<f64>> = vec![root.iter().map(|&k| if roots.gone[k] { 0.0 } else { test.together.alike }).collect()];
+    if at.u.iter().filter(|&&u| u > 0.0).count() < test.together.many {
+        let by_heat = |w: &[f64]| (0..m).map(|i| dot(of(i), w)).collect::<Vec<f64>>();
+        sides.extend(test.together.heat.chunks_exact(t.n.max(1)).map(by_heat));
+    }
+    let ways = [0..0, 0..1, 1..sides.len()];
     let diagonal: Vec<Entry> = (0..m).map(|i| a[row(i) + i]).collect();
     factorize(&mut a, m);
     let white = whitened(&a, &residual);
-    let mut logs = [f64::NEG_INFINITY; SIDE];
-    let mut chi = [0.0; SIDE];
+    let white_sides: Vec<Vec<Entry>> = sides.iter().map(|side| whitened(&a, side)).collect();
+    let mut logs = [[f64::NEG_INFINITY; SIDE]; 3];
+    let mut best = (0, 0);
     for l in 0..test.errors.len() {
-        chi[l] = white.iter().map(|w| w[l] * w[l]).sum();
+        let lane = |entries: &Vec<Entry>| entries.iter().map(|w| w[l]).collect::<Vec<f64>>();
+        let own = lane(&white);
+        let beside: Vec<Vec<f64>> = white_sides.iter().map(lane).collect();
         let log_diagonal: f64 = (0..m).map(|i| a[row(i) + i][l].ln()).sum();
-        logs[l] = error(l)[2].ln() - 0.5 * chi[l] - log_diagonal;
-    }
-    let best = (0..test.errors.len()).fold(0, |b, l| if logs[l] > logs[b] { l } else { b });
-    let sum: f64 = logs.iter().map(|x| (x - logs[best]).exp()).sum();
-    let width = columns.len();
-    let mut slopes = slopes_of(t, at, roots, &root, (columns, room));
-    whiten_rows(&a, best, &mut slopes, width);
-    let mut gain = vec![0.0; width];
-    for (own, w) in slopes.chunks_exact(width.max(1)).zip(&white) {
-        for (g, s) in gain.iter_mut().zip(own) {
-            *g += s * w[best];
+        for (way, columns) in ways.iter().enumerate() {
+            let prior = error(l)[3 + way];
+            if prior > f64::NEG_INFINITY && (way == 0 || !columns.is_empty()) {
+                let mut vectors = vec![own.clone()];
+                vectors.extend(beside[columns.clone()].iter().cloned());
+                let log_size = moved_out(&mut vectors, columns.len());
+                logs[way][l] = prior - 0.5 * dot(&vectors[0], &vectors[0]) - log_diagonal - log_size;
+                if logs[way][l] > logs[best.0][best.1] {
+                    best = (way, l);
+                }
+            }
         }
     }
+    let (way, best) = best;
+    let most = logs[way][best];
+    let sum: f64 = logs.iter().flatten().map(|x| (x - most).exp()).sum();
+    let width = columns.len();
+    let mut slopes = Vec::with_capacity(m * width);
+    for i in 0..m {
+        slopes.extend(columns.iter().zip(room).map(|(&c, r)| of(i)[c] / r));
+    }
+    whiten_rows(&a, best, &mut slopes, width);
+    let mut vectors: Vec<Vec<f64>> = vec![white.iter().map(|w| w[best]).collect()];
+    vectors.extend(white_sides[ways[way].clone()].iter().map(|side| side.iter().map(|w| w[best]).collect()));
+    let n_changes = vectors.len() - 1;
+    vectors.extend((0..width).map(|c| slopes.iter().skip(c).step_by(width.max(1)).copied().collect()));
+    if n_changes > 0 {
+        moved_out(&mut vectors, n_changes);
+        for (c, column) in vectors[1 + n_changes..].iter().enumerate() {
+            for (i, x) in column.iter().enumerate() {
+                slopes[i * width + c] = *x;
+            }
+        }
+    }
+    let gain: Vec<f64> = vectors[1 + n_changes..].iter().map(|column| dot(column, &vectors[0])).collect();
+    let mut moved = vec![0.0; m];
+    let mut more = vec![0.0; m];
+    for (side, own) in sides[ways[way].clone()].iter().zip(&vectors[1..]) {
+        let amount = dot(own, &vectors[0]);
+        for i in 0..m {
+            moved[i] += amount * side[i];
+            more[i] += side[i].powi(2);
+        }
+    }
+    moved.sort_by(f64::total_cmp);
+    let shift = if m == 0 { 0.0 } else { 0.5 * (moved[(m - 1) / 2] + moved[m / 2]) };
     let mut beside = vec![0.0; partner.len()];
     for (&i, &k) in has.iter().zip(&root) {
         beside[i] = if roots.gone[k] { 0.0 } else { at.beside[roots.root[k]] };
     }
     Look {
-        log_likelihood: logs[best] + sum.ln() - 0.5 * m as f64 * (2.0 * std::f64::consts::PI).ln() - price,
+        log_likelihood: most + sum.ln() - 0.5 * m as f64 * (2.0 * std::f64::consts::PI).ln() - price,
         gain,
         curvature: gram(&slopes, width),
         error: best,
         partner,
         beside,
         residual,
-        std: diagonal.iter().map(|d| d[best].sqrt()).collect(),
-        chi_square: chi[best],
+        std: diagonal.iter().zip(&more).map(|(d, s)| (d[best] + s).sqrt()).collect(),
+        chi_square: dot(&vectors[0], &vectors[0]),
+        shift,
     }
 }
 
-/// The more probable of two ways to associate values and roots, with slopes by the severities of `columns`.
+/// The most probable of the ways to associate values and roots, with slopes by the severities of `columns`.
 pub fn look(t: &Tables<'_>, test: &Test<'_>, at: &Places, columns: &[usize]) -> Look {
     let roots = foreseen(t, test, at);
     let own = variances(t, &roots);
-    let sigma: Vec<f64> = (0..own.len())
-        .map(|k| {
-            let alike = if roots.gone[k] { 0.0 } else { test.common * test.common };
-            (own[k] + alike + roots.extra[k] + (FIRST_KAPPA * roots.change[k]).powi(2)).sqrt()
-        })
-        .collect();
     let room: Vec<f64> = columns
         .iter()
         .map(|c| at.elements.iter().position(|e| e == c).map_or(1.0, |nth| (-at.u[nth]).exp()))
         .collect();
-    let [narrow, wide] = WIDER.map(|wider| associated(test, &roots, &sigma, wider));
-    let one = (narrow.0 != wide.0).then(|| judged(t, test, at, &roots, wide, (columns, &room)));
-    let other = judged(t, test, at, &roots, narrow, (columns, &room));
-    match one {
-        Some(one) if one.log_likelihood > other.log_likelihood => one,
-        _ => other,
+    let alike = test.together.alike;
+    let mut best: Option<Look> = None;
+    let mut before: Option<Vec<i64>> = None;
+    for (wider, moved) in [(WIDER[0], 0.0), (WIDER[1], 0.0), (1.0, alike)] {
+        // All may have moved alike where some found no root.
+        if moved > 0.0 && before.as_ref().is_some_and(|partner| !partner.contains(&-1)) {
+            break;
+        }
+        let sigma: Vec<f64> = (0..own.len())
+            .map(|k| {
+                let common = if roots.gone[k] { 0.0 } else { test.common * test.common };
+                let change = (FIRST_KAPPA * roots.change[k]).powi(2);
+                (own[k] + common + roots.extra[k] + change + moved * moved).sqrt()
+            })
+            .collect();
+        let way = associated(test, &roots, &sigma, wider);
+        if before.as_ref() == Some(&way.0) {
+            continue;
+        }
+        before = Some(way.0.clone());
+        let found = judged(t, test, at, &roots, way, (columns, &room));
+        if best.as_ref().is_none_or(|known| found.log_likelihood > known.log_likelihood) {
+            best = Some(found);
+        }
     }
+    best.unwrap_or_default()
 }
 
 // ---- expected

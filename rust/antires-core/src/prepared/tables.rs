@@ -105,8 +105,21 @@ const FALSE: f64 = 0.01;
 /// Over so much of ln f from the edges of the band a root is ever more surely found; least width of the band.
 const EDGE: f64 = 0.06;
 const LEAST_BAND: f64 = 0.1;
-/// An error of predictions (multiple of the change), a multiple of the standard deviations, and a probability.
-pub type Error = [f64; 3];
+/// An error of predictions (multiple of the change), a multiple of the standard deviations, the share of a
+/// change that is wrong along the slopes of all elements; ln of the probability of these alone, with a change of
+/// all values alike, and with one by heat.
+pub type Error = [f64; 6];
+
+/// What may come with any damage.
+#[derive(Clone, Copy, Debug)]
+pub struct Together<'a> {
+    /// Standard deviation of a change of all values alike, ln f.
+    pub alike: f64,
+    /// Changes of ln stiffness that heat makes, (k, n), of standard deviation 1 each.
+    pub heat: &'a [f64],
+    /// Beside so many damaged elements heat is not looked at.
+    pub many: usize,
+}
 
 /// Values of a test, ascending within each response of each set.
 #[derive(Clone, Copy, Debug)]
@@ -131,6 +144,8 @@ pub struct Test<'a> {
     pub extra: f64,
     /// At most [`SIDE`].
     pub errors: &'a [Error],
+    /// Changes of all.
+    pub together: Together<'a>,
 }
 
 impl Test<'_> {
@@ -323,7 +338,7 @@ impl Places {
 // ---- factor
 
 /// Matrices side by side.
-pub const SIDE: usize = 12;
+pub const SIDE: usize = 16;
 
 /// One entry of all of them.
 pub type Entry = [f64; SIDE];
