@@ -281,7 +281,6 @@ def evidence_figure(
     zeros: AntiresonanceSet,
     dof: Any,
     curve: Curve | None = None,
-    response: FrequencyResponse | None = None,
     band_hz: tuple[float, float] | None = None,
     *,
     every_kind: bool = False,
@@ -323,11 +322,6 @@ def evidence_figure(
         live.below(figures[0])
     elif check is not None and check.eigenvalues is not None:
         figures.append(live.explored(singular_values(check, MOST_VALUES), height=270, x_range=x))
-    elif response is not None:  # of responses to one force there is no other value
-        level = 20.0 * np.log10(np.maximum(np.linalg.norm(response.values, axis=0), 1e-150))
-        axis, says = Axis("Singular value (dB re 1)"), {"Level": "@y{0.0} dB"}
-        look = {"colour": "blue", "label": "first, the only one for one force"}
-        curve_figure("singular_values", response.freq_hz, level, axis, says, 270, **look)
     return live.stacked(figures)
 
 

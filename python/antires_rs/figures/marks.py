@@ -58,7 +58,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Points(Mark):
-    """Markers with their ``error``; ``spill`` ones go over the edge."""
+    """Markers, or none (""), with their ``error``; ``spill`` ones go over the edge."""
 
     x: Any
     y: Any
@@ -96,15 +96,6 @@ class Bars(Mark):
     hatch: str = ""
     dash: Any = "-"
     sideways: bool = False
-
-
-@dataclass(frozen=True)
-class Whiskers(Mark):
-    """Intervals."""
-
-    x: Any
-    low: Any
-    high: Any
 
 
 @dataclass(frozen=True)

@@ -158,15 +158,9 @@ def merge_setups(
     Raises
     ------
     InvalidInputError
-        Fewer than two sets, forces at several places without ``excitation``, or a setup with neither that
-        force nor that response.
+        Forces at several places without ``excitation``, or a setup with neither that force nor that response.
     UnsuitableDataError
-        Setups that disagree, or the same numbers twice, under ``check="raise"``.
-
-    Warns
-    -----
-    AntiresWarning
-        Setups that disagree, or nothing in common that could tell; the same numbers twice, which count once.
+        Under ``check="raise"``: setups that disagree, or the same numbers twice, which count once.
 
     Examples
     --------
