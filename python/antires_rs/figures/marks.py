@@ -206,17 +206,3 @@ class Panel:
     first: Sequence[str] = ()
     behind: tuple[Axis, Line] | None = None
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-
-
-def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
-    """Ascending positions moved as little as needed to be ``least`` apart and, if they fit, in the limits."""
-    from scipy.optimize import isotonic_regression
-
-    where = np.asarray(positions, dtype=np.float64)
-    if where.size < 2:
-        return where.copy()
-    # With the ideal spacing taken off, "at least apart" reads "not descending": isotonic regression.
-    shift = least * np.arange(where.size)
-    level = isotonic_regression(where - shift).x
-    top = high - shift[-1]
-    return np.asarray((np.clip(level, low, top) if top > low else level) + shift)
