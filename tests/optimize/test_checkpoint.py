@@ -50,7 +50,7 @@ def test_a_stopped_search_goes_on_to_the_same_bytes(tmp_path, whole):
     again = searched(path, rng=None)
     assert bytes_of(again) == whole
     assert again.seed == 3
-    assert sorted(p.name for p in tmp_path.iterdir()) == [NAME, f"{NAME}.previous"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [NAME]
 
 
 def test_a_polished_damage_search_goes_on_to_the_same_bytes(tmp_path):
@@ -66,25 +66,13 @@ def test_a_polished_damage_search_goes_on_to_the_same_bytes(tmp_path):
     assert bytes_of(ar.assess_damage(case.model, measured, **given)) == bytes_of(complete)
 
 
-def test_a_damaged_file_gives_way_to_the_one_before(tmp_path, whole):
+def test_a_damaged_file_is_refused(tmp_path):
     path = tmp_path / NAME
     part(path, 5)
-    part(path, 9)
-    assert (tmp_path / f"{NAME}.previous").exists()
     good = path.read_bytes()
     for bad in (good[:100], good[:-1], good[:200] + bytes([good[200] ^ 1]) + good[201:], b"", b"text"):
         path.write_bytes(bad)
-        with pytest.warns(ar.AntiresWarning, match=r"damaged; going on from run\.ckpt\.previous"):
-            kept = Checkpoint(path)
-        assert kept.resume is not None
-    path.unlink()
-    assert Checkpoint(path).resume is not None
-    path.write_bytes(b"text")
-    with pytest.warns(ar.AntiresWarning, match="damaged"):
-        assert bytes_of(searched(path)) == whole
-    path.write_bytes(b"text")
-    (tmp_path / f"{NAME}.previous").write_bytes(good[:50])
-    unsuitable("wanted one that is whole", Checkpoint, path)
+        unsuitable("wanted one that is whole", Checkpoint, path)
 
 
 def test_another_search_is_refused_and_the_file_left_alone(tmp_path):
@@ -153,7 +141,6 @@ def good(tmp_path_factory):
 
 def read(path, content):
     path.write_bytes(content)
-    path.with_name(NAME + ".previous").unlink(missing_ok=True)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
@@ -195,7 +182,6 @@ def test_a_state_gone_wrong_under_a_right_checksum(tmp_path, good, data):
     digest = hashlib.sha256(payload).digest() + len(payload).to_bytes(8, "little")
     path = tmp_path / NAME
     path.write_bytes(head + digest + payload)
-    path.with_name(NAME + ".previous").unlink(missing_ok=True)
     try:
         result = search(path)
     except ar.AntiresError:

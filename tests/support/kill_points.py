@@ -159,7 +159,6 @@ def files_of(folder: Path) -> dict[str, bytes]:
     return {
         name: re.sub(rb'"seconds": [\d.]+', b"", data) if name.endswith("summary.json") else data
         for name, data in found.items()
-        if name != "run.ckpt.previous"
     }
 
 

@@ -53,7 +53,6 @@ class RunFolder:
         self.report, self.pictures = folder / "report.html", folder / "pictures"
         self.checkpoint, self.record = folder / "search.ckpt", folder / "run.json"
         self.evidence = folder / "evidence.npz"
-        self._previous = folder / "search.ckpt.previous"
 
     @classmethod
     def of(cls, job: Job) -> RunFolder:
@@ -80,7 +79,7 @@ class RunFolder:
     @property
     def unfinished(self) -> bool:
         """Whether a search waits here to be taken up again."""
-        return self.checkpoint.exists() or self._previous.exists()
+        return self.checkpoint.exists()
 
     @property
     def state(self) -> str | None:
@@ -89,8 +88,7 @@ class RunFolder:
 
     def forget_search(self) -> None:
         """Remove the checkpoint; the result holds all of it."""
-        for file in (self._previous, self.checkpoint):  # a kill in between leaves the later one
-            file.unlink(missing_ok=True)
+        self.checkpoint.unlink(missing_ok=True)
 
     def forget_results(self) -> None:
         """Remove what an earlier run drew, so that nothing stale stands beside a new result."""
@@ -112,7 +110,7 @@ class RunFolder:
 
 
 #: As write_atomically and Checkpoint name what is not whole yet.
-_HALF_WRITTEN = re.compile(r"\..+\.\d+\.tmp|search\.ckpt\.tmp")
+_HALF_WRITTEN = re.compile(r"\..+\.\d+\.tmp")
 _PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|response|stabilization_.*)\.png")
 
 

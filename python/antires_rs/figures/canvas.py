@@ -118,7 +118,7 @@ class _Drawn:
         if mark.error is None:
             self.ax.plot(mark.x, mark.y, **look)
         else:
-            self.ax.errorbar(mark.x, mark.y, mark.error, elinewidth=1.0, capsize=2.5, **look)
+            self.ax.errorbar(mark.x, mark.y, mark.error, elinewidth=1.2, capsize=3.0, **look)
 
     def line(self, mark: marks.Line, zorder: float) -> None:
         look = {"color": mark.colour, "ls": dash_of(mark.dash), "lw": mark.width, "label": mark.label}
@@ -129,11 +129,6 @@ class _Drawn:
         look = {"facecolor": mark.face, "edgecolor": mark.edge, "hatch": mark.hatch, "ls": dash_of(mark.dash)}
         draw_bars = self.ax.barh if mark.sideways else self.ax.bar
         draw_bars(mark.at, mark.length, mark.width, linewidth=0.8, zorder=zorder, label=mark.label, **look)
-
-    def whiskers(self, mark: marks.Whiskers, zorder: float) -> None:
-        half = 0.5 * (np.asarray(mark.high) - mark.low)
-        look = {"fmt": "none", "ecolor": "black", "elinewidth": 1.4, "capsize": 5, "capthick": 1.4}
-        self.ax.errorbar(mark.x, mark.low + half, half, zorder=zorder, label=mark.label, **look)
 
     def rules(self, mark: marks.Rules, zorder: float) -> None:
         for nth, at in enumerate(np.atleast_1d(mark.at)):

@@ -11,7 +11,7 @@ from ..damage.hypotheses import loss, percent, span
 from ..exceptions import reject
 from ..support.checks import FloatArray, integer
 from .canvas import draw, fit_across, new_axes
-from .marks import Axis, Bands, Bars, Heads, Mark, Panel, Paths, Points, Whiskers, Words
+from .marks import Axis, Bands, Bars, Heads, Mark, Panel, Paths, Points, Words
 
 if TYPE_CHECKING:
     from ..damage.assess import DamageResult
@@ -87,7 +87,8 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
         marks.append(Bars(x[some], instead[some], face="none", dash="--", label="what else it may be"))
     marks += [Bars(x, found, label="found"), *_smallest_seen(x, visible, top)]
     if (some := high > 0.0).any():
-        marks.append(Whiskers(x[some], low[some], high[some], label="90 % interval"))
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        marks.append(Points(x[some], middle[some], "", error=half[some], label="90 % interval"))
     if truth is not None:
         marks.append(_diamonds(x, truths))
     if judged:

@@ -17,7 +17,7 @@ from ..signals.spectra import two_channel
 from ..support.checks import FloatArray
 from . import live_canvas as live
 from .canvas import below, draw, draw_marks, new_axes
-from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules, spread
+from .marks import COLOURS, Axis, Line, Mark, Panel, Points, Rules
 
 if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
@@ -104,22 +104,24 @@ def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, F
     return order, freq, damping, np.concatenate([np.empty(0, dtype=bool), *diagram.stable])
 
 
+LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and tables have them
+
+
 def _mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Edited, added: Edited) -> None:
-    """Vertical lines, their frequencies above pushed apart; of what was dropped in parentheses."""
+    """Vertical lines, with their frequencies above; of what was dropped in parentheses."""
     low, high = diagram.band_hz
     marks = [(float(f), ADDED) for f in added]
     for f, how in zip(diagram.identified, diagram.accepted.how, strict=True):
         kind = UNSTABLE if how in ("persistent", "likeliest order") else STABLE
         marks.append((float(f), DROPPED if f in np.asarray(dropped, dtype=np.float64) else kind))
     marks.sort()
-    transform = ax.get_xaxis_transform()
-    look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small", "annotation_clip": False}
-    labels_at = spread([f for f, _ in marks], (high - low) / 50.0, low, high)
-    for (freq, kind), label_at in zip(marks, labels_at, strict=True):
-        text = f"({freq:.2f} Hz)" if kind == DROPPED else f"{freq:.2f} Hz"
-        line = {"arrowstyle": "-", "lw": 0.6, "color": LOOKS[kind][0], "shrinkA": 0.0, "shrinkB": 0.0}
-        places = {"xytext": (label_at, 1.03), "xycoords": transform, "textcoords": transform}
-        ax.annotate(text, (freq, 1.0), arrowprops=line, **places, **look)
+    look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small"}
+    look |= {"xycoords": ax.get_xaxis_transform(), "annotation_clip": False}
+    last = -np.inf
+    for freq, kind in marks:
+        if freq - last >= LABEL_GAP * (high - low):
+            ax.annotate(f"({freq:.2f} Hz)" if kind == DROPPED else f"{freq:.2f} Hz", (freq, 1.015), **look)
+            last = freq
     of = {kind: [f for f, one in marks if one == kind] for kind in LOOKS}
     draw_marks(ax, [Rules(of[kind], True, *look, 1.1, label=kind) for kind, look in LOOKS.items()], 1.5)
     if not marks:
@@ -181,7 +183,6 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
 # -- The values of a response as marks in its figures: found, added and dropped
 
 ENTRY = "entry of "  # before the name of a kind: its entry in a legend, shown while there are any
-LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and table have them
 Marks = dict[str, dict[str, list[Any]]]
 
 
@@ -281,7 +282,6 @@ def evidence_figure(
     zeros: AntiresonanceSet,
     dof: Any,
     curve: Curve | None = None,
-    response: FrequencyResponse | None = None,
     band_hz: tuple[float, float] | None = None,
     *,
     every_kind: bool = False,
@@ -323,11 +323,6 @@ def evidence_figure(
         live.below(figures[0])
     elif check is not None and check.eigenvalues is not None:
         figures.append(live.explored(singular_values(check, MOST_VALUES), height=270, x_range=x))
-    elif response is not None:  # of responses to one force there is no other value
-        level = 20.0 * np.log10(np.maximum(np.linalg.norm(response.values, axis=0), 1e-150))
-        axis, says = Axis("Singular value (dB re 1)"), {"Level": "@y{0.0} dB"}
-        look = {"colour": "blue", "label": "first, the only one for one force"}
-        curve_figure("singular_values", response.freq_hz, level, axis, says, 270, **look)
     return live.stacked(figures)
 
 

@@ -167,6 +167,13 @@ class _Drawn:
         look |= {"fill_alpha": 0.0} if mark.face == "none" else {"fill_color": mark.face or mark.colour}
         look |= {"angle": np.pi / 2} if mark.marker == "|" else {}
         marker = _MARKERS.get(mark.marker, "circle_dot")
+        if mark.error is not None:
+            ends = {"low": mark.y - np.asarray(mark.error), "high": mark.y + np.asarray(mark.error)}
+            bars = {"source": columns(x=mark.x, **ends), "color": mark.colour, "line_width": 1.6} | label
+            tips = [self.fig.scatter("x", end, marker="dash", size=13, **bars) for end in ends]
+            drawn = [self.fig.segment("x", "low", "x", "high", **bars), *tips]
+            if not mark.marker:
+                return drawn
         return [self.fig.scatter("x", "y", source=table, marker=marker, **look, **label)]
 
     def line(self, mark: marks.Line, label: dict[str, Any]) -> list[Any]:
@@ -180,12 +187,6 @@ class _Drawn:
         if mark.sideways:
             return [self.fig.hbar(y="x", right="y", height=mark.width, source=table, **look, **label)]
         return [self.fig.vbar(x="x", top="y", width=mark.width, source=table, **look, **label)]
-
-    def whiskers(self, mark: marks.Whiskers, label: dict[str, Any]) -> list[Any]:
-        look: dict[str, Any] = {"source": columns(x=mark.x, low=mark.low, high=mark.high)} | label
-        look |= {"color": "black", "line_width": 1.6}
-        ends = [self.fig.scatter("x", end, marker="dash", size=13, **look) for end in ("low", "high")]
-        return [self.fig.segment("x", "low", "x", "high", **look), *ends]
 
     def rules(self, mark: marks.Rules, label: dict[str, Any]) -> list[Any]:
         table = columns(at=np.atleast_1d(mark.at), **mark.more)

@@ -58,7 +58,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Points(Mark):
-    """Markers with their ``error``; ``spill`` ones go over the edge."""
+    """Markers, or none (""), with their ``error``; ``spill`` ones go over the edge."""
 
     x: Any
     y: Any
@@ -96,15 +96,6 @@ class Bars(Mark):
     hatch: str = ""
     dash: Any = "-"
     sideways: bool = False
-
-
-@dataclass(frozen=True)
-class Whiskers(Mark):
-    """Intervals."""
-
-    x: Any
-    low: Any
-    high: Any
 
 
 @dataclass(frozen=True)
@@ -215,17 +206,3 @@ class Panel:
     first: Sequence[str] = ()
     behind: tuple[Axis, Line] | None = None
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-
-
-def spread(positions: Sequence[float] | FloatArray, least: float, low: float, high: float) -> FloatArray:
-    """Ascending positions moved as little as needed to be ``least`` apart and, if they fit, in the limits."""
-    from scipy.optimize import isotonic_regression
-
-    where = np.asarray(positions, dtype=np.float64)
-    if where.size < 2:
-        return where.copy()
-    # With the ideal spacing taken off, "at least apart" reads "not descending": isotonic regression.
-    shift = least * np.arange(where.size)
-    level = isotonic_regression(where - shift).x
-    top = high - shift[-1]
-    return np.asarray((np.clip(level, low, top) if top > low else level) + shift)

@@ -121,7 +121,6 @@ class OneMeasurement:
         self._averages: dict[Band, Averages] = {}
         self.dofs: tuple[Any, ...] = signal.dofs
         self.covered_hz = covered_hz(signal)
-        self.response = signal if isinstance(signal, FrequencyResponse) else None
         if isinstance(signal, Recording):
             self.whole_band = 0.005 * signal.fs_hz, 0.4 * signal.fs_hz
         else:
@@ -146,7 +145,6 @@ class OneMeasurement:
 class RovingHammer:
     """A measurement for each place that was hit, and the sensor that stayed: by reciprocity its responses."""
 
-    response: None = None
     covered_hz: Band
     whole_band: Band
 
@@ -531,8 +529,8 @@ class SetView(View):
         with self._drawing:
             session, now = self.session, self.session.now
             if self._drawn is None or self._drawn[0] is not now or self._drawn[1] != shown:
-                dof, response = self._at(shown), None if session.source is None else session.source.response
-                around = (session.curve(dof), response, now.band_hz)
+                dof = self._at(shown)
+                around = session.curve(dof), now.band_hz
                 made = evidence_figure(session.zeros, dof, *around, every_kind=True)
                 self._drawn = (now, shown, item(made))
             return self._drawn[2]

@@ -63,9 +63,6 @@ def write_report(
         raise MissingDependencyError(
             'reports need jinja2 and matplotlib; install them with: pip install "antires-rs[report]"'
         ) from exc
-    if not Path(path).parent.is_dir():  # known before any picture is drawn
-        remedy = f"Make the folder {str(Path(path).parent)!r} first."
-        reject("path", str(path), "a file in a folder that exists", remedy)
     damage = isinstance(result, DamageResult)
     problem = result.problem
     modal = problem.objective == "modal"
@@ -158,8 +155,6 @@ def _lines(facts: Mapping[str, str | Sequence[str]]) -> Facts:
 
 # -- The page of a watch: what it found, its charts, its alarms; small enough to be written after every test
 
-_LATEST = 50  # so many of the latest alarms are in the table
-
 
 def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None:
     """Write the page, whole or not at all."""
@@ -171,18 +166,6 @@ def write_monitor_report(watched: Watched, path: str | os.PathLike[str]) -> None
     state = "no test"
     for now in np.flatnonzero(~np.isnan(watched.statistic))[-1:]:
         state = f"test {watched.names[now]}, the latest: {'ALARM' if watched.alarm[now] else 'no alarm'}"
-    loud, table = np.flatnonzero(watched.alarm & rest)[::-1], ""
-    if loud.size:
-        rows = "".join(
-            f"<tr><th scope='row' class='name'>{escape(watched.names[i])}</th>"
-            f"<td>{watched.statistic[i]:.2f}</td><td>{escape(', '.join(watched.why(i)))}</td></tr>"
-            for i in loud[:_LATEST].tolist()
-        )
-        what = f"The latest {_LATEST} of {loud.size:,} alarms" if loud.size > _LATEST else "All alarms"
-        table = (
-            f"<div class='scroll'><table><caption>{what}</caption><thead><tr><th class='name'>test</th>"
-            f"<th>statistic / limit</th><th>charts</th></tr></thead><tbody>{rows}</tbody></table></div>"
-        )
     notes = [*rate_lines(watched), *fault_lines(watched)]
     if watched.failed:
         notes.append(f"failed, not judged: {len(watched.failed)} tests")
@@ -213,7 +196,6 @@ src="data:image/png;base64,{image}">{live}
 judged by the others.</figcaption></figure>
 <h2>Alarms</h2>
 {told or "<p>None.</p>"}
-{table}
 <h2>Rate and conditions</h2>
 <ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in notes)}</ul>
 <p class="lead">antires_rs {escape(__version__)}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC</p>

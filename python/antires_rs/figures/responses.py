@@ -50,21 +50,14 @@ def plot_responses(
     before, after : StructuralModel
         The nominal and the updated model; ``after`` may be None.
     excitation : int
-        Dof of the force.
     dofs : sequence of int, optional
         Responses drawn; by default the first six FRFs, or :func:`~antires_rs.transmissibility_sum`.
     damping_ratio : float or array_like, (n_modes,)
-        Modal damping of the models, which an updating does not find. It sets the depth of dips and the height
-        of peaks, not their place.
+        Modal damping of the models, which sets the depth of dips and the height of peaks, not their place.
     band_hz : (low, high), optional
         Lines drawn; all of the data by default.
     names : (str, str)
         What the two models are called.
-
-    Raises
-    ------
-    InvalidInputError
-        Something else than a FrequencyResponse, a dof that was not measured or is the reference itself.
 
     Examples
     --------

@@ -158,15 +158,9 @@ def merge_setups(
     Raises
     ------
     InvalidInputError
-        Fewer than two sets, forces at several places without ``excitation``, or a setup with neither that
-        force nor that response.
+        Forces at several places without ``excitation``, or a setup with neither that force nor that response.
     UnsuitableDataError
-        Setups that disagree, or the same numbers twice, under ``check="raise"``.
-
-    Warns
-    -----
-    AntiresWarning
-        Setups that disagree, or nothing in common that could tell; the same numbers twice, which count once.
+        Under ``check="raise"``: setups that disagree, or the same numbers twice, which count once.
 
     Examples
     --------
@@ -187,17 +181,16 @@ def merge_setups(
         for dof, table in _tables(f"sets[{number}]", one, force, stated=excitation is not None).items():
             shared.setdefault(dof, {})[number] = table
 
-    def doubt(topic: str, got: str, wanted: str, remedy: str) -> None:
+    def told(got: str, wanted: str, remedy: str) -> str:
         if check == "raise":
             raise UnsuitableDataError("sets", got, wanted, remedy)
-        if check == "warn":
-            warn(topic, f"merge_setups: {got}. {remedy}")
+        return f"merge_setups: {got}. {remedy}"
 
     copies = _counted_once(shared)
-    if copies:
+    if copies and check != "off":
         text = "; ".join(f"setups {a} and {b} have {n} values in common" for (a, b), n in copies.items())
         wanted = "measurements with errors of their own"
-        doubt("copied_setups", f"{text} to the last bit", wanted, "Give each setup once.")
+        warn("copied_setups", told(f"{text} to the last bit", wanted, "Give each setup once."))
     common = {dof: tables for dof, tables in shared.items() if len(tables) > 1}
     if common and check != "off":
         found = disagreements(common, len(given), shift, between, rate)
@@ -205,7 +198,7 @@ def merge_setups(
             text = " ".join(one.text for one in found).rstrip(".")
             wanted = f"values that agree within their errors (false alarms {100 * rate:g} %)"
             remedy = "Test that setup again, or give std_between= for what moving the sensors changes."
-            doubt("setups_disagree", f"setups that disagree: {text}", wanted, remedy)
+            warn("setups_disagree", told(f"setups that disagree: {text}", wanted, remedy))
     elif not copies and check != "off":
         text = f"merge_setups: the {len(given)} setups have no response in common, so that nothing tells "
         warn("nothing_in_common", f"{text}whether they agree.")

@@ -25,14 +25,8 @@ from .response_table import ResponseTable, label_array
 class TrackEvent:
     """One thing that happened to a track: it is "new", "lost", "merged" or "back".
 
-    Attributes
-    ----------
-    kind : str
-    test, track : int
-        The first test without it, or with it, and its column in :class:`Tracks`.
-    dof : int or str
-    freq_hz : float
-        Where it was seen last, or first.
+    ``test`` is the first without it, or with it, ``track`` its column in :class:`Tracks`, ``freq_hz`` where
+    it was seen last, or first.
 
     Examples
     --------
@@ -201,7 +195,7 @@ def track(
     Raises
     ------
     InvalidInputError
-        Fewer than two sets, other excitations, no dof in common, or conditions of another length.
+        Other excitations, no dof in common, or conditions of another length.
 
     Notes
     -----

@@ -88,17 +88,10 @@ _PIVOT = 0.1  # a dof may be taken out whose coefficient is at least this share 
 
 
 class Constrained(NamedTuple):
-    """Matrices without the dofs that equations make dependent, as :func:`eliminate_constraints` gives them.
+    """What :func:`eliminate_constraints` gives: matrices of the m dofs that remain.
 
-    Attributes
-    ----------
-    stiffness, mass : scipy.sparse array, (m, m)
-        Of the dofs that remain.
-    stiffness_terms, mass_terms : list of scipy.sparse array, (m, m)
-    dofs : ndarray of int, (m,)
-        Rows of the matrices given that remain, ascending.
-    transformation : scipy.sparse array, (n, m)
-        All dofs from those that remain.
+    Matrices and terms are scipy.sparse arrays (m, m), ``dofs`` (m,) the rows that remain, ascending, and
+    ``transformation`` (n, m) gives all dofs from these.
 
     Examples
     --------

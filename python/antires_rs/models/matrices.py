@@ -115,10 +115,7 @@ def as_masses(mass: Entries, n: int, label: Callable[[int], str]) -> Entries:
 
 def as_term(name: str, matrix: Any, n: int) -> Entries:
     """Entries of a symmetric (n, n) matrix."""
-    shape, entries = _entries(name, matrix)
-    if shape != (n, n):
-        wanted, remedy = f"shape ({n}, {n}), as the stiffness", "Expand it to all dofs, with zeros elsewhere."
-        reject(name, f"a matrix of shape {shape}", wanted, remedy)
+    entries = as_square(name, matrix, n)[1]
     own = entries.sparse(n)
     if abs(own - own.T).max() > SYMMETRY * abs(own).max():
         remedy = "Pass (A + A.T) / 2 if the difference is rounding."

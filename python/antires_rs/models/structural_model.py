@@ -148,15 +148,7 @@ class StructuralModel(AroundCore[CoreModel]):
 
     @property
     def description(self) -> ModelDescription:
-        """What the model was made of and the parameters applied since: all that a copy or a file needs.
-
-        Examples
-        --------
-        >>> import antires_rs as ar
-        >>> chain = ar.MassSpringChain([1.0, 2.0], [500.0]).with_parameters(ar.stiffness_reduction(0), 0.4)
-        >>> ar.MassSpringChain.from_description(chain.description).stiffness()[0].tolist()
-        [300.0, -300.0]
-        """
+        """What the model was made of and the parameters applied since: all that a copy or a file needs."""
         return self._description
 
     @classmethod

@@ -1,7 +1,6 @@
 """A search on disk: written now and then, resumed bit-identical.
 
-One file of bytes with a checksum, and the one before it beside it as ``<name>.previous``. It is written whole
-to ``<name>.tmp`` and put in place in one step, so a process killed at any moment leaves a good file.
+One file of bytes with a checksum, put in place in one step: a process killed at any moment leaves a good one.
 """
 
 from __future__ import annotations
@@ -10,10 +9,10 @@ import hashlib
 import os
 import struct
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
-from ..exceptions import UnsuitableDataError, reject
-from ..support.files import put_in_place
+from ..exceptions import InvalidInputError, UnsuitableDataError, reject
+from ..support.files import write_atomically
 from ..support.messages import warn
 
 _NAME, _VERSION = b"antires_rs search ", 2  # of the layout; version 2 counts the linearizations
@@ -33,28 +32,12 @@ class Checkpoint:
             reject("checkpoint", str(path), "a file in a folder that exists", remedy)
         if self.path.is_dir():
             reject("checkpoint", str(path), "a file, not a folder", "Name a file in it.")
-        self.previous = self.path.with_name(self.path.name + ".previous")
-        self._beside = self.path.with_name(self.path.name + ".tmp")
-        self._beside.unlink(missing_ok=True)
         self._failed = False
         self._problem = b""
         self.seed: int | None = None
         self.resume: bytes | None = None
-        damaged = []
-        for file in (self.path, self.previous):
-            try:
-                self.seed, self._problem, self.resume = _read(file)
-            except FileNotFoundError:
-                continue
-            except ValueError as exc:
-                damaged.append(f"{file.name} ({exc})")
-                continue
-            if damaged:
-                warn("damaged_checkpoint", f"checkpoint: {damaged[0]} is damaged; going on from {file.name}.")
-            return
-        if damaged:
-            got = f"damaged files, {', '.join(damaged)}"
-            raise UnsuitableDataError("checkpoint", got, "one that is whole", "Remove them to begin anew.")
+        if self.path.exists():
+            self.seed, self._problem, self.resume = _read(self.path)
 
     def begin(self, problem: bytes, seed: int) -> None:
         """Say which search this is; refuses a file that holds another."""
@@ -70,15 +53,9 @@ class Checkpoint:
         assert self.seed is not None
         digest = hashlib.sha256(payload).digest()
         try:
-            with open(self._beside, "wb") as file:
-                file.write(_MAGIC + _HEADER.pack(self.seed, self._problem, digest, len(payload)) + payload)
-                file.flush()
-                os.fsync(file.fileno())
-            if self.path.exists():
-                os.replace(self.path, self.previous)
-            put_in_place(self._beside, self.path)
-        except OSError as exc:
-            self._beside.unlink(missing_ok=True)
+            head = _MAGIC + _HEADER.pack(self.seed, self._problem, digest, len(payload))
+            write_atomically(self.path, head + payload)
+        except (OSError, InvalidInputError) as exc:  # a disk, or a folder that is not there any more
             if not self._failed:
                 why = f"checkpoint: {self.path} cannot be written ({exc}); the search goes on without."
                 warn("checkpoint_not_written", why)
@@ -95,23 +72,27 @@ def digest_of(*items: Any) -> bytes:
 
 
 def _read(file: Path) -> tuple[int, bytes, bytes]:
-    """Seed, fingerprint and payload; ValueError says what is wrong."""
+    """Seed, fingerprint and payload."""
     data = file.read_bytes()
+
+    def damaged(how: str) -> NoReturn:
+        got = f"{file.name}, which is damaged ({how})"
+        raise UnsuitableDataError("checkpoint", got, "one that is whole", "Remove it to begin anew.")
+
     if not data.startswith(_MAGIC):
         number = data[:40].partition(b"\n")[0].removeprefix(_NAME)
         if data.startswith(_NAME) and number.isdigit():
-            # A whole file of another version: no older one beside it will do either.
             maker = "an older" if int(number) < _VERSION else "a newer"
             got = f"{file.name}, the search of {maker} antires_rs (layout {int(number)})"
             remedy = "End that search with the version that began it, or remove the file to begin anew."
             raise UnsuitableDataError("checkpoint", got, f"layout {_VERSION}", remedy)
-        raise ValueError("no checkpoint")
+        damaged("no checkpoint")
     begin = len(_MAGIC) + _HEADER.size
     if len(data) < begin:
-        raise ValueError("cut short")
+        damaged("cut short")
     (seed, problem, digest, length), payload = _HEADER.unpack_from(data, len(_MAGIC)), data[begin:]
     if len(payload) != length:
-        raise ValueError(f"{len(payload)} of {length} bytes")
+        damaged(f"{len(payload)} of {length} bytes")
     if hashlib.sha256(payload).digest() != digest:
-        raise ValueError("wrong checksum")
+        damaged("wrong checksum")
     return seed, problem, payload
