@@ -169,7 +169,7 @@ def test_conditions_may_be_a_table_that_names_and_dates_the_tests():
     table = pd.DataFrame({"temperature_c": WARM, "time": days})
     named = table.assign(name=list("abcd"))
     # Rows that are named belong to the tests of these names, in any order.
-    for given in (table, named[::-1], table.to_dict("records")):
+    for given in (table, named[::-1]):
         assert series(given) == series(times=days.to_numpy())
     assert series(named, names=None) == series(times=days.to_numpy())
     for given, names, said in ((table[:3], None, "3 rows"), (named, list("efgh"), "names of the sources")):

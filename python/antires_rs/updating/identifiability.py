@@ -18,8 +18,8 @@ from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
 from ..views import Viewed
+from .posterior import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
 from .problem import UpdatingProblem
-from .residuals import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
 from .targets import STEP, roots_of
 
 _WEAK = 0.1  # standard deviation over the bounds' distance from which a value is hardly determined

@@ -18,10 +18,9 @@ from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .identifiability import Identifiability, at_solution
 from .model_check import Explained, explained
-from .posterior import Method, ParameterIntervals, ProfileLikelihood, intervals, profile
+from .posterior import Method, ParameterIntervals, ProfileLikelihood, fitted, intervals, profile
 from .problem import UpdatingProblem
 from .reduced_model import ReductionReport
-from .residuals import fitted
 from .targets import FrequencyTable, ModalTable
 
 #: What a result has of its search.

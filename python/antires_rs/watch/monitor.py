@@ -25,11 +25,10 @@ from ..support.progress import patient, step
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..updating.problem import UpdatingProblem
 from ..views import Viewed
-from .association import Places, Values, places_of, values_of
+from .association import Fault, Places, Values, lost_alone, obvious, places_of, values_of
 from .baseline import Learned
 from .charts import Chart, Charts, charts_of, needed, wilson_hilferty
 from .conditions import condition_table
-from .faults import Fault, lost_alone, obvious
 from .series import Series
 
 # -- A watch as text: the rate and how it was checked, alarms, damage, faults

@@ -59,24 +59,19 @@ def _read_through(
 
 def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
     """The index of one test, or those of some, by an index, a slice, indices or a mask."""
-    if isinstance(at, slice):
-        return np.arange(count)[at]
-    found = np.asarray(at if np.size(at) else np.empty(0, int))
-    if found.ndim > 1 or found.dtype.kind not in "biu" or (found.ndim == 0 and found.dtype.kind == "b"):
-        wanted = "an index, a slice, a list of indices, or a mask with a truth value for each test"
-        reject("series[...]", at, wanted, "As in series[3], series[:100] or series[temperature_c < 20].")
-    if found.dtype.kind == "b":
-        if len(found) != count:
-            reject("series[...]", f"a mask of {len(found)}", f"one of {count}", "Make it of all tests.")
-        return np.flatnonzero(found)
-    for i in np.atleast_1d(found).tolist():
-        if not -count <= i < count:
-            raise IndexError(f"test {i} of a series of {count}, which are counted from 0")
-    if found.ndim == 0:
-        return int(found)
-    found = found.astype(np.intp) % max(count, 1)
-    if len(np.unique(found)) < len(found):
-        reject("series[...]", "a test more than once", "each test once", "Use np.unique.")
+    asked = at if isinstance(at, slice) else np.asarray(at if np.size(at) else np.empty(0, int))
+    is_one = isinstance(asked, np.ndarray) and asked.ndim == 0 and asked.dtype.kind in "iu"
+    if is_one and not -count <= at < count:
+        raise IndexError(f"test {at} of a series of {count}, which are counted from 0")
+    try:
+        found = np.arange(count)[asked]
+        if is_one:
+            return int(found)
+        if found.ndim != 1 or len(np.unique(found)) < len(found):
+            raise IndexError("a test more than once")
+    except IndexError as exc:
+        wanted = "an index, a slice, a list of distinct indices, or a mask with a truth value for each test"
+        reject("series[...]", f"{at!r} ({exc})", wanted, "As in series[3], series[:100] or series[mask].")
     return found
 
 
