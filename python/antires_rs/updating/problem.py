@@ -132,9 +132,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         frames :func:`thickness`, :func:`youngs_modulus`, :func:`angle` and the others; all mix.
     measured : AntiresonanceSet, ModalSet, or several of one kind
         Measured antiresonances, one set for each position of the force; each value is paired, at every
-        evaluation, with the model's nearest of the same response and force that the set can show, see
-        ``AntiresonanceSet.sees``; halves of complex zeros are left out (``left_out``). Or modes, one set for
-        all sensors that measured together, real or complex; rigid-body modes, at 0 Hz, are left out.
+        evaluation, with the model's nearest of the same response and force that the set can show (``sees``);
+        halves of complex zeros are left out. Or modes, one set for all sensors that measured together, real
+        or complex; rigid-body modes, at 0 Hz, are left out.
     objective : {'antiresonance', 'modal'}, optional
         What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
@@ -149,16 +149,13 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
 
     Attributes
     ----------
-    bounds, names : ndarray, (n, 2), and list of str
+    bounds, names, noun : ndarray, (n, 2), list of str, and 'antiresonance' or 'mode'
     measured_hz, weights : ndarray, (m,)
         Measured values, dof by dof, and their factors, None where these are all one.
     measured_dofs, measured_excitations : ndarray of int, (m,), or None
         Response and force of each; None for modes.
-    noun : {'antiresonance', 'mode'}
-    penalty : DamagePenalty or None
-        The numbers in force.
-    left_out : tuple of str
-        A sentence on each measured value that is not compared, and why.
+    penalty, left_out : DamagePenalty or None, and tuple of str
+        The numbers in force; a sentence on each measured value that is not compared, and why.
 
     Raises
     ------
