@@ -13,11 +13,10 @@ from ..figures.report_parts import answer_of, tables_of
 from ..measured.replay import Asked, asked_in
 from ..updating.result import UpdateResult
 from .arguments import model_of
-from .call import Call, check_files, hits_of, refuse_beside, several_hits
 from .command import arguments
 from .job import read_job
 from .keys import format_of
-from .reading import measured_of
+from .reading import Call, check_files, hits_of, measured_of, refuse_beside, several_hits
 from .run import RunFolder, drawings, evidence_in
 
 

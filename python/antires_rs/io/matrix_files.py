@@ -516,10 +516,8 @@ def read_matrices(
 
     Raises
     ------
-    UnsuitableDataError
-        A file that is cut, damaged or of another kind.
-    InvalidInputError
-        Matrices that are not square and symmetric, or of different sizes.
+    UnsuitableDataError, InvalidInputError
+        A file that is cut, damaged or of another kind; matrices not square, symmetric and of one size.
 
     Notes
     -----
@@ -565,16 +563,11 @@ def write_matrices(path: PathLike, model: MatrixModel) -> Path:
     path : path-like
         Replaced if it exists.
     model : MatrixModel
-        As it was made: not one that came out of an updating, which its result keeps.
+        As it was made: not one that came out of an updating, which its result keeps, nor of another kind.
 
     Returns
     -------
     pathlib.Path
-
-    Raises
-    ------
-    InvalidInputError
-        Another kind of model, or a folder that does not exist.
 
     Examples
     --------

@@ -138,10 +138,8 @@ class UpdateEnsemble:
     ----------
     results, failed : tuple of UpdateResult or None, and dict of int to str
         None where an updating failed, and why, by the number of the problem.
-    seeds : tuple of int
-        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
-    interrupted : bool
-        Whether Ctrl-C ended it; the results are those that were there.
+    seeds, interrupted : tuple of int and bool
+        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit; whether Ctrl-C ended it.
 
     Examples
     --------

@@ -400,7 +400,7 @@ def monitor(
         With one of them the damage of each run of alarms is assessed against the baseline, see
         ``.assessments``; an assessor, of the same sensors, is much faster.
     max_shift, progress : float and bool, optional
-        Largest relative difference of a value from the baseline's, beside what all values do; as of ``update``.
+        Largest relative difference of a value from the baseline's, beside what all do; as of ``update``.
     **assessment
         Options of :func:`~antires_rs.assess_damage`: ``elements``, ``prior``, ``search``, ...
 
