@@ -594,9 +594,8 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     ----------
     path : path-like
         Text with one line for each row: ``node direction`` in their order, or ``row node direction`` as in
-        the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1, 4. Lines above the
-        first of these are skipped. Or a file of matrices that names them itself (DMIG cards, Abaqus): the
-        rows of its stiffness, if it holds several.
+        the mapping file of ANSYS, below any other lines. Directions are X, UX, +X, T1, 1; rotations RX, ROTX,
+        R1, 4. Or a file of matrices that names them itself (DMIG cards, Abaqus).
     first_row : int
         Number of the first row in files that number them.
 
@@ -604,11 +603,6 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     -------
     dict of (int, str) to int
         ``{(node, '+Z'): row}``, rows zero-based: the ``dofs=`` of :func:`~antires_rs.read_uff`.
-
-    Raises
-    ------
-    UnsuitableDataError
-        No such line, a line among them that is cut or damaged, a point or row twice.
 
     Examples
     --------

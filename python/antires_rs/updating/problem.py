@@ -79,8 +79,7 @@ class DamagePenalty:
         Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, which an element has to
         explain on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1 on its chain of 28 values;
         ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. A mode counts as two values.
-        ``weights`` are theirs (m,), or their number; ``gamma1`` and ``gamma2`` are taken as given. A weight
-        below 0, or none above it, is an ``InvalidInputError``.
+        ``weights`` are theirs (m,), or their number; ``gamma1`` and ``gamma2`` are taken as given.
 
         Examples
         --------

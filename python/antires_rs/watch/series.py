@@ -59,13 +59,13 @@ def _read_through(
 
 def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
     """The index of one test, or those of some, by an index, a slice, indices or a mask."""
-    asked = at if isinstance(at, slice) else np.asarray(at if np.size(at) else np.empty(0, int))
+    asked: Any = at if isinstance(at, slice) else np.asarray(at if np.size(at) else np.empty(0, int))
     whole = isinstance(asked, np.ndarray) and asked.dtype.kind in "iu"
     if whole and np.any((asked < -count) | (asked >= count)):
         raise IndexError(f"test {at} of a series of {count}, which are counted from 0")
     try:
-        found = np.arange(count)[asked]
-        if whole and found.ndim == 0:
+        found: NDArray[np.intp] = np.arange(count)[asked]
+        if found.ndim == 0:
             return int(found)
         if found.ndim != 1 or len(np.unique(found)) < len(found):
             raise IndexError("a test more than once")
