@@ -54,8 +54,8 @@ from .updating.reduced_model import Reduction, ReductionReport
 from .updating.result import UpdateResult
 from .updating.targets import FrequencyTable, ModalTable
 from .updating.update import UpdateEnsemble, update, update_ensemble
+from .watch.association import Fault
 from .watch.charts import Chart
-from .watch.faults import Fault
 from .watch.identify_series import identify_series
 from .watch.monitor import Watched, monitor
 from .watch.series import Series

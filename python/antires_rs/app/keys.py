@@ -411,7 +411,10 @@ _DOFS = {
     RESULT: "",
 }
 _WIDTH = 108
-_POINT = re.compile(r"(\d+)[+-]([XYZ])")  # node and direction of a universal file
+_QUESTION = (
+    'A "?" stands for a dof of your model that the file cannot tell. Put the dof in its place, or false for '
+    "a channel that is to be left out; until then the job does not run."
+)
 
 
 def template(
@@ -447,7 +450,7 @@ def template(
         dofs = ", ".join(f"{_quoted(channel)} = {_quoted(UNSET)}" for channel in channels)
         filled["data"]["dofs"] = f"{{ {dofs} }}"
     if channels or excitation is not None:
-        lines += _comment(_unset(model, channels))
+        lines += _comment(_QUESTION + _DOFS[model])
     for part in TASKS[task]:
         if part == "parameters":
             lines += _parameters(model)
@@ -470,19 +473,6 @@ def _parameters(model: str) -> list[str]:
         else:
             lines += ["[[parameters]]", *(f"{name} = {value}" for name, value in chosen.items()), ""]
     return lines
-
-
-def _unset(model: str, channels: Sequence[str]) -> str:
-    """What a question mark stands for, with what the names of the channels suggest."""
-    text = (
-        'A "?" stands for a dof of your model that the file cannot tell. Put the dof in its place, or false '
-        "for a channel that is to be left out; until then the job does not run."
-    )
-    points = [found for channel in channels if (found := _POINT.fullmatch(channel))]
-    if model != FRAME or not points:
-        return text + _DOFS[model]
-    some = [f'"{point[0]}" = "{point[1]} {"uvw"["XYZ".index(point[2])]}"' for point in points[:3]]
-    return f"{text} If the nodes of the file are those of the model, these are: {', '.join(some)}, and so on."
 
 
 def _commented(section: Section, filled: dict[str, str], of: str) -> list[str]:

@@ -10,11 +10,10 @@ from ..exceptions import reject
 from ..figures.page_session import RovingHammer, Session, SetView, View
 from ..measured.replay import Asked, asked_in
 from .arguments import model_of
-from .call import Call, check_files, hits_of, refuse_beside, several_hits
 from .command import arguments
 from .job import read_job
 from .keys import format_of
-from .reading import measured_of
+from .reading import Call, check_files, hits_of, measured_of, refuse_beside, several_hits
 
 
 def view_of(args: argparse.Namespace) -> View:

@@ -279,23 +279,16 @@ def summary_of(
         columns = {name: map(int, getattr(table, name)) for name in ("excitation", "dof")}
         hz = (f"{name}_hz" for name in ("measured", "before", "after"))
         frequencies = rows_of(**columns, **{name: map(number, getattr(table, name)) for name in hz})
+    how = {"status": "status", "message": "message", "finished": "success", "evaluations": "nfev"}
+    how |= {"linearizations": "njev", "generations": "nit", "exchanges": "migrations", "seed": "seed"}
     return {
         "antires_rs": record["versions"]["antires_rs"],
-        "task": job.task,
         "job": job.path.name,
         "command": f"antires {job.task} {job.path.name}",
-        "seed": result.seed,
-        "inputs": record["inputs"],
-        "versions": record["versions"],
+        **{name: record[name] for name in ("task", "inputs", "versions")},
         "seconds": seconds,
-        "status": result.status,
-        "message": result.message,
-        "finished": result.success,
         "J": number(result.fun),
-        "evaluations": result.nfev,
-        "linearizations": result.njev,
-        "generations": result.nit,
-        "exchanges": result.migrations,
+        **{name: getattr(result, own) for name, own in how.items()},
         **(_losses(result, at_once) if isinstance(result, DamageResult) else _parameters(result, at_once)),
         # As in Python: "dof", "element" and the numbers in names count from 0.
         "counted_from": 0,

@@ -18,11 +18,10 @@ from ..support.messages import explain as entries
 from ..updating.result import UpdateResult
 from . import run as runs
 from .arguments import model_of
-from .call import check_files, identified, refuse_beside
 from .command import arguments, existing, hint, new_file, say, show
 from .job import read_job
 from .keys import HEADINGS, SIGNAL_ENDINGS, UNSET, format_of, template
-from .reading import measured_of, read_signal
+from .reading import check_files, identified, measured_of, read_signal, refuse_beside
 from .run import RunFolder
 
 

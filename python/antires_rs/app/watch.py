@@ -27,11 +27,10 @@ from ..watch.monitor import Watched, monitor
 from ..watch.series import Series
 from ..watch.sources import is_measurement, natural
 from ..watch.store import LastingStore
-from .call import Call
 from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
 from .keys import FOLDER, format_of, shown
-from .reading import EDITS, OPTIONS, Spell, read_signal
+from .reading import EDITS, OPTIONS, Call, Spell, read_signal
 from .run import RunFolder, picture_name, write_json
 
 #: Tracks that fewer of the tests have are not drawn, and of more tests than this no events.

@@ -239,15 +239,13 @@ def from_sep005(
 
     Raises
     ------
-    InvalidInputError
-        A key that is missing, a name twice, different rates, lengths or starts.
-    UnsuitableDataError
-        Gaps in ``time``, responses of several kinds.
+    InvalidInputError, UnsuitableDataError
+        A key that is missing, a name twice, different rates, lengths or starts (which are not kept); gaps in
+        ``time``, responses of several kinds.
 
     Notes
     -----
-    SEP 5, SDyPy Unified timeseries, W. Weijtjens and J. Slavic, draft of 2023-07-07. ``start_timestamp``
-    must be the same in all channels that have it; it is not kept.
+    SEP 5, SDyPy Unified timeseries, W. Weijtjens and J. Slavic, draft of 2023-07-07.
 
     Examples
     --------
@@ -277,6 +275,7 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     Parameters
     ----------
     rec : Recording
+        Its dofs have to differ as text.
     unit : str
         SI unit of the responses.
 
@@ -284,11 +283,6 @@ def to_sep005(rec: Recording, *, unit: str = "m/s2") -> list[dict[str, Any]]:
     -------
     list of dict
         ``data``, ``name`` (the dof as text), ``fs``, ``unit_str``, and ``dof``, the label itself.
-
-    Raises
-    ------
-    InvalidInputError
-        Something that is not a Recording, a unit that is not SI, dofs that are the same as text.
 
     Examples
     --------

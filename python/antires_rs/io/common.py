@@ -37,7 +37,7 @@ def existing_file(path: str | os.PathLike[str]) -> Path:
 
 
 def unsuitable(
-    path: Path, found: str, wanted: str, remedy: str = "Copy or export it again, or correct it."
+    path: Path, found: str, wanted: str, remedy: str = "Copy or export it again, correct it, or name another."
 ) -> NoReturn:
     """Raise for a file that is damaged or of another kind."""
     raise UnsuitableDataError("path", f"{str(path)!r}, {found}", wanted, remedy)

@@ -51,16 +51,11 @@ def read_hdf5(
 def write_hdf5(path: PathLike, signal: Signal) -> Path:
     """Write a signal as HDF5, whole or not at all; every float comes back bit for bit.
 
-    Raises
-    ------
-    MissingDependencyError
-        h5py is not installed.
-
     Notes
     -----
-    Layout, version 1: the datasets ``responses`` and ``force``, or ``freq_hz``, ``values``, ``coherence`` and
-    ``std``, at the root, channels first, in SI, with Fletcher checksums; the attribute ``antires_rs`` of the
-    root is a JSON text with dofs, rate, kind and the shape of each dataset.
+    The datasets ``responses`` and ``force``, or ``freq_hz``, ``values``, ``coherence`` and ``std``, at the
+    root, channels first, in SI; the attribute ``antires_rs`` of the root is a JSON text with dofs, rate, kind
+    and the shape of each dataset.
 
     Examples
     --------

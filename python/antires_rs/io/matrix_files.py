@@ -516,10 +516,8 @@ def read_matrices(
 
     Raises
     ------
-    UnsuitableDataError
-        A file that is cut, damaged or of another kind.
-    InvalidInputError
-        Matrices that are not square and symmetric, or of different sizes.
+    UnsuitableDataError, InvalidInputError
+        A file that is cut, damaged or of another kind; matrices not square, symmetric and of one size.
 
     Notes
     -----
@@ -565,16 +563,11 @@ def write_matrices(path: PathLike, model: MatrixModel) -> Path:
     path : path-like
         Replaced if it exists.
     model : MatrixModel
-        As it was made: not one that came out of an updating, which its result keeps.
+        As it was made: not one that came out of an updating, which its result keeps, nor of another kind.
 
     Returns
     -------
     pathlib.Path
-
-    Raises
-    ------
-    InvalidInputError
-        Another kind of model, or a folder that does not exist.
 
     Examples
     --------
@@ -601,9 +594,8 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     ----------
     path : path-like
         Text with one line for each row: ``node direction`` in their order, or ``row node direction`` as in
-        the mapping file of ANSYS. Directions are X, UX, +X, T1, 1; rotations RX, ROTX, R1, 4. Lines above the
-        first of these are skipped. Or a file of matrices that names them itself (DMIG cards, Abaqus): the
-        rows of its stiffness, if it holds several.
+        the mapping file of ANSYS, below any other lines. Directions are X, UX, +X, T1, 1; rotations RX, ROTX,
+        R1, 4. Or a file of matrices that names them itself (DMIG cards, Abaqus).
     first_row : int
         Number of the first row in files that number them.
 
@@ -611,11 +603,6 @@ def read_dof_map(path: PathLike, *, first_row: int = 1) -> dict[tuple[int, str],
     -------
     dict of (int, str) to int
         ``{(node, '+Z'): row}``, rows zero-based: the ``dofs=`` of :func:`~antires_rs.read_uff`.
-
-    Raises
-    ------
-    UnsuitableDataError
-        No such line, a line among them that is cut or damaged, a point or row twice.
 
     Examples
     --------

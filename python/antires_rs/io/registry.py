@@ -102,13 +102,9 @@ def read_frf_files(
 
     Raises
     ------
-    UnsuitableDataError
+    UnsuitableDataError, InvalidInputError
         A file with several responses, none over frequency, or other frequencies than the others, which is
-        named.
-    InvalidInputError
-        Options that do not fit, several formats in one folder, or two files of one dof.
-    FileNotFoundError
-        There is none.
+        named; options that do not fit, several formats in one folder, or two files of one dof.
 
     Examples
     --------

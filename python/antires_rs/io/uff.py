@@ -629,22 +629,19 @@ def read_uff(
     kind : {"time", "frf", "transmissibility", "spectra"}, optional
         What to read, where a file holds several. Cross spectra S_jp (mean of X_p times the conjugate of X_j)
         over the auto spectrum of their reference become FRFs where that is a force, and transmissibilities
-        otherwise (the H1 estimate); their labels name the units of the two channels. Coherences go with the
-        values they belong to.
+        otherwise (H1). Coherences go with the values they belong to.
     dofs : mapping or callable, optional
         ``{(node, direction): dof}`` or a function of both, direction being ``'+Z'``, ``'-RX'`` or ``'S'``;
         None leaves a channel out. A mapping with ``(12, '+Z')`` takes a channel in ``-Z`` with its sign
         changed. Default: labels such as ``'12+Z'``; in files of ours, the dofs that were written.
-    reference : str or (int, str), optional
-        Reference point, where a file has several: ``'1+X'`` or ``(1, '+X')``.
-    force : str, (int, str) or None
-        Force channel of a time record: "auto" is the only one in N or of that ordinate type, None leaves it
-        out.
+    reference, force : str or (int, str), optional
+        Reference point, where a file has several: ``'1+X'`` or ``(1, '+X')``; and force channel of a record:
+        "auto" is the only one in N or of that ordinate type, None leaves it out.
     unit : str, optional
-        Unit of the responses, in place of the file's labels: ``'g'``, ``'m/s2'``, ``'g/N'`` and the like.
-        Without labels the units of dataset 164 hold, where there is one, and SI otherwise.
+        Unit of the responses, in place of the file's labels. Without labels the units of dataset 164 hold,
+        where there is one, and SI otherwise.
     run : int, optional
-        Which run to read, from 1, where points were recorded several times. Read each, and identify from all:
+        Which run to read, from 1, where points were recorded several times; identify from all of them:
         ``identify_antiresonances([run 1, run 2], ...)``.
     roving : str or (int, str), optional
         The sensor that stayed while the hammer roved, ``'5+Z'``: its FRFs to all references become, by
@@ -652,9 +649,8 @@ def read_uff(
 
     Notes
     -----
-    A universal file does not state how many sets it has: one of another program that was cut between two sets
-    lacks the rest without a trace; ours are numbered. Steps of time and frequency have six digits in the
-    format; the simplest rate or step that fits is taken (1.95313E-03 s is 512 Hz).
+    One of another program that was cut between two sets lacks the rest without a trace; ours are numbered.
+    Steps have six digits in the format: the simplest that fits is taken (1.95313E-03 s is 512 Hz).
 
     Examples
     --------
@@ -798,15 +794,10 @@ def write_uff(
     InvalidInputError
         The folder does not exist, a unit that is not SI, two dofs at one point, labels that do not fit.
 
-    Warns
-    -----
-    AntiresWarning
-        Standard deviations that do not follow from coherence and averages, which the format cannot keep.
-
     Notes
     -----
     The header has six digits; ID lines 2, 4 and 5 have the place among all sets, rate and frequencies in full
-    and the dof, which :func:`read_uff` uses.
+    and the dof. Standard deviations that coherence and averages do not tell are lost, with a warning.
 
     Examples
     --------

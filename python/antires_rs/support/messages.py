@@ -65,17 +65,13 @@ def explain(*names: str) -> str:
     ----------
     *names : str
         As warnings end with, ``warning.about``; names of findings of a data check; doubts in a table of
-        antiresonances, ``"few orders"``. Without a name: all names, each with what is seen.
+        antiresonances, ``"few orders"``. Without a name: all names, each with what is seen. One that is not
+        known is an ``InvalidInputError``.
 
     Returns
     -------
     str
         Plain text in Markdown.
-
-    Raises
-    ------
-    InvalidInputError
-        A name that is not known; the error tells those most like it.
 
     Examples
     --------

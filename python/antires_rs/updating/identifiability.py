@@ -18,8 +18,8 @@ from ..support.messages import some
 from ..support.progress import one_blas_thread, patient, step
 from ..support.values import Value
 from ..views import Viewed
+from .posterior import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
 from .problem import UpdatingProblem
-from .residuals import STEP_OF_SLOPES, UNSEEN, BoxResiduals, decided
 from .targets import STEP, roots_of
 
 _WEAK = 0.1  # standard deviation over the bounds' distance from which a value is hardly determined
@@ -161,10 +161,9 @@ class BoxIdentifiability(Value, Viewed):
 
     Attributes
     ----------
-    names : tuple of str, (n,)
-        Parameters that may move.
-    noise, points : float, and ndarray, (p, n)
-        Relative standard deviation of the measured frequencies, and values at which they were asked for.
+    names, noise, points : tuple of str, (n,), float, and ndarray, (p, n)
+        Parameters that may move, relative standard deviation of the measured frequencies, and values of the
+        parameters at which they were asked for.
     singular_values : ndarray, (p, n)
         Of the sensitivities over the errors, with a prior standard deviation as the unit of each parameter,
         falling: 1 is a combination that the test tells as well as the bounds do.
@@ -245,11 +244,9 @@ def identifiability(
         much. Default: the median of those stated, 0.1 % where none are.
     points : int
         Points within the bounds, at least 4; a power of two covers them evenly.
-    forces, sensors : sequence of int, optional
-        Dofs to be tried beside those of the test. Default: up to twelve of the responses as forces, and up to
-        twelve of the other dofs that move along an axis as sensors. Forces count for antiresonances only.
-    progress : bool, optional
-        As of :func:`~antires_rs.update`.
+    forces, sensors, progress : sequence of int, and bool, optional
+        Dofs to be tried beside those of the test, by default up to twelve of the responses as forces (for
+        antiresonances only), and of the other dofs as sensors; ``progress`` as of :func:`~antires_rs.update`.
 
     Returns
     -------

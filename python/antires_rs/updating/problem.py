@@ -79,8 +79,7 @@ class DamagePenalty:
         Both are the misfit of a difference e = 0.1 / 28 = 0.36 % in every omega**2, which an element has to
         explain on average: ``sum(w) e`` for an absolute misfit, the paper's 0.1 on its chain of 28 values;
         ``sum(w**2) e**2`` for a squared one; ``max(w) e`` for the largest. A mode counts as two values.
-        ``weights`` are theirs (m,), or their number; ``gamma1`` and ``gamma2`` are taken as given. A weight
-        below 0, or none above it, is an ``InvalidInputError``.
+        ``weights`` are theirs (m,), or their number; ``gamma1`` and ``gamma2`` are taken as given.
 
         Examples
         --------
@@ -132,9 +131,9 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
         frames :func:`thickness`, :func:`youngs_modulus`, :func:`angle` and the others; all mix.
     measured : AntiresonanceSet, ModalSet, or several of one kind
         Measured antiresonances, one set for each position of the force; each value is paired, at every
-        evaluation, with the model's nearest of the same response and force that the set can show, see
-        ``AntiresonanceSet.sees``; halves of complex zeros are left out (``left_out``). Or modes, one set for
-        all sensors that measured together, real or complex; rigid-body modes, at 0 Hz, are left out.
+        evaluation, with the model's nearest of the same response and force that the set can show (``sees``);
+        halves of complex zeros are left out. Or modes, one set for all sensors that measured together, real
+        or complex; rigid-body modes, at 0 Hz, are left out.
     objective : {'antiresonance', 'modal'}, optional
         What is compared with the measurement. Default: what was measured.
     misfit : {'absolute', 'squared', 'largest'}
@@ -149,16 +148,13 @@ class UpdatingProblem(AroundCore[_core.Objective], ReadOnly):
 
     Attributes
     ----------
-    bounds, names : ndarray, (n, 2), and list of str
+    bounds, names, noun : ndarray, (n, 2), list of str, and 'antiresonance' or 'mode'
     measured_hz, weights : ndarray, (m,)
         Measured values, dof by dof, and their factors, None where these are all one.
     measured_dofs, measured_excitations : ndarray of int, (m,), or None
         Response and force of each; None for modes.
-    noun : {'antiresonance', 'mode'}
-    penalty : DamagePenalty or None
-        The numbers in force.
-    left_out : tuple of str
-        A sentence on each measured value that is not compared, and why.
+    penalty, left_out : DamagePenalty or None, and tuple of str
+        The numbers in force; a sentence on each measured value that is not compared, and why.
 
     Raises
     ------

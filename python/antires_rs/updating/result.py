@@ -18,10 +18,9 @@ from ..support.values import FrozenDict, ReadOnly
 from ..views import Viewed
 from .identifiability import Identifiability, at_solution
 from .model_check import Explained, explained
-from .posterior import Method, ParameterIntervals, ProfileLikelihood, intervals, profile
+from .posterior import Method, ParameterIntervals, ProfileLikelihood, fitted, intervals, profile
 from .problem import UpdatingProblem
 from .reduced_model import ReductionReport
-from .residuals import fitted
 from .targets import FrequencyTable, ModalTable
 
 #: What a result has of its search.
@@ -41,11 +40,8 @@ class UpdateResult(ReadOnly, Viewed):
         Parameter values, in the order of ``problem.names``, and the objective there.
     success, status, message, nfev, njev, nit, migrations, history
         Why and how the search ended; see :class:`OptimizeResult`.
-    search : OptimizeResult
-        The search itself, with the final populations.
-    problem : UpdatingProblem
-    seed : int
-        Master seed in force.
+    search, problem, seed : OptimizeResult, UpdatingProblem and int
+        The search itself, with the final populations; what was asked; the master seed in force.
     reduction : ReductionReport or None
         What the reduced models came to that served the search; None if there were none, and in a file.
     options : mapping of str to value

@@ -84,12 +84,10 @@ class FrequencyTable(_Differences, Value):
 
     Attributes
     ----------
-    dof, excitation : ndarray of int, (m,)
-        Response and force, zero-based.
+    dof, excitation, dof_names : ndarray of int, (m,), and dict of int to str
+        Response and force, zero-based, and their names, for models that have some ("mass 3"), shown in print.
     measured_hz, before_hz, after_hz : ndarray, (m,)
         Frequencies; NaN where the model has no partner.
-    dof_names : dict of int to str
-        Names of the dofs, for models that have some ("mass 3", "node 3 v"), shown in print.
 
     Examples
     --------

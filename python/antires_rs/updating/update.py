@@ -45,9 +45,8 @@ def update(
     workers : int, optional
         Threads; all processors by default. The bits are the same for any number.
     reduction : {'auto', True, False} or Reduction, optional
-        Whether to search on a reduced model, see :class:`Reduction`; all that the result tells is of the full
-        one. 'auto' does so above 2,000 dofs, where antiresonances were measured, the parameters (60 at most)
-        scale terms, and no checkpoint is kept.
+        Whether to search on a reduced model, see :class:`Reduction`; the result is told of the full one.
+        'auto': above 2,000 dofs, with antiresonances, at most 60 parameters that scale terms, no checkpoint.
 
     Returns
     -------
@@ -57,12 +56,9 @@ def update(
 
     Raises
     ------
-    InvalidInputError
-        A guess outside the bounds, a checkpoint of another search.
-    UnsuitableDataError
-        A damaged checkpoint.
-    NumericalError
-        A reduction that was asked for cannot be made: measured dofs move as one.
+    InvalidInputError, UnsuitableDataError, NumericalError
+        A guess outside the bounds, a checkpoint of another search; a damaged checkpoint; a reduction that was
+        asked for and cannot be made, since measured dofs move as one.
 
     Examples
     --------
@@ -142,10 +138,8 @@ class UpdateEnsemble:
     ----------
     results, failed : tuple of UpdateResult or None, and dict of int to str
         None where an updating failed, and why, by the number of the problem.
-    seeds : tuple of int
-        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit.
-    interrupted : bool
-        Whether Ctrl-C ended it; the results are those that were there.
+    seeds, interrupted : tuple of int and bool
+        ``ar.update(problem, rng=seeds[k])`` gives result k again, bit for bit; whether Ctrl-C ended it.
 
     Examples
     --------

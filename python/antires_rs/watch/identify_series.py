@@ -165,9 +165,9 @@ def identify_series(
     ----------
     sources : path, iterable or mapping
         A folder (``test_2`` before ``test_10``), a pattern such as ``"year/*.uff"``, or a list or generator
-        of: files, folders of one FRF a file, Recordings, FrequencyResponses, functions without arguments that
-        give one, and lists of these, which are repeats of one test. A mapping or tuples ``(name, source)``
-        name them; ``(name, source, conditions)`` also says what was measured beside.
+        of files, folders of one FRF a file, Recordings, FrequencyResponses, functions that give one, and
+        lists of these, repeats of one test. A mapping, or tuples ``(name, source)``, name them;
+        ``(name, source, conditions)`` also says what was measured beside.
     excitation, band_hz
         As for :func:`~antires_rs.identify_antiresonances`.
     near : AntiresonanceSet or int, optional
@@ -175,20 +175,18 @@ def identify_series(
         them; 0 for none: each test is identified by itself. Default: 20, or all if there are fewer, where the
         first is a record that one fit over the band does not predict; else 0.
     conditions : mapping, DataFrame or path, optional
-        What was measured beside (a CSV or Parquet file, or the table itself): numbers, a row a test in the
-        order of the sources, or by their names in a column "name", "source" or "file". A column "time" or
-        "date" gives the times.
+        What was measured beside (a CSV or Parquet file, or the table): numbers, a row a test in the order of
+        the sources, or by their names in a column "name". A column "time" gives the times.
     store : path, optional
-        A file in which every result is kept as it is made: ``.sqlite``, or ``.parquet``, which needs the
-        extra ``series``. Called again, a series goes on where it was stopped or killed, and takes in new
-        sources. By default results are in memory.
+        A file, ``.sqlite`` or (extra ``series``) ``.parquet``, in which every result is kept as it is made:
+        called again, a series goes on where it was stopped or killed, and takes in new sources.
     workers : int, "processes", "threads" or executor, optional
-        Who identifies them: by default this process. No bit depends on it. Processes read files themselves.
+        Who identifies them: by default this process. No bit depends on it.
     reading : mapping or callable, optional
         Options of the reader of the files, such as ``dofs``, ``unit`` and ``fs_hz``; "format" names it where
         the ending does not. Or a function of a path that gives a Recording or a FrequencyResponse.
     progress : bool, optional
-        A line on standard error with the rest time; by default on a terminal and in a notebook.
+        As of :func:`~antires_rs.update`.
     **options
         Of :func:`~antires_rs.identify_antiresonances`, for all tests.
 
@@ -196,33 +194,26 @@ def identify_series(
     -------
     Series
         A set for each test, without its diagrams; where values are followed, ``.followed`` and ``.not_seen``
-        of each say which. A test that failed has none, and its reason is in ``.failed``: an unreadable file,
-        unsuitable data, no antiresonance. Dead sensors are left out of their test. After Ctrl-C the tests so
-        far, with ``.interrupted``.
+        of each say which. A test that failed has none, and its reason is in ``.failed``. Dead sensors are
+        left out of their test. After Ctrl-C the tests so far, with ``.interrupted``.
 
     Raises
     ------
-    InvalidInputError
-        A malformed argument, a path that does not exist, an option that no reader of the files has, sources
-        with the same name, conditions that do not fit the sources, or a store of other options or sources.
-    MissingDependencyError
-        A package that the store or a reader needs is not installed.
+    InvalidInputError, MissingDependencyError
+        An argument, a path or an option of the readers that is wrong, sources with the same name, conditions
+        that do not fit them, a store of other options or sources; a package that is not installed.
 
     Warns
     -----
     AntiresWarning
-        Sources that have changed since they were identified, and are identified again; columns of conditions
-        that are no numbers.
+        Sources that have changed, and are identified again; columns of conditions that are no numbers.
 
     Notes
     -----
-    Memory holds two records at most, but all of the first tests while they are identified together. What the
-    data check says of a test is ``series[i].data_check``; its warnings are not raised. An exception that ends
-    a series has the tests so far as ``error.series``.
-
-    A store ``.parquet`` that runs has its results in ``<store>.part`` beside it, a database of SQLite. What
-    was done is recognised by the name of the source and its content (of long files: size and three parts).
-    However often it was killed, the Parquet file is the same byte for byte.
+    Warnings of the data check are not raised, see ``series[i].data_check``. An exception that ends a series
+    has the tests so far as ``error.series``. A store ``.parquet`` that runs has its results beside it, in
+    ``<store>.part``; however often it was killed, the file is the same byte for byte. What was done is
+    recognised by the name of the source and its content (of long files: size and three parts).
 
     Examples
     --------

@@ -25,11 +25,10 @@ from ..support.progress import patient, step
 from ..support.values import FrozenDict, ReadOnly, frozen
 from ..updating.problem import UpdatingProblem
 from ..views import Viewed
-from .association import Places, Values, places_of, values_of
+from .association import Fault, Places, Values, lost_alone, obvious, places_of, values_of
 from .baseline import Learned
 from .charts import Chart, Charts, charts_of, needed, wilson_hilferty
 from .conditions import condition_table
-from .faults import Fault, lost_alone, obvious
 from .series import Series
 
 # -- A watch as text: the rate and how it was checked, alarms, damage, faults
@@ -92,15 +91,12 @@ class Watched(ReadOnly, Viewed):
     ----------
     alarm : (n,) bool
         Of each test by itself; False also where a test failed or cannot be judged, see ``unjudged``.
-    statistic : (n,)
-        The largest of its charts, each over its limit; NaN where it could not be judged. Tests of the
-        baseline are judged by the others.
-    charts : dict of str to Chart
-        "T2", "EWMA" and "events".
-    false_alarm_rate : float
-        Share of intact tests outside the baseline that alarm, at most about.
-    baseline : (k,) int
-        Its tests that have a set; ``needed`` of them are enough to rely on the rate.
+    statistic, charts : (n,), and dict of str to Chart
+        The largest of the charts "T2", "EWMA" and "events", each over its limit; NaN where it could not be
+        judged. Tests of the baseline are judged by the others.
+    false_alarm_rate, baseline, needed : float, (k,) int and int
+        Share of intact tests outside the baseline that alarm, at most about; the baseline's tests that have a
+        set; how many are enough to rely on the rate.
     names, times, conditions, failed
         Of the tests, as in the :class:`~antires_rs.Series`.
     used, bends, clocks : tuple of str, dict of str to float, tuple of str
@@ -400,14 +396,11 @@ def monitor(
         What the antiresonances depend on, such as the temperature, as for
         :func:`~antires_rs.identify_series`; by default those of the series. With ``{}``, for none, what the
         baseline's values do together is taken for weather.
-    model : MassSpringChain, FrameModel or MatrixModel, optional
-        With it the damage of each run of alarms is assessed against the baseline, see ``.assessments``.
-    assessor : Assessor, optional
-        The same much faster, in place of ``model``; made from a baseline of the same sensors.
-    max_shift : float
-        Largest relative difference of a value from the baseline's, beside what all values do.
-    progress : bool, optional
-        Show a line of progress; by default on a terminal.
+    model, assessor : MassSpringChain, FrameModel or MatrixModel; Assessor, optional
+        With one of them the damage of each run of alarms is assessed against the baseline, see
+        ``.assessments``; an assessor, of the same sensors, is much faster.
+    max_shift, progress : float and bool, optional
+        Largest relative difference of a value from the baseline's, beside what all do; as of ``update``.
     **assessment
         Options of :func:`~antires_rs.assess_damage`: ``elements``, ``prior``, ``search``, ...
 
@@ -420,11 +413,6 @@ def monitor(
     InvalidInputError
         Fewer than 8 baseline tests, none with antiresonances in common, or a malformed argument.
 
-    Warns
-    -----
-    AntiresWarning
-        A baseline too short for the rate.
-
     Notes
     -----
     Hotelling's :math:`T^2` of single tests, an exponentially weighted mean for small and slow changes, and a
@@ -432,9 +420,8 @@ def monitor(
     independent, given their conditions. When a change is over, alarms end. Limits come from tests of the
     baseline left out in turn. A test that shows none of the antiresonances cannot be judged.
 
-    A condition that only grows or only falls from test to test is a clock and is not used. Outside the
-    baseline's range lines go on with a slope that is known to 30 %; beyond ten times that range a value is
-    taken as not known.
+    A condition that only grows or falls from test to test is a clock and not used. Outside the baseline's
+    range lines go on with a slope known to 30 %; beyond ten times that range a value counts as not known.
 
     Examples
     --------

@@ -59,24 +59,19 @@ def _read_through(
 
 def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
     """The index of one test, or those of some, by an index, a slice, indices or a mask."""
-    if isinstance(at, slice):
-        return np.arange(count)[at]
-    found = np.asarray(at if np.size(at) else np.empty(0, int))
-    if found.ndim > 1 or found.dtype.kind not in "biu" or (found.ndim == 0 and found.dtype.kind == "b"):
-        wanted = "an index, a slice, a list of indices, or a mask with a truth value for each test"
-        reject("series[...]", at, wanted, "As in series[3], series[:100] or series[temperature_c < 20].")
-    if found.dtype.kind == "b":
-        if len(found) != count:
-            reject("series[...]", f"a mask of {len(found)}", f"one of {count}", "Make it of all tests.")
-        return np.flatnonzero(found)
-    for i in np.atleast_1d(found).tolist():
-        if not -count <= i < count:
-            raise IndexError(f"test {i} of a series of {count}, which are counted from 0")
-    if found.ndim == 0:
-        return int(found)
-    found = found.astype(np.intp) % max(count, 1)
-    if len(np.unique(found)) < len(found):
-        reject("series[...]", "a test more than once", "each test once", "Use np.unique.")
+    asked: Any = at if isinstance(at, slice) else np.asarray(at if np.size(at) else np.empty(0, int))
+    whole = isinstance(asked, np.ndarray) and asked.dtype.kind in "iu"
+    if whole and np.any((asked < -count) | (asked >= count)):
+        raise IndexError(f"test {at} of a series of {count}, which are counted from 0")
+    try:
+        found: NDArray[np.intp] = np.arange(count)[asked]
+        if found.ndim == 0:
+            return int(found)
+        if found.ndim != 1 or len(np.unique(found)) < len(found):
+            raise IndexError("a test more than once")
+    except IndexError as exc:
+        wanted = "an index, a slice, a list of distinct indices, or a mask with a truth value for each test"
+        reject("series[...]", f"{at!r} ({exc})", wanted, "As in series[3], series[:100] or series[mask].")
     return found
 
 
@@ -90,17 +85,14 @@ class Series(ReadOnly):
     Attributes
     ----------
     sets : sequence of AntiresonanceSet or None
-        Without diagrams. Of a series in a file they are read when they are asked for.
+        Without diagrams.
     names, times : tuple of str, (n,) datetime64 or None
         Of the tests: such as the names of their files, and when each was made, where that is known.
-    conditions : dict of str to (n,)
-        What was measured beside, such as the temperature; NaN where not known.
-    failed : dict of int to str
-        Why a test has no set, by its index.
-    excitation, dofs : int, str or None, tuple
-        The dof of the force, None without any set, and all responses of all sets.
-    interrupted : bool
-        Whether the series was stopped before its last test.
+    conditions, failed : dict of str to (n,), and dict of int to str
+        What was measured beside, NaN where not known; why a test has no set, by its index.
+    excitation, dofs, interrupted : int, str or None, tuple and bool
+        The dof of the force, None without any set; all responses of all sets; whether the series was stopped
+        before its last test.
 
     Examples
     --------
@@ -181,25 +173,11 @@ class Series(ReadOnly):
         times: Any = None,
         failed: Mapping[int, str] | None = None,
     ) -> Self:
-        """A series of sets that are there.
+        """A series of sets that are there, all of one excitation; None for a test without a result.
 
-        Parameters
-        ----------
-        sets : sequence of AntiresonanceSet or None
-            In the order of the tests, all of one excitation; None for a test without a result.
-        conditions : mapping of str to array_like, (n,), DataFrame or path
-            What was measured beside, as for :func:`~antires_rs.identify_series`.
-        names : sequence of str, optional
-            By default the numbers of the tests.
-        times : array_like, (n,), optional
-            When each was made: datetime64, datetime or ISO text.
-        failed : mapping of int to str, optional
-            Why a test has none.
-
-        Raises
-        ------
-        InvalidInputError
-            No tests, several excitations, or columns of another length.
+        ``conditions`` are as for :func:`~antires_rs.identify_series`; ``names`` by default the numbers of the
+        tests; ``times`` (n,) are datetime64, datetime or ISO text; ``failed`` says why a test has no set. No
+        test, several excitations, or columns of another length are an ``InvalidInputError``.
         """
         if not isinstance(sets, Sequence) or isinstance(sets, str | Mapping):
             reject("sets", type(sets).__name__, "a list of sets", "Put the sets in a list.")
@@ -216,25 +194,10 @@ class Series(ReadOnly):
     def tracks(
         self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0
     ) -> Tracks:
-        """Every antiresonance followed over the tests that have a set; a missing response tells nothing.
+        """Every antiresonance followed over the tests that have a set, a row each, as by ``ar.track``.
 
-        Parameters
-        ----------
-        conditions : str or sequence, (n,), optional
-            The name of a condition, "times", "names", or what differs from test to test. Default: the indices
-            of the tests.
-        max_shift, std_between : float
-            As for :func:`~antires_rs.track`.
-
-        Returns
-        -------
-        Tracks
-            A row for each test that has a set, in their order.
-
-        Raises
-        ------
-        InvalidInputError
-            Fewer than two sets, or no such condition.
+        ``conditions`` is the name of one, "times", "names", or what differs from test to test (n,), the
+        indices of the tests by default. An unknown one, or fewer than two sets, is an ``InvalidInputError``.
         """
         kept = [(i, one) for i, one in enumerate(self.sets) if one is not None]
         labels: Any = range(len(self)) if conditions is None else conditions
@@ -276,16 +239,8 @@ class Series(ReadOnly):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write all of it into one file, whole or not at all; see :meth:`load`.
 
-        Parameters
-        ----------
-        path : path-like
-            Ending in ``.sqlite`` a database; in ``.csv`` a table of text, which cannot be loaded again; else
-            the same table as Parquet.
-
-        Raises
-        ------
-        InvalidInputError, MissingDependencyError
-            A folder that does not exist; pyarrow is not installed, for Parquet.
+        One that ends in ``.sqlite`` is a database, in ``.csv`` a table of text, which cannot be loaded again;
+        else it is the same table as Parquet, which needs pyarrow.
         """
         rows = []
         for i, one in enumerate(self.sets):
@@ -296,18 +251,10 @@ class Series(ReadOnly):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """A series out of a file; its sets are read when they are asked for.
+        """A series out of what :meth:`save` wrote, or the ``store`` of :func:`~antires_rs.identify_series`.
 
-        Parameters
-        ----------
-        path : path-like
-            What :meth:`save` wrote, or the ``store`` of :func:`~antires_rs.identify_series`: of one that
-            runs, or was stopped, it gives the tests so far.
-
-        Raises
-        ------
-        FileNotFoundError, InvalidInputError, MissingDependencyError
-            There is none; a file of another kind, or of a newer version; pyarrow is not installed.
+        Its sets are read when they are asked for; of a store that runs, or was stopped, these are the tests
+        so far. A file of another kind, or of a newer version, is an ``InvalidInputError``.
         """
         rows, unfinished = read_series(Path(path))
         return cls(**parts_of(rows), interrupted=unfinished)

@@ -24,7 +24,7 @@ from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.one_force import Finding
 from ..signals.recording import Recording
-from ..support.messages import unheard
+from ..support.messages import some, unheard
 from ..support.progress import apart
 from ..support.values import FrozenDict
 from .stored_tests import encoded
@@ -258,14 +258,10 @@ def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
     readers: list[Any] = [reader for kind, reader in READERS.items() if kind in found]
     if not readers or any(map(Path.is_dir, files)):  # any reader may come to read, through a folder too
         readers = [read_frf_files, *([READERS[chosen]] if chosen else READERS.values())]
-    parameters = (one for reader in readers for one in inspect.signature(reader).parameters.values())
-    kinds = (inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    known = {"format", *(one.name for one in parameters if one.kind in kinds)} - {"path", "files"}
-    for name in given:
-        if name not in known:
-            names = ", ".join(reader.__name__ for reader in readers)
-            got = f"{name!r}, which {names} {'does' if len(readers) == 1 else 'do'} not take"
-            reject("reading", got, f"options out of {', '.join(sorted(known))}", "Correct or remove it.")
+    known = {"format", *(name for reader in readers for name in inspect.signature(reader).parameters)}
+    if odd := given.keys() - known:
+        wanted = f"options out of {', '.join(sorted(known - {'path', 'files', 'options'}))}"
+        reject("reading", some(map(repr, sorted(odd))), wanted, "Correct or remove them.")
     return dict(given)
 
 
