@@ -86,24 +86,32 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
 #: supports, masses.
 _WARMER, _ON_ONE_SIDE, _SUPPORTS, _LADEN = 0.02, 0.01, 0.1, 0.02
+#: A joint has not lost more where its warmth is judged.
+_LOOSE = 0.8
 
 
 def surroundings(
-    model: StructuralModel, factors: Sequence[Parameter], named: Sequence[str], along: FloatArray | None
+    model: StructuralModel,
+    factors: Sequence[Parameter],
+    values: FloatArray,
+    named: Sequence[str],
+    along: FloatArray | None,
 ) -> FloatArray:
-    """Changes of ln factor (p, k) that go together, of standard deviation 1 each; ``along`` is the place of
-    each element between -1 and 1."""
-    elements = set(model.default_elements)
+    """Changes of ln factor (p, k) that go together, of standard deviation 1 each, where factors have these
+    ``values``; ``along`` is the place of each term between -1 and 1."""
+    elements, n_terms = set(model.default_elements), model._core.n_stiffness_terms
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
-    n_terms = model._core.n_stiffness_terms
     held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
+    # A joint turns by the same angle for the same moment, however stiff the beam that it holds.
+    lost = np.where(np.array(stiff) >= n_terms, np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
+    warm -= lost * (2.0 - lost) / (1.0 - lost)
     columns = []
     if "temperature" in named:
         columns.append(_WARMER * warm)
         if along is not None:
-            places = [along[term] if term in elements else 0.0 for term in stiff]
-            columns.append(_ON_ONE_SIDE * np.array(places))
+            places = [along[term] if 0 <= term < along.size else 0.0 for term in stiff]
+            columns.append(_ON_ONE_SIDE * warm * np.array(places))
     if "supports" in named:
         columns.append(_SUPPORTS * held)
     if "mass" in named:
@@ -933,6 +941,7 @@ class _Family(NamedTuple):
     core: Any
     factors: tuple[Parameter, ...]
     group: NDArray[np.intp]
+    along: FloatArray | None  # place of each stiffness term
 
 
 @dataclass(frozen=True)
@@ -972,7 +981,7 @@ class Question:
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        plain = _Family(model, core, factors, group)
+        plain = _Family(model, core, factors, group, frame.along)
         if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
 
@@ -988,22 +997,29 @@ class Question:
             base, every = joints.joined(model), (*factors, *more)
             parts = model.description.core_parameters((*stiffness_reduction(numbers), *every))
             both = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
-            return _Family(base, responses.source(base, parts, **how), every, both)
+            along = plain.along
+            if along is not None:
+                own = [shape.element for shape in joints.shapes]
+                places = np.zeros(model._core.n_stiffness_terms + len(own))
+                places[: along.size] = along
+                places[places.size - len(own) :] = [along[e] if e >= 0 else 0.0 for e in own]
+                along = places
+            return _Family(base, responses.source(base, parts, **how), every, both, along)
 
-        def warmer(family: _Family) -> FloatArray:
-            return surroundings(model, family.factors, ("temperature",), frame.along)
+        def around(family: _Family, error: ModelError, named: Sequence[str] = ("temperature",)) -> FloatArray:
+            return surroundings(model, family.factors, np.exp(error.theta), named, family.along)
 
         def taught(family: _Family, intact: Values) -> ModelError:
             found = learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
             return replace(found, lacking=family is not plain)
 
         if not self._taught:
-            self._taught.append(self._learn(plain, yielding, taught, warmer, responses, intact))
+            self._taught.append(self._learn(plain, yielding, taught, around, responses, intact))
         error, intact, drift, scatter, odd, with_joints = self._taught[0]
         family = (yielding() if with_joints else None) or plain
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        ambient, heat = surroundings(model, family.factors, surrounded, frame.along), warmer(family)
+        ambient, heat = around(family, error, surrounded), around(family, error)
         if drift.any():
             ambient = np.hstack([ambient, heat * drift])
             left_out = (*responses.left_out, _DRIFTS.format(figure(_WARMER * float(drift[0]))))
@@ -1018,7 +1034,7 @@ class Question:
         plain: _Family,
         yielding: Callable[[], _Family | None],
         taught: Callable[[_Family, Values], ModelError],
-        warmer: Callable[[_Family], FloatArray],
+        around: Callable[[_Family, ModelError], FloatArray],
         responses: Responses | ModeResponses,
         intact: Values,
     ) -> tuple[ModelError, Values, FloatArray, float, Contradiction, bool]:
@@ -1042,7 +1058,9 @@ class Question:
         drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
         if scatter > 1.0:
             if isinstance(responses, Responses):
-                by_heat = error.intact.slopes[:, len(self.numbers) :] * np.exp(error.theta) @ warmer(family)
+                by_heat = (
+                    error.intact.slopes[:, len(self.numbers) :] * np.exp(error.theta) @ around(family, error)
+                )
                 intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
                 scatter = scatter_between(intact, intact.log_f, error.partner)
             error = taught(family, intact.noisier(scatter))
