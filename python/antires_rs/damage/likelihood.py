@@ -91,15 +91,16 @@ _LOOSE = 0.8
 
 
 def surroundings(
-    model: StructuralModel,
+    elements: set[int],
+    n_terms: int,
     factors: Sequence[Parameter],
     values: FloatArray,
     named: Sequence[str],
     along: FloatArray | None,
 ) -> FloatArray:
     """Changes of ln factor (p, k) that go together, of standard deviation 1 each, where factors have these
-    ``values``; ``along`` is the place of each term between -1 and 1."""
-    elements, n_terms = set(model.default_elements), model._core.n_stiffness_terms
+    ``values``; of the model's ``n_terms`` of stiffness these are ``elements``, the others springs, and terms
+    behind them joints; ``along`` is the place of each term between -1 and 1."""
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
     held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
@@ -1007,7 +1008,10 @@ class Question:
             return _Family(base, responses.source(base, parts, **how), every, both, along)
 
         def around(family: _Family, error: ModelError, named: Sequence[str] = ("temperature",)) -> FloatArray:
-            return surroundings(model, family.factors, np.exp(error.theta), named, family.along)
+            # The ground spring of a chain is a storey where it is a candidate.
+            elements = {*model.default_elements, *self.elements}.difference(*(p.terms for p in frame.springs))
+            n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
+            return surroundings(elements, n_terms, family.factors, values, named, family.along)
 
         def taught(family: _Family, intact: Values) -> ModelError:
             found = learned(family.core, len(numbers), family.group, intact, self.model_error, threads)
