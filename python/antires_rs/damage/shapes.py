@@ -183,7 +183,7 @@ class Structure:
         sizes, ways = np.linalg.eigh(np.diag(shared.sum(axis=1)) - shared)
         if sizes[1] < 1e-9 or sizes[2] < _PLAINLY * sizes[1]:
             return None
-        return np.asarray(1.0 - 2.0 / np.pi * np.arccos(ways[:, 1] / np.abs(ways[:, 1]).max()))
+        return np.linspace(-1.0, 1.0, len(terms))[np.argsort(np.argsort(ways[:, 1], kind="stable"))]
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
