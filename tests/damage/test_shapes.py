@@ -9,6 +9,7 @@ import pytest
 
 import antires_rs as ar
 from antires_rs.damage import shape_search
+from antires_rs.damage.likelihood import surroundings
 from antires_rs.damage.shapes import structure_of
 
 BAR = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
@@ -155,6 +156,25 @@ def test_supports_that_may_differ_are_no_damage_be_they_right_in_the_model():
     assert (best.elements, best.probability > 0.99) == ((), True)
     hurt = now.with_parameters(ar.stiffness_reduction(4), 0.2)
     assert assessed(hurt, before, rng(104), environment=("supports",)).damaged == [4]
+
+
+def test_what_warms_and_by_how_much():
+    """A joint of constant flexibility in series with a beam; elements of matrices by their order."""
+    one = ar.stiffness_factor([0, 1, 2], bounds=(0.1, 5.0))
+    flexible, warmth, step = 0.4, [], 1e-5
+    for by in (1.0, 1.0 + step):
+        warmth.append(np.log(1.0 - by + by / (1.0 + flexible * by)))
+    columns = surroundings({0}, 2, one, np.array([1.0, 1.0, np.exp(warmth[0])]), ("temperature",), None)
+    assert columns[:, 0] / columns[0, 0] == pytest.approx(
+        [1.0, 0.0, (warmth[1] - warmth[0]) / step], rel=1e-3
+    )
+    chain = ar.MassSpringChain(np.ones(7), np.full(6, 1e4), ground_first_n_per_m=8e3)
+    every = [0, 2, 4, 5, 3, 1]
+    terms = [
+        chain.stiffness() - chain.with_parameters(ar.stiffness_reduction(e), 1.0).stiffness() for e in every
+    ]
+    places = structure_of(ar.MatrixModel(chain.stiffness(), chain.mass(), stiffness_terms=terms)).along
+    assert np.argsort(places).tolist() in ([0, 5, 1, 4, 2, 3], [3, 2, 4, 1, 5, 0])
 
 
 def test_what_moves_all_values_of_an_intact_test_is_no_scatter_of_each():

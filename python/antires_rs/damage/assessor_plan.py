@@ -377,7 +377,7 @@ class TabulatedLikelihood(ValueLikelihood):
         log_likelihood, gain, curvature, error, *rest = found
         kappa, times = self.computed.errors[error, :2].tolist()
         gain_std = self.computed.error.gain_std
-        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest, gain_std)
+        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest, gain_std=gain_std)
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.

@@ -86,24 +86,33 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
 #: supports, masses.
 _WARMER, _ON_ONE_SIDE, _SUPPORTS, _LADEN = 0.02, 0.01, 0.1, 0.02
+#: A joint has not lost more where its warmth is judged.
+_LOOSE = 0.8
 
 
 def surroundings(
-    model: StructuralModel, factors: Sequence[Parameter], named: Sequence[str], along: FloatArray | None
+    elements: set[int],
+    n_terms: int,
+    factors: Sequence[Parameter],
+    values: FloatArray,
+    named: Sequence[str],
+    along: FloatArray | None,
 ) -> FloatArray:
-    """Changes of ln factor (p, k) that go together, of standard deviation 1 each; ``along`` is the place of
-    each element between -1 and 1."""
-    elements = set(model.default_elements)
+    """Changes of ln factor (p, k) that go together, of standard deviation 1 each, where factors have these
+    ``values``; of the model's ``n_terms`` of stiffness these are ``elements``, the others springs, and terms
+    behind them joints; ``along`` is the place of each term between -1 and 1."""
     stiff = [p.terms[0] if p.quantity == "stiffness_factor" else -1 for p in factors]
     warm = np.array([float(term in elements) for term in stiff])
-    n_terms = model._core.n_stiffness_terms
     held = np.array([float(0 <= term < n_terms and term not in elements) for term in stiff])
+    # A joint turns by the same angle for the same moment, however stiff the beam that it holds.
+    lost = np.where(np.array(stiff) >= n_terms, np.clip(1.0 - values, 0.0, _LOOSE), 0.0)
+    warm -= lost * (2.0 - lost) / (1.0 - lost)
     columns = []
     if "temperature" in named:
         columns.append(_WARMER * warm)
         if along is not None:
-            places = [along[term] if term in elements else 0.0 for term in stiff]
-            columns.append(_ON_ONE_SIDE * np.array(places))
+            places = [along[term] if 0 <= term < along.size else 0.0 for term in stiff]
+            columns.append(_ON_ONE_SIDE * warm * np.array(places))
     if "supports" in named:
         columns.append(_SUPPORTS * held)
     if "mass" in named:
@@ -971,6 +980,7 @@ class _Family(NamedTuple):
     factors: tuple[Parameter, ...]
     group: NDArray[np.intp]
     low: FloatArray
+    along: FloatArray | None  # place of each stiffness term
 
 
 @dataclass(frozen=True)
@@ -1012,7 +1022,7 @@ class Question:
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
         low = np.full(len(factors), -_REACH)
-        plain = _Family(frame, model, core, factors, group, low)
+        plain = _Family(frame, model, core, factors, group, low, frame.along)
         identified = isinstance(responses, Responses)
         if self.reduced and identified:
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
@@ -1031,7 +1041,14 @@ class Question:
             least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
             groups = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
             found: Any = responses.source(base, own, **how)
-            return _Family(structure, base, found, every, groups, np.concatenate([low, least]))
+            along = structure.along
+            if along is not None and base is not model:
+                places = np.zeros(base._core.n_stiffness_terms)
+                places[: along.size] = along
+                of = [shape.element for shape in joints.shapes] if more else []
+                places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]
+                along = places
+            return _Family(structure, base, found, every, groups, np.concatenate([low, least]), along)
 
         def nearest(structure: Structure) -> _Family:
             """With joints that yield as much as leads nearest to the intact values."""
@@ -1051,8 +1068,11 @@ class Question:
             found = (nearest(each) if yields else family_of(each, False) for each in structures)
             return [family for family in found if family is not plain]
 
-        def warmer(family: _Family) -> FloatArray:
-            return surroundings(model, family.factors, ("temperature",), family.structure.along)
+        def around(family: _Family, error: ModelError, named: Sequence[str] = ("temperature",)) -> FloatArray:
+            # The ground spring of a chain is a storey where it is a candidate.
+            elements = {*model.default_elements, *self.elements}.difference(*(p.terms for p in frame.springs))
+            n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
+            return surroundings(elements, n_terms, family.factors, values, named, family.along)
 
         def taught(family: _Family, intact: Values) -> ModelError:
             how = self.model_error, threads, family.low
@@ -1060,13 +1080,12 @@ class Question:
             return replace(found, lacking=len(family.factors) > len(factors))
 
         if not self._taught:
-            self._taught.append(self._learn(plain, others, taught, warmer, responses, intact))
+            self._taught.append(self._learn(plain, others, taught, around, responses, intact))
         error, intact, drift, scatter, odd, structure, with_joints = self._taught[0]
         family = family_of(structure, with_joints)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        heat = warmer(family)
-        ambient = surroundings(model, family.factors, surrounded, structure.along)
+        ambient, heat = around(family, error, surrounded), around(family, error)
         if drift.any():
             ambient = np.hstack([ambient, heat * drift])
             left_out = (*responses.left_out, _DRIFTS.format(figure(_WARMER * float(drift[0]))))
@@ -1081,7 +1100,7 @@ class Question:
         plain: _Family,
         others: Callable[[bool], list[_Family]],
         taught: Callable[[_Family, Values], ModelError],
-        warmer: Callable[[_Family], FloatArray],
+        around: Callable[[_Family, ModelError], FloatArray],
         responses: Responses | ModeResponses,
         intact: Values,
     ) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
@@ -1108,7 +1127,9 @@ class Question:
         drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
         if scatter > 1.0:
             if isinstance(responses, Responses):
-                by_heat = error.intact.slopes[:, len(self.numbers) :] * np.exp(error.theta) @ warmer(family)
+                by_heat = (
+                    error.intact.slopes[:, len(self.numbers) :] * np.exp(error.theta) @ around(family, error)
+                )
                 intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
                 scatter = scatter_between(intact, intact.log_f, error.partner)
             error = taught(family, intact.noisier(scatter))

@@ -189,8 +189,9 @@ def structure_of(model: StructuralModel, highest_hz: float = 0.0) -> Structure:
     return Chain(model) if isinstance(model, MassSpringChain) else Structure(model)
 
 
-#: Dofs of a model of matrices up to which each may have another mass.
-_MOST_DOFS = 100
+#: Dofs of a model of matrices up to which each may have another mass; terms up to which they are put in
+#: order, and by how much that must be the plainest order.
+_MOST_DOFS, _MOST_TERMS, _PLAINLY = 100, 300, 1.05
 
 
 class Structure:
@@ -203,8 +204,19 @@ class Structure:
 
     @property
     def along(self) -> FloatArray | None:
-        """Place of each element along the structure, from -1 to 1, where it is known."""
-        return None
+        """Place of each element along the structure, from -1 to 1, where it is known: of matrices by which of
+        them share dofs (M. Fiedler, Czech. Math. J. 25 (1975) 619-633)."""
+        terms = self.model._core.stiffness_terms()
+        if not 2 < len(terms) <= _MOST_TERMS:
+            return None
+        touched = np.zeros((len(terms), self.model.n_dof))
+        for nth, (rows, _, values) in enumerate(terms):
+            touched[nth, np.asarray(rows)[np.asarray(values) != 0.0]] = 1.0
+        shared = (touched @ touched.T > 0.0).astype(np.float64)
+        sizes, ways = np.linalg.eigh(np.diag(shared.sum(axis=1)) - shared)
+        if sizes[1] < 1e-9 or sizes[2] < _PLAINLY * sizes[1]:
+            return None
+        return np.linspace(-1.0, 1.0, len(terms))[np.argsort(np.argsort(ways[:, 1], kind="stable"))]
 
     @property
     def springs(self) -> tuple[Parameter, ...]:
