@@ -11,24 +11,17 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import MissingDependencyError, reject
+from ..exceptions import reject
+from ..io.common import require
 from ..support.checks import FloatArray, frequency_band
 from . import marks
 
 Table = dict[str, NDArray[Any]]
 
 
-def _require_matplotlib() -> None:
-    try:
-        import matplotlib  # noqa: F401 - only asked whether it is there
-    except ImportError as exc:
-        how = 'install it with: pip install "antires-rs[plot]"'
-        raise MissingDependencyError(f"pictures need matplotlib; {how}") from exc
-
-
 def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
     """The axes given, or those of a new pyplot figure of this size in inches."""
-    _require_matplotlib()
+    require("a picture", "matplotlib", "plot")
     if ax is not None:
         return ax
     from matplotlib import pyplot
@@ -38,7 +31,7 @@ def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
 
 def picture(draw: Callable[..., Any], size_in: tuple[float, float], rows: int = 1, dpi: int = 160) -> bytes:
     """PNG of what ``draw`` puts into axes of their own, an array for ``rows``; pyplot learns of nothing."""
-    _require_matplotlib()
+    require("a picture", "matplotlib", "plot")
     from matplotlib.figure import Figure
     from matplotlib.text import Text
 

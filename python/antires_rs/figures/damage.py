@@ -25,10 +25,9 @@ MOST_VISIBLE = 25.0  # smallest visible losses above this do not lengthen the ax
 def plot_damage(result: DamageResult, ax: Any = None, truth: Mapping[int, float] | None = None) -> Any:
     """Draw the stiffness loss of each candidate element in %, with what could have been seen.
 
-    The ticks across are ``result.detectable``: damage below would come out as none; a triangle at the upper
-    edge gives those above the axis. A hatched background marks elements whose damage no value could show.
-    Against a baseline bars have their 90 % intervals, the row above them is the probability of each element,
-    and empty bars are losses of elements that may be the damaged ones instead.
+    The ticks across are ``result.detectable``; a triangle at the upper edge gives those above the axis, and a
+    hatched background marks elements whose damage no value could show. Against a baseline bars have their
+    90 % intervals, probabilities stand above, and empty bars are elements that may be damaged instead.
 
     Parameters
     ----------

@@ -6,15 +6,13 @@ and loads :func:`script_files`, or holds their texts. bokeh is imported in funct
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..exceptions import MissingDependencyError
+from ..io.common import require
 from . import marks
 
 INK, GRID = "#222222", "#E3E3E3"  # ink of text and axes, grid lines
@@ -28,12 +26,7 @@ LEFT_PX, RIGHT_PX = 64, 58  # room beside the plotted area, the same for figures
 
 def require_bokeh() -> None:
     """Refuse with the name of the extra where bokeh is not there."""
-    known = sys.modules.get("bokeh", ...)
-    # Without importing it, which takes half a second.
-    there = find_spec("bokeh") is not None if known is ... else known is not None
-    if not there:
-        how = 'install it with: pip install "antires-rs[look]"'
-        raise MissingDependencyError(f"figures to be explored need bokeh; {how}")
+    require("a figure to be explored", "bokeh", "look")
 
 
 def columns(**values: Any) -> Any:

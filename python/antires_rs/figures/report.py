@@ -15,9 +15,10 @@ import numpy as np
 
 from .._core import __version__
 from ..damage.assess import DamageResult
-from ..exceptions import MissingDependencyError, reject
+from ..exceptions import reject
 from ..identification.stabilization import StabilizationDiagram
 from ..io.archive import versions
+from ..io.common import require
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.recording import Recording
 from ..support.files import write_atomically
@@ -30,6 +31,7 @@ from .responses import dof_name
 from .sets import draw_monitor, panels, size_in, watched_figure
 
 Measurement = Recording | FrequencyResponse | Mapping[str, str | Sequence[str]]  # what describes a set
+_DESCRIBING = (Recording, FrequencyResponse, Mapping)
 
 
 def write_report(
@@ -56,13 +58,10 @@ def write_report(
     if not isinstance(result, UpdateResult):
         remedy = "Pass what update or assess_damage returned."
         reject("result", type(result).__name__, "an UpdateResult or a DamageResult", remedy)
-    try:
-        import matplotlib  # noqa: F401 - only asked whether it is there
-        from jinja2 import Environment, StrictUndefined
-    except ImportError as exc:
-        raise MissingDependencyError(
-            'reports need jinja2 and matplotlib; install them with: pip install "antires-rs[report]"'
-        ) from exc
+    for package in ("matplotlib", "jinja2"):
+        require("a report", package, "report")
+    from jinja2 import Environment, StrictUndefined
+
     damage = isinstance(result, DamageResult)
     problem = result.problem
     modal = problem.objective == "modal"
@@ -133,18 +132,15 @@ def _lead(result: UpdateResult) -> str:
 def _measured(result: UpdateResult, measurement: Any) -> list[Facts]:
     """Facts about each measured set; what was given leads."""
     sets = result.problem.measured
-    if isinstance(measurement, Recording | FrequencyResponse | Mapping):
+    if isinstance(measurement, _DESCRIBING):
         measurement = [measurement]
     given = list(measurement or [None] * len(sets))
-    if len(given) != len(sets):
-        wanted = f"{len(sets)}, one for each measured set"
-        reject("measurement", f"{len(given)} of them", wanted, "Pass None where there is none.")
+    if len(given) != len(sets) or not all(isinstance(one, (*_DESCRIBING, type(None))) for one in given):
+        wanted = f"{len(sets)}, a Recording, a FrequencyResponse or facts by name for each measured set"
+        reject("measurement", given, wanted, "Pass None where there is none.")
     facts: list[Facts] = []
     for one, found in zip(given, sets, strict=True):
-        if one is not None and not isinstance(one, Recording | FrequencyResponse | Mapping):
-            wanted = "a Recording, a FrequencyResponse or facts by name"
-            reject("measurement", type(one).__name__, wanted, "Pass what was read from the file, or None.")
-        own = {} if one is None else _lines(one) if isinstance(one, Mapping) else parts.of_signal(one)
+        own = _lines(one or {}) if one is None or isinstance(one, Mapping) else parts.of_signal(one)
         facts.append(own | parts.of_set(found, result.problem.model))
     return facts
 

@@ -148,7 +148,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
     excitation : int or str
         The dof of the force.
     freq_hz : mapping of dof to array_like
-        Antiresonances in Hz, in any order; a number stands for a list of one, an empty list for none.
+        Antiresonances in Hz, positive, in any order; a number is a list of one, an empty list none.
     damping_ratio, std_hz : mapping of dof to array_like, optional
         Of each, in the order of ``freq_hz``; NaN where not known. Dofs may be missing.
     sees : {"frf", "transmissibility", None}
@@ -175,11 +175,6 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         By dof: peaks of its curve beside which nothing was seen.
     diagrams, data_check
         The stabilization diagram by dof, and whether the data were fit; not saved.
-
-    Raises
-    ------
-    InvalidInputError
-        Frequencies that are not positive and finite, or companions of another length or dof.
 
     Notes
     -----

@@ -34,11 +34,6 @@ class ModalSet(ReadOnly):
 
     All are attributes, as given, read-only.
 
-    Raises
-    ------
-    InvalidInputError
-        Shapes and frequencies that do not fit, frequencies not ascending, standard deviations below 0.
-
     Examples
     --------
     >>> import antires_rs as ar
@@ -145,11 +140,9 @@ def _each(name: str, given: Any, n_modes: int, least: float = -np.inf) -> FloatA
     if given is None:
         return None
     values = frozen(_maybe_empty(name, given, "an array (n_modes,)"))
-    if values.shape != (n_modes,):
-        remedy = "Give one for each mode, or leave it out."
-        reject(name, f"{values.size} values", f"{n_modes}, one a mode", remedy)
-    if values.min(initial=0.0) < least:
-        reject(name, "numbers below 0", "standard deviations of at least 0", "Leave it out.")
+    if values.shape != (n_modes,) or values.min(initial=0.0) < least:
+        wanted = f"{n_modes}, one a mode" + (", of at least 0" if least == 0.0 else "")
+        reject(name, f"{values.size} values", wanted, "Give one for each mode, or leave it out.")
     return values
 
 

@@ -110,8 +110,7 @@ class FrameModel(StructuralModel, Viewed):
     -----
     Free dofs are numbered node by node; see :meth:`dof`. Elements are the beams, then the springs to ground,
     then those between nodes; mass terms are the beams, then the point masses. Beams: Przemieniecki, Theory
-    of Matrix Structural Analysis (1968), with St. Venant torsion; with shear and rotary inertia (Timoshenko)
-    where the section has a shear coefficient.
+    of Matrix Structural Analysis (1968), with St. Venant torsion.
 
     Examples
     --------

@@ -305,15 +305,13 @@ class IslandGA:
     polish : bool, optional
         Local search from the nominal model and from the islands' bests. By default for an
         :class:`UpdatingProblem`: sequential linear programming with analytic sensitivities, and moves that
-        drop, add or exchange single damages. ``True`` polishes plain functions too, without derivatives;
-        variables with lower bound 0 may then be dropped and exchanged.
+        drop, add or exchange single damages. ``True`` polishes plain functions too, without derivatives.
     polish_interval : int, default 10
         Generations after which the bests are polished, even if not all islands wait.
     polish_evaluations : int, default 1000
         Evaluations after which the polish of one point begins no new move; all count in ``nfev``.
     max_evaluations : int, default 200000
-        Budget of evaluations, never exceeded. A linearization, which takes one solution of the eigenproblem
-        like a cost, counts as one: see ``njev`` of :class:`OptimizeResult`.
+        Budget of evaluations, never exceeded; a linearization, one eigenproblem like a cost, counts as one.
     max_generations, max_seconds : int and float, optional
         Budgets of generations and of time. A run that time ends is not reproducible.
 
@@ -420,9 +418,9 @@ class IslandGA:
 
         Notes
         -----
-        An exception of ``fun`` ends the search and comes out as it is, and so do the two errors above. Its
-        attribute ``result`` is the :class:`OptimizeResult` until then, of status ``'objective error'``; a
-        checkpoint goes on from the generation before.
+        An exception of ``fun`` ends the search and comes out as it is. Its attribute ``result``, and that of
+        the errors above, is the :class:`OptimizeResult` until then; a checkpoint goes on from the generation
+        before.
 
         Examples
         --------
