@@ -259,8 +259,9 @@ def checked_reading(given: Any, files: Sequence[Path]) -> Reading:
     if not readers or any(map(Path.is_dir, files)):  # any reader may come to read, through a folder too
         readers = [read_frf_files, *([READERS[chosen]] if chosen else READERS.values())]
     known = {"format", *(name for reader in readers for name in inspect.signature(reader).parameters)}
+    known -= {"path", "files", "options"}
     if odd := given.keys() - known:
-        wanted = f"options out of {', '.join(sorted(known - {'path', 'files', 'options'}))}"
+        wanted = f"options out of {', '.join(sorted(known))}"
         reject("reading", some(map(repr, sorted(odd))), wanted, "Correct or remove them.")
     return dict(given)
 
