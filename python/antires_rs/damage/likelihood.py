@@ -941,15 +941,12 @@ class Question:
             found: Any = responses.source(base, own, **how)
             return _Family(structure, base, found, every, groups, np.concatenate([low, least]))
 
-        def nearest(structure: Structure) -> _Family:
-            """With joints that yield as much as leads nearest to the intact values."""
-
-            def left(family: _Family) -> float:
-                x = np.repeat([0.0, 1.0], [len(numbers), len(family.factors)])
-                roots = roots_at(family.core, x[None], slopes=False, threads=threads)[0]
-                return intact.unexplained(roots, roots.log_f)
-
-            return min((family_of(each, True) for each in structure.hinged()), key=left)
+        def left(structure: Structure) -> float:
+            """How far its roots are from the intact values."""
+            family = family_of(structure, True)
+            x = np.repeat([0.0, 1.0], [len(numbers), len(family.factors)])
+            roots = roots_at(family.core, x[None], slopes=False, threads=threads)[0]
+            return intact.unexplained(roots, roots.log_f)
 
         def taught(family: _Family, intact: Values) -> ModelError:
             how = self.model_error, threads, family.low
@@ -974,11 +971,13 @@ class Question:
                 if yields and not (identified and self.model_error is None and not self.reduced and error.doubtful):
                     break
                 least = error.log_evidence + clearly
-                for structure in structures:
+                for structure in reversed(structures):  # what resolves its waves may need no other
                     step("learning what its elements do between nodes, and what joints yield")
-                    other = nearest(structure) if yields else family_of(structure, False)
+                    other = family_of(structure.hinged(left) if yields else structure, yields)
                     if other is not plain and (its := taught(other, intact)).log_evidence > least:
                         error, family, least = its, other, its.log_evidence
+                    if yields and not error.doubtful:
+                        break
             scatter = scatter_between(intact, error.place, error.partner)
             if scatter > 1.0:
                 error = taught(family, intact.noisier(scatter))
