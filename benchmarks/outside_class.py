@@ -139,7 +139,9 @@ def place_of(one, best):
     if len(one.state.cracks) != 1 or getattr(best, "kind", "") != "crack" or len(best.elements) != 1:
         return []
     (crack,), frame = one.state.cracks, one.structure
-    told, low, high = (float(x) for x in re.match(r"crack ([\d.e-]+) m \(([\d.e-]+) to ([\d.e-]+)\)", best.place).groups())
+    told, low, high = (
+        float(x) for x in re.match(r"crack ([\d.e-]+) m \(([\d.e-]+) to ([\d.e-]+)\)", best.place).groups()
+    )
     lengths = [frame._length(e) for e in frame.elements]
     at = crack.share * lengths[crack.element]
     (named,) = best.elements
@@ -219,7 +221,18 @@ def line(label, rows):
     ]
 
 
-HEADER = ["", "n", "alarms", "else", "right", "above a90", "90 % hold", "error %", "place holds", "its 90 % error"]
+HEADER = [
+    "",
+    "n",
+    "alarms",
+    "else",
+    "right",
+    "above a90",
+    "90 % hold",
+    "error %",
+    "place holds",
+    "its 90 % error",
+]
 HEADER += ["wrong > 0.99", "missed > 0.9", "CPU s"]
 
 

@@ -606,7 +606,7 @@ class Truss(Structure):
 
 
 class Pipe(Frame):
-    """A pipe with two bends in its plane, on hangers that the model has; its flange turns, the model's not."""
+    """A pipe with two bends in its plane, on hangers that the model has; its flange turns."""
 
     name, sets_limits, cracks_alone = "pipe", False, True
     band_hz = (4.0, 600.0)

@@ -887,6 +887,66 @@ class _Family(NamedTuple):
     low: FloatArray
 
 
+class _Families(NamedTuple):
+    """A model as it was given, and with what it may lack."""
+
+    question: Question
+    plain: _Family
+    responses: Any
+    intact: Values
+    how: Any
+    threads: int
+
+    def of(self, structure: Structure, yields: bool) -> _Family:
+        """The model with what its elements do between their nodes; and with springs, joints and supports
+        that yield, each by a factor of its own, if there are any."""
+        model, factors = self.question.model, self.plain.factors
+        base = structure.finer or model
+        joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
+        springs = [p for p in structure.yielding if p.terms not in given]
+        more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
+        if base is model and not more:
+            return self.plain
+        base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
+        reductions = stiffness_reduction(self.question.numbers)
+        core = self.responses.source(
+            base, model.description.core_parameters((*reductions, *every)), **self.how
+        )
+        least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
+        group = np.repeat([0, 1], [len(factors), len(more)])
+        return _Family(structure, base, core, every, group, np.concatenate([self.plain.low, least]))
+
+    def left(self, structure: Structure) -> float:
+        """How far the roots of a model that yields are from the intact values."""
+        family = self.of(structure, True)
+        x = np.repeat([0.0, 1.0], [len(self.question.numbers), len(family.factors)])
+        roots = roots_at(family.core, x[None], slopes=False, threads=self.threads)[0]
+        return self.intact.unexplained(roots, roots.log_f)
+
+    def taught(self, family: _Family, intact: Values) -> ModelError:
+        """The model's errors as the intact values tell them."""
+        n, how = len(self.question.numbers), (self.question.model_error, self.threads, family.low)
+        return learned(family.core, n, family.group, intact, *how)
+
+    def likeliest(self, error: ModelError) -> tuple[ModelError, _Family]:
+        """The model under which the intact values are most probable; ``error`` is of the plain one."""
+        family, structures = self.plain, [self.plain.structure]
+        finer = structure_of(self.question.model, float(np.exp(self.intact.plain.log_f.max())))
+        structures = [finer, *structures] if finer.finer else structures
+        for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
+            if yields and not (self.question.model_error is None and error.doubtful):
+                break
+            least = error.log_evidence + clearly
+            for structure in structures:
+                step("learning what its elements do between nodes, and what joints yield")
+                other = self.of(structure.hinged(self.left) if yields else structure, yields)
+                if other is not self.plain and (its := self.taught(other, self.intact)).log_evidence > least:
+                    error, family, least = its, other, its.log_evidence
+                if yields and not error.doubtful:  # what resolves its waves needs no other
+                    break
+        return error, family
+
+
 @dataclass(frozen=True)
 class Question:
     """What was asked; ``elements`` are the candidates, zero-based."""
@@ -921,40 +981,12 @@ class Question:
         core: Any = responses.source(model, parts, **how)
         group, low = np.zeros(len(factors), dtype=np.intp), np.full(len(factors), -_REACH)
         plain = _Family(structure_of(model), model, core, factors, group, low)
-        identified = isinstance(responses, Responses)
-        if self.reduced and identified:
+        if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
-
-        def family_of(structure: Structure, yields: bool) -> _Family:
-            """The model with what its elements do between their nodes; and with springs, joints and supports
-            that yield, each by a factor of its own, if there are any."""
-            base = structure.finer or model
-            joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
-            springs = [p for p in structure.yielding if p.terms not in given]
-            more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
-            if base is model and not more:
-                return plain
-            base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
-            own = model.description.core_parameters((*stiffness_reduction(numbers), *every))
-            least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
-            groups = np.repeat([0, 1], [len(factors), len(more)])
-            found: Any = responses.source(base, own, **how)
-            return _Family(structure, base, found, every, groups, np.concatenate([low, least]))
-
-        def left(structure: Structure) -> float:
-            """How far its roots are from the intact values."""
-            family = family_of(structure, True)
-            x = np.repeat([0.0, 1.0], [len(numbers), len(family.factors)])
-            roots = roots_at(family.core, x[None], slopes=False, threads=threads)[0]
-            return intact.unexplained(roots, roots.log_f)
-
-        def taught(family: _Family, intact: Values) -> ModelError:
-            how = self.model_error, threads, family.low
-            return learned(family.core, len(numbers), family.group, intact, *how)
-
+        families = _Families(self, plain, responses, intact, how, threads)
         if not self._taught:
             step("learning the model's errors")
-            error, family = taught(plain, intact), plain
+            error, family = families.taught(plain, intact), plain
             if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
                 reject(
                     "model",
@@ -963,28 +995,15 @@ class Question:
                     f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
                     "measurement.".lstrip(),
                 )
-            structures = [plain.structure]
-            if identified and not self.reduced and intact.size:
-                finer = structure_of(model, float(np.exp(intact.plain.log_f.max())))
-                structures += [finer] if finer.finer else []
-            for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
-                if yields and not (identified and self.model_error is None and not self.reduced and error.doubtful):
-                    break
-                least = error.log_evidence + clearly
-                for structure in reversed(structures):  # what resolves its waves may need no other
-                    step("learning what its elements do between nodes, and what joints yield")
-                    other = family_of(structure.hinged(left) if yields else structure, yields)
-                    if other is not plain and (its := taught(other, intact)).log_evidence > least:
-                        error, family, least = its, other, its.log_evidence
-                    if yields and not error.doubtful:
-                        break
+            if not self.reduced and intact.size and isinstance(responses, Responses):
+                error, family = families.likeliest(error)
             scatter = scatter_between(intact, error.place, error.partner)
             if scatter > 1.0:
-                error = taught(family, intact.noisier(scatter))
+                error = families.taught(family, intact.noisier(scatter))
             odd = contradiction(intact.plain, responses.tests)
             self._taught.append((error, scatter, odd, family.structure, len(family.factors) > len(factors)))
         error, scatter, odd, structure, with_joints = self._taught[0]
-        family = family_of(structure, with_joints)
+        family = families.of(structure, with_joints)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
         along = structure.along if self.options.environment else None

@@ -68,13 +68,14 @@ class Shape(NamedTuple):
 
     def amount(self, loss: float) -> float:
         """The amount beta of that loss."""
-        flexible = loss / ((1.0 - loss) * self.size)
-        return flexible / (1.0 + flexible)
+        return loss / (loss + (1.0 - loss) * self.size)
 
     def told(self, reach: tuple[float, float] | None = None) -> str:
         """Where a crack is, with the interval of its place."""
         ends = "" if reach is None else f" ({reach[0] * self.length_m:.3g} to {reach[1] * self.length_m:.3g})"
-        return f"crack {self.share * self.length_m:.3g} m{ends} from node {self.node} in element {self.element}"
+        return (
+            f"crack {self.share * self.length_m:.3g} m{ends} from node {self.node} in element {self.element}"
+        )
 
 
 @dataclass(frozen=True)
@@ -299,10 +300,10 @@ class Chain(Structure):
         return _listed(found)
 
 
-# -- Elements that are long against the waves in them: what a beam does while its ends are held, as further dofs
-#
-# Each element is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig
-# and M. C. C. Bampton, AIAA J. 6 (1968) 1313-1319). They scale with the element's stiffness and mass.
+# -- Elements that are long against the waves in them: what a beam does while its ends are held, as further
+# dofs. Each is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig
+# and M. C. C. Bampton, AIAA J. 6 (1968) 1313-1319), and scale with its stiffness and mass. What a frame lacks are
+# springs of hinges and under supports, dofs of their own too: the loss of an element leaves them as they are.
 
 #: Parts of an element; modes up to this multiple of the highest frequency that was measured.
 _PARTS, _HELD_UP_TO = 4, 8.0
@@ -321,11 +322,6 @@ class Inner(NamedTuple):
     carried: FloatArray  # mass between the dofs of both ends and them, (m, k)
     forces: tuple[FloatArray, ...]  # on them by the second end of each part, (dofs of a node, k)
 
-    @classmethod
-    def none(cls, m: int) -> Inner:
-        """Of an element that has none."""
-        return cls(np.empty(0, dtype=np.intp), np.empty(0), np.empty((m, 0)), ())
-
 
 class Frame(Structure):
     """The geometry of a frame, its matrices with every dof free, and the shapes that these give.
@@ -340,7 +336,7 @@ class Frame(Structure):
         assert frame is not None
         super().__init__(model)
         self.ends, self.nodes = model.elements.tolist(), np.asarray(model.nodes_m)
-        self.n = whole.n_dof
+        self.n, self.sections = whole.n_dof, list(model.sections.values())
         self.stiffness = [_of_core(term, self.n) for term in whole.stiffness_terms()[: len(self.ends)]]
         self.at = {tuple(name): dof for dof, name in enumerate(frame.dof_names())}
         self.free = np.array([self.at[name] for name in map(tuple, model._frame.dof_names())])
@@ -375,12 +371,6 @@ class Frame(Structure):
             if self.inner:
                 self.finer = self._refined()
 
-    def _with_hinges(self, turn: float, move: float) -> Frame:
-        other = copy(self)
-        other.hinges, other.hinge_nodes = {}, []
-        other.finer = other._refined(turn, move)
-        return other
-
     def _refined(self, turn: float = 0.0, move: float = 0.0) -> Joined:
         """The model with what elements do between their nodes, hinges of so many times EI / L, and springs
         under supports of so many times the stiffness that the elements have there."""
@@ -395,7 +385,8 @@ class Frame(Structure):
             ends = self._ends_of(element)
             k, m = (each[ends][:, ends].toarray() for each in (self.stiffness[element], self.masses[element]))
             free = row[ends] >= 0
-            inner = self.inner.get(element) or Inner.none(ends.size)
+            none = np.empty(0, dtype=np.intp), np.empty(0), np.empty((ends.size, 0)), ()
+            inner = self.inner.get(element, Inner(*none))
             turned: list[FloatArray] = []
             own: list[int] = []
             for node, axis, stiffness in self._turns_of(element) if turn else ():
@@ -417,12 +408,17 @@ class Frame(Structure):
             d = np.array(turned).reshape(-1, ends.size).T
             if own:
                 self.hinges[element] = own, d
-            dofs, none = np.concatenate([inner.dofs, own]).astype(np.intp), np.zeros((ends.size, inner.dofs.size))
+            dofs, none = (
+                np.concatenate([inner.dofs, own]).astype(np.intp),
+                np.zeros((ends.size, inner.dofs.size)),
+            )
             zero = none.T @ d
             beside = np.hstack([none, k @ d]), np.hstack([inner.carried, m @ d])
             corner = (
                 np.block([[np.diag(inner.squares), zero], [zero.T, d.T @ k @ d]]),
-                np.block([[np.eye(inner.dofs.size), inner.carried.T @ d], [d.T @ inner.carried, d.T @ m @ d]]),
+                np.block(
+                    [[np.eye(inner.dofs.size), inner.carried.T @ d], [d.T @ inner.carried, d.T @ m @ d]]
+                ),
             )
             for own_terms, whole, side, block in zip(terms, added, beside, corner, strict=True):
                 if dofs.size:
@@ -434,8 +430,9 @@ class Frame(Structure):
             terms[0].append((at, at, np.array([stiffness for _, stiffness in several])))
             added[0].append(terms[0][-1])
             self.hinge_nodes.append(node)
-        matrices = [_together([each]) for each in terms[0]], [_together([each]) for each in terms[1]]
-        return Joined(n, CoreModel.from_matrices(n, *map(_together, added), *matrices))
+        k_terms, m_terms = ([_together([each]) for each in own] for own in terms)
+        stiffness_of_all, mass_of_all = map(_together, added)
+        return Joined(n, CoreModel.from_matrices(n, stiffness_of_all, mass_of_all, k_terms, m_terms))
 
     def _turns_of(self, element: int) -> Iterator[tuple[int, FloatArray, float]]:
         """Nodes at which an element may turn, axes, and its EI / L."""
@@ -453,8 +450,8 @@ class Frame(Structure):
             line[0] + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (line[1] - line[0]),
             tuple((nth, nth + 1, 0) for nth in range(_PARTS)),
             (0,),
-            (list(self.model.sections.values())[recipe.beams[element][2]],),
-            None if recipe.orientation is None else np.repeat(recipe.orientation[element][None], _PARTS, axis=0),
+            (self.sections[recipe.beams[element][2]],),
+            None if recipe.orientation is None else np.tile(recipe.orientation[element], (_PARTS, 1)),
         ).core()
         n, per = core.n_dof, ends.size // 2
         outer, inside = np.r_[:per, n - per : n], np.r_[per : n - per]
@@ -503,7 +500,9 @@ class Frame(Structure):
         for turns, moves in ((_HINGES, (0.0,)), ((0.0, -1.0), _SUPPORTS)):
             best = min(found, key=lambda each: each[0])[1]
             for turn, move in product(dict.fromkeys(best if each < 0.0 else each for each in turns), moves):
-                other = self._with_hinges(turn, move)
+                other = copy(self)
+                other.hinges, other.hinge_nodes = {}, []
+                other.finer = other._refined(turn, move)
                 if other.hinge_nodes:
                     found.append((left(other), turn, move, other))
         return min(found, key=lambda each: each[0])[3]
