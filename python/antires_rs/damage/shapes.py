@@ -300,10 +300,11 @@ class Chain(Structure):
         return _listed(found)
 
 
-# -- Elements that are long against the waves in them: what a beam does while its ends are held, as further
-# dofs. Each is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig
-# and M. C. C. Bampton, AIAA J. 6 (1968) 1313-1319), and scale with its stiffness and mass. What a frame lacks are
-# springs of hinges and under supports, dofs of their own too: the loss of an element leaves them as they are.
+# -- What elements do between their nodes, where they are long against the waves in them, as further dofs
+#
+# Each is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig and M.
+# C. C. Bampton, AIAA J. 6 (1968) 1313-1319), and scale with its stiffness and mass. What a frame may lack are
+# hinges and supports on springs, dofs of their own too: the loss of an element leaves them as they are.
 
 #: Parts of an element; modes up to this multiple of the highest frequency that was measured.
 _PARTS, _HELD_UP_TO = 4, 8.0
@@ -408,12 +409,9 @@ class Frame(Structure):
             d = np.array(turned).reshape(-1, ends.size).T
             if own:
                 self.hinges[element] = own, d
-            dofs, none = (
-                np.concatenate([inner.dofs, own]).astype(np.intp),
-                np.zeros((ends.size, inner.dofs.size)),
-            )
-            zero = none.T @ d
-            beside = np.hstack([none, k @ d]), np.hstack([inner.carried, m @ d])
+            dofs = np.concatenate([inner.dofs, own]).astype(np.intp)
+            zero = np.zeros((inner.dofs.size, d.shape[1]))
+            beside = np.hstack([0.0 * inner.carried, k @ d]), np.hstack([inner.carried, m @ d])
             corner = (
                 np.block([[np.diag(inner.squares), zero], [zero.T, d.T @ k @ d]]),
                 np.block(
