@@ -121,6 +121,8 @@ OUTSIDE = ("mass", "support", "joint", "sensor")
 
 def kinds_of(structure: Structure) -> list[str]:
     """Kinds that a structure has: chains and trusses have no cracks."""
+    if structure.cracks_alone:
+        return ["crack"]
     return [kind for kind in KINDS if structure.beams or kind != "crack"]
 
 

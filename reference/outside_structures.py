@@ -1,4 +1,4 @@
-"""Six structures that the package's models do not describe: what they lack is no stiffness or mass factor.
+"""Structures that the package's models do not describe: what they lack is no stiffness or mass factor.
 
 Truths are assembled by reference/timoshenko.py, models as a user would make them. Every stiffness and mass of
 a truth is off by 1 to 3 % (standard deviation, drawn for each truth), supports and joints by 20 %. Beside it
@@ -9,10 +9,11 @@ the model lacks
 - ``cantilever``: a support spring, and damage is a crack: a hinge anywhere along an element;
 - ``grillage``: springs at the corners, lumps where beams cross; it is symmetric;
 - ``elastic_beam``: shear and mesh only, but its springs do not follow when the beam warms;
+- ``pipe``: its flange turns; cracks only;
 - ``truss``: its bars' masses are lumped at the joints, which have gussets; the roller yields.
 
 Limits in the package may be set on ``building``, ``grillage`` and ``elastic_beam``; ``portal``,
-``cantilever`` and ``truss`` judge, and nothing is tuned on them.
+``cantilever``, ``truss`` and ``pipe`` judge, and nothing is tuned on them.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from typing import Any
 import numpy as np
 
 import antires_rs as ar
-from reference.timoshenko import Assembly, Bar
+from reference.timoshenko import Assembly, Bar, ThinTube
 
 #: Standard deviations of a truth's factors lie between these; of its supports and joints.
 LEAST_OFF, MOST_OFF, CONNECTIONS_OFF = 0.01, 0.03, 0.2
@@ -78,8 +79,8 @@ class Structure:
     #: Nodes that may get a mass (at the driven one it moves no zero); elements that meet at each joint.
     nodes: tuple[int, ...]
     joints: tuple[frozenset[int], ...]
-    #: Whether an element can have a crack.
-    beams = True
+    #: Whether an element can have a crack, and nothing else that is looked at.
+    beams, cracks_alone = True, False
     #: Number in the model of an element beside the candidates that is this support.
     support_elements: Mapping[int, int] = {}
 
@@ -601,7 +602,49 @@ class Truss(Structure):
         return {(3, "v"): 1.0}
 
 
+# -- A bent pipe, as of an exhaust: cracks alone
+
+
+class Pipe(Frame):
+    """A pipe with two bends in its plane, on hangers that the model has; its flange turns."""
+
+    name, sets_limits, cracks_alone = "pipe", False, True
+    band_hz = (4.0, 600.0)
+    section = ThinTube(0.0015, 0.0485)
+    places = (
+        *((0.2 * i, 0.0) for i in range(4)),
+        *((0.6 + 0.16 * i, 0.12 * i) for i in range(1, 3)),
+        *((0.92 + 0.2 * i, 0.24) for i in range(1, 7)),
+    )
+    lines = tuple((i, i + 1) for i in range(11))
+    nodes = tuple(range(1, 12))
+    sensors = ((1, "v"), (2, "v"), (3, "v"), (4, "u"), (5, "v"), (6, "v"), (7, "v"), (9, "v"), (11, "v"))
+    hung, hanger_n_per_m, flange = (3, 6, 10), 4.0e4, 25.0
+    n_supports = 3
+    held = ((0, "u"), (0, "v"))
+
+    @cached_property
+    def model(self):
+        springs = [ar.GroundSpring(node, "v", self.hanger_n_per_m) for node in self.hung]
+        return ar.FrameModel(self.places, self.lines, self.bar, ground_springs=springs, fixed=[0])
+
+    @property
+    def bar(self):
+        one = self.section
+        return ar.Tube(one.height_m + one.width_m, one.width_m, one.e_pa, one.rho)
+
+    @property
+    def force(self):
+        return self.model.dof(11, "v")
+
+    def _connect(self, one, own, state):
+        found = self._supports_now(own, state, (self.hanger_n_per_m,) * 3)
+        for node, stiffness in zip(self.hung, found, strict=True):
+            one.link((node, "v"), stiffness)
+        one.link((0, "theta"), self.flange * self.section.ei / 1.0 * own.connections[3])
+
+
 #: By name.
 STRUCTURES: dict[str, Structure] = {
-    kind.name: kind() for kind in (Building, ElasticBeam, Grillage, Portal, Cantilever, Truss)
+    kind.name: kind() for kind in (Building, ElasticBeam, Grillage, Portal, Cantilever, Truss, Pipe)
 }

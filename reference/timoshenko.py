@@ -40,8 +40,12 @@ class Bar:
         return self.width_m * self.height_m
 
     @property
+    def second_m4(self) -> float:
+        return self.width_m * self.height_m**3 / 12.0
+
+    @property
     def ei(self) -> float:
-        return self.e_pa * self.width_m * self.height_m**3 / 12.0
+        return self.e_pa * self.second_m4
 
     @property
     def shear(self) -> float:
@@ -58,6 +62,25 @@ class Bar:
     def hinge_n_m(self, length_m: float, loss: float) -> float:
         """A rotational spring that is as flexible as the loss of a beam of this length, bent evenly."""
         return self.ei / length_m * (1.0 - loss) / loss
+
+
+@dataclass(frozen=True)
+class ThinTube(Bar):
+    """A round tube of mean diameter ``height_m`` and wall ``width_m``."""
+
+    @property
+    def area_m2(self) -> float:
+        return np.pi * self.height_m * self.width_m
+
+    @property
+    def second_m4(self) -> float:
+        return self.area_m2 * (self.height_m**2 + self.width_m**2) / 8.0
+
+    @property
+    def shear(self) -> float:
+        """Shear stiffness with Cowper's coefficient of a thin wall (1966)."""
+        kappa = 2.0 * (1.0 + self.poisson) / (4.0 + 3.0 * self.poisson)
+        return kappa * self.e_pa / (2.0 * (1.0 + self.poisson)) * self.area_m2
 
 
 def bent(ei, shear, mass_per_m, rotary_per_m, length):
@@ -175,7 +198,7 @@ class Assembly:
 
 
 def _bent(section: Bar, length: float):
-    rotary = section.rho * section.width_m * section.height_m**3 / 12.0
+    rotary = section.rho * section.second_m4
     return bent(section.ei, section.shear, section.rho * section.area_m2, rotary, length)
 
 

@@ -11,6 +11,7 @@ import antires_rs as ar
 from antires_rs.damage import shape_search
 from antires_rs.damage.likelihood import surroundings
 from antires_rs.damage.shapes import structure_of
+from antires_rs.models.matrices import as_sparse
 
 BAR = ar.Rectangle(0.04, 0.008, 7.0e10, 2700.0)
 PLACES = [(0.1 * i, 0.0) for i in range(11)]
@@ -232,3 +233,24 @@ def test_a_sensor_that_moved_is_one_for_all_forces():
         found[2] = found[2] * (1.0 + moved * np.sin(7.0 * found[2]))
         sets.append(ar.AntiresonanceSet(force, found, std_hz={dof: STD * f for dof, f in found.items()}))
     assert "sensor at mass 2 moved" in ar.assess_damage(chain, sets[2:], baseline=sets[:2]).headline
+
+
+def test_long_elements_move_between_their_nodes_as_a_finer_mesh_does():
+    """And an end that turns on a spring is one on a spring to ground."""
+
+    def modes(joined):
+        matrices = (as_sparse(columns) for columns in (joined._core.stiffness(), joined._core.mass()))
+        return ar.MatrixModel(*matrices).modes(7).freq_hz
+
+    coarse = ar.FrameModel(PLACES[::2], LINES[:5], BAR, fixed=[0])
+    places = [(0.025 * i, 0.0) for i in range(41)]
+    fine = ar.FrameModel(places, [(i, i + 1) for i in range(40)], BAR, fixed=[0]).modes(7).freq_hz
+    frame = structure_of(coarse, 600.0)
+    assert np.abs(coarse.modes(7).freq_hz / fine - 1.0).max() > 5e-3
+    assert modes(frame.finer) == pytest.approx(fine, rel=1e-3)
+    spring = ar.GroundSpring(0, "theta", 12.0 * 7.0e10 * 0.04 * 0.008**3 / 12.0 / 0.1)
+    held = ar.GroundSpring(7, "v", 2e4)
+    turning = beam(fixed=[(0, ("u", "v"))], ground_springs=[held, spring]).modes(7).freq_hz
+    hinged = structure_of(PLAIN).hinged(lambda one: abs(modes(one.finer or PLAIN)[0] - turning[0]))
+    assert hinged.hinge_nodes
+    assert modes(hinged.finer) == pytest.approx(turning, rel=1e-6)

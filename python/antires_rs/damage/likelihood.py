@@ -983,6 +983,112 @@ class _Family(NamedTuple):
     along: FloatArray | None  # place of each stiffness term
 
 
+class _Families(NamedTuple):
+    """A model as it was given, and with what it may lack."""
+
+    question: Question
+    plain: _Family
+    responses: Any
+    intact: Values
+    how: Any
+    threads: int
+
+    def of(self, structure: Structure, yields: bool) -> _Family:
+        """The model with what its elements do between their nodes; and with springs, joints and supports
+        that yield, each by a factor of its own, if there are any."""
+        model, factors = self.question.model, self.plain.factors
+        base = structure.finer or model
+        joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
+        springs = [p for p in structure.yielding if p.terms not in given]
+        more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
+        if base is model and not more:
+            return self.plain
+        base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
+        reductions = stiffness_reduction(self.question.numbers)
+        core = self.responses.source(
+            base, model.description.core_parameters((*reductions, *every)), **self.how
+        )
+        least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
+        group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
+        along = structure.along
+        if along is not None:
+            of = [shape.element for shape in joints.shapes] if more else []
+            places = np.zeros(base._core.n_stiffness_terms)
+            places[: along.size] = along
+            places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]
+            along = places
+        return _Family(structure, base, core, every, group, np.concatenate([self.plain.low, least]), along)
+
+    def left(self, structure: Structure) -> float:
+        """How far the roots of a model that yields are from the intact values."""
+        family = self.of(structure, True)
+        x = np.repeat([0.0, 1.0], [len(self.question.numbers), len(family.factors)])
+        roots = roots_at(family.core, x[None], slopes=False, threads=self.threads)[0]
+        return self.intact.unexplained(roots, roots.log_f)
+
+    def taught(self, family: _Family, intact: Values) -> ModelError:
+        """The model's errors as the intact values tell them."""
+        n, how = len(self.question.numbers), (self.question.model_error, self.threads, family.low)
+        found = learned(family.core, n, family.group, intact, *how)
+        return replace(found, lacking=len(family.factors) > len(self.plain.factors))
+
+    def around(
+        self, family: _Family, error: ModelError, named: Sequence[str] = ("temperature",)
+    ) -> FloatArray:
+        """Changes of ln factor that the surroundings make, as :func:`surroundings` has them."""
+        model, springs = self.question.model, self.plain.structure.springs
+        # The ground spring of a chain is a storey where it is a candidate.
+        elements = {*model.default_elements, *self.question.elements}.difference(*(p.terms for p in springs))
+        n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
+        return surroundings(elements, n_terms, family.factors, values, named, family.along)
+
+    def learn(self) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
+        """What ``_taught`` holds."""
+        step("learning the model's errors")
+        question, responses, intact = self.question, self.responses, self.intact
+        error, family = self.taught(self.plain, intact), self.plain
+        if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
+            reject(
+                "model",
+                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
+                "a model of the tested structure",
+                f"{question.hint()} Check units, dofs and supports of the model, and the band of the "
+                "measurement.".lstrip(),
+            )
+        identified = isinstance(responses, Responses)
+        if identified and not question.reduced and intact.size:
+            error, family = self.likeliest(error)
+        drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
+        if scatter > 1.0:
+            if identified:
+                by_factors = error.intact.slopes[:, len(question.numbers) :] * np.exp(error.theta)
+                by_heat = by_factors @ self.around(family, error)
+                intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
+                scatter = scatter_between(intact, intact.log_f, error.partner)
+            error = self.taught(family, intact.noisier(scatter))
+        odd = contradiction(intact.plain, responses.tests)
+        yields = len(family.factors) > len(self.plain.factors)
+        return error, intact, drift, scatter, odd, family.structure, yields
+
+    def likeliest(self, error: ModelError) -> tuple[ModelError, _Family]:
+        """The model under which the intact values are most probable; ``error`` is of the plain one."""
+        family, structures = self.plain, [self.plain.structure]
+        finer = structure_of(self.question.model, float(np.exp(self.intact.plain.log_f.max())))
+        structures = [finer, *structures] if finer.finer else structures
+        for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
+            if yields and not (self.question.model_error is None and error.doubtful):
+                break
+            least = error.log_evidence + clearly
+            for structure in structures:
+                step("learning what its elements do between nodes, and what joints yield")
+                other = self.of(structure.hinged(self.left) if yields else structure, yields)
+                if other is not self.plain and (its := self.taught(other, self.intact)).log_evidence > least:
+                    error, family, least = its, other, its.log_evidence
+                if yields and not error.doubtful:  # what resolves its waves needs no other
+                    break
+        return error, family
+
+
 @dataclass(frozen=True)
 class Question:
     """What was asked; ``elements`` are the candidates, zero-based."""
@@ -1015,77 +1121,23 @@ class Question:
         group = np.zeros(len(factors), dtype=np.intp)
         if "supports" in surrounded:  # what changes needs a factor, be it right in the model
             factors += tuple(p for p in frame.springs if p.terms[0] not in model._springs)
-            group = np.pad(group, (0, len(factors) - group.size), constant_values=1)
         sides: Any = measured_modes if isinstance(self.measured[0], ModalSet) else measured_states
         responses, intact, now = sides(model, self.baseline, self.measured)
         how: Any = {"silent": True} if silent else {}
         parts = model.description.core_parameters((*stiffness_reduction(numbers), *factors))
         core: Any = responses.source(model, parts, **how)
-        low = np.full(len(factors), -_REACH)
-        plain = _Family(frame, model, core, factors, group, low, frame.along)
-        identified = isinstance(responses, Responses)
-        if self.reduced and identified:
+        group = np.pad(group, (0, len(factors) - group.size), constant_values=1)
+        plain = _Family(frame, model, core, factors, group, np.full(len(factors), -_REACH), frame.along)
+        if self.reduced and isinstance(responses, Responses):
             plain = plain._replace(core=ReducedRoots(Terms(model, responses.parts, numbers, factors), core))
-
-        def family_of(structure: Structure, yields: bool) -> _Family:
-            """The model with what its elements do between their nodes; and with springs, joints and supports
-            that yield, each by a factor of its own, if there are any."""
-            base = structure.finer or model
-            joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
-            springs = [p for p in structure.yielding if p.terms not in given]
-            more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
-            if base is model and not more:
-                return plain
-            base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
-            own = model.description.core_parameters((*stiffness_reduction(numbers), *every))
-            least = np.repeat([-_REACH, -_YIELDS], [len(springs), len(joints)])[: len(more)]
-            groups = np.concatenate([group, np.ones(len(more), dtype=np.intp)])
-            found: Any = responses.source(base, own, **how)
-            along = structure.along
-            if along is not None and base is not model:
-                places = np.zeros(base._core.n_stiffness_terms)
-                places[: along.size] = along
-                of = [shape.element for shape in joints.shapes] if more else []
-                places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]
-                along = places
-            return _Family(structure, base, found, every, groups, np.concatenate([low, least]), along)
-
-        def nearest(structure: Structure) -> _Family:
-            """With joints that yield as much as leads nearest to the intact values."""
-
-            def left(family: _Family) -> float:
-                x = np.repeat([0.0, 1.0], [len(numbers), len(family.factors)])
-                roots = roots_at(family.core, x[None], slopes=False, threads=threads)[0]
-                return intact.unexplained(roots, roots.log_f)
-
-            return min((family_of(each, True) for each in structure.hinged()), key=left)
-
-        def others(yields: bool) -> list[_Family]:
-            structures = [plain.structure]
-            if identified and not self.reduced and intact.size:
-                finer = structure_of(model, float(np.exp(intact.plain.log_f.max())))
-                structures += [finer] if finer.finer else []
-            found = (nearest(each) if yields else family_of(each, False) for each in structures)
-            return [family for family in found if family is not plain]
-
-        def around(family: _Family, error: ModelError, named: Sequence[str] = ("temperature",)) -> FloatArray:
-            # The ground spring of a chain is a storey where it is a candidate.
-            elements = {*model.default_elements, *self.elements}.difference(*(p.terms for p in frame.springs))
-            n_terms, values = model._core.n_stiffness_terms, np.exp(error.theta)
-            return surroundings(elements, n_terms, family.factors, values, named, family.along)
-
-        def taught(family: _Family, intact: Values) -> ModelError:
-            how = self.model_error, threads, family.low
-            found = learned(family.core, len(numbers), family.group, intact, *how)
-            return replace(found, lacking=len(family.factors) > len(factors))
-
+        families = _Families(self, plain, responses, intact, how, threads)
         if not self._taught:
-            self._taught.append(self._learn(plain, others, taught, around, responses, intact))
+            self._taught.append(families.learn())
         error, intact, drift, scatter, odd, structure, with_joints = self._taught[0]
-        family = family_of(structure, with_joints)
+        family = families.of(structure, with_joints)
         if scatter > 1.0:
             intact, now = intact.noisier(scatter), now.noisier(scatter)
-        ambient, heat = around(family, error, surrounded), around(family, error)
+        ambient, heat = families.around(family, error, surrounded), families.around(family, error)
         if drift.any():
             ambient = np.hstack([ambient, heat * drift])
             left_out = (*responses.left_out, _DRIFTS.format(figure(_WARMER * float(drift[0]))))
@@ -1094,48 +1146,6 @@ class Question:
         likelihood = Likelihood(family.core, len(numbers), error, intact, now, *rest)
         made = responses, intact, scatter, odd, family.base, structure, core, len(factors)
         return Prepared(likelihood, numbers, family.factors, *made)
-
-    def _learn(
-        self,
-        plain: _Family,
-        others: Callable[[bool], list[_Family]],
-        taught: Callable[[_Family, Values], ModelError],
-        around: Callable[[_Family, ModelError], FloatArray],
-        responses: Responses | ModeResponses,
-        intact: Values,
-    ) -> tuple[ModelError, Values, FloatArray, float, Contradiction, Structure, bool]:
-        """What ``_taught`` holds."""
-        step("learning the model's errors")
-        error, family = taught(plain, intact), plain
-        if not error.intact.size or (intact.size and not (error.partner >= 0).any()):
-            reject(
-                "model",
-                f"one that does not explain the measurement: no {responses.noun} near the measured ones",
-                "a model of the tested structure",
-                f"{self.hint()} Check units, dofs and supports of the model, and the band of the "
-                "measurement.".lstrip(),
-            )
-        asked = isinstance(responses, Responses) and self.model_error is None and not self.reduced
-        for yields, clearly in ((False, 0.0), (True, _CLEARLY)):
-            if yields and not (asked and error.doubtful):
-                break
-            step("learning what its elements do between nodes, and what joints yield")
-            least = error.log_evidence + clearly
-            for other in others(yields):
-                if (its := taught(other, intact)).log_evidence > least:
-                    error, family, least = its, other, its.log_evidence
-        drift, scatter = np.zeros(0), scatter_between(intact, error.place, error.partner)
-        if scatter > 1.0:
-            if isinstance(responses, Responses):
-                by_heat = (
-                    error.intact.slopes[:, len(self.numbers) :] * np.exp(error.theta) @ around(family, error)
-                )
-                intact, drift = without_shifts(intact, error.place, error.partner, by_heat)
-                scatter = scatter_between(intact, intact.log_f, error.partner)
-            error = taught(family, intact.noisier(scatter))
-        odd = contradiction(intact.plain, responses.tests)
-        yields = len(family.factors) > len(plain.factors)
-        return error, intact, drift, scatter, odd, family.structure, yields
 
     def hint(self) -> str:
         """A mistake that would account for a model that does not explain the intact structure, if any."""

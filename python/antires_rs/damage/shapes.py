@@ -13,9 +13,10 @@ Cracks as rotational springs: A. D. Dimarogonas, Eng. Fract. Mech. 55 (1996) 831
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -67,8 +68,7 @@ class Shape(NamedTuple):
 
     def amount(self, loss: float) -> float:
         """The amount beta of that loss."""
-        flexible = loss / ((1.0 - loss) * self.size)
-        return flexible / (1.0 + flexible)
+        return loss / (loss + (1.0 - loss) * self.size)
 
     def told(self, reach: tuple[float, float] | None = None) -> str:
         """Where a crack is, with the interval of its place."""
@@ -171,7 +171,12 @@ def _bordered(at: Any, own: Any, side: FloatArray, corner: FloatArray) -> tuple[
 
 
 def _together(several: Sequence[tuple[Any, Any, FloatArray]]) -> Entries:
-    return Entries.joined(*map(np.concatenate, zip(*several, strict=True)))
+    """Their sum."""
+    from scipy.sparse import coo_array
+
+    rows, columns, values = map(np.concatenate, zip(*several, strict=True))
+    n = 1 + max(int(each.max(initial=0)) for each in (rows, columns))
+    return Entries.of_sparse(coo_array((values, (rows, columns)), shape=(n, n)))
 
 
 def _of_core(term: Any, n: int) -> Any:
@@ -228,9 +233,10 @@ class Structure:
         """The same, and of what joints yield where they are dofs of their own."""
         return self.springs
 
-    def hinged(self) -> list[Structure]:
-        """With joints that yield as dofs of their own, as much as they may."""
-        return [self]
+    def hinged(self, left: Callable[[Structure], float]) -> Structure:
+        """With joints that yield as dofs of their own."""
+        del left
+        return self
 
     def shapes(self, factor: Mapping[int, float]) -> Shapes:
         """What may change beside the losses of elements."""
@@ -306,15 +312,17 @@ class Chain(Structure):
         return _listed(found)
 
 
-# -- Elements that are long against the waves in them: what a beam does while its ends are held, as further dofs
+# -- What elements do between their nodes, where they are long against the waves in them, as further dofs
 #
-# Each element is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig
-# and M. C. C. Bampton, AIAA J. 6 (1968) 1313-1319). They scale with the element's stiffness and mass.
+# Each is cut into some parts; its lowest modes with both ends held join the static shapes (R. R. Craig and M.
+# C. C. Bampton, AIAA J. 6 (1968) 1313-1319), and scale with its stiffness and mass. What a frame may lack are
+# hinges and supports on springs, dofs of their own too: the loss of an element leaves them as they are.
 
 #: Parts of an element; modes up to this multiple of the highest frequency that was measured.
 _PARTS, _HELD_UP_TO = 4, 8.0
-#: Springs of joints and supports that turn, in EI / L of the element.
-_HINGES = (60.0, 25.0, 12.0, 6.0, 3.0)
+#: Springs of joints and supports that turn, in EI / L of the element; of supports that move, in what the
+#: elements there have.
+_HINGES, _SUPPORTS = (60.0, 25.0, 12.0, 6.0, 3.0), (30.0, 10.0, 4.0)
 #: Least mass that such a mode carries along, over that of the element, as a square root.
 _STILL = 1e-3
 
@@ -326,11 +334,6 @@ class Inner(NamedTuple):
     squares: FloatArray  # of their frequencies (rad/s), (k,)
     carried: FloatArray  # mass between the dofs of both ends and them, (m, k)
     forces: tuple[FloatArray, ...]  # on them by the second end of each part, (dofs of a node, k)
-
-    @classmethod
-    def none(cls, m: int) -> Inner:
-        """Of an element that has none."""
-        return cls(np.empty(0, dtype=np.intp), np.empty(0), np.empty((m, 0)), ())
 
 
 class Frame(Structure):
@@ -346,7 +349,7 @@ class Frame(Structure):
         assert frame is not None
         super().__init__(model)
         self.ends, self.nodes = model.elements.tolist(), np.asarray(model.nodes_m)
-        self.n = whole.n_dof
+        self.n, self.sections = whole.n_dof, list(model.sections.values())
         self.stiffness = [_of_core(term, self.n) for term in whole.stiffness_terms()[: len(self.ends)]]
         self.at = {tuple(name): dof for dof, name in enumerate(frame.dof_names())}
         self.free = np.array([self.at[name] for name in map(tuple, model._frame.dof_names())])
@@ -379,46 +382,48 @@ class Frame(Structure):
                     self.inner[element] = inner
                     n += inner.dofs.size
             if self.inner:
-                self.finer = self._refined(0.0)
+                self.finer = self._refined()
 
-    def _with_hinges(self, times: float) -> Frame:
-        other = copy(self)
-        other.hinges, other.hinge_nodes = {}, []
-        other.finer = other._refined(times)
-        return other
-
-    def _refined(self, times: float) -> Joined:
-        """The model with what elements do between their nodes, and hinges of so many times EI / L."""
+    def _refined(self, turn: float = 0.0, move: float = 0.0) -> Joined:
+        """The model with what elements do between their nodes, hinges of so many times EI / L, and springs
+        under supports of so many times the stiffness that the elements have there."""
         core, row = self.model._core, np.full(self.n, -1)
         row[self.free] = np.arange(self.free.size)
         n = self.free.size + sum(inner.dofs.size for inner in self.inner.values())
         terms = core.stiffness_terms(), core.mass_terms()
         added: tuple[list[Any], list[Any]] = ([_entries(core.stiffness())], [_entries(core.mass())])
-        springs: dict[int, list[tuple[int, float]]] = {}
+        springs: dict[tuple[int, str], list[tuple[int, float]]] = {}
+        under: dict[int, int] = {}
         for element in range(len(self.ends)):
             ends = self._ends_of(element)
             k, m = (each[ends][:, ends].toarray() for each in (self.stiffness[element], self.masses[element]))
             free = row[ends] >= 0
-            inner = self.inner.get(element) or Inner.none(ends.size)
+            none = np.empty(0, dtype=np.intp), np.empty(0), np.empty((ends.size, 0)), ()
+            inner = self.inner.get(element, Inner(*none))
             turned: list[FloatArray] = []
             own: list[int] = []
-            for node, turn, stiffness in self._turns_of(element) if times else ():
+            for node, axis, stiffness in self._turns_of(element) if turn else ():
                 column = np.zeros(ends.size)
-                column[np.isin(ends, [self.at[node, name] for name in self.turns])] = self._turns(turn)
+                column[np.isin(ends, [self.at[node, name] for name in self.turns])] = self._turns(axis)
                 if (k @ column)[free].any():
                     turned.append(column)
                     own.append(n)
-                    springs.setdefault(node, []).append((n, times * stiffness))
+                    springs.setdefault((node, ""), []).append((n, turn * stiffness))
                     n += 1
+            held = product(self.ends[element], self.moves) if move else ()
+            for node, name in held:
+                column = (ends == self.at[node, name]).astype(np.float64)
+                if not free[ends == self.at[node, name]].all() and (k @ column)[free].any():
+                    turned.append(column)
+                    own.append(under.setdefault(self.at[node, name], n))
+                    n += own[-1] == n
+                    springs.setdefault((node, name), []).append((own[-1], move * float(column @ k @ column)))
             d = np.array(turned).reshape(-1, ends.size).T
             if own:
                 self.hinges[element] = own, d
-            dofs, none = (
-                np.concatenate([inner.dofs, own]).astype(np.intp),
-                np.zeros((ends.size, inner.dofs.size)),
-            )
-            zero = none.T @ d
-            beside = np.hstack([none, k @ d]), np.hstack([inner.carried, m @ d])
+            dofs = np.concatenate([inner.dofs, own]).astype(np.intp)
+            zero = np.zeros((inner.dofs.size, d.shape[1]))
+            beside = np.hstack([0.0 * inner.carried, k @ d]), np.hstack([inner.carried, m @ d])
             corner = (
                 np.block([[np.diag(inner.squares), zero], [zero.T, d.T @ k @ d]]),
                 np.block(
@@ -430,13 +435,14 @@ class Frame(Structure):
                     more = _bordered(row[ends][free], dofs, side[free], block)
                     own_terms[element] = _together([own_terms[element], more])
                     whole.append(more)
-        for node, several in springs.items():
+        for (node, _), several in springs.items():
             at = np.array([dof for dof, _ in several])
             terms[0].append((at, at, np.array([stiffness for _, stiffness in several])))
             added[0].append(terms[0][-1])
             self.hinge_nodes.append(node)
-        matrices = [_together([each]) for each in terms[0]], [_together([each]) for each in terms[1]]
-        return Joined(n, CoreModel.from_matrices(n, *map(_together, added), *matrices))
+        k_terms, m_terms = ([_together([each]) for each in own] for own in terms)
+        stiffness_of_all, mass_of_all = map(_together, added)
+        return Joined(n, CoreModel.from_matrices(n, stiffness_of_all, mass_of_all, k_terms, m_terms))
 
     def _turns_of(self, element: int) -> Iterator[tuple[int, FloatArray, float]]:
         """Nodes at which an element may turn, axes, and its EI / L."""
@@ -454,10 +460,8 @@ class Frame(Structure):
             line[0] + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (line[1] - line[0]),
             tuple((nth, nth + 1, 0) for nth in range(_PARTS)),
             (0,),
-            (list(self.model.sections.values())[recipe.beams[element][2]],),
-            None
-            if recipe.orientation is None
-            else np.repeat(recipe.orientation[element][None], _PARTS, axis=0),
+            (self.sections[recipe.beams[element][2]],),
+            None if recipe.orientation is None else np.tile(recipe.orientation[element], (_PARTS, 1)),
         ).core()
         n, per = core.n_dof, ends.size // 2
         outer, inside = np.r_[:per, n - per : n], np.r_[per : n - per]
@@ -499,9 +503,19 @@ class Frame(Structure):
         size = float(np.ptp(own))
         return np.asarray(2.0 * (own - own.min()) / size - 1.0 if size else np.zeros(own.size))
 
-    def hinged(self) -> list[Structure]:
-        """With springs between elements and the nodes at which they may turn, of several stiffnesses."""
-        return [self._with_hinges(times) for times in _HINGES] if self.turning else [self]
+    def hinged(self, left: Callable[[Structure], float]) -> Structure:
+        """With springs between elements and the nodes at which they may turn, and under supports, of those
+        stiffnesses with which least is ``left``; itself if it has no such node or is best as it is."""
+        found = [(left(self), 0.0, 0.0, self)]
+        for turns, moves in ((_HINGES, (0.0,)), ((0.0, -1.0), _SUPPORTS)):
+            best = min(found, key=lambda each: each[0])[1]
+            for turn, move in product(dict.fromkeys(best if each < 0.0 else each for each in turns), moves):
+                other = copy(self)
+                other.hinges, other.hinge_nodes = {}, []
+                other.finer = other._refined(turn, move)
+                if other.hinge_nodes:
+                    found.append((left(other), turn, move, other))
+        return min(found, key=lambda each: each[0])[3]
 
     @property
     def yielding(self) -> tuple[Parameter, ...]:
