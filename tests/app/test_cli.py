@@ -37,7 +37,8 @@ def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys
     out = tmp_path / "new" / "folder"
     assert cli.main(["demo", "--out", str(out), "--seed", "1", "--workers", "2"]) == 0
     pictures = {f"{name}.png" for name in PICTURES}
-    assert set(os.listdir(out)) == pictures | {"updating.html", "damage.html", "summary.json"}
+    pages = {"updating.html", "damage.html", "damage_by_model.html"}
+    assert set(os.listdir(out)) == pictures | pages | {"summary.json"}
     said, progress = capsys.readouterr()
     assert "28     28      0" in said
     assert "largest difference:" in said
@@ -52,7 +53,8 @@ def test_demo_tells_the_story_and_writes_the_files(monkeypatch, tmp_path, capsys
     assert [name for name, beta in numbers["damage"]["severity"].items() if beta > 0] == ["spring 4"]
     assert numbers["damage"]["severity"]["spring 4"] == pytest.approx(0.55, abs=0.02)
     assert f"{100 * numbers['damage']['severity']['spring 4']:.1f}" in said
-    assert "Spring 4 has lost" in (out / "damage.html").read_text()
+    assert "Damage: spring 4 has lost" in (out / "damage.html").read_text()
+    assert "Spring 4 has lost" in (out / "damage_by_model.html").read_text()
     changed = numbers["damage"]["against_baseline"]
     assert [name for name, beta in changed["severity"].items() if beta > 0] == ["spring 4"]
     assert changed["severity"]["spring 4"] == pytest.approx(0.55, abs=0.005)

@@ -292,7 +292,7 @@ def test_damage_has_one_bar_an_element_and_prints_the_severity(damage, ax):
     [
         ([500.0] * 3, DOFS, {"baseline": True}, "no damage declared"),
         ([500.0, 300.0, 500.0], DOFS, {"baseline": True, "elements": [0]}, "no candidate explains"),
-        ([500.0] * 3, DOFS, {}, "no damage found"),
+        ([500.0] * 3, DOFS, {}, "no loss found"),
         ([500.0] * 3, [2], {"elements": [0, 1, 2]}, "no damage could be seen"),  # H_31 depends on one spring
     ],
 )

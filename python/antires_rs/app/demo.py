@@ -113,7 +113,7 @@ def matches(found: AntiresonanceSet, truth: dict[int, FloatArray]) -> list[dict[
 def text(story: Story) -> str:
     """The story's tables."""
     updated, damage, truth = story.updated, story.damage, story.case.truth(1)["severity"]
-    columns = (damage.severity, truth, damage.detectable, story.baseline.severity)
+    columns = (story.baseline.severity, truth, damage.severity, damage.detectable)
     label = story.case.model.element_label
     losses = "\n".join(
         f"   {label(e):<17}" + "".join(f"{_percent(column[e]):>14}" for column in columns)
@@ -139,12 +139,12 @@ numbers count from 0: dof 0 is mass 0, spring 4 (the paper's fifth) joins masses
 3. Damaged: recorded and identified again
 {_matches(story.damaged, story.case.truth(1)["freq_hz"])}
 
-   stiffness loss            by the          true      smallest       against
-   in %               updated model                     visible  first record
-{losses}
-
    Against the undamaged record:
-{headline}"""
+{headline}
+
+   stiffness loss           against          true        by the      smallest
+   in %                first record               updated model       visible
+{losses}"""
 
 
 def _matches(found: AntiresonanceSet, truth: dict[int, FloatArray]) -> str:
@@ -199,13 +199,13 @@ def summary(story: Story, seed: int, noise: float) -> dict[str, Any]:
 
 
 def write_files(story: Story, folder: Path) -> None:
-    """``updating.html`` and ``damage.html``, and the paper's pictures as PNG."""
+    """``updating.html``, ``damage.html`` and ``damage_by_model.html``, and the paper's pictures as PNG."""
     from ..figures.report import write_report
 
     truth = story.case.truth(1)["severity"]
     drawn = transmissibility(story.record, 0, nperseg=NPERSEG, estimator="rank1")
     model = drawings_of(story.updated, drawn)
-    damage = drawings_of(story.damage, None, truth, {0: story.damaged.diagrams[0]})
+    damage = drawings_of(story.baseline, None, truth, {0: story.damaged.diagrams[0]})
     pictures = {"stabilization": picture(lambda ax: story.undamaged.diagrams[0].plot(ax=ax), (9.0, 5.2))}
     pictures |= {name: model.figures[name].png for name in ("response", "differences", "convergence")}
     for name, png in (pictures | {"damage": damage.figures["damage"].png}).items():
@@ -213,7 +213,9 @@ def write_files(story: Story, folder: Path) -> None:
     title = "antires demo: the updated model"
     write_report(story.updated, folder / "updating.html", title=title, drawn=model)
     title = "antires demo: the damaged spring"
-    write_report(story.damage, folder / "damage.html", title=title, truth=truth, drawn=damage)
+    write_report(story.baseline, folder / "damage.html", title=title, truth=truth, drawn=damage)
+    title = "antires demo: the damaged spring, by the updated model alone"
+    write_report(story.damage, folder / "damage_by_model.html", title=title, truth=truth)
 
 
 def demo(args: argparse.Namespace) -> int:

@@ -18,7 +18,7 @@ from ..updating.model_check import Pairs, hint_between_states, roots_between
 from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
-from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together
+from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
 from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
 from .options import DamagePrior, SearchOptions
@@ -688,7 +688,7 @@ def concluded(
     if question.baseline and not shift and not found.explained:  # a change of unknown kind explains nothing
         up, moved = mostly_risen(intact.plain, now.plain)
         found = replace(found, n_risen=up, n_moved=moved)
-    return found
+    return without_idle(found)
 
 
 def _usual(values: Values) -> Pairs:
