@@ -127,8 +127,8 @@ SAID = {
     "Damage: spring 4 has lost 30.0 % of its stiffness. Probability 97.0 %": (
         without_idle(assessed(IDLE, (4,), IDLE[:3]))
     ),
-    "It cannot be told whether there is damage: the data of now are unfit. Too short. Record 9 s. If the data "
-    "can be trusted at all, the values point to damage of spring 4": (
+    "It cannot be told whether there is damage: the data of now are unfit. Too short. Record 9 s. If the "
+    "data can be trusted at all, the values point to damage of spring 4": (
         assessed(ONE, (4,), unfit="the data of now are unfit. Too short. Record 9 s.")
     ),
     "What else it may be: damage of spring 0, which these values do not show (40.0 %).": (

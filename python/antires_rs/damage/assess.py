@@ -39,7 +39,15 @@ from .measured_states import ASSUMED_STD, unfit
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
 from .shape_search import found_shapes
-from .words import UNREDUCED, UNSEEN_OF_ONE, all_lost, headline, headline_of_one_state, largest_left, reservations
+from .words import (
+    UNREDUCED,
+    UNSEEN_OF_ONE,
+    all_lost,
+    headline,
+    headline_of_one_state,
+    largest_left,
+    reservations,
+)
 
 if TYPE_CHECKING:
     from ..updating.posterior import ParameterIntervals, ProfileLikelihood
@@ -196,8 +204,8 @@ class DamageResult(Answered, UpdateResult):
         return replace(found, common_loss=common, left=self._left())
 
     def _left(self) -> float:
-        """The largest difference of a frequency with the damage found, relative; 0 where these differences are
-        as the errors of the values are, or the damage explains most of them."""
+        """The largest difference of a frequency with the damage found, relative; 0 where these differences
+        are as the errors of the values are, or the damage explains most of them."""
         value, kind, std = self.problem._targets.error_rows()
         of_hz = np.full(self.table.measured_hz.size, ASSUMED_STD)
         of_hz[value[kind == 0]] = 0.5 * std[kind == 0]  # these are of squares

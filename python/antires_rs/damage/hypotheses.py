@@ -308,8 +308,9 @@ def together(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
 
 # -- Sets whose further elements lose next to nothing are the same answer as the smaller set
 
-#: A loss below it is none.
-_IDLE = 0.005
+#: A loss below it is none; nor is one of so small a share of the largest, in ln(1 - loss), which errors of
+#: the model make beside it.
+_IDLE, _BESIDE = 0.005, 0.02
 
 
 def without_idle(found: Assessment) -> Assessment:
@@ -340,7 +341,8 @@ def _what(one: Hypothesis) -> tuple[Any, ...]:
 def _smaller(one: Hypothesis) -> Hypothesis:
     """The set without the elements that lose next to nothing; itself where all of them do."""
     columns = zip(one.elements, one.severities, one.low, one.high, strict=False)
-    kept = [row for row in columns if row[1] >= _IDLE]
+    least = max(_IDLE, -float(np.expm1(_BESIDE * np.log1p(-max(one.severities, default=0.0)))))
+    kept = [row for row in columns if row[1] >= least]
     if not kept or len(kept) == len(one.severities) or one.place:
         return one
     elements, severities, low, high = zip(*kept, strict=True)

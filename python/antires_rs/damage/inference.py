@@ -19,7 +19,7 @@ from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
-from .likelihood import Likelihood, Prepared, Question, ValueLikelihood, View
+from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
 from .measured_states import Values, mostly_risen
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
@@ -431,10 +431,14 @@ def stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
 #
 # .. math:: \tfrac{1}{2} z^2 + \ln\frac{\sqrt{2 \pi} \sigma p_1}{0.99 \, p_0} > 0, \qquad z = \beta / \sigma,
 #
-# which holds in nine of ten tests from 1.28 sigma above the beta of equality on.
+# z^2 / 2 standing for what the errors of ERRORS make of it. It is found in nine of ten tests from 1.28 sigma
+# above the beta of equality on, further where the model errs in how much a loss moves, and where another
+# element moves the values alike: of two whose slopes have the correlation rho the right one is the likelier
+# with the probability Phi(z sqrt((1 - rho) / 2)), as large as the two are.
 
-#: Intact tests that are simulated, and share of tests in which a severity is found.
-_DRAWS, _NINE_OF_TEN = 4000, 0.9
+#: Intact tests that are simulated; heights at which a severity is looked at, rivals of each element, those
+#: most alike, and share of tests that find it.
+_DRAWS, _HEIGHTS, _RIVALS, _NINE_OF_TEN = 4000, 200, 12, 0.9
 
 
 def log_odds_threshold(
@@ -477,16 +481,41 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     return np.asarray(solve_triangular(triangle, slopes[:, :n_candidates], lower=True))
 
 
-def smallest_found(slopes: FloatArray, prior: DamagePrior) -> FloatArray:
-    """Severity of each candidate that is found in nine of ten tests; infinity where none would be."""
-    from scipy.special import ndtri
+def smallest_found(
+    slopes: FloatArray, prior: DamagePrior, gain_std: float = 0.0, n_values: int | None = None
+) -> FloatArray:
+    """Severity of each candidate at which nine of ten tests declare it; infinity where none would be.
+    ``slopes`` (m, n) are over errors; of another matrix that has their product give the ``n_values``."""
+    from scipy.special import ndtr
 
     n = slopes.shape[1]
-    sigma = 1.0 / np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
-    against = prior.log_of(0, n) - prior.log_of(1, n)
-    height = np.sqrt(2.0 * np.maximum(against - np.log(np.sqrt(2.0 * np.pi) * sigma / HIGHEST), 0.0))
-    found = sigma * (height + ndtri(_NINE_OF_TEN))
+    m = slopes.shape[0] if n_values is None else n_values
+    size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
+    against = prior.log_of(0, n) - prior.log_of(1, n) + np.log(size * HIGHEST / np.sqrt(2.0 * np.pi))
+    # Height of a loss over its standard deviation, and how much less probable no damage is there.
+    height = np.geomspace(0.5, 500.0, _HEIGHTS)
+    worth = _log_likelihood(np.array([float(m)]), m) - _log_likelihood(m + height**2, m)
+    least = np.interp(np.maximum(against, 0.0), worth, height)
+    scatter = np.sqrt(1.0 + (gain_std * height) ** 2)
+    alike = np.clip((slopes / size).T @ (slopes / size), -1.0, 1.0)
+    found = np.full(n, np.inf)
+    for e in range(n):
+        shown = ndtr((height - least[e]) / scatter)
+        for other in np.argsort(-alike[e])[: _RIVALS + 1]:  # each is to be less probable, too
+            if other != e:
+                apart = max(1.0 - alike[e, other], 1e-12)
+                lead = 2.0 * np.log(size[other] / size[e]) / (height * max(1.0 + alike[e, other], 1e-12))
+                shown *= ndtr((height * apart + lead) / (np.sqrt(2.0 * apart) * scatter))
+        if shown[-1] >= _NINE_OF_TEN:
+            found[e] = np.interp(_NINE_OF_TEN, np.maximum.accumulate(shown), height) / size[e]
     return np.where(found <= HIGHEST, found, np.inf)
+
+
+def _log_likelihood(chi_square: FloatArray, m: int) -> FloatArray:
+    """Of m values with errors as they may be: multiples of those stated."""
+    times, share = np.array([each[1:] for each in ERRORS]).T
+    logs = np.log(share) - m * np.log(times) - 0.5 * chi_square[:, None] / times**2
+    return np.asarray(np.logaddexp.reduce(logs, axis=1))
 
 
 # -- The answers of a search on reduced models, judged anew where full and reduced model agree
@@ -588,7 +617,7 @@ def learned_from(
         low=likelihood.band.low,
         high=likelihood.band.high,
         threshold=log_odds_threshold(slopes, prior, question.options, rng),
-        detectable=tuple(smallest_found(slopes, prior).tolist()),
+        detectable=tuple(smallest_found(slopes, prior, error.gain_std).tolist()),
         assumed_std=prepared.responses.assumed,
         n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),

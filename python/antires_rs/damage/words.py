@@ -378,8 +378,8 @@ def reservations(found: Assessment) -> list[str]:
 
 #: In place of the smallest damage that would be seen, after one test of the intact structure.
 UNSEEN_OF_ONE = (
-    "How small a damage such tests would show is not known from one test of the intact structure: the smallest "
-    "losses assume that values scatter no more than their own standard deviations say."
+    "How small a damage such tests would show is not known from one test of the intact structure: the "
+    "smallest losses assume that values scatter no more than their own standard deviations say."
 )
 #: What to do about reduced models that differ from the full one.
 UNREDUCED = "Severities and probabilities move by as much; reduction=False takes the full model, and long."

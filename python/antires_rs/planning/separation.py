@@ -75,7 +75,9 @@ def separating_test(result: DamageResult) -> str:
             further.append((apart(more), f"the force at {model.dof_label(force)} in a second test"))
     best, place = max(further, default=(0.0, ""), key=lambda one: one[0])
     if best <= _HELPS * apart(now):
-        return f"{what}no further sensor, and no other place of the force, would; longer or repeated tests may."
+        return (
+            f"{what}no further sensor, and no other place of the force, would; longer or repeated tests may."
+        )
     times = best / max(apart(now), best / _MANY)
     return f"{what}{place} would set them {times:.2g} times as far apart; longer or repeated tests may too."
 
@@ -91,6 +93,8 @@ def _apart(of_test: FloatArray, elements: list[int], one: Hypothesis, other: Hyp
         # A little more than the information, for what no value sees.
         blind = 1e-12 * np.trace(of_test) * np.eye(len(b))
         seen = of_test[np.ix_(b, a)] @ loss
-        left = loss @ of_test[np.ix_(a, a)] @ loss - seen @ np.linalg.solve(of_test[np.ix_(b, b)] + blind, seen)
+        left = loss @ of_test[np.ix_(a, a)] @ loss - seen @ np.linalg.solve(
+            of_test[np.ix_(b, b)] + blind, seen
+        )
         found.append(float(np.sqrt(max(left, 0.0))))
     return min(found)
