@@ -1,8 +1,8 @@
 """Records of a few seconds against a baseline of two minutes: does damage that is not there come out?
 
 Three structures of reference/outside_structures.py under the noise of one force, modes damped by 0.5 to
-1.5 %, 2 % of noise in every channel. Each truth has an intact record of 120 s, the baseline, and for every length a
-second intact record and one with the loss of one element, 10 to 60 %. Told for every length are
+1.5 %, 2 % of noise in every channel. Each truth has an intact record of 120 s, the baseline, and for every
+length a second intact record and one with the loss of one element, 10 to 60 %. Told for every length are
 
 - false alarms of the intact records (damage declared), and those of more than 0.9;
 - of the damaged ones: named rightly, wrongly, wrongly with more than 0.9, "cannot be told", nothing found;

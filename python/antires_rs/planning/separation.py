@@ -40,7 +40,8 @@ def separating_test(result: DamageResult) -> str:
     first, *others = (h for h in left if ways[h.elements] is h)
     named = found.hypotheses.named
     what = f"To tell {named(first.elements)} from {' or '.join(named(h.elements) for h in others)}: "
-    sensors = {each.excitation: [dof for dof in each] for each in sets}
+    sensors = {model._dof("excitation", s.excitation): [model._dof("dof", d) for d in s] for s in sets}
+    sees = {model._dof("excitation", s.excitation): s.sees or "frf" for s in sets}
     free, used = model._sensor_dofs, sorted({dof for own in sensors.values() for dof in own})
     every = sorted({*free, *used})
     if model.n_dof * (len(sensors) * len(every) + len(used) ** 2) > _MOST:
@@ -52,16 +53,16 @@ def separating_test(result: DamageResult) -> str:
     errors = ExpectedErrors(0.0, 1.0, 0.01, float(np.median(known)) if known.size else ASSUMED_STD)
     band = float(values.min()) / _WIDER, float(values.max()) * _WIDER
 
-    def told(force: Any, dofs: Sequence[Any], sees: Any) -> Information:
+    def told(force: int, dofs: Sequence[int], seen: str) -> Information:
         parameters = tuple(stiffness_reduction(elements))
-        layout = Layout(model, tuple(dofs), force, band, sees)
+        layout = Layout(model, tuple(dofs), force, band, seen)
         roots = virtual_roots(layout, parameters, np.zeros(len(elements)), errors, 1)
         return information(roots, len(dofs), np.ones(len(elements)), 2)
 
     def apart(of_test: FloatArray) -> float:
         return min(_apart(of_test, elements, first, h) for h in others)
 
-    by_force = {each.excitation: told(each.excitation, every, each.sees or "frf") for each in sets}
+    by_force = {force: told(force, every, sees[force]) for force in sensors}
     at = {force: [every.index(dof) for dof in own] for force, own in sensors.items()}
     now = np.sum([by_force[force].of(at[force]) for force in sensors], axis=0)
     further: list[tuple[float, str]] = []
@@ -71,15 +72,14 @@ def separating_test(result: DamageResult) -> str:
             further.append((apart(more), f"a sensor at {model.dof_label(dof)} as well"))
     for force in used:
         if force not in sensors:
-            more = now + told(force, used, sets[0].sees or "frf").of(range(len(used)))
+            more = now + told(force, used, next(iter(sees.values()))).of(range(len(used)))
             further.append((apart(more), f"the force at {model.dof_label(force)} in a second test"))
     best, place = max(further, default=(0.0, ""), key=lambda one: one[0])
     if best <= _HELPS * apart(now):
-        return (
-            f"{what}no further sensor, and no other place of the force, would; longer or repeated tests may."
-        )
+        return f"{what}no further sensor or place of the force would; longer or repeated tests may."
     times = best / max(apart(now), best / _MANY)
-    return f"{what}{place} would set them {times:.2g} times as far apart; longer or repeated tests may too."
+    much = f"{times:.{1 if times < 9.95 else 0}f} times as far apart"
+    return f"{what}{place} would set them {much}; longer or repeated tests may too."
 
 
 def _apart(of_test: FloatArray, elements: list[int], one: Hypothesis, other: Hypothesis) -> float:
@@ -93,8 +93,6 @@ def _apart(of_test: FloatArray, elements: list[int], one: Hypothesis, other: Hyp
         # A little more than the information, for what no value sees.
         blind = 1e-12 * np.trace(of_test) * np.eye(len(b))
         seen = of_test[np.ix_(b, a)] @ loss
-        left = loss @ of_test[np.ix_(a, a)] @ loss - seen @ np.linalg.solve(
-            of_test[np.ix_(b, b)] + blind, seen
-        )
-        found.append(float(np.sqrt(max(left, 0.0))))
+        explained = seen @ np.linalg.solve(of_test[np.ix_(b, b)] + blind, seen)
+        found.append(float(np.sqrt(max(loss @ of_test[np.ix_(a, a)] @ loss - explained, 0.0))))
     return min(found)
