@@ -19,8 +19,8 @@ from ..updating.posterior import log_between
 from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
-from .likelihood import ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
-from .measured_states import Values, mostly_risen
+from .likelihood import BOUNDS, ERRORS, Likelihood, Prepared, Question, ValueLikelihood, View
+from .measured_states import Values, mostly_risen, roots_at
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import TOLERANCE, ReducedRoots
 from .shapes import CRACKED, Found, Shaped
@@ -437,8 +437,11 @@ def stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
 # with the probability Phi(z sqrt((1 - rho) / 2)), as large as the two are.
 
 #: Intact tests that are simulated; heights at which a severity is looked at, rivals of each element, those
-#: most alike, and share of tests that find it.
-_DRAWS, _HEIGHTS, _RIVALS, _NINE_OF_TEN = 4000, 200, 12, 0.9
+#: most alike, structures that the baseline allows, and share of tests that find it.
+_DRAWS, _HEIGHTS, _RIVALS, _STRUCTURES, _NINE_OF_TEN = 4000, 200, 12, 16, 0.9
+#: Least error of how much a loss moves the values, in scatters of the factors: those of a wrong model explain
+#: a baseline that they do not describe. Set on grillage.
+_GAIN = 0.5
 
 
 def log_odds_threshold(
@@ -461,7 +464,12 @@ def log_odds_threshold(
 
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     """Changes of the baseline's values by each severity, over the errors they will have, made independent."""
-    from scipy.linalg import solve_triangular
+    return _whitened(likelihood, n_candidates, 0)[0]
+
+
+def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArray:
+    """The same (1 + draws, m, n), of the model after the baseline and of others that the baseline allows."""
+    from scipy.linalg import cho_solve, solve_triangular
 
     error, n, now = likelihood.error, likelihood.n, likelihood.now
     root = np.flatnonzero(error.seen)
@@ -478,14 +486,33 @@ def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     std = np.array([float(np.median(each)) if each.size else usual for each in own])
     alike = likelihood.common * (kind == 0)
     triangle = np.linalg.cholesky(spread + np.diag(std**2) + np.outer(alike, alike) + moved @ moved.T)
-    return np.asarray(solve_triangular(triangle, slopes[:, :n_candidates], lower=True))
+    every = [slopes[:, :n_candidates]]
+    if draws:
+        p = error.theta.size
+        cross = error.rows[:, :p] * error.prior[:p]
+        left = np.diag(error.prior[:p]) - (cross.T @ cho_solve(error.factor, cross) if cross.size else 0.0)
+        size, ways = np.linalg.eigh(left)
+        scatter = np.random.default_rng(0).standard_normal((draws, p)) * np.sqrt(np.maximum(size, 0.0))
+        theta = np.clip(error.theta + scatter @ ways.T, *np.log(BOUNDS))
+        x = np.hstack([np.zeros((draws, n)), np.exp(theta)])
+        for each in roots_at(likelihood.core, x, slopes=True, threads=likelihood.threads):
+            found, identity = each.since(error.intact)
+            rows = np.zeros((error.intact.size, n_candidates))
+            rows[identity[identity >= 0]] = found.slopes[identity >= 0, :n_candidates]
+            every.append(rows[root])
+    return np.array([solve_triangular(triangle, one, lower=True) for one in every])
 
 
 def smallest_found(
-    slopes: FloatArray, prior: DamagePrior, gain_std: float = 0.0, n_values: int | None = None
+    slopes: FloatArray,
+    prior: DamagePrior,
+    gain_std: float = 0.0,
+    others: FloatArray | None = None,
+    n_values: int | None = None,
 ) -> FloatArray:
     """Severity of each candidate at which nine of ten tests declare it; infinity where none would be.
-    ``slopes`` (m, n) are over errors; of another matrix that has their product give the ``n_values``."""
+    ``slopes`` (m, n) are over errors, ``others`` (k, m, n) what they may be in the structure; of another
+    matrix that has their product give the ``n_values``."""
     from scipy.special import ndtr
 
     n = slopes.shape[1]
@@ -496,18 +523,24 @@ def smallest_found(
     height = np.geomspace(0.5, 500.0, _HEIGHTS)
     worth = _log_likelihood(np.array([float(m)]), m) - _log_likelihood(m + height**2, m)
     least = np.interp(np.maximum(against, 0.0), worth, height)
-    scatter = np.sqrt(1.0 + (gain_std * height) ** 2)
-    alike = np.clip((slopes / size).T @ (slopes / size), -1.0, 1.0)
+    unit = slopes / size
+    alike = np.clip(unit.T @ unit, -1.0, 1.0)
     found = np.full(n, np.inf)
     for e in range(n):
-        shown = ndtr((height - least[e]) / scatter)
+        moves = (slopes if others is None else others)[..., e].reshape(-1, slopes.shape[0]) / size[e]
+        shows = moves @ unit  # of each structure, by each element, (k, n)
+        rises = height[:, None] * shows[:, e]
+        shown = ndtr((rises - least[e]) / np.sqrt(1.0 + (gain_std * rises) ** 2))
         for other in np.argsort(-alike[e])[: _RIVALS + 1]:  # each is to be less probable, too
             if other != e:
                 apart = max(1.0 - alike[e, other], 1e-12)
-                lead = 2.0 * np.log(size[other] / size[e]) / (height * max(1.0 + alike[e, other], 1e-12))
-                shown *= ndtr((height * apart + lead) / (np.sqrt(2.0 * apart) * scatter))
+                both = np.maximum(height[:, None] * (shows[:, e] + shows[:, other]), 1e-6)
+                lead = 2.0 * np.log(size[other] / size[e]) / both
+                ahead = height[:, None] * (shows[:, e] - shows[:, other]) + lead
+                shown *= ndtr(ahead / np.sqrt(2.0 * apart))
+        shown = np.maximum.accumulate(shown.mean(axis=1))
         if shown[-1] >= _NINE_OF_TEN:
-            found[e] = np.interp(_NINE_OF_TEN, np.maximum.accumulate(shown), height) / size[e]
+            found[e] = np.interp(_NINE_OF_TEN, shown, height) / size[e]
     return np.where(found <= HIGHEST, found, np.inf)
 
 
@@ -602,7 +635,10 @@ def learned_from(
     """What is known before the values of now are looked at."""
     likelihood, intact, prior = prepared.likelihood, prepared.intact, question.prior
     error, odd = likelihood.error, prepared.odd
-    slopes = intact_slopes(likelihood, len(question.elements))
+    draws = 0 if question.reduced else _STRUCTURES
+    slopes, *others = _whitened(likelihood, len(question.elements), draws)
+    gain_std = max(error.gain_std, _GAIN * error.s)
+    smallest = smallest_found(slopes, prior, gain_std, np.array(others) if others else None)
     own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
     between = [
         roots_between(intact.response[at], intact.log_f[at], error.intact.response, error.intact.log_f)
@@ -617,7 +653,7 @@ def learned_from(
         low=likelihood.band.low,
         high=likelihood.band.high,
         threshold=log_odds_threshold(slopes, prior, question.options, rng),
-        detectable=tuple(smallest_found(slopes, prior, error.gain_std).tolist()),
+        detectable=tuple(smallest.tolist()),
         assumed_std=prepared.responses.assumed,
         n_intact=intact.size,
         n_intact_matched=int((error.partner >= 0).sum()),
