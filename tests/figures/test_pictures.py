@@ -347,7 +347,7 @@ def test_hypotheses_are_bars_of_their_probability(halves, ax):
     table = figures.data_of(ax)["hypotheses"]
     assert table["name"][:2].tolist() == ["element 2", "element 3"]
     assert sum(table["probability"]) == pytest.approx(1.0)
-    assert table["name"][-1].endswith("others together")
+    assert table["name"][-1].endswith("together")
     assert [bar.get_width() for bar in ax.patches] == table["probability"].tolist()
     assert ax.get_yticklabels()[0].get_text().startswith("element 2\n40.0 % (")
 

@@ -229,8 +229,8 @@ class DamageResult(Answered, UpdateResult):
     def detectable(self) -> dict[int, float]:
         """Smallest beta of each element that would be seen; infinity where none would.
 
-        With a baseline: what nine of ten such tests would show, with the errors of the values and those that
-        the baseline leaves to the model. Without one: below it the penalties cost more than the damage
+        With a baseline: at which nine of ten such tests would declare the element, and no other that moves
+        the values alike, with the errors of the values and those that the baseline leaves to the model. Without one: below it the penalties cost more than the damage
         explains, on exact data.
         """
         return dict(zip(self.elements, self._detectable, strict=True))
@@ -288,7 +288,8 @@ class DamageResult(Answered, UpdateResult):
             notes.append(f"No candidates: {some(others)}. Damage there {blamed}.")
         hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
         if hidden:
-            notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
+            names, noun = ", ".join(hidden), f"{self.problem.noun}s"
+            notes.append(f"No damage of {names} can be seen, or told from that of others, by these {noun}.")
         return notes
 
     @cached_property

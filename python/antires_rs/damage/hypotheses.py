@@ -309,14 +309,15 @@ def together(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
 # -- Sets whose further elements lose next to nothing are the same answer as the smaller set
 
 #: A loss below it is none; nor is one of so small a share of the largest, in ln(1 - loss), which errors of
-#: the model make beside it.
-_IDLE, _BESIDE = 0.005, 0.02
+#: the model make beside it: so many times the scatter of its factors, at most the latter.
+_IDLE, _OF_FACTORS, _BESIDE = 0.005, 0.5, 0.02
 
 
 def without_idle(found: Assessment) -> Assessment:
     """The same with the probability of each such set added to the smaller one."""
     rows: list[Hypothesis] = list(found.hypotheses)
-    smaller = [_smaller(one) for one in rows]
+    beside = min(_OF_FACTORS * found.factor_std, _BESIDE)
+    smaller = [_smaller(one, beside) for one in rows]
     if smaller == rows:
         return found
     merged = {_what(less): less for less in reversed(smaller)} | {_what(one): one for one in rows}
@@ -338,10 +339,10 @@ def _what(one: Hypothesis) -> tuple[Any, ...]:
     return (one.elements, one.place) if one.unknown else (one.elements,)
 
 
-def _smaller(one: Hypothesis) -> Hypothesis:
+def _smaller(one: Hypothesis, beside: float) -> Hypothesis:
     """The set without the elements that lose next to nothing; itself where all of them do."""
     columns = zip(one.elements, one.severities, one.low, one.high, strict=False)
-    least = max(_IDLE, -float(np.expm1(_BESIDE * np.log1p(-max(one.severities, default=0.0)))))
+    least = max(_IDLE, -float(np.expm1(beside * np.log1p(-max(one.severities, default=0.0)))))
     kept = [row for row in columns if row[1] >= least]
     if not kept or len(kept) == len(one.severities) or one.place:
         return one

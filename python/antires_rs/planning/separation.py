@@ -30,11 +30,12 @@ def separating_test(result: DamageResult) -> str:
     Losses b of the elements A are told from any of B, to first order, by
     sqrt(b' (I_AA - I_AB I_BB^-1 I_BA) b) standard deviations, I being the information of the test.
     """
-    found, sets = result.assessment, result._asked().measured
+    found, measured = result.assessment, result._asked().measured
+    sets = [each for each in measured if isinstance(each, AntiresonanceSet)]
     left = [h for h in found.group or found.hypotheses[:4] if h.candidate and h.elements]
     left = [h for h in left if h.probability >= _WORTH_IT]
     ways = {h.elements: h for h in reversed(left)}
-    if len(ways) < 2 or not all(isinstance(each, AntiresonanceSet) for each in sets):
+    if len(ways) < 2 or not sets:
         return ""
     model, elements = result.problem.model, sorted({e for own in ways for e in own})
     first, *others = (h for h in left if ways[h.elements] is h)
