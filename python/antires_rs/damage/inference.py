@@ -441,7 +441,7 @@ def stepped(elements: Elements, view: View, share: float = 1.0) -> FloatArray:
 _DRAWS, _HEIGHTS, _RIVALS, _STRUCTURES, _NINE_OF_TEN = 4000, 200, 12, 16, 0.9
 #: Least error of how much a loss moves the values, in scatters of the factors: those of a wrong model explain
 #: a baseline that they do not describe. Set on grillage.
-_GAIN = 0.5
+_ERRS = 0.5
 #: What else asks for a larger loss: cracks, sensors and masses that explain as much. Set there too.
 _BESIDES = 1.12
 
@@ -639,7 +639,7 @@ def learned_from(
     error, odd = likelihood.error, prepared.odd
     draws = 0 if question.reduced else _STRUCTURES
     slopes, *others = _whitened(likelihood, len(question.elements), draws)
-    gain_std = max(error.gain_std, _GAIN * error.s)
+    gain_std = max(error.gain_std, _ERRS * error.s)
     smallest = smallest_found(slopes, prior, gain_std, np.array(others) if others else None)
     own = [prepared.responses.tests[nth] for nth in intact.tests.tolist()]
     between = [
