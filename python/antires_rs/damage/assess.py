@@ -230,8 +230,8 @@ class DamageResult(Answered, UpdateResult):
         """Smallest beta of each element that would be seen; infinity where none would.
 
         With a baseline: at which nine of ten such tests would declare the element, and no other that moves
-        the values alike, with the errors of the values and those that the baseline leaves to the model. Without one: below it the penalties cost more than the damage
-        explains, on exact data.
+        the values alike, with the errors of the values and those that the baseline leaves to the model.
+        Without one: below it the penalties cost more than the damage explains, on exact data.
         """
         return dict(zip(self.elements, self._detectable, strict=True))
 
