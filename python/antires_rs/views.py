@@ -21,6 +21,7 @@ VIEWS = {
     ("Comparison", "to_dataframe"): "io.data_frames:comparison_frame",
     ("Comparison", "to_xarray"): "io.data_frames:comparison_dataset",
     ("DamageResult", "plot"): "figures.damage:plot_damage",
+    ("DamageResult", "separating_test"): "planning.separation:separating_test",
     ("DataCheck", "plot"): "figures.identification:plot_singular_values",
     ("DetectionCurves", "plot"): "figures.planning:plot_detectability",
     ("AntiresonanceSet", "look"): "figures.page:of_set",

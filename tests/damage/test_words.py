@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from antires_rs.damage import hypotheses as words
-from antires_rs.damage.hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis
-from antires_rs.damage.words import headline, headline_of_one_state, reservations, without_idle
+from antires_rs.damage.hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, without_idle
+from antires_rs.damage.words import headline, headline_of_one_state, reservations
 from antires_rs.figures.report_parts import hypothesis_rows
 from tests.support.refusals import each_of
 
@@ -124,7 +124,13 @@ SAID = {
     "No damage found: all values are 0.8 % lower than in the intact state, as another temperature or "
     "sampling clock would have it (probability 98.0 %).": assessed([unknown(0.98), nothing(0.02)], **SHIFT),
     "Probably no damage: all values are 0.8 % lower": assessed([unknown(0.6), one(1, 0.4)], **SHIFT),
-    "Damage: spring 4 has lost 30.0 % of its stiffness. Probability 97.0 %": assessed(IDLE, (4,), IDLE[:3]),
+    "Damage: spring 4 has lost 30.0 % of its stiffness. Probability 97.0 %": (
+        without_idle(assessed(IDLE, (4,), IDLE[:3]))
+    ),
+    "It cannot be told whether there is damage: the data of now are unfit. Too short. Record 9 s. If the "
+    "data can be trusted at all, the values point to damage of spring 4": (
+        assessed(ONE, (4,), unfit="the data of now are unfit. Too short. Record 9 s.")
+    ),
     "What else it may be: damage of spring 0, which these values do not show (40.0 %).": (
         assessed([nothing(0.6), one(0, 0.4, (1e-5,))])
     ),

@@ -287,7 +287,7 @@ def test_damage_has_one_bar_an_element_and_prints_the_severity(damage, ax):
     [
         ([500.0] * 3, DOFS, {"baseline": True}, "no damage declared"),
         ([500.0, 300.0, 500.0], DOFS, {"baseline": True, "elements": [0]}, "no candidate explains"),
-        ([500.0] * 3, DOFS, {}, "no damage found"),
+        ([500.0] * 3, DOFS, {}, "no loss found"),
         ([500.0] * 3, [2], {"elements": [0, 1, 2]}, "no damage could be seen"),  # H_31 depends on one spring
     ],
 )
@@ -342,7 +342,7 @@ def test_hypotheses_are_bars_of_their_probability(halves, ax):
     table = figures.data_of(ax)["hypotheses"]
     assert table["name"][:2].tolist() == ["element 2", "element 3"]
     assert sum(table["probability"]) == pytest.approx(1.0)
-    assert table["name"][-1].endswith("others together")
+    assert table["name"][-1].endswith("together")
     assert [bar.get_width() for bar in ax.patches] == table["probability"].tolist()
     assert ax.get_yticklabels()[0].get_text().startswith("element 2\n40.0 % (")
 

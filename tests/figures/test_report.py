@@ -176,8 +176,9 @@ def test_a_report_against_a_baseline_begins_with_the_answer(intact, tmp_path):
     page = read(write_report(judged, tmp_path / "r.html", baseline=[{"File": "intact.uff"}]))
     assert '<p class="answer">Damage: spring 1 has lost 40.0 % of its stiffness.</p>' in page.html
     wanted = "Damage: spring 1|Probability|compared with those of the intact structure; 2 candidate elements"
-    wanted += "|Smallest loss that nine of ten such tests would show|What may explain the measurement"
-    wanted += "|What to know before trusting this|probability of damage (%)"
+    wanted += "|What may explain the measurement|What to know before trusting this"
+    wanted += "|is not known from one test of the intact structure|probability of damage (%)"
+    wanted += "|smallest by stated errors (%)"
     wanted += (
         "|measured, corrected by the baseline (Hz)|The intact structure|intact.uff|learned from the baseline"
     )

@@ -35,10 +35,19 @@ from .assessor_plan import Plan, QuickSearch, TabulatedLikelihood, plan_of, read
 from .hypotheses import Answered, Assessment, figure
 from .inference import Search, common_loss, concluded, confirmed, learned_from
 from .likelihood import Prepared, Question
+from .measured_states import ASSUMED_STD, unfit
 from .options import ONE_STATE, TWO_STATES, DamagePrior, SearchOptions, checked_prior
 from .severity_intervals import severity_intervals, severity_profile
 from .shape_search import found_shapes
-from .words import UNREDUCED, all_lost, headline, headline_of_one_state, largest_left, reservations
+from .words import (
+    UNREDUCED,
+    UNSEEN_OF_ONE,
+    all_lost,
+    headline,
+    headline_of_one_state,
+    largest_left,
+    reservations,
+)
 
 if TYPE_CHECKING:
     from ..updating.posterior import ParameterIntervals, ProfileLikelihood
@@ -97,6 +106,9 @@ def question_of(
 
 #: Width of the 90 % interval of a Gaussian, in standard deviations.
 _WIDTH_90 = 2.0 * 1.6448536269514722
+#: Without a baseline: differences so many times the errors of the values are the model's, and damage that
+#: leaves more than this share of them may be made of them.
+_BEYOND, _MOST = 3.0, 0.5
 #: Relative scatter of stiffnesses and masses that probabilities without a baseline assume.
 ASSUMED_MODEL_ERROR = 0.03
 
@@ -173,7 +185,8 @@ class DamageResult(Answered, UpdateResult):
         if self._assessment is not None:
             return headline(self._assessment)
         found = self._losses, self.problem.model.element_label, self._fit, len(self.elements)
-        return headline_of_one_state(*found, finished=self.search.status != "interrupted")
+        doubt = unfit((), self.problem.measured)
+        return headline_of_one_state(*found, doubt, finished=self.search.status != "interrupted")
 
     @property
     def _losses(self) -> dict[int, float]:
@@ -188,7 +201,19 @@ class DamageResult(Answered, UpdateResult):
         losses, n = self._losses, len(self.elements)
         common = common_loss(self._alone, losses, thread_count(None))
         found = explained(self.problem, self.x, doubted=bool(common) or all_lost(losses, n))
-        return replace(found, common_loss=common)
+        return replace(found, common_loss=common, left=self._left())
+
+    def _left(self) -> float:
+        """The largest difference of a frequency with the damage found, relative; 0 where these differences
+        are as the errors of the values are, or the damage explains most of them."""
+        value, kind, std = self.problem._targets.error_rows()
+        of_hz = np.full(self.table.measured_hz.size, ASSUMED_STD)
+        of_hz[value[kind == 0]] = 0.5 * std[kind == 0]  # these are of squares
+        both = self.table.before_percent, self.table.after_percent
+        before, after = (np.nan_to_num(np.abs(each)) / 100.0 for each in both)
+        beyond = after / np.where(np.isfinite(of_hz), of_hz, ASSUMED_STD)
+        usual = not after.size or np.sqrt(np.mean(beyond**2)) < _BEYOND
+        return 0.0 if usual or after.sum() < _MOST * before.sum() else float(after.max())
 
     @property
     def elements(self) -> list[int]:
@@ -204,9 +229,9 @@ class DamageResult(Answered, UpdateResult):
     def detectable(self) -> dict[int, float]:
         """Smallest beta of each element that would be seen; infinity where none would.
 
-        With a baseline: what nine of ten such tests would show, with the errors of the values and those that
-        the baseline leaves to the model. Without one: below it the penalties cost more than the damage
-        explains, on exact data.
+        With a baseline: at which nine of ten such tests would declare the element, and no other that moves
+        the values alike, with the errors of the values and those that the baseline leaves to the model.
+        Without one: below it the penalties cost more than the damage explains, on exact data.
         """
         return dict(zip(self.elements, self._detectable, strict=True))
 
@@ -252,8 +277,10 @@ class DamageResult(Answered, UpdateResult):
             notes += reservations(self._assessment)
             if self.reduction is not None:
                 notes.append(self.reduction.note_with(UNREDUCED))
-            notes += self._of_the_values()
-            if seen := self._visible():
+            notes += [*self._of_the_values(), *([self.separating_test] if self.separating_test else [])]
+            if self._assessment.n_baselines == 1:
+                notes.append(UNSEEN_OF_ONE)
+            elif seen := self._visible():
                 notes.append(f"Smallest damage that nine of ten such tests would show: {seen}.")
         others = [label(e) for e in self.problem.model._springs if e not in self.severity]
         if others:
@@ -261,8 +288,18 @@ class DamageResult(Answered, UpdateResult):
             notes.append(f"No candidates: {some(others)}. Damage there {blamed}.")
         hidden = [label(e) for e, b in self.detectable.items() if not np.isfinite(b)]
         if hidden:
-            notes.append(f"No damage of {', '.join(hidden)} can be seen from these {self.problem.noun}s.")
+            names, noun = ", ".join(hidden), f"{self.problem.noun}s"
+            notes.append(f"No damage of {names} can be seen, or told from that of others, by these {noun}.")
         return notes
+
+    @cached_property
+    def separating_test(self) -> str:
+        """Which further sensor, or place of the force, would tell apart the damages that a test against a
+        baseline leaves, as :func:`plan_test` would; '' where one is left."""
+        if self._assessment is None or self._question is None or self._assessment.interrupted:
+            return ""
+        said: str = self._view("separating_test")(self)
+        return said
 
     def _of_the_values(self) -> list[str]:
         """The largest changes, where no candidate explains them; else what the damage found leaves."""
@@ -330,7 +367,7 @@ def infer(
         search.shaped = found_shapes(search, prepared, question)
     learned = learned_from(prepared, question, rng)
     found = concluded(search, question, learned, prepared.intact)
-    return found, prepared, reduction
+    return replace(found, unfit=unfit(question.baseline, question.measured)), prepared, reduction
 
 
 def assess_damage(
@@ -663,6 +700,7 @@ class Assessor(ReadOnly, Viewed):
         search.run()
         learned = replace(learned, assumed_std=learned.assumed_std or assumed)
         found = concluded(search, question, learned, plan.prepared.intact, notes=notes, least=_LISTED)
+        found = replace(found, unfit=unfit(question.baseline, sets))
         reasons = tuple(dict.fromkeys([*strange, *doubts(search, found)]))
         severity = FrozenDict({e: found.severities.get(e, 0.0) for e in question.elements})
         return AssessedTest(bool(reasons), reasons, severity, found, FrozenDict(plan.names))

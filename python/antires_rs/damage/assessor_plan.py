@@ -263,7 +263,7 @@ class Plan:
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
-        """By element, those whose sensitivities are most like its own, and the loss of each that is like 1."""
+        """By element, those whose sensitivities are most like its own, and what loss of each is like 1."""
         likelihood = self.prepared.likelihood
         slopes = intact_slopes(likelihood, likelihood.n)
         products = slopes.T @ slopes
@@ -376,8 +376,8 @@ class TabulatedLikelihood(ValueLikelihood):
     def _view(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
         kappa, times = self.computed.errors[error, :2].tolist()
-        gain_std = self.computed.error.gain_std
-        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest, gain_std=gain_std)
+        view = View(beta, log_likelihood, gain, curvature, kappa, times, *rest)
+        return replace(view, gain_std=self.computed.error.gain_std)
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -226,6 +226,7 @@ class Assessment(Value, Taught):
     n_risen: int = 0  # values that have risen, where most have and no hypothesis explains them
     n_moved: int = 0  # of so many that have moved
     hint: str = ""  # a mistake of units that would account for a misfit of the model or of both states
+    unfit: str = ""  # what the data check of a test calls fatal
 
     @property
     def best(self) -> Hypothesis:
@@ -303,6 +304,50 @@ def together(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
     shares = np.cumsum([one.probability for one in damage])
     count = 1 + int(np.searchsorted(shares, _GROUPED * shares[-1])) if damage else 0
     return damage[:count] if count <= _MOST_ALTERNATIVES else []
+
+
+# -- Sets whose further elements lose next to nothing are the same answer as the smaller set
+
+#: A loss below it is none; nor is one of so small a share of the largest, in ln(1 - loss), which errors of
+#: the model make beside it: so many times the scatter of its factors, at most the latter.
+_IDLE, _OF_FACTORS, _BESIDE = 0.005, 0.5, 0.02
+
+
+def without_idle(found: Assessment) -> Assessment:
+    """The same with the probability of each such set added to the smaller one."""
+    rows: list[Hypothesis] = list(found.hypotheses)
+    beside = min(_OF_FACTORS * found.factor_std, _BESIDE)
+    smaller = [_smaller(one, beside) for one in rows]
+    if smaller == rows:
+        return found
+    merged = {_what(less): less for less in reversed(smaller)} | {_what(one): one for one in rows}
+    share: dict[tuple[Any, ...], float] = {}
+    for one, less in zip(rows, smaller, strict=True):
+        share[_what(less)] = share.get(_what(less), 0.0) + one.probability
+    summed = {what: replace(merged[what], probability=p) for what, p in share.items()}
+    of = {_what(one): summed[_what(less)] for one, less in zip(rows, smaller, strict=True)}
+    first, declared = of[_what(rows[0])], of.get((found.declared,))
+    ordered = sorted(summed.values(), key=lambda one: (one is not first, -one.probability, one.elements))
+    group = tuple([*dict.fromkeys(of[_what(one)] for one in found.group)] or together(ordered))
+    named = Hypotheses(ordered, found.hypotheses.names)
+    kept = found.declared if declared is None else declared.elements
+    return replace(found, hypotheses=named, group=group, declared=kept)
+
+
+def _what(one: Hypothesis) -> tuple[Any, ...]:
+    """Elements, or what else has changed."""
+    return (one.elements, one.place) if one.unknown else (one.elements,)
+
+
+def _smaller(one: Hypothesis, beside: float) -> Hypothesis:
+    """The set without the elements that lose next to nothing; itself where all of them do."""
+    columns = zip(one.elements, one.severities, one.low, one.high, strict=False)
+    least = max(_IDLE, -float(np.expm1(beside * np.log1p(-max(one.severities, default=0.0)))))
+    kept = [row for row in columns if row[1] >= least]
+    if not kept or len(kept) == len(one.severities) or one.place:
+        return one
+    elements, severities, low, high = zip(*kept, strict=True)
+    return replace(one, elements=elements, severities=severities, low=low, high=high)
 
 
 class Answered:

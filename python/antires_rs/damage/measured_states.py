@@ -239,6 +239,19 @@ def values_of(sets: Sequence[Mapping[int, Column]], twice: Mapping[int, int]) ->
     return Values(response.astype(np.intp), log_f, relative, test.astype(np.intp), asked=looked_for)
 
 
+def unfit(before: Sequence[Any], now: Sequence[Any]) -> str:
+    """The first that the data check of a test calls fatal, in words; '' where there is none."""
+    for of, sets in (("of now", now), ("of the intact structure", before)):
+        for each in sets:
+            check = getattr(each, "data_check", None)
+            for one in () if check is None else check.findings:
+                # Channels that hold nothing have no values, which mislead nobody.
+                left_out = one.where and all(dof in each and not len(each[dof]) for dof in one.where)
+                if one.severity == "fatal" and not left_out:
+                    return f"the data {of} are unfit. {one.text} {one.advice}"
+    return ""
+
+
 @dataclass(frozen=True)
 class Responses:
     """The responses of all sets, as the core is asked for them."""

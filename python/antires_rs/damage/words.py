@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from ..updating.model_check import NOT_EXPLAINED, Explained, few_alone
 from ..updating.targets import FrequencyTable, ModalTable
-from .hypotheses import Assessment, Hypotheses, Hypothesis, figure, percent, span, together
+from .hypotheses import Assessment, Hypothesis, figure, percent, span
 
 # -- Losses, names and alternatives in words
 
@@ -210,54 +209,20 @@ def _with_share(found: Assessment, elements: tuple[int, ...]) -> str:
     return f"{found.hypotheses.named(elements)} ({percent(share)})"
 
 
-# -- Sets whose further elements lose next to nothing are the same answer as the smaller set
-
-#: A loss below it is none, in words.
-_IDLE = 0.005
-
-
-def without_idle(found: Assessment) -> Assessment:
-    """The same with the probability of each such set added to the smaller one; for words and first tables."""
-    rows: list[Hypothesis] = list(found.hypotheses)
-    smaller = [_smaller(one) for one in rows]
-    if smaller == rows:
-        return found
-    merged = {less.elements: less for less in reversed(smaller)} | {one.elements: one for one in rows}
-    share: dict[tuple[int, ...], float] = {}
-    for one, less in zip(rows, smaller, strict=True):
-        share[less.elements] = share.get(less.elements, 0.0) + one.probability
-    told = {elements: replace(merged[elements], probability=p) for elements, p in share.items()}
-    of = {one.elements: told[less.elements] for one, less in zip(rows, smaller, strict=True)}
-    first = of[rows[0].elements]
-    ordered = sorted(told.values(), key=lambda one: (one is not first, -one.probability, one.elements))
-    group = tuple([*dict.fromkeys(of[one.elements] for one in found.group)] or together(ordered))
-    declared = of[found.declared].elements if found.declared in of else found.declared
-    named = Hypotheses(ordered, found.hypotheses.names)
-    return replace(found, hypotheses=named, group=group, declared=declared)
-
-
-def _smaller(one: Hypothesis) -> Hypothesis:
-    """The set without the elements that lose next to nothing; itself where all of them do."""
-    columns = zip(one.elements, one.severities, one.low, one.high, strict=False)
-    kept = [row for row in columns if row[1] >= _IDLE]
-    if not kept or len(kept) == len(one.severities):
-        return one
-    elements, severities, low, high = zip(*kept, strict=True)
-    return replace(one, elements=elements, severities=severities, low=low, high=high)
-
-
 # -- The first lines of a report
+
+_CANNOT = "It cannot be told whether there is damage: {}"
 
 
 def headline(found: Assessment) -> list[str]:
     """Is there damage, where, how sure, how much, and what else it may be."""
-    doubts = [_contradiction(found)] if found.odd_baselines else []
+    doubts = [_CANNOT.format(found.unfit)] if found.unfit else []
+    doubts += [_contradiction(found)] if found.odd_baselines else []
     if not (found.model_fits and found.states_fit):
         doubts.append(_not_explained(found))
-    merged = without_idle(found)
     if found.interrupted:
-        return [*_stopped(merged, len(found.hypotheses)), *doubts]
-    return [*doubts, _if_trusted(merged)] if doubts else _answer(merged)
+        return [*_stopped(found), *doubts]
+    return [*doubts, _if_trusted(found)] if doubts else _answer(found)
 
 
 def _not_explained(found: Assessment) -> str:
@@ -278,8 +243,9 @@ def _not_explained(found: Assessment) -> str:
     return NOT_EXPLAINED.format(why, f"{found.hint} " if found.hint else "", check)
 
 
-def _stopped(found: Assessment, many: int) -> list[str]:
+def _stopped(found: Assessment) -> list[str]:
     """What was judged before Ctrl-C; without the others no probability holds."""
+    many = len(found.hypotheses)
     judged = f"{many} hypotheses were" if many > 1 else "1 hypothesis was"
     lost = _loss_of(found, found.best) if found.best.severities else "nothing has changed"
     best = f"the likeliest of these is that {lost}"
@@ -295,7 +261,7 @@ def _stopped(found: Assessment, many: int) -> list[str]:
 
 def _if_trusted(found: Assessment) -> str:
     """The answer in one sentence, where what it rests on is in doubt."""
-    trusted = "baseline" if found.odd_baselines else "model"
+    trusted = "data" if found.unfit else "baseline" if found.odd_baselines else "model"
     if found.moved_alike and not (found.best.severities or found.best.place):
         what = "all values have moved alike, which is temperature or clock rather than damage"
     elif found.best.place and found.best.unknown:
@@ -341,6 +307,7 @@ def headline_of_one_state(
     label: Callable[[int], str],
     fit: Explained | None = None,
     n_elements: int = 0,
+    unfit: str = "",
     *,
     finished: bool,
 ) -> list[str]:
@@ -350,9 +317,16 @@ def headline_of_one_state(
     if not finished:
         best = f"the best so far, if the model is exact, is that {found}" if losses else "no damage so far"
         return [f"The search was stopped: {best}.", _CAVEAT if losses else _NO_BEFORE]
+    if unfit:
+        so = f"and the model is exact: {found}" if losses else "no damage is to be seen"
+        return [_CANNOT.format(unfit), f"If the data can be trusted at all, {so}."]
     if fit is not None and (not fit.enough or all_lost(losses, n_elements)):
         so = f"the search came to this, which is no finding: {found}" if losses else "no damage is to be seen"
         return [fit.sentence, f"If the model can be trusted at all, {so}."]
+    if fit is not None and fit.left:
+        missed = f"the model misses values by up to {figure(fit.left)}, far more than their errors"
+        so = f"the losses that come nearest leave most of it: {found}" if losses else "no loss explains it"
+        return [_CANNOT.format(f"{missed}, and {so}."), _CAVEAT if losses else _NO_BEFORE]
     if losses:
         return [f"{found[0].upper()}{found[1:]}, if the model is exact.", _CAVEAT]
     return ["No damage found.", _NO_BEFORE]
@@ -392,7 +366,7 @@ def reservations(found: Assessment) -> list[str]:
         f"The model predicts changes to about {figure(found.kappa)}: it explained the baseline to "
         f"{figure(found.root_std)}.": found.baseline and found.kappa > 0.0,
         "One test of the intact structure: how far values scatter from test to test is not known, their own "
-        "standard deviations count.": found.n_baselines == 1,
+        "standard deviations count. Test it again, and give both.": found.n_baselines == 1,
         f"Values scatter between the intact tests {found.scatter:.1f} times as much as their standard "
         "deviations say; all of them were multiplied by that.": (
             found.n_baselines != 1 and found.scatter > 1.0
@@ -402,6 +376,11 @@ def reservations(found: Assessment) -> list[str]:
     return [*found.notes, *(note for note, holds in notes.items() if holds)]
 
 
+#: In place of the smallest damage that would be seen, after one test of the intact structure.
+UNSEEN_OF_ONE = (
+    "How small a damage such tests would show is not known from one test of the intact structure: the "
+    "smallest losses assume that values scatter no more than their own standard deviations say."
+)
 #: What to do about reduced models that differ from the full one.
 UNREDUCED = "Severities and probabilities move by as much; reduction=False takes the full model, and long."
 

@@ -101,7 +101,7 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
         marks.append(Words([i], [over], [f"{found[i]:.1f} %"], away=away, turned=upright, only="picture"))
     bars = {"element": result.elements, "name": names, "loss_percent": found}
     bars |= ({} if truth is None else {"truth_percent": truths}) | judged | {"smallest_seen_percent": visible}
-    title, first = "" if found.any() or judged else "no damage found", ("found", "90 % interval", "truth")
+    title, first = "" if found.any() or judged else "no loss found", ("found", "90 % interval", "truth")
     look: dict[str, Any] = {"title": title, "grid": "y", "first": first, "tables": {"bars": bars}}
     return Panel("damage", _element_axis(names, upright), axis, marks, **look)
 

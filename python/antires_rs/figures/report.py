@@ -120,7 +120,8 @@ def _lead(result: UpdateResult) -> str:
         return f"{given}; {len(result.x)} parameters."
     if result.has_baseline:
         among = f"{len(result.x)} candidate element{'s' if len(result.x) > 1 else ''}."
-        if seen := [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]:
+        seen = [100.0 * beta for beta in result.detectable.values() if np.isfinite(beta)]
+        if seen and result.assessment.n_baselines > 1:
             span = f"{min(seen):.2g} to {max(seen):.2g} %, depending on the element."
             among += f" Smallest loss that nine of ten such tests would show: {span}"
         return f"{given}, compared with those of the intact structure; {among}"

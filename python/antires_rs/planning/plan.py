@@ -262,24 +262,27 @@ def plan_test(
             told = placement.information(roots, len(sensors), spread, 1 if numbers is None else 2)
             plans[force] = find(told, n, criterion), told
 
-    def shown(force: int) -> int:
+    def shown(force: int, chosen: Sequence[int] = ()) -> int:
         """Antiresonances of the chosen that not all of them share."""
         placed, told = plans[force]
-        return int(np.isin(found[force].sensor, placed.chosen).sum()) - told.n_hidden(placed.chosen)
+        own = chosen or placed.chosen
+        return int(np.isin(found[force].sensor, own).sum()) - told.n_hidden(own)
 
     if not any(map(shown, plans)):
         reject("band_hz", band, "a band with antiresonances", "Widen it.")
 
-    def detectable(told: placement.Information, chosen: Sequence[int]) -> FloatArray:
-        """Of each element alone, as :func:`assess_damage` tells it after a test."""
-        slopes = np.sqrt(np.diag(told.of(chosen))) / spread
-        return smallest_found(np.diag(slopes), prior or DamagePrior())
+    def detectable(force: int, chosen: Sequence[int]) -> FloatArray:
+        """Of each element, as :func:`assess_damage` tells it after a test."""
+        size, ways = np.linalg.eigh(plans[force][1].of(chosen))
+        slopes = np.sqrt(np.maximum(size, 0.0))[:, None] * ways.T / spread
+        return smallest_found(slopes, prior or DamagePrior(), n_values=shown(force, chosen))
 
-    def value(told: placement.Information, chosen: Sequence[int]) -> float:
+    def value(force: int, chosen: Sequence[int]) -> float:
+        told = plans[force][1]
         if criterion == "determinant":
             return told.worth(chosen, criterion)
         if numbers is not None:
-            return float(detectable(told, chosen).max())
+            return float(detectable(force, chosen).max())
         return float(1.0 / np.sqrt(1.0 + np.diag(told.of(chosen)).min()))
 
     order = sorted(plans, key=lambda force: -plans[force][0].worth)
@@ -291,20 +294,21 @@ def plan_test(
     dof_of: dict[int | None, int | None] = {None: None, **dict(enumerate(sensors))}
 
     def by_element(chosen: Sequence[int]) -> FrozenDict[int, float]:
-        return FrozenDict(zip(elements, detectable(told, chosen).tolist() if elements else (), strict=True))
+        own = detectable(order[0], chosen).tolist() if elements else ()
+        return FrozenDict(zip(elements, own, strict=True))
 
     return SensorPlan(
         sensors=tuple(sensors[at] for at in placed.chosen),
         excitation=order[0],
         criterion=criterion,
-        value=value(told, placed.chosen),
-        value_of_all=value(told, everywhere),
+        value=value(order[0], placed.chosen),
+        value_of_all=value(order[0], everywhere),
         n_values=shown(order[0]),
         detectable=by_element(placed.chosen),
         detectable_by_all=by_element(everywhere),
         std=FrozenDict(zip(names, after.tolist(), strict=True)),
         std_before=FrozenDict(zip(names, spread.tolist(), strict=True)),
-        excitations=FrozenDict({force: value(plans[force][1], plans[force][0].chosen) for force in order}),
+        excitations=FrozenDict({force: value(force, plans[force][0].chosen) for force in order}),
         rounds=tuple(placement.Round(dof_of[r.added], dof_of[r.removed], r.worth) for r in placed.rounds),
         band_hz=band,
         names=FrozenDict(zip(elements, names, strict=False)),

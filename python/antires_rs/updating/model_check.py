@@ -131,6 +131,7 @@ class Explained:
     n_paired: int
     hint: str = ""  # a mistake that would account for it, in words
     common_loss: float = 0.0  # of all stiffnesses alike, where it explains more than losses of single ones
+    left: float = 0.0  # largest difference of a frequency, where losses do not explain what is beyond errors
 
     @property
     def enough(self) -> bool:
