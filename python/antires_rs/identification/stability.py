@@ -8,8 +8,8 @@ there are too few, with its own noise added once more; in every second one chann
 local fits (:mod:`~antires_rs.identification.local_fits`) to the unperturbed directions are candidates. The
 *share* of a candidate is how often perturbed fits see it, within 1.5 %, over stretches of the best of three
 widths, averaged over looks at the same frequencies, of the best of windows. What noise puts into one fit
-others do not see. Accepted is a zero with a share of ``min_share``, or more as more of the other responses have
-one in its place, that is
+others do not see. Accepted is a zero with a share of ``min_share``, or more as more of the other responses
+have one in its place, that is
 
 - a dip of the response beside the others, 6 dB deep, on both sides of which the response rises 10 dB over
   what the fits leave: what lies between two lines of noise is no antiresonance, and what all responses have,
@@ -94,11 +94,6 @@ class Look:
     noise: FloatArray
     decay_per_s: float = 0.0
     own_range: bool = False
-
-    @property
-    def spacing_hz(self) -> float:
-        """Between two lines."""
-        return float(np.median(np.diff(self.freq_hz)))
 
 
 def looks_of(averages: Averages, band_hz: tuple[float, float], *, one: bool = False) -> list[Look]:
@@ -259,9 +254,9 @@ MENTIONED_DB = 7.0
 #: How far above ``min_share`` a zero's share must be without a dip of its own, and where all other responses
 #: have one as well within the third number, as of a harmonic or a line of the force; of some a part of it.
 WITHOUT_DIP, IN_COMPANY, BESIDE = 0.25, 0.3, 0.01
-#: Part of the spacing of lines within which of the axis a zero may follow the noise of one; standard deviations
-#: by which a zero in a dip may be nearer, and one without a dip must be further off.
-ON_AXIS, OFF_AXIS = 0.25, 0.6
+#: A root in an exponential window no further from the axis of that than the window's own decay may follow the
+#: noise of a line: standard deviations by which one in a dip may be nearer, one without must be further.
+OFF_AXIS = 0.6
 #: Half the width about a value, as a share of it, in which its dip is looked for, and how many times
 #: ``min_depth_db`` deep it must be: zeros of noise and of lines of the force have up to 4 dB.
 AT_VALUE, DEPTH = 0.007, 2.0
@@ -272,6 +267,9 @@ BETWEEN_DB = 8.0
 SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
 #: Values further apart are never one; and what stands for a rise where too few lines lie between two.
 ONE_DIP_WITHIN, UNRESOLVED_DB = 0.06, -300.0
+#: In a window of a decay an order votes whose fits leave at most so many times what those of the highest do:
+#: one too low for the zeros there misses those close together. Of segments, whose averages leak, all vote.
+UNDERFIT = 8.0
 #: Values from this far apart that most fits must have both are two: no zero that wanders stands for both.
 TWO_FROM = 0.04
 #: Lines over which what the fits leave is averaged.
@@ -566,7 +564,9 @@ def _perturbed(
         orders, local = SCALES[scale][2], fitted[scale, which]
         rows = sorted({places[i][0] for i in some})
         there = np.any(views != 0.0, axis=1)
-        for order in orders:
+        left = [float(np.median(local.misfit[order])) for order in orders]
+        most = UNDERFIT * left[-1] if look.own_range else np.inf
+        for order in (order for order, own in zip(orders, left, strict=True) if own <= most):
             freq, damping = moved(local.zeros(order, rows)[1:], look.decay_per_s)
             for i in some:
                 row, value = places[i]
@@ -598,8 +598,8 @@ def _best_scale(by_scale: list[list[FloatArray]], look: Look) -> _Seen | None:
             each = [np.nanstd(part, axis=1) for part in parts if np.isfinite(part[0]).sum() > 1]
             std = np.median(each, axis=0) if each else np.zeros(2)
             value, ratio = float(np.median(own)), float(np.median(damping[good]))
-            off = abs(ratio * value + look.decay_per_s / (2.0 * np.pi)) - ON_AXIS * look.spacing_hz
-            off_axis = off / max(std[1] * value, 1e-9 * value)
+            window = look.decay_per_s / (2.0 * np.pi * value)
+            off_axis = (abs(ratio + window) - window) / max(std[1], 1e-9)
             best = _Seen(share, value, ratio, float(std[0]), off_axis, good.size)
     return best
 
