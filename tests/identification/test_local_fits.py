@@ -108,5 +108,5 @@ def test_one_hit_in_noise(seconds):
     zeros = ar.identify_antiresonances(record, excitation="floor 2", band_hz=(1.5, 20.0), check="off")
     for value in (5.8, 10.2):
         assert np.abs(zeros["floor 2"] / value - 1.0).min() < 0.02
-    # Its dip near 10 Hz is filled with noise, which may show one more value there.
-    assert sum(map(len, zeros.values())) <= 3
+    # Its dip near 10 Hz is filled with noise, which may show one more value there; so may that above 16 Hz.
+    assert sum(map(len, zeros.values())) <= 4

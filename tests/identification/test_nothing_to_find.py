@@ -76,7 +76,8 @@ def test_a_channel_in_noise_has_no_values(kind):
     assert "dead_channel" in about
     assert "Dof 8 holds only noise" in said
     assert found[8].size == 0
-    assert all(found[dof].size == whole[dof].size for dof in whole)
+    assert all(np.abs(found[dof] / value - 1.0).min() < 0.01 for dof in whole for value in whole[dof])
+    assert sum(map(len, found.values())) <= sum(map(len, whole.values())) + 1
 
 
 def test_a_channel_of_few_steps_is_told():

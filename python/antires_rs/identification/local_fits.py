@@ -95,12 +95,14 @@ class LocalFits:
     """Fits of one stretch to several vectors: coefficients of Chebyshev polynomials by order.
 
     ``by_order`` has arrays (n_views, order + 1, n_rows); ``fitted`` is the direction that the middle order of
-    the first view gives at the stretch's lines, (n_fitted, n_rows), of unit norm.
+    the first view gives at the stretch's lines, (n_fitted, n_rows), of unit norm. ``misfit`` is what is left
+    of each view, (n_views,), by order, as a share.
     """
 
     stretch: Stretch
     by_order: dict[int, ComplexArray]
     fitted: ComplexArray
+    misfit: dict[int, FloatArray]
 
     def zeros(self, order: int, rows: list[int]) -> ComplexArray:
         """Zeros in Hz of some rows, complex: Im / abs is the damping ratio, (n_views, n_rows, order)."""
@@ -141,7 +143,7 @@ def fits(
     for _ in range(PASSES):
         root = np.sqrt(w / size)[..., None]
         q, _ = np.linalg.qr(root * powers)
-        (c,) = _smallest(q, u[:, :1], (middle,))
+        ((c, _),) = _smallest(q, u[:, :1], (middle,))
         values = (q[..., : middle + 1] @ c[:, 0]) / np.where(root > 0.0, root, np.inf)
         size = np.sum(np.abs(values) ** 2, axis=2)
         size = np.maximum(size, LEAST_SIZE * size.max(axis=1, keepdims=True))
@@ -149,18 +151,24 @@ def fits(
     fitted = fitted @ held[:, 0].transpose(0, 2, 1)
     q, r = np.linalg.qr(np.sqrt(w / size)[..., None] * powers)
     solved = np.linalg.inv(r)
-    by_order = {
-        m: solved[:, None, : m + 1, : m + 1] @ c @ held.transpose(0, 1, 3, 2)
-        for m, c in zip(orders, _smallest(q, u, orders), strict=True)
-    }
+    by_order, misfit = {}, {}
+    for m, (c, misfit[m]) in zip(orders, _smallest(q, u, orders), strict=True):
+        by_order[m] = solved[:, None, : m + 1, : m + 1] @ c @ held.transpose(0, 1, 3, 2)
     return [
-        LocalFits(one, {m: c[b] for m, c in by_order.items()}, fitted[b, : one.lines.size])
+        LocalFits(
+            one,
+            {m: c[b] for m, c in by_order.items()},
+            fitted[b, : one.lines.size],
+            {m: left[b] for m, left in misfit.items()},
+        )
         for b, one in enumerate(over)
     ]
 
 
-def _smallest(q: FloatArray, u: ComplexArray, orders: tuple[int, ...]) -> list[ComplexArray]:
-    """Coefficients (n_stretches, n_views, order + 1, n_directions) of least misfit, for each order."""
+def _smallest(
+    q: FloatArray, u: ComplexArray, orders: tuple[int, ...]
+) -> list[tuple[ComplexArray, FloatArray]]:
+    """Coefficients (n_stretches, n_views, order + 1, n_directions) of least misfit, and it, by order."""
     *shape, n_lines, n = u.shape
     terms = orders[-1] + 1
     a = (q[:, None, :, :terms, None] * u.conj()[..., None, :]).reshape(*shape, n_lines, terms * n)
@@ -174,7 +182,8 @@ def _smallest(q: FloatArray, u: ComplexArray, orders: tuple[int, ...]) -> list[C
         for _ in range(ITERATIONS):
             c = low.conj().swapaxes(-1, -2) @ (low @ c)
             c = c / np.linalg.norm(c, axis=-2, keepdims=True)
-        found.append(c.reshape(*shape, m + 1, n))
+        left = np.sum(c.conj() * (form[..., :size, :size] @ c), axis=(-2, -1)).real
+        found.append((c.reshape(*shape, m + 1, n), left))
     return found
 
 

@@ -7,13 +7,17 @@ frequencies of which it holds 20 to 320 periods (with 1 % of damping a free vibr
 there are too few, with its own noise added once more; in every second one channel is left out. Zeros of
 local fits (:mod:`~antires_rs.identification.local_fits`) to the unperturbed directions are candidates. The
 *share* of a candidate is how often perturbed fits see it, within 1.5 %, over stretches of the best of three
-widths, averaged over looks at the same frequencies, of the best of windows. Accepted is
+widths, averaged over looks at the same frequencies, of the best of windows. What noise puts into one fit
+others do not see. Accepted is a zero with a share of ``min_share``, or more as more of the other responses
+have one in its place, that is
 
-- a share of ``min_share``, for what noise puts into one fit others do not see;
-- on both sides of which the response rises 10 dB over what the fits leave: what lies between two lines of
-  noise is no antiresonance, and two values between which it does not rise are one;
-- a dip of the response beside the others, 6 dB deep: what all of them have, a line of the force or a mode
-  that it hardly excites, makes none.
+- a dip of the response beside the others, 6 dB deep, on both sides of which the response rises 10 dB over
+  what the fits leave: what lies between two lines of noise is no antiresonance, and what all responses have,
+  a line of the force or a mode that it hardly excites, makes none;
+- or in nearly all fits, and off the axis by more than its scatter: a zero beside a resonance or on a slope
+  hardly dips, but turns the phase. Roots that follow the noise of single lines stand on the axis.
+
+Two values between which the response does not rise are one, unless most fits must have both.
 
 How many accepted values are false is bounded from the shares (``expected_false``, :func:`false_values`).
 
@@ -50,7 +54,7 @@ from ..support.progress import step
 from .lines import SNR_CAP, Lines
 from .local_fits import LEAST_LINES, MOST_LINES, SCALES, LocalFits, Stretch, fits, stretches
 from .options import FitOptions, IdentificationOptions
-from .scores import scored, window_grades
+from .scores import WEAK_DEPTH_DB, scored, window_grades
 from .stabilization import StabilizationDiagram, of_zeros
 
 # -- The looks of a record
@@ -247,6 +251,12 @@ JUDGES, MIDDLE = 2, 0.42
 FLANKS, RISE_DB = ((0.015, 0.07), (0.07, 0.15), (0.15, 0.25)), 10.0
 #: What rises less is not even mentioned.
 MENTIONED_DB = 7.0
+#: How far above ``min_share`` a zero's share must be without a dip of its own, and where all other responses
+#: have one as well within the third number, as of a harmonic or a line of the force; of some a part of it.
+WITHOUT_DIP, IN_COMPANY, BESIDE = 0.25, 0.3, 0.01
+#: A root in an exponential window no further from the axis of that than the window's own decay may follow the
+#: noise of a line: standard deviations by which one in a dip may be nearer, one without must be further.
+OFF_AXIS = 0.6
 #: Half the width about a value, as a share of it, in which its dip is looked for, and how many times
 #: ``min_depth_db`` deep it must be: zeros of noise and of lines of the force have up to 4 dB.
 AT_VALUE, DEPTH = 0.007, 2.0
@@ -257,6 +267,11 @@ BETWEEN_DB = 8.0
 SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
 #: Values further apart are never one; and what stands for a rise where too few lines lie between two.
 ONE_DIP_WITHIN, UNRESOLVED_DB = 0.06, -300.0
+#: In a window of a decay an order votes whose fits leave at most so many times what those of the highest do:
+#: one too low for the zeros there misses those close together. Of segments, whose averages leak, all vote.
+UNDERFIT = 8.0
+#: Values from this far apart that most fits must have both are two: no zero that wanders stands for both.
+TWO_FROM = 0.04
 #: Lines over which what the fits leave is averaged.
 NOISE_LINES = 31
 
@@ -273,11 +288,12 @@ class _Surveyed:
 #: Reasons for which a candidate is not accepted.
 IN_TOO_FEW, IN_NOISE = "in too few perturbed fits", "beside noise"
 NO_DIP, TOO_DAMPED = "no dip beside the other responses", "damped too much"
+AT_A_LINE = "on the axis, as noise of a line"
 #: A candidate: response, frequency, damping ratio, standard deviation in Hz, share, rise in dB, fits.
 CANDIDATE = np.dtype(
     [
         ("row", np.intp),
-        *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz")),
+        *((name, np.float64) for name in ("freq_hz", "damping_ratio", "std_hz", "off_axis")),
         *((name, np.float64) for name in ("share", "rise_db", "depth_db")),
         ("fits", np.intp),
     ]
@@ -299,8 +315,8 @@ def direction_diagrams(
     sightings = [_sightings(one, band_hz) for one in surveyed]
     step("perturbed fits")
     judged = _judged(surveyed, sightings, n_responses)
-    why = reasons(judged, options.rule)
-    found, refused = _apart(judged[why == ""], surveyed), judged[why != ""]
+    why = reasons(judged, options.rule, n_responses)
+    found, refused = _apart(judged[why == ""], surveyed, options.rule.min_share), judged[why != ""]
     why = why[why != ""]
     seen = np.concatenate([one.zeros for one in sightings])
     places = float(np.log(band_hz[1] / lines.freq_hz[0])) / (2.0 * SEEN_WITHIN)
@@ -337,7 +353,7 @@ def _table(found: NDArray[np.void]) -> ResponseTable:
         share=found["share"],
         depth_db=found["depth_db"],
         own_depth_db=found["rise_db"],
-        grade=window_grades(found["share"], spread, found["depth_db"]),
+        grade=window_grades(found["share"], spread, np.maximum(found["depth_db"], WEAK_DEPTH_DB)),
     )
 
 
@@ -358,6 +374,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
         if not parts:
             continue
         weights = np.array([part.share for part in parts])
+        off_axis = max(part.off_axis for part in parts if part.share >= COUNTS_IN_DIP * weights.max())
         if own_range:  # the window that suits it best
             parts, weights = [parts[int(np.argmax(weights))]], np.array([weights.max()])
         freq = float(np.average([part.freq_hz for part in parts], weights=weights))
@@ -368,6 +385,7 @@ def _judged(surveyed: list[_Surveyed], sightings: list[_Sightings], n_rows: int)
                 freq,
                 float(np.median([part.damping_ratio for part in parts])),
                 float(np.hypot(min(part.std_hz for part in parts), between)),
+                off_axis,
                 float(weights.sum()) / (1 if own_range else len(seen)),
                 max(_rise_db(one, row, freq) for one in surveyed),
                 max(_depth_db(one, row, freq) for one in surveyed),
@@ -389,18 +407,29 @@ def false_values(share: FloatArray, on_average: float, places: float) -> FloatAr
     return np.asarray(np.minimum(chance, on_average / share))
 
 
-def reasons(found: NDArray[np.void], rule: FitOptions) -> NDArray[np.str_]:
+def reasons(found: NDArray[np.void], rule: FitOptions, n_rows: int) -> NDArray[np.str_]:
     """Why candidates are not accepted, (n,); empty for those that are."""
+    share, off = found["share"], found["off_axis"]
+    needed = rule.min_share + IN_COMPANY * _company(found[found["share"] >= rule.min_share], found, n_rows)
     return np.select(
         [
-            found["share"] < rule.min_share,
+            share < needed,
+            np.abs(found["damping_ratio"]) > rule.max_damping,
+            off < -OFF_AXIS,
+            (share >= needed + WITHOUT_DIP) & (off > OFF_AXIS),
             found["rise_db"] < RISE_DB,
             found["depth_db"] < DEPTH * rule.min_depth_db,
-            np.abs(found["damping_ratio"]) > rule.max_damping,
         ],
-        [IN_TOO_FEW, IN_NOISE, NO_DIP, TOO_DAMPED],
+        [IN_TOO_FEW, TOO_DAMPED, AT_A_LINE, "", IN_NOISE, NO_DIP],
         "",
     )
+
+
+def _company(strong: NDArray[np.void], found: NDArray[np.void], n_rows: int) -> FloatArray:
+    """Which part of the other responses has one of the strong candidates where each of those found is."""
+    near = np.abs(strong["freq_hz"][:, None] / found["freq_hz"] - 1.0) <= BESIDE
+    have = [near[strong["row"] == row].any(axis=0) & (found["row"] != row) for row in range(n_rows)]
+    return np.asarray(np.sum(have, axis=0) / max(n_rows - 1, 1))
 
 
 def _survey(look: Look) -> _Surveyed:
@@ -503,6 +532,7 @@ class _Seen:
     freq_hz: float
     damping_ratio: float
     std_hz: float
+    off_axis: float
     fits: int
 
 
@@ -534,7 +564,9 @@ def _perturbed(
         orders, local = SCALES[scale][2], fitted[scale, which]
         rows = sorted({places[i][0] for i in some})
         there = np.any(views != 0.0, axis=1)
-        for order in orders:
+        left = [float(np.median(local.misfit[order])) for order in orders]
+        most = UNDERFIT * left[-1] if look.own_range else np.inf
+        for order in (order for order, own in zip(orders, left, strict=True) if own <= most):
             freq, damping = moved(local.zeros(order, rows)[1:], look.decay_per_s)
             for i in some:
                 row, value = places[i]
@@ -548,10 +580,10 @@ def _perturbed(
                     [np.where(good, own[at, best], np.nan), np.where(good, damping[at, k, best], np.nan)]
                 )
                 hits[i][scale].append(both[:, there[:, row]])
-    return [_best_scale(each) for each in hits]
+    return [_best_scale(each, look) for each in hits]
 
 
-def _best_scale(by_scale: list[list[FloatArray]]) -> _Seen | None:
+def _best_scale(by_scale: list[list[FloatArray]], look: Look) -> _Seen | None:
     """What the scale that sees most of it says."""
     best: _Seen | None = None
     for parts in by_scale:
@@ -563,9 +595,12 @@ def _best_scale(by_scale: list[list[FloatArray]]) -> _Seen | None:
         if good.any() and (best is None or share > best.share):
             own = freq[good]
             # Within one stretch and order: halves about the whole scatter as the whole about the truth.
-            each = [np.std(f[np.isfinite(f)]) for f, _ in parts if np.isfinite(f).sum() > 1]
-            std = float(np.median(each)) if each else 0.0
-            best = _Seen(share, float(np.median(own)), float(np.median(damping[good])), std, good.size)
+            each = [np.nanstd(part, axis=1) for part in parts if np.isfinite(part[0]).sum() > 1]
+            std = np.median(each, axis=0) if each else np.zeros(2)
+            value, ratio = float(np.median(own)), float(np.median(damping[good]))
+            window = look.decay_per_s / (2.0 * np.pi * value)
+            off_axis = (abs(ratio + window) - window) / max(std[1], 1e-9)
+            best = _Seen(share, value, ratio, float(std[0]), off_axis, good.size)
     return best
 
 
@@ -617,10 +652,12 @@ def _flank_db(one: _Surveyed, row: int, value: float, over: FloatArray) -> float
     return float(10.0 * np.log10(max(min(sides), 1e-30)))
 
 
-def _apart(found: NDArray[np.void], surveyed: list[_Surveyed]) -> NDArray[np.void]:
+def _apart(found: NDArray[np.void], surveyed: list[_Surveyed], min_share: float) -> NDArray[np.void]:
     """One entry a dip: where a response does not rise over its noise between values, noise has split one.
 
-    It keeps the largest share; its frequency is the mean by share, and its error holds their scatter.
+    It keeps the largest share; its frequency is the mean by share, and its error holds their scatter. Values
+    that one zero of a fit cannot stand for stay, if so many fits must have both (at least the sum of the
+    shares less one).
     """
     dips: list[list[NDArray[np.void]]] = []
     for one in found[np.argsort(-found["share"], kind="stable")]:
@@ -629,6 +666,9 @@ def _apart(found: NDArray[np.void], surveyed: list[_Surveyed]) -> NDArray[np.voi
             if first["row"] != one["row"]:
                 continue
             ends = float(first["freq_hz"]), float(one["freq_hz"])
+            both = first["share"] + one["share"] - 1.0
+            if both >= min_share and abs(ends[1] / ends[0] - 1.0) > TWO_FROM:
+                continue
             between = max(_between_db(each, int(one["row"]), *ends) for each in surveyed)
             if between < BETWEEN_DB:
                 near = abs(ends[1] / ends[0] - 1.0) <= ONE_DIP_WITHIN
