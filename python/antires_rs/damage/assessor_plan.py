@@ -6,7 +6,7 @@ Sets are found in the tables; those that may be the answer are judged by the lik
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import islice
 from typing import Any, NamedTuple
