@@ -367,7 +367,7 @@ class TabulatedLikelihood(ValueLikelihood):
 
 
 #: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
-_NEAR, _MOST_LOOKS = 0.8, 3
+_NEAR, _EARLY, _MOST_LOOKS = 0.8, 1, 3
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
 _LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 6, 4), 8, 10
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
@@ -375,8 +375,8 @@ _STEPS, _HOPELESS = 2, 18.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
 _SETTLING, _FAR = 2, 6.0
-#: Pairs that are seen from single elements; how far the second one's severity (u) may be.
-_GROWN, _GROWS = 6, 0.3
+#: Pairs that are seen from so many single elements; how far the second one's severity (u) may be.
+_GROWN, _GROWING, _GROWS = 6, 4, 0.3
 #: Sets known from another one's severities alone that are looked at from their own in the end.
 _LINEAR = 6
 #: Elements that are looked at in place of one that moves the roots alike; how often that is done.
@@ -501,12 +501,9 @@ class QuickSearch(Search):
         size = max(map(len, chosen))
         self._exchange(size)
         while near := self._open(size, 0.0, self.seen):
-            if len(near[0]) > 1:
-                if self.looks >= _MOST_LOOKS:
-                    break
+            if len(near[0]) > 1 and self.looks < _EARLY:
                 self._settle(near[0])
                 continue
-            # The tables are as good as computed antiresonances where one element alone is damaged.
             for _ in range(_LOOKS):
                 u = self._u(near[0])
                 self._judge_from(self.likelihood.seen(near[0], u), near[0])
@@ -572,7 +569,7 @@ class QuickSearch(Search):
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""
         found: list[tuple[float, int, int]] = []
-        for (a,) in self._known(1)[: self._most_parents(1)]:
+        for (a,) in self._known(1)[:_GROWING]:
             view = self.likelihood.seen((a,), self._u((a,)))
             own, other, rise = _both(view, a)
             near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= _GROWS)
