@@ -22,15 +22,7 @@ from ..support.progress import one_blas_thread, step
 from ..updating.targets import Series, sorted_out, usual_damping, zeros_beside
 from .evidence import BLIND, FURTHEST, HIGHEST, LINEAR, Fit, refitted
 from .inference import HARDLY, LARGEST, Elements, Learned, Search, intact_slopes, learned_from
-from .likelihood import (
-    Likelihood,
-    ModelError,
-    Prepared,
-    Question,
-    ValueLikelihood,
-    View,
-    rows_of,
-)
+from .likelihood import Likelihood, ModelError, Prepared, Question, ValueLikelihood, View, rows_of
 from .measured_states import Column, Responses, Roots, Values, note_of_same_data, same_data, values_of
 
 # -- The model's antiresonances over the severity of each element, computed once
@@ -261,7 +253,7 @@ class Plan:
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
-        """By element, those whose sensitivities are most like its own, and the loss of each that is like 1."""
+        """By element, those with the sensitivities most like its own, and the loss of each that is like 1."""
         likelihood = self.prepared.likelihood
         slopes = intact_slopes(likelihood, likelihood.n)
         products = slopes.T @ slopes
@@ -366,21 +358,22 @@ class TabulatedLikelihood(ValueLikelihood):
         return View(beta, log_likelihood, gain, curvature, kappa, times, *rest, gain_std)
 
 
-#: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
+#: Sets so near to the likeliest (log probability) are judged; looks at computed antiresonances before larger
+#: sets, and all.
 _NEAR, _EARLY, _MOST_LOOKS = 0.8, 1, 3
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
-_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 6, 4), 8, 10
+_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 4, 3), 5, 5
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
 _STEPS, _HOPELESS = 2, 18.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
 _SETTLING, _FAR = 2, 6.0
 #: Pairs that are seen from so many single elements; how far the second one's severity (u) may be.
-_GROWN, _GROWING, _GROWS = 6, 4, 0.3
+_GROWN, _GROWING, _GROWS = 4, 2, 0.3
 #: Sets known from another one's severities alone that are looked at from their own in the end.
 _LINEAR = 6
-#: Elements that are looked at in place of one that moves the roots alike; how often that is done.
-_ALIKE, _EXCHANGES = 4, 2
+#: Elements that are looked at in place of one that moves the roots alike.
+_ALIKE = 3
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
@@ -430,9 +423,8 @@ class QuickSearch(Search):
 
     def _exchange(self, size: int) -> None:
         """Look at what may stand in place of each element of the likeliest set of a size."""
-        for _ in range(_EXCHANGES):
-            for elements in self._known(size)[:1]:
-                self._tabulate(self._exchanged(elements))
+        for elements in self._known(size)[:1]:
+            self._tabulate(self._exchanged(elements))
 
     def _exchanged(self, elements: Elements) -> dict[Elements, FloatArray]:
         """Sets with one of the elements for another that moves the roots much alike, and severities (u)."""
@@ -599,7 +591,7 @@ class QuickSearch(Search):
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
         linear = {s: _within(self.fits[s]) for s in new}
         self._tabulate(linear, looks=1)
-        for size in {len(s) for s in self._near()[:_GROWN]} - {1}:
+        for size in {len(s) for s in self._open(LARGEST, _NEAR, set())} - {1}:
             self._exchange(size)
         while near := self._open(LARGEST, _NEAR, self.judged):
             if self.looks >= _MOST_LOOKS:
