@@ -354,8 +354,8 @@ class TabulatedLikelihood(ValueLikelihood):
     def _view(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
         kappa, times = self.computed.errors[error, :2].tolist()
-        gain_std = self.computed.error.gain_std
-        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest, gain_std)
+        rest.append(self.computed.error.gain_std)
+        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest)
 
 
 #: Sets so near to the likeliest (log probability) are judged; looks at computed antiresonances before larger
