@@ -6,7 +6,7 @@ Sets are found in the tables; those that may be the answer are judged by the lik
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from itertools import islice
 from typing import Any, NamedTuple
@@ -263,7 +263,7 @@ class Plan:
 
     @cached_property
     def alike(self) -> list[list[tuple[int, float]]]:
-        """By element, those whose sensitivities are most like its own, and what loss of each is like 1."""
+        """By element, those with the sensitivities most like its own, and the loss of each that is like 1."""
         likelihood = self.prepared.likelihood
         slopes = intact_slopes(likelihood, likelihood.n)
         products = slopes.T @ slopes
@@ -376,25 +376,26 @@ class TabulatedLikelihood(ValueLikelihood):
     def _view(self, beta: FloatArray, found: Any) -> View:
         log_likelihood, gain, curvature, error, *rest = found
         kappa, times = self.computed.errors[error, :2].tolist()
-        view = View(beta, log_likelihood, gain, curvature, kappa, times, *rest)
-        return replace(view, gain_std=self.computed.error.gain_std)
+        rest.append(self.computed.error.gain_std)
+        return View(beta, log_likelihood, gain, curvature, kappa, times, *rest)
 
 
-#: Sets so near to the likeliest (log probability) are judged; with so many looks at computed antiresonances.
-_NEAR, _MOST_LOOKS = 0.8, 3
+#: Sets so near to the likeliest (log probability) are judged; looks at computed antiresonances before larger
+#: sets, and all.
+_NEAR, _EARLY, _MOST_LOOKS = 0.8, 1, 3
 #: Sets that a scan leaves, by their number of elements; what it refines, by distances and by misfits.
-_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 6, 4), 8, 10
+_LIKELIEST, _BY_DISTANCE, _BY_MISFIT = (10, 4, 3), 5, 5
 #: Steps of the refinement; sets so far behind the first of them (log-likelihood) are given up.
 _STEPS, _HOPELESS = 2, 18.0
 #: Looks at the tables from which a set is settled roughly; sets so far behind the first (log evidence) have
 #: one.
 _SETTLING, _FAR = 2, 6.0
-#: Pairs that are seen from single elements; how far the second one's severity (u) may be.
-_GROWN, _GROWS = 6, 0.3
+#: Pairs that are seen from so many single elements; how far the second one's severity (u) may be.
+_GROWN, _GROWING, _GROWS = 4, 2, 0.3
 #: Sets known from another one's severities alone that are looked at from their own in the end.
 _LINEAR = 6
-#: Elements that are looked at in place of one that moves the roots alike; how often that is done.
-_ALIKE, _EXCHANGES = 4, 2
+#: Elements that are looked at in place of one that moves the roots alike.
+_ALIKE = 3
 #: So many elements join a set of one and of two in the linear model of its view.
 _JOINED = (0, 10, 3)
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
@@ -444,9 +445,8 @@ class QuickSearch(Search):
 
     def _exchange(self, size: int) -> None:
         """Look at what may stand in place of each element of the likeliest set of a size."""
-        for _ in range(_EXCHANGES):
-            for elements in self._known(size)[:1]:
-                self._tabulate(self._exchanged(elements))
+        for elements in self._known(size)[:1]:
+            self._tabulate(self._exchanged(elements))
 
     def _exchanged(self, elements: Elements) -> dict[Elements, FloatArray]:
         """Sets with one of the elements for another that moves the roots much alike, and severities (u)."""
@@ -515,12 +515,9 @@ class QuickSearch(Search):
         size = max(map(len, chosen))
         self._exchange(size)
         while near := self._open(size, 0.0, self.seen):
-            if len(near[0]) > 1:
-                if self.looks >= _MOST_LOOKS:
-                    break
+            if len(near[0]) > 1 and self.looks < _EARLY:
                 self._settle(near[0])
                 continue
-            # The tables are as good as computed antiresonances where one element alone is damaged.
             for _ in range(_LOOKS):
                 u = self._u(near[0])
                 self._judge_from(self.likelihood.seen(near[0], u), near[0])
@@ -586,7 +583,7 @@ class QuickSearch(Search):
     def _grow(self) -> None:
         """See pairs in the linear model of their likeliest single elements, as the full run does."""
         found: list[tuple[float, int, int]] = []
-        for (a,) in self._known(1)[: self._most_parents(1)]:
+        for (a,) in self._known(1)[:_GROWING]:
             view = self.likelihood.seen((a,), self._u((a,)))
             own, other, rise = _both(view, a)
             near = (np.abs(own) <= LINEAR) & (other > 0.0) & (other <= _GROWS)
@@ -616,7 +613,7 @@ class QuickSearch(Search):
         new = [s for s in self._near() if s not in self.judged and s not in self.rough][:_LINEAR]
         linear = {s: _within(self.fits[s]) for s in new}
         self._tabulate(linear, looks=1)
-        for size in {len(s) for s in self._near()[:_GROWN]} - {1}:
+        for size in {len(s) for s in self._open(LARGEST, _NEAR, set())} - {1}:
             self._exchange(size)
         while near := self._open(LARGEST, _NEAR, self.judged):
             if self.looks >= _MOST_LOOKS:

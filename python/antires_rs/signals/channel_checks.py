@@ -313,9 +313,7 @@ def drift(spectra: CrossSpectra) -> list[Finding]:
     values = np.ascontiguousarray(segments.values)
     parts = values.view(values.real.dtype).reshape(*values.shape, 2)  # real and imaginary
     groups = np.array_split(parts, DRIFT_GROUPS, axis=2)
-    power = np.array(
-        [np.sum(np.einsum("fisc,fisc->fi", x, x) / x.shape[2] * unit, axis=1) for x in groups]
-    )
+    power = np.array([np.sum(np.einsum("fisc,fisc->fi", x, x) / x.shape[2] * unit, axis=1) for x in groups])
     at = np.linspace(-0.5, 0.5, DRIFT_GROUPS)
     changes, errors = [], []
     for low, peak, high in owned_by_peaks(power.mean(axis=0)):
