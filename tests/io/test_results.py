@@ -139,7 +139,7 @@ def test_other_and_edited_files_are_noticed(saved, tmp_path):
 
 @pytest.fixture(scope="module")
 def assessed():
-    intact, damaged = chain([510.0, 441.0, 525.0]), chain([510.0, 331.0, 525.0])
+    intact, damaged = chain([510.0, 441.0, 525.0]), chain([400.0, 331.0, 525.0])
     given = {"elements": [0, 1], "search": ar.SearchOptions(false_alarm_rate=0.05), "rng": 0}
     return ar.assess_damage(chain(), exact(damaged), baseline=exact(intact), **given)
 

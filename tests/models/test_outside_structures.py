@@ -6,7 +6,17 @@ import scipy.linalg
 from scipy.optimize import brentq
 
 from reference.outside_cases import KINDS, OUTSIDE, STD, case, kinds_of
-from reference.outside_structures import STRUCTURES, Building, Cantilever, Crack, Grillage, Own, Portal, State
+from reference.outside_structures import (
+    STRUCTURES,
+    Building,
+    Cantilever,
+    Crack,
+    Grillage,
+    Own,
+    Pipe,
+    Portal,
+    State,
+)
 
 
 def nominal(structure):
@@ -125,6 +135,7 @@ LACKING = {
     "grillage": (changed(Grillage, corner_n_per_m=1e10, crossing_kg=0.0), 0.01, 0.015),
     "elastic_beam": (STRUCTURES["elastic_beam"], 0.005, 0.0),
     "truss": (STRUCTURES["truss"], 0.2, 0.03),
+    "pipe": (changed(Pipe, flange=1e6), 0.025, 0.05),
 }
 
 

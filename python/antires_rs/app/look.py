@@ -52,7 +52,7 @@ def look(args: argparse.Namespace) -> int:
 
 def _result(args: argparse.Namespace, file: Path) -> int:
     """Open the report beside a result; it is written where there is none."""
-    from .call import refuse_beside
+    from .reading import refuse_beside
     from .studies import write_report_of
 
     if len(args.files) > 1:

@@ -484,7 +484,8 @@ def log_odds_threshold(
 
 def intact_slopes(likelihood: Likelihood, n_candidates: int) -> FloatArray:
     """Changes of the baseline's values by each severity, over the errors they will have, made independent."""
-    return _whitened(likelihood, n_candidates, 0)[0]
+    found: FloatArray = _whitened(likelihood, n_candidates, 0)[0]
+    return found
 
 
 def _whitened(likelihood: Likelihood, n_candidates: int, draws: int) -> FloatArray:

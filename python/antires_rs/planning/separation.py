@@ -91,9 +91,8 @@ def _apart(of_test: FloatArray, elements: list[int], one: Hypothesis, other: Hyp
             continue
         a, b = ([elements.index(e) for e in each.elements] for each in (own, theirs))
         loss = np.array(own.severities)
-        # A little more than the information, for what no value sees.
-        blind = 1e-12 * np.trace(of_test) * np.eye(len(b))
         seen = of_test[np.ix_(b, a)] @ loss
-        explained = seen @ np.linalg.solve(of_test[np.ix_(b, b)] + blind, seen)
+        # The inverse of what is seen: there may be losses that no value sees.
+        explained = seen @ np.linalg.pinv(of_test[np.ix_(b, b)], rcond=1e-12, hermitian=True) @ seen
         found.append(float(np.sqrt(max(loss @ of_test[np.ix_(a, a)] @ loss - explained, 0.0))))
     return min(found)

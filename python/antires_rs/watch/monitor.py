@@ -6,6 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -351,6 +352,14 @@ def _check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mapp
     if (options and model is None) or (model is not None and assessor is not None):
         name = next(iter(options), "model")
         reject(name, "it without a model, or beside an assessor", "it with a model alone", "Leave one out.")
+    known = {*signature(assess_damage).parameters, *SearchOptions.declared()}
+    if unknown := next((name for name in options if name not in known), None):
+        reject(
+            unknown,
+            "an unknown option",
+            f"one of assess_damage: {', '.join(sorted(known))}",
+            "Look for a typo.",
+        )
     if model is not None and (options.get("elements") is not None or model.default_elements):
         UpdatingProblem(model, stiffness_reduction(elements_of(model, options.get("elements"))), [one])
     if assessor is not None:
