@@ -4,6 +4,8 @@
 //!
 //! The roots as they are expected in the measured structure at some severities.
 
+use std::ops::Range;
+
 use super::tables::{Entry, Places, SIDE, Tables, Test, factorize, gram, row, whiten_rows, whitened};
 use crate::linalg::wide::{NullaryFnOnce, dot, run};
 use crate::update::alignment::{self, associate};
@@ -100,6 +102,37 @@ fn moved_out(vectors: &mut [Vec<f64>], n: usize) -> f64 {
     log_size
 }
 
+/// ln of the probability of the values by each way and error, and the most probable of them.
+fn probable(
+    test: &Test<'_>,
+    a: &[Entry],
+    white: &[Entry],
+    white_sides: &[Vec<Entry>],
+    ways: &[Range<usize>; 3],
+) -> ([[f64; SIDE]; 3], (usize, usize)) {
+    let mut logs = [[f64::NEG_INFINITY; SIDE]; 3];
+    let mut best = (0, 0);
+    for (l, error) in test.errors.iter().enumerate() {
+        let lane = |entries: &[Entry]| entries.iter().map(|w| w[l]).collect::<Vec<f64>>();
+        let own = lane(white);
+        let beside: Vec<Vec<f64>> = white_sides.iter().map(|side| lane(side)).collect();
+        let log_diagonal: f64 = (0..white.len()).map(|i| a[row(i) + i][l].ln()).sum();
+        for (way, columns) in ways.iter().enumerate() {
+            let prior = error[3 + way];
+            if prior > f64::NEG_INFINITY && (way == 0 || !columns.is_empty()) {
+                let mut vectors = vec![own.clone()];
+                vectors.extend(beside[columns.clone()].iter().cloned());
+                let log_size = moved_out(&mut vectors, columns.len());
+                logs[way][l] = prior - 0.5 * dot(&vectors[0], &vectors[0]) - log_diagonal - log_size;
+                if logs[way][l] > logs[best.0][best.1] {
+                    best = (way, l);
+                }
+            }
+        }
+    }
+    (logs, best)
+}
+
 /// Slopes by `columns` at severities where `room` is 1 − β of each.
 fn judged(
     t: &Tables<'_>,
@@ -135,7 +168,8 @@ fn judged(
             }));
         }
     }
-    let mut sides: Vec<Vec<f64>> = vec![root.iter().map(|&k| if roots.gone[k] { 0.0 } else { test.together.alike }).collect()];
+    let mut sides: Vec<Vec<f64>> =
+        vec![root.iter().map(|&k| if roots.gone[k] { 0.0 } else { test.together.alike }).collect()];
     if at.u.iter().filter(|&&u| u > 0.0).count() < test.together.many {
         let by_heat = |w: &[f64]| (0..m).map(|i| dot(of(i), w)).collect::<Vec<f64>>();
         sides.extend(test.together.heat.chunks_exact(t.n.max(1)).map(by_heat));
@@ -145,27 +179,7 @@ fn judged(
     factorize(&mut a, m);
     let white = whitened(&a, &residual);
     let white_sides: Vec<Vec<Entry>> = sides.iter().map(|side| whitened(&a, side)).collect();
-    let mut logs = [[f64::NEG_INFINITY; SIDE]; 3];
-    let mut best = (0, 0);
-    for l in 0..test.errors.len() {
-        let lane = |entries: &Vec<Entry>| entries.iter().map(|w| w[l]).collect::<Vec<f64>>();
-        let own = lane(&white);
-        let beside: Vec<Vec<f64>> = white_sides.iter().map(lane).collect();
-        let log_diagonal: f64 = (0..m).map(|i| a[row(i) + i][l].ln()).sum();
-        for (way, columns) in ways.iter().enumerate() {
-            let prior = error(l)[3 + way];
-            if prior > f64::NEG_INFINITY && (way == 0 || !columns.is_empty()) {
-                let mut vectors = vec![own.clone()];
-                vectors.extend(beside[columns.clone()].iter().cloned());
-                let log_size = moved_out(&mut vectors, columns.len());
-                logs[way][l] = prior - 0.5 * dot(&vectors[0], &vectors[0]) - log_diagonal - log_size;
-                if logs[way][l] > logs[best.0][best.1] {
-                    best = (way, l);
-                }
-            }
-        }
-    }
-    let (way, best) = best;
+    let (logs, (way, best)) = probable(test, &a, &white, &white_sides, &ways);
     let most = logs[way][best];
     let sum: f64 = logs.iter().flatten().map(|x| (x - most).exp()).sum();
     let width = columns.len();
