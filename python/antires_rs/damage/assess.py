@@ -104,8 +104,7 @@ def question_of(
 
 # -- The result
 
-#: Width of the 90 % interval of a Gaussian, in standard deviations.
-_WIDTH_90 = 2.0 * 1.6448536269514722
+_WIDTH_90 = 2.0 * 1.6448536269514722  # width of the 90 % interval of a Gaussian, in standard deviations
 #: Without a baseline: differences so many times the errors of the values are the model's, and damage that
 #: leaves more than this share of them may be made of them.
 _BEYOND, _MOST = 3.0, 0.5
@@ -561,8 +560,7 @@ class AssessedTest(Answered, ReadOnly):
 #: Two hypotheses within this (log probability) may change places in a full run, which is also to look for
 #: something else from this probability on.
 _CLOSE, _UNKNOWN = 0.1, 0.1
-#: Share of values without a root that is too much, and how many are usual.
-_LOST, _USUALLY_LOST = 0.1, 2
+_LOST, _USUALLY_LOST = 0.1, 2  # share of values without a root that is too much, and how many are usual
 #: Severity beyond which the slopes say little; values so far outside of the baseline's band (ln f) are not
 #: looked at; hypotheses of less than this probability are not listed.
 _LARGE, _OUTSIDE, _LISTED = 0.97, 0.3, 1e-3

@@ -41,12 +41,9 @@ from .measured_states import Column, Responses, Roots, Values, note_of_same_data
 LEVELS = np.array(
     [0.0, 0.06, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3, 1.6, 2.0, 2.4, 2.9, 3.5, 4.0, 4.6051701859880909]
 )
-#: Roots so far outside of the baseline's band (ln f) are not looked at.
-_MARGIN = 0.35
-#: Variance of ln f that the compressed errors of the model may miss, on average.
-_DROPPED = 1e-13
-#: Largest tables, bytes.
-_MOST_BYTES = 2e9
+_MARGIN = 0.35  # roots so far outside of the baseline's band (ln f) are not looked at
+_DROPPED = 1e-13  # variance of ln f that the compressed errors of the model may miss, on average
+_MOST_BYTES = 2e9  # largest tables, bytes
 
 Single = NDArray[np.float32]
 
@@ -179,8 +176,7 @@ def _factor(error: ModelError) -> FloatArray:
 
 # -- A measured set as values, by what was prepared: no question to the model
 
-#: Beyond the highest value of the baseline (as a factor) zeros of the model are known.
-_BEYOND = 1.3
+_BEYOND = 1.3  # beyond the highest value of the baseline (as a factor) zeros of the model are known
 
 
 class Expected(NamedTuple):
@@ -392,17 +388,13 @@ _STEPS, _HOPELESS = 2, 18.0
 _SETTLING, _FAR = 2, 6.0
 #: Pairs that are seen from so many single elements; how far the second one's severity (u) may be.
 _GROWN, _GROWING, _GROWS = 4, 2, 0.3
-#: Sets known from another one's severities alone that are looked at from their own in the end.
-_LINEAR = 6
-#: Elements that are looked at in place of one that moves the roots alike.
-_ALIKE = 3
-#: So many elements join a set of one and of two in the linear model of its view.
-_JOINED = (0, 10, 3)
+_LINEAR = 6  # sets known from another one's severities alone that are looked at from their own in the end
+_ALIKE = 3  # elements that are looked at in place of one that moves the roots alike
+_JOINED = (0, 10, 3)  # so many elements join a set of one and of two in the linear model of its view
 #: A set is judged anew where its severities are further (u) than this from where it was judged; so often; and
 #: the same for those of the answer.
 _RESTS, _LOOKS, _SURE_RESTS = 0.06, 2, 1e-2
-#: Sets within this of the likeliest are judged at the end, so many.
-_CLOSE, _LAST = 0.4, 2
+_CLOSE, _LAST = 0.4, 2  # sets within this of the likeliest are judged at the end, so many
 
 
 @dataclass

@@ -52,10 +52,8 @@ def peak_in_box(mean: FloatArray, covariance: FloatArray) -> FloatArray:
 # it is a normal one; the product of the conditional probabilities, averaged over draws, is the probability of
 # the box (A. Genz, J. Comput. Graph. Stat. 1 (1992) 141-149).
 
-#: Points of the rule of quadrature along each coordinate but the last.
-_POINTS = 16
-#: Coordinates so many standard deviations from both bounds do not count.
-_FAR = 5.0
+_POINTS = 16  # points of the rule of quadrature along each coordinate but the last
+_FAR = 5.0  # coordinates so many standard deviations from both bounds do not count
 _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
 
 
@@ -141,12 +139,9 @@ def _rule(n: int) -> tuple[FloatArray, FloatArray]:
     return points, weights.prod(axis=1)
 
 
-#: Change of u up to which the roots count as linear.
-LINEAR = 0.12
-#: So near to the largest u counts as there.
-_ON_BOUND = 1e-9
-#: Precision of u where nothing sees it.
-BLIND = 1e-2
+LINEAR = 0.12  # change of u up to which the roots count as linear
+_ON_BOUND = 1e-9  # so near to the largest u counts as there
+BLIND = 1e-2  # precision of u where nothing sees it
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,7 @@ def figure(share: float) -> str:
     return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{float(f'{value:.2g}'):g} %"
 
 
-#: What stands for the elements of a change that is no damage of an element.
-UNKNOWN: tuple[int, ...] = (-1,)
+UNKNOWN: tuple[int, ...] = (-1,)  # what stands for the elements of a change that is no damage of an element
 _SHOWN = 8
 
 
@@ -179,8 +178,7 @@ class Hypotheses(Viewed):
 
 # -- What an assessment came to: hypotheses, how well the best explains the values, how wrong the model is
 
-#: Below this probability of so large a chi-square, the best explanation does not explain.
-_HARDLY = 1e-3
+_HARDLY = 1e-3  # below this probability of so large a chi-square, the best explanation does not explain
 #: A model that needs factors which scatter more is of another structure: that of the exhaust, never updated,
 #: 0.22; chains and frames with every term up to 20 % off 0.16; a wrong support or dof 0.3 and more.
 _FAR_OFF = 0.3

@@ -45,41 +45,29 @@ _MANY_ELEMENTS, _SCANNED_ELEMENTS = 60, (40, 16)
 #: Severities of a scan, and of one for a further damage among many elements.
 _GRID = np.array([0.02, 0.05, 0.1, 0.16, 0.23, 0.31, 0.4, 0.5, 0.6, 0.7, 0.79, 0.87, 0.93, 0.97])
 _COARSE = np.array([0.05, 0.16, 0.4, 0.7, 0.93])
-#: Elements of the largest sets.
-LARGEST = 3
+LARGEST = 3  # elements of the largest sets
 #: Sets of each size that get another element; and new sets that are refined.
 _PARENTS, _REFINED = (1, 8, 4), (12, 40, 10)
-#: Sets that get another one where nothing found so far is better than no element at all.
-_UNTOLD = 16
-#: Errors added on the way to the most probable severities.
-_TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)
-#: More steps of what has not come to rest after them, and may be the answer.
-_FURTHER = 6
+_UNTOLD = 16  # sets that get another one where nothing found so far is better than no element at all
+_TEMPERED = (0.03, 0.01, 0.003, 0.0, 0.0)  # errors added on the way to the most probable severities
+_FURTHER = 6  # more steps of what has not come to rest after them, and may be the answer
 #: Sets so far below the likeliest of their size (log-likelihood) are given up on the way, but for so many.
 _HOPELESS, _KEPT = 30.0, 8
-#: A set is not at rest where the last step lost more of the log-likelihood.
-_LOST_ON_THE_WAY = 0.5
-#: Largest step of ln(1 - beta).
-_LONGEST = 0.7
+_LOST_ON_THE_WAY = 0.5  # a set is not at rest where the last step lost more of the log-likelihood
+_LONGEST = 0.7  # largest step of ln(1 - beta)
 #: Gain of the log-likelihood, to second order, below which no further element can win against its prior; and
 #: below which no pair is looked for where one element explains the values: of a large loss slopes show less.
 _GAIN, _PAIR_GAIN = 7.0, 5.0
-#: Share of what errors as they are stated do not explain, above which one more element may.
-_MOSTLY = 0.5
-#: Chi-square so many standard deviations above what is expected is too much.
-_TOO_MUCH = 3.0
+_MOSTLY = 0.5  # share of what errors as they are stated do not explain, above which one more element may
+_TOO_MUCH = 3.0  # chi-square so many standard deviations above what is expected is too much
 #: Sets so near to the likeliest (log evidence), and so many of them, are judged from their own severities.
 _NEAR, _RENEWED = 12.0, 24
-#: Severity below which an element of a set may as well be undamaged.
-HARDLY = 0.02
+HARDLY = 0.02  # severity below which an element of a set may as well be undamaged
 #: About so many points of a scan of pairs; where even so there are too many, pairs of so many elements.
 _SCANNED, _ALONE = 4000, 40
-#: Multiple of the stated errors up to which a damage explains the values.
-_WIDER = 2.0
-#: Share of values without a partner that is usual.
-USUALLY_LOST = 0.05
-#: With fewer values to spare two damages are looked at, however well one explains the values.
-_MANY = 8
+_WIDER = 2.0  # multiple of the stated errors up to which a damage explains the values
+USUALLY_LOST = 0.05  # share of values without a partner that is usual
+_MANY = 8  # with fewer values to spare two damages are looked at, however well one explains the values
 
 
 @dataclass
@@ -411,8 +399,7 @@ class Climb:
     share: float = 1.0
     lost: bool = False  # much of the likelihood, in the last step
     rests: bool = False
-    #: From the likeliest severities so far.
-    view: View = field(init=False)
+    view: View = field(init=False)  # from the likeliest severities so far
     height: float = -np.inf
 
     def sees(self, view: View) -> None:
@@ -578,10 +565,8 @@ def _log_likelihood(chi_square: FloatArray, m: int) -> FloatArray:
 # compared with those of the full model there, and is judged from it; so is no damage. All others stay as
 # the search has them.
 
-#: Hypotheses of at least this probability are confirmed, so many of them.
-_SHARE, _MOST = 0.01, 6
-#: Newton steps of each, and when it has come to rest, in u.
-_STEPS, _RESTS = 4, 1e-4
+_SHARE, _MOST = 0.01, 6  # hypotheses of at least this probability are confirmed, so many of them
+_STEPS, _RESTS = 4, 1e-4  # Newton steps of each, and when it has come to rest, in u
 
 
 def confirmed(search: Search, likelihood: Likelihood) -> ReductionReport | None:
@@ -630,11 +615,9 @@ def settled(likelihood: Likelihood, elements: Elements, beta: FloatArray) -> tup
 
 # -- From a search to an assessment
 
-#: Probability of the intervals, and the shares between which they lie.
-LEVEL = 0.9
+LEVEL = 0.9  # probability of the intervals, and the shares between which they lie
 SHARES = (0.05, 0.95)
-#: Hypotheses below this probability are dropped.
-_LEAST = 1e-9
+_LEAST = 1e-9  # hypotheses below this probability are dropped
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -811,10 +794,8 @@ def _notes(search: Search, shift: float) -> list[str]:
 # the same likelihood and Laplace's approximation: the one factor with every loss equally probable, on the
 # candidates or on all elements; the set of elements with the prior of their number.
 
-#: Steps to the most probable factor, and the largest of them, in u.
-_MOST_STEPS, _LONGEST_STEP = 10, 0.3
-#: Sets beyond the three elements of the prior: so many times less probable for each element more.
-_RARER = 6.0
+_MOST_STEPS, _LONGEST_STEP = 10, 0.3  # steps to the most probable factor, and the largest of them, in u
+_RARER = 6.0  # sets beyond the three elements of the prior: so many times less probable for each element more
 
 
 def common_loss(question: Question, losses: dict[int, float], threads: int) -> float:

@@ -59,8 +59,7 @@ Core = Source | _core.Objective
 
 # -- What may be wrong in a model: a factor on every stiffness and every mass term
 
-#: Bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that.
-BOUNDS = (0.2, 5.0)
+BOUNDS = (0.2, 5.0)  # bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that
 
 
 def factors_of(model: StructuralModel) -> tuple[Parameter, ...]:
@@ -86,8 +85,7 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
 #: supports, masses.
 _WARMER, _ON_ONE_SIDE, _SUPPORTS, _LADEN = 0.02, 0.01, 0.1, 0.02
-#: A joint has not lost more where its warmth is judged.
-_LOOSE = 0.8
+_LOOSE = 0.8  # a joint has not lost more where its warmth is judged
 
 
 def surroundings(
@@ -125,12 +123,10 @@ def surroundings(
 #: Median and logarithmic standard deviation of the priors of s, of factors and of what joints and supports
 #: yield, and of tau, of frequencies and of shapes.
 S, S_JOINTS, TAU, TAU_SHAPE = (0.05, 1.5), (0.05, 1.5), (1e-3, 1.5), (5e-3, 1.5)
-#: Multiple of that scatter of joints from which on it is learned too.
-_MUCH = 10.0
+_MUCH = 10.0  # multiple of that scatter of joints from which on it is learned too
 _S_GRID = np.geomspace(5e-4, 0.6, 22)
 _TAU_GRID = np.geomspace(2e-6, 0.15, 18)
-#: Without a baseline the roots' own errors are this share of what is assumed of the factors.
-_TAU_SHARE = 0.2
+_TAU_SHARE = 0.2  # without a baseline the roots' own errors are this share of what is assumed of the factors
 #: Errors with which values and roots are associated, step by step; later ones are multiples of tau.
 _FIRST = (0.1, 0.03, 0.01, 0.004)
 _MULTIPLE = 3.0
@@ -147,12 +143,9 @@ _YIELDING, _NEAREST = np.array([0.0, -0.3, -0.6, -0.8, -1.0, -1.2, -1.5, -1.8]),
 #: A model with more scatter of its factors, or a larger error beside them, may lack something else; what its
 #: joints yield is believed where it makes the values so much more probable (ln).
 _DOUBTED_S, _DOUBTED_TAU, _CLEARLY = 0.06, 2e-3, 4.0
-#: Share of values without a root that asks for another first association.
-_LOST = 0.05
-#: The bound of what joints of chains and matrices may yield.
-_YIELDS = 1.0
-#: Largest step of ln factor in one iteration, and its bound.
-_STEP, _REACH = 0.3, 1.6
+_LOST = 0.05  # share of values without a root that asks for another first association
+_YIELDS = 1.0  # the bound of what joints of chains and matrices may yield
+_STEP, _REACH = 0.3, 1.6  # largest step of ln factor in one iteration, and its bound
 
 
 @dataclass(frozen=True)
@@ -399,8 +392,7 @@ ERRORS = (
 #: A change of all values alike, and one of temperature, may come with any hypothesis: the former's standard
 #: deviation (ln f), the share of the probability of each, and the errors beside which they are looked at.
 ALIKE_STD, _WITH_ALIKE, _BESIDE_ALIKE = 0.015, 0.025, ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (1.0, 2.0))
-#: Which of the ways it is; and beside how many losses temperature is not looked at.
-_WARM, MANY = 2, 3
+_WARM, MANY = 2, 3  # which of the ways it is; and beside how many losses temperature is not looked at
 #: Where a model is wrong in more than factors, its modes strain other elements than the structure's: a change
 #: is wrong along the slopes of all elements. The size of that error over that of the change (root mean
 #: square), its share of the probability, and the errors beside which it is looked at. Set on building.
@@ -413,8 +405,7 @@ _GAIN_ERROR, _FULLY = 0.7, 1.5e-3
 _COMMON = 0.5
 #: In the association, before anything is known of kappa; and by how much all errors are widened.
 _FIRST_KAPPA, _WIDER = 0.1, (1.0, 3.0)
-#: Over so much of ln f from the edges of what was measured on, a root is ever more surely found.
-_EDGE = 0.06
+_EDGE = 0.06  # over so much of ln f from the edges of what was measured on, a root is ever more surely found
 
 
 @dataclass(frozen=True)
@@ -631,8 +622,7 @@ def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
 # and a value there is not simply a false one: it may be of such a root, found with the probability of one
 # that only one state shows, as far from its intact place as a root goes until it meets another.
 
-#: Standard deviation of ln f of such a root from its intact place.
-_MOVED = 0.1
+_MOVED = 0.1  # standard deviation of ln f of such a root from its intact place
 
 
 def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray) -> Foreseen:
@@ -669,19 +659,14 @@ def and_vanished(there: Foreseen, response: NDArray[np.intp], place: FloatArray)
 
 # -- The likelihood, wherever the roots come from, and how probable changes are that are no damage
 
-#: Changes (standard deviations of ln f) that something else may make.
-ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)
+ANY_CHANGE = np.geomspace(3e-4, 0.3, 10)  # changes (standard deviations of ln f) that something else may make
 #: The same for changes of all values alike, as of temperature, and their share of the
 #: probability: small, since std_common allows for what is usual.
 ALIKE, ALIKE_SHARE = (5e-3, 1.5e-2, 4e-2), 0.05
-#: What is so much less probable (ln) adds nothing in double precision.
-_NOTHING = 40.0
-#: Change of a root that has just appeared.
-_NEW = 0.1
-#: Roots so far outside of what was measured (ln f) are not looked at.
-_MARGIN = 0.3
-#: Responses on one line, so far apart.
-_APART = 100.0
+_NOTHING = 40.0  # what is so much less probable (ln) adds nothing in double precision
+_NEW = 0.1  # change of a root that has just appeared
+_MARGIN = 0.3  # roots so far outside of what was measured (ln f) are not looked at
+_APART = 100.0  # responses on one line, so far apart
 
 
 class ValueLikelihood(ABC):

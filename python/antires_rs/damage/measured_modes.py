@@ -162,8 +162,7 @@ def _turned(old: FloatArray, new: FloatArray, basis: FloatArray) -> FloatArray:
 # -- Measured modes as values: a natural frequency each, and where its shape lies beside a mode of the model
 
 _HALF_LOG_TAU = 0.5 * float(np.log(2.0 * np.pi))
-#: More than any price.
-_NEVER = 1e12
+_NEVER = 1e12  # more than any price
 #: In the scan: weight of an angle between shapes (rad) against ln f, and the farthest that counts.
 _ANGLE, _FAR = 0.3, 0.2
 
@@ -271,8 +270,7 @@ def _any_shape(n: int) -> float:
 #: Standard deviation of the components of a shape of unit length that states none, and the least.
 ASSUMED_SHAPE_STD, _LEAST_SHAPE_STD = 5e-3, 2e-5
 
-#: Dofs of the model, ascending.
-_Dofs = tuple[int, ...]
+_Dofs = tuple[int, ...]  # dofs of the model, ascending
 
 
 @dataclass(frozen=True)

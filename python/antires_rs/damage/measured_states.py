@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
 # -- The model's roots at one state, and which root of another state each has become
 
-#: A root that is shown by less than this share is not seen by the test.
-SHOWN = 0.5
+SHOWN = 0.5  # a root that is shown by less than this share is not seen by the test
 #: Price of a root that appears or vanishes, in ln f: large damage moves roots by a fifth and more.
 _BORN = 0.15
 
@@ -188,8 +187,7 @@ class Values(_Frequencies):
 #: Relative standard deviation of a value that has none, and the least of one from a single curve: its noise
 #: tells little of how another test would come out.
 ASSUMED_STD = 5e-4
-#: No value is known better.
-LEAST_STD = 2e-6
+LEAST_STD = 2e-6  # no value is known better
 
 
 class Column(NamedTuple):
@@ -341,8 +339,7 @@ def _columns(target: AntiresonanceTargets, numbers: Mapping[Response, int]) -> d
 
 # -- Which responses both states have, and what to say of the others
 
-#: Dof and force.
-Response = tuple[int, int]
+Response = tuple[int, int]  # dof and force
 
 
 def _not_in_both(
@@ -384,15 +381,13 @@ def _named(model: StructuralModel, responses: Sequence[Response] | Mapping[Respo
 # -- How tests of the intact structure scatter, and which of them contradict each other, by how much: two are
 # apart by the upper quartile of the differences of ln f, so that a few false values count for nothing
 
-#: So many repeated values tell how much tests scatter.
-_LEAST_REPEATS = 5
+_LEAST_REPEATS = 5  # so many repeated values tell how much tests scatter
 #: Difference of ln f up to which values are paired; what both tests have alone counts as so far apart.
 _PAIRED = 0.1
 #: An odd test differs by so many times what the others differ, and at least by this share and so many
 #: standard deviations.
 _TIMES, _ODD, _DEVIATIONS = 3.0, 0.002, 5.0
-#: Without a third test, or if no single one is odd, so much is more than tests scatter.
-_CONTRADICTING = 0.01
+_CONTRADICTING = 0.01  # without a third test, or if no single one is odd, so much is more than tests scatter
 _UPPER = 75.0
 
 
@@ -502,12 +497,10 @@ def _changes(
 
 # -- Values that have risen since the intact state: lost stiffness lowers most of them
 
-#: Difference of ln f up to which values of both states are paired.
-_PAIRED_STATES = 0.3
+_PAIRED_STATES = 0.3  # difference of ln f up to which values of both states are paired
 #: A value has moved if it differs by so many standard deviations, and by this share at least.
 _MOVED_DEVIATIONS, _MOVED = 4.0, 1e-3
-#: So many values must have moved, and this share of them upwards.
-_LEAST, _MOST = 3, 0.75
+_LEAST, _MOST = 3, 0.75  # so many values must have moved, and this share of them upwards
 
 
 def mostly_risen(intact: Values, now: Values) -> tuple[int, int]:

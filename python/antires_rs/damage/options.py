@@ -16,8 +16,7 @@ from ..updating.reduced_model import LARGE
 
 #: Scopes of options: two states that are compared, or one state and the model.
 TWO_STATES, ONE_STATE = "with a baseline", "without a baseline"
-#: What may differ between two tests beside damage.
-SURROUNDINGS = ("temperature", "supports", "mass")
+SURROUNDINGS = ("temperature", "supports", "mass")  # what may differ between two tests beside damage
 _PRICE: dict[str, Any] = {"kind": "number", "low": 0.0, "scope": ONE_STATE}
 
 

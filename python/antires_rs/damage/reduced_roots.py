@@ -43,8 +43,7 @@ if TYPE_CHECKING:
 
 #: Vectors that an element's damage makes: generations, and the least size of one.
 _GENERATIONS, _LEAST = 4, 1e-4
-#: A direction of several elements together that is smaller is one of them twice.
-_INERTIA = 0.5
+_INERTIA = 0.5  # a direction of several elements together that is smaller is one of them twice
 _SAME = 1e-5
 #: Memory of what is kept of sets of elements (bytes), at about so many vectors a set; least number of sets.
 _ROOM, _USUAL, _LEAST_KEPT = 6e8, 120, 16
@@ -161,8 +160,7 @@ class Local:
 
 #: Krylov vectors of a sensor, first and most; relative difference from the full model's roots that is enough.
 _DEPTH, _DEEPEST, TOLERANCE = 3, 7, 1e-6
-#: Roots so far (ln f) beside the measured band are compared too.
-_BESIDE = 0.01
+_BESIDE = 0.01  # roots so far (ln f) beside the measured band are compared too
 
 
 class ReducedRoots:
@@ -245,8 +243,7 @@ class ReducedRoots:
 
 # -- K and M of a model as sums of terms that severities and factors scale, and how roots move with each
 
-#: Slopes are told of roots within so much (ln f) of what was measured.
-_NEAR = 0.31
+_NEAR = 0.31  # slopes are told of roots within so much (ln f) of what was measured
 
 
 class Terms(Large):

@@ -115,8 +115,7 @@ class SeverityIntervals(ParameterIntervals):
 _WIDER = ((1.25, 0.7), (3.0, 0.3))
 #: Rounds; share of the points that should count, below which particles walk; most points, in those wanted.
 _ROUNDS, _POOR, _MOST_POINTS = 3, 0.15, 6
-#: Points that are evaluated at once; Ctrl-C and progress come in between.
-_BATCH = 64
+_BATCH = 64  # points that are evaluated at once; Ctrl-C and progress come in between
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,7 @@ from .shapes import Found, Shape, Shaped, Shapes
 #: Shares of the prior of what is in no element, by kind.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
 SENSOR = 0.2
-#: With fewer sensors the values of one are not told from those of all.
-_LEAST_SENSORS = 3
+_LEAST_SENSORS = 3  # with fewer sensors the values of one are not told from those of all
 
 # -- The likelihood with shapes behind the elements
 
@@ -71,26 +70,21 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> Shape
 
 #: Shapes that are looked at for their gain, to first order; elements whose cracks are, for their evidence.
 _BY_GAIN, _BY_EVIDENCE, _MOST_SCANNED = 16, 3, 40
-#: Gain of the log-likelihood, to first order, from which a shape may explain what no element does.
-_GAIN = 4.0
+_GAIN = 4.0  # gain of the log-likelihood, to first order, from which a shape may explain what no element does
 #: Errors added on the way to the most probable amounts; sets given up when so far behind, but for so many.
 _TEMPERED, _HOPELESS, _KEPT = (0.03, 0.01, 0.003, 0.0, 0.0, 0.0), 12.0, 6
 #: Of pairs: sets that get another column, columns that join each, and pairs that are refined.
 _PARENTS, _JOINING, _PAIRS = 6, 12, 12
-#: Pairs whose members are joined by others once more.
-_NEAREST = 2
-#: Amounts of a scan.
-_SCAN = np.array([0.03, 0.1, 0.25, 0.5, 0.75, 0.93])
+_NEAREST = 2  # pairs whose members are joined by others once more
+_SCAN = np.array([0.03, 0.1, 0.25, 0.5, 0.75, 0.93])  # amounts of a scan
 #: Rounds in which the place of a crack is narrowed down, for so many elements and pairs; errors added.
 _ROUNDS, _NARROWED, _NEAR = 3, 2, (0.0, 0.0, 0.0)
 _SHARES, _QUANTILES = np.linspace(0.0, 1.0, 401), np.arange(0.5, 20.0) / 20.0
 #: Error of a place (share of the element) over that of a loss (u), by the model's own error: both come of how
 #: its modes bend. Set on the cracks of seed 0 of the outside class.
 _OFF_PLACE = 0.5
-#: Places so near are one; the first step from a single one.
-_SAME_PLACE, _STEP = 2e-3, 0.2
-#: What the likeliest place of a crack has over the mean of its element (ln), about.
-_OVER_PLACES = 1.0
+_SAME_PLACE, _STEP = 2e-3, 0.2  # places so near are one; the first step from a single one
+_OVER_PLACES = 1.0  # what the likeliest place of a crack has over the mean of its element (ln), about
 
 
 def found_shapes(search: Search, prepared: Prepared, question: Question) -> Found:
@@ -153,8 +147,7 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
         _doubles(prepared, question, shapes, pairs, found)
 
 
-#: Changes (ln f) of the values of a sensor that has moved.
-_MOVED = (3e-3, 1e-2, 3e-2, 1e-1)
+_MOVED = (3e-3, 1e-2, 3e-2, 1e-1)  # changes (ln f) of the values of a sensor that has moved
 
 
 def _sensors(prepared: Prepared, model: StructuralModel) -> list[Shaped]:

@@ -35,17 +35,12 @@ if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
 
 Kind = Literal["crack", "joint", "support", "mass"]
-#: Share of the prior of an element's damage that is of cracks.
-CRACKED = 0.3
+CRACKED = 0.3  # share of the prior of an element's damage that is of cracks
 
-#: Places of cracks along an element.
-PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)
-#: The largest mass that may be added, as a share of the structure's.
-_MOST_MASS = 0.2
-#: Directions in which a mass counts, and about which a beam bends.
-_TRANSLATIONS = ("u", "v", "w")
-#: Two elements are one straight beam up to this angle (rad).
-_STRAIGHT = 0.02
+PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)  # places of cracks along an element
+_MOST_MASS = 0.2  # the largest mass that may be added, as a share of the structure's
+_TRANSLATIONS = ("u", "v", "w")  # directions in which a mass counts, and about which a beam bends
+_STRAIGHT = 0.02  # two elements are one straight beam up to this angle (rad)
 
 
 class Shape(NamedTuple):
@@ -268,8 +263,7 @@ class Structure:
         return []
 
 
-#: Powers of the height with which a building tilts and bends as a whole.
-_TILTS = (1, 2, 3)
+_TILTS = (1, 2, 3)  # powers of the height with which a building tilts and bends as a whole
 
 
 class Chain(Structure):
@@ -323,8 +317,7 @@ _PARTS, _HELD_UP_TO = 4, 8.0
 #: Springs of joints and supports that turn, in EI / L of the element; of supports that move, in what the
 #: elements there have.
 _HINGES, _SUPPORTS = (60.0, 25.0, 12.0, 6.0, 3.0), (30.0, 10.0, 4.0)
-#: Least mass that such a mode carries along, over that of the element, as a square root.
-_STILL = 1e-3
+_STILL = 1e-3  # least mass that such a mode carries along, over that of the element, as a square root
 
 
 class Inner(NamedTuple):

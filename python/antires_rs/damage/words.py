@@ -12,12 +12,9 @@ from .hypotheses import Assessment, Hypothesis, figure, percent, span
 
 # -- Losses, names and alternatives in words
 
-#: Alternatives from this probability on are named, so many of them.
-_WORTH_A_WORD, _MOST_WORDS = 0.01, 3
-#: Intervals wider than this tell nothing.
-_UNSEEN = 0.8
-#: A loss that is printed as 0.0 %.
-_NO_LOSS = 5e-4
+_WORTH_A_WORD, _MOST_WORDS = 0.01, 3  # alternatives from this probability on are named, so many of them
+_UNSEEN = 0.8  # intervals wider than this tell nothing
+_NO_LOSS = 5e-4  # a loss that is printed as 0.0 %
 
 
 def _else(found: Assessment, hypotheses: Iterable[Hypothesis], first: str = "What else it may be") -> str:
@@ -60,10 +57,8 @@ def _intervals(one: Hypothesis) -> str:
 
 # -- What an assessment against a baseline comes to: damage, nothing, or what no candidate explains
 
-#: From this probability on something is said without reserve.
-_SURE, _EVEN = 0.9, 0.5
-#: With fewer values to spare, sets with one element more explain them as well.
-_BARELY = 2
+_SURE, _EVEN = 0.9, 0.5  # from this probability on something is said without reserve
+_BARELY = 2  # with fewer values to spare, sets with one element more explain them as well
 
 
 def _answer(found: Assessment) -> list[str]:
@@ -338,8 +333,7 @@ def all_lost(losses: Mapping[int, float], n_elements: int) -> bool:
     return nearly >= min(_MOST_LOST, max(0.5 * n_elements, 2.0))
 
 
-#: With fewer values to spare a fit says little.
-_FEW = 4
+_FEW = 4  # with fewer values to spare a fit says little
 
 
 def reservations(found: Assessment) -> list[str]:
@@ -385,8 +379,7 @@ UNSEEN_OF_ONE = (
 UNREDUCED = "Severities and probabilities move by as much; reduction=False takes the full model, and long."
 
 
-#: Values that are named, with differences (in %) of at least so much.
-_NAMED, _LEAST_PERCENT = 3, 0.05
+_NAMED, _LEAST_PERCENT = 3, 0.05  # values that are named, with differences (in %) of at least so much
 
 
 def largest_left(table: FrequencyTable | ModalTable) -> str:

@@ -34,10 +34,8 @@ from ..signals.spectra import (
 )
 from ..support.checks import ComplexArray, FloatArray
 
-# Row index of the force in ``Lines.vectors``: the last.
-FORCE = -1
-# Signal-to-noise power beyond which a line gains no more weight: what is left there is leakage.
-SNR_CAP = 1e4
+FORCE = -1  # row index of the force in ``Lines.vectors``: the last
+SNR_CAP = 1e4  # signal-to-noise power beyond which a line gains no more weight: what is left there is leakage
 
 
 @dataclass(frozen=True)

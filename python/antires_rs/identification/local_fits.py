@@ -30,18 +30,13 @@ from ..support.checks import ComplexArray, FloatArray
 SCALES = ((2.2, 48, (4, 6, 8)), (1.5, 48, (3, 4, 6)), (1.25, 40, (2, 3, 5)))
 #: Stretches of one scale that cover a frequency, and the share that the band must leave of one.
 OVERLAP, LEAST_SHARE = 4, 0.6
-#: Lines of a stretch that are fitted: more tell hardly more of a few zeros.
-MOST_LINES, LEAST_LINES = 96, 16
-#: Directions of the channels that a fit keeps: polynomials of order m span at most m + 1.
-MOST_DIRECTIONS = 5
-#: Passes of "weights from the fit before".
-PASSES = 3
+MOST_LINES, LEAST_LINES = 96, 16  # lines of a stretch that are fitted: more tell hardly more of a few zeros
+MOST_DIRECTIONS = 5  # directions of the channels that a fit keeps: polynomials of order m span at most m + 1
+PASSES = 3  # passes of "weights from the fit before"
 #: Inverse iterations towards the smallest eigenvalue, and what keeps exact data from being singular.
 ITERATIONS, RIDGE = 4, 1e-11
-#: Least squared size of N over the largest of the stretch.
-LEAST_SIZE = 1e-6
-#: Numbers that are worked on at a time.
-AT_A_TIME = 1 << 21
+LEAST_SIZE = 1e-6  # least squared size of N over the largest of the stretch
+AT_A_TIME = 1 << 21  # numbers that are worked on at a time
 
 
 @dataclass(frozen=True)

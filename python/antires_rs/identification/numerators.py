@@ -267,22 +267,18 @@ class NumeratorSweep:
 
 # Orders settle in two or three iterations of the weights; the others may find better ones.
 ITERATIONS_LIKELIHOOD = 6
-# Relative change of Q from one iteration to the next below which the weights stand, too.
-SETTLED = 1e-8
+SETTLED = 1e-8  # relative change of Q from one iteration to the next below which the weights stand, too
 # The weights are those of the lowest order whose misfit is within this factor of the least: a spurious
 # common factor of the numerators would distort them.
 KNEE = 2.0
-# The first iteration looks at every second order, the next ones this far from the knee.
-BELOW, ABOVE = 4, 16
+BELOW, ABOVE = 4, 16  # the first iteration looks at every second order, the next ones this far from the knee
 # The last fit has so many orders above the likeliest: what is there stays over them, what is noise does not.
 HIGHER = 36
 # The first look goes up to this order, and twice as far while the likeliest is above this share of it: with
 # orders too low for the modes, the criterion has local minima anywhere.
 FIRST_LOOK, HIGH = 60, 0.6
-# So many lines tell the weights and the order as well as all of them.
-ENOUGH_LINES = 1200
-# A line at which all numerators nearly vanish must not get all the weight there is.
-LEAST_SIZE = 1e-12
+ENOUGH_LINES = 1200  # so many lines tell the weights and the order as well as all of them
+LEAST_SIZE = 1e-12  # a line at which all numerators nearly vanish must not get all the weight there is
 LEAST_ORDER = 2
 
 
@@ -415,15 +411,12 @@ def _misfits(
 # Econometrica 50 (1982) 1-25; G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004) article 3 (moderated
 # variances).
 
-# Degrees of freedom with which the whole test speaks on the variance of one zero.
-PRIOR = 8.0
-# Without segments: so many blocks of neighbouring lines stand for independent draws.
-BLOCKS = 64
+PRIOR = 8.0  # degrees of freedom with which the whole test speaks on the variance of one zero
+BLOCKS = 64  # without segments: so many blocks of neighbouring lines stand for independent draws
 # Directions of the coefficients that the data do not determine (a common factor) move no zero of one
 # numerator; below this share of the largest eigenvalue they are left out.
 UNDETERMINED = 1e-12
-# Roots of more damping than this are no zeros of a structure.
-WIDEST = 0.15
+WIDEST = 0.15  # roots of more damping than this are no zeros of a structure
 
 
 def excess(between: FloatArray, within: FloatArray, n_draws: int) -> float:
@@ -548,10 +541,8 @@ def _centred(push: FloatArray) -> FloatArray:
 
 #: Lines that are looked at, parts of the band, and the largest misfit of a part over what noise makes of it.
 LINES_AHEAD, PARTS, LARGEST_AHEAD = 1200, 8, 2.5
-#: Segments without which halves tell nothing.
-LEAST_SEGMENTS = 4
-#: Signal-to-noise power at the median line from which few impacts are as good as curves.
-CLEAN = 3e4
+LEAST_SEGMENTS = 4  # segments without which halves tell nothing
+CLEAN = 3e4  # signal-to-noise power at the median line from which few impacts are as good as curves
 
 
 def few(lines: Lines) -> bool:

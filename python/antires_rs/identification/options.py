@@ -27,16 +27,13 @@ from ..signals.averaging import METHODS, Averaging
 from ..support.checks import FloatArray, integer
 from ..support.options import Option, Options, documented, option
 
-# Beyond, a narrower band or windows serve better than more orders.
-HIGHEST_ORDER = 200
-#: Highest order of the sweep where neither the caller nor a preset names one.
-USUAL_ORDER = 60
+HIGHEST_ORDER = 200  # beyond, a narrower band or windows serve better than more orders
+USUAL_ORDER = 60  # highest order of the sweep where neither the caller nor a preset names one
 # Real numbers of data that an order needs: with fewer, poles follow the noise of single lines.
 DATA_PER_ORDER = 3
 
 FORMULATIONS = ("joint", "eq10", "eq10_squared")
-#: Real functions of f^2; one number a line.
-OF_MAGNITUDES = FORMULATIONS[1:]
+OF_MAGNITUDES = FORMULATIONS[1:]  # real functions of f^2; one number a line
 CHOICES = ("auto", "windows", "directions", "numerators", *FORMULATIONS)
 
 PRESET_NAMES = ("paper", "strict", "sensitive")
@@ -220,8 +217,7 @@ OF_WINDOWS = ("min_share", "min_depth_db")
 OF_BOTH = ("freq_tol", "max_damping")
 #: Those of perturbed local fits, and of how their records are averaged; damping counts up to 0.06.
 OF_DIRECTIONS = ("min_share", "min_depth_db", "max_damping", "method", "window", "nperseg")
-#: Those of values that are followed.
-OF_FOLLOWING = ("min_share", "new_values", "method", "window", "nperseg")
+OF_FOLLOWING = ("min_share", "new_values", "method", "window", "nperseg")  # those of values that are followed
 
 
 def declared() -> dict[str, Option]:

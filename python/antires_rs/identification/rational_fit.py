@@ -117,10 +117,8 @@ def comrade_roots(
 # a few decades: so half as many pole pairs as the order are laid where the curve moves, at equal steps of
 # the integral of abs(d log P / d f), P the power of all curves, each as wide as its distance from the next.
 
-# Share of the poles that is laid evenly, wherever the curve moves.
-EVEN = 0.25
-# Exponents beyond this would leave the range of floating point.
-MOST_EXPONENT = 300.0
+EVEN = 0.25  # share of the poles that is laid evenly, wherever the curve moves
+MOST_EXPONENT = 300.0  # exponents beyond this would leave the range of floating point
 
 
 def guessed_weights(freq_hz: FloatArray, power: FloatArray, order: int) -> FloatArray:

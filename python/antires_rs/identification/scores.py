@@ -48,8 +48,7 @@ from ..signals.spectra import prominent_peaks
 from ..support.checks import ComplexArray, FloatArray
 from .stabilization import PERSISTENT_SNR, StabilizationDiagram, flanked
 
-# Of fits over windows.
-WEAK_SHARE, WEAK_DEPTH_DB = 0.7, 4.0
+WEAK_SHARE, WEAK_DEPTH_DB = 0.7, 4.0  # of fits over windows
 
 # A value's surroundings, in half-power bandwidths 2 zeta f; never fewer lines than the last number.
 NEAR_WIDTHS, LEAST_LINES = 3.0, 4

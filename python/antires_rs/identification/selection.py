@@ -32,12 +32,9 @@ from .stabilization import PRESENCE, StabilizationDiagram, Window, diagram
 # That a curve of finite resolution is not a rational function of the chosen order does not scatter from
 # segment to segment: it shows in how far a zero moves when the order is raised by one to four.
 
-# Orders above the likeliest that are compared with it.
-ABOVE = (1, 2, 3, 4)
-# The largest shift over the next, at most.
-LARGEST = 3.0
-# A root further off than this share of the frequency is another one.
-SAME_ROOT = 0.01
+ABOVE = (1, 2, 3, 4)  # orders above the likeliest that are compared with it
+LARGEST = 3.0  # the largest shift over the next, at most
+SAME_ROOT = 0.01  # a root further off than this share of the frequency is another one
 
 
 def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
@@ -64,8 +61,7 @@ def order_scatter(s: ComplexArray, roots: Sequence[ComplexArray]) -> FloatArray:
 
 # A chain and a zero of the likeliest fit this close belong together: the chain may be biased by so much.
 SAME = 0.05
-# Largest standard deviation in frequency tolerances.
-KNOWN = 0.5
+KNOWN = 0.5  # largest standard deviation in frequency tolerances
 # Damped less than this, or right of the axis, are few physical zeros (two that nearly coincide part so), and
 # many roots glued to the noise of single lines: such a zero must own this much of its curve.
 LEAST_DAMPING, MOST_NEGATIVE, RIGHT_DOMINANCE = 5e-4, 0.01, 0.9

@@ -60,21 +60,17 @@ from .stabilization import StabilizationDiagram, of_zeros
 # -- The looks of a record
 
 
-#: Perturbed views of a look: halves of groups of segments in complementary pairs.
-VIEWS, GROUPS = 12, 24
+VIEWS, GROUPS = 12, 24  # perturbed views of a look: halves of groups of segments in complementary pairs
 #: With fewer groups halves tell little, and noise is added instead; averages that the longer segments leave.
 LEAST_GROUPS, LEAST_AVERAGES = 6, 11.0
-#: From so many records of one test on they are the groups.
-LEAST_DRAWS = 4
+LEAST_DRAWS = 4  # from so many records of one test on they are the groups
 #: Periods of the frequencies that a window over a decay is for, and by how much one is shorter than the one
 #: before; the shortest suits frequencies up to this share of the band's end at least.
 PERIODS, SHORTER, ENOUGH = (20.0, 320.0), 4.0, 0.7
-#: Periods of the highest frequency before an impact.
-LEAD = 4.0
+LEAD = 4.0  # periods of the highest frequency before an impact
 #: Amplitude to which an exponential window brings a decay down, and lines of it that are independent.
 WINDOWED_END, INDEPENDENT = 1e-2, 3
-#: Seed of halves and of added noise: the same record gives the same values.
-SEED = 28
+SEED = 28  # seed of halves and of added noise: the same record gives the same values
 
 
 @dataclass(frozen=True)
@@ -237,20 +233,17 @@ def _of_decays(
 
 # -- Candidates and their shares
 
-#: Zeros with more damping shape a trend.
-MOST_DAMPING = 0.06
+MOST_DAMPING = 0.06  # zeros with more damping shape a trend
 #: Zeros of several fits this close are one candidate, and a perturbed fit sees it within the second share.
 ONE_CANDIDATE, SEEN_WITHIN = 0.007, 0.015
 #: Share of the unperturbed fits from which a zero is a candidate, and distance of two that are accepted.
 LEAST_SIGHTINGS, APART = 0.25, 0.015
-#: Margin of a stretch at either end in which its zeros do not count.
-MARGIN = 0.08
+MARGIN = 0.08  # margin of a stretch at either end in which its zeros do not count
 #: A candidate is judged by this many stretches of each scale, in whose middle part it lies.
 JUDGES, MIDDLE = 2, 0.42
 #: Flanks of a zero as shares of its frequency, on one side, and how far the response must rise there in dB.
 FLANKS, RISE_DB = ((0.015, 0.07), (0.07, 0.15), (0.15, 0.25)), 10.0
-#: What rises less is not even mentioned.
-MENTIONED_DB = 7.0
+MENTIONED_DB = 7.0  # what rises less is not even mentioned
 #: How far above ``min_share`` a zero's share must be without a dip of its own, and where all other responses
 #: have one as well within the third number, as of a harmonic or a line of the force; of some a part of it.
 WITHOUT_DIP, IN_COMPANY, BESIDE = 0.25, 0.3, 0.01
@@ -260,8 +253,7 @@ OFF_AXIS = 0.6
 #: Half the width about a value, as a share of it, in which its dip is looked for, and how many times
 #: ``min_depth_db`` deep it must be: zeros of noise and of lines of the force have up to 4 dB.
 AT_VALUE, DEPTH = 0.007, 2.0
-#: How far a response must rise between two values for them to be two.
-BETWEEN_DB = 8.0
+BETWEEN_DB = 8.0  # how far a response must rise between two values for them to be two
 #: Of several values in one dip those count between which it rises less than the first number, with at least
 #: the second part of the largest share.
 SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
@@ -272,8 +264,7 @@ ONE_DIP_WITHIN, UNRESOLVED_DB = 0.06, -300.0
 UNDERFIT = 8.0
 #: Values from this far apart that most fits must have both are two: no zero that wanders stands for both.
 TWO_FROM = 0.04
-#: Lines over which what the fits leave is averaged.
-NOISE_LINES = 31
+NOISE_LINES = 31  # lines over which what the fits leave is averaged
 
 
 @dataclass(frozen=True)

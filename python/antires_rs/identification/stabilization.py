@@ -423,10 +423,8 @@ def _merged(found: ResponseTable, rule: FitOptions) -> ResponseTable:
 
 # -- A value in the middle of a valley of noise is believed only if the response is seen on both of its flanks
 
-# They lie this far on either side of it, as shares of its frequency.
-FLANK = (0.02, 0.20)
-# Signal-to-noise power there that a persistent value needs (6 dB).
-PERSISTENT_SNR = 4.0
+FLANK = (0.02, 0.20)  # they lie this far on either side of it, as shares of its frequency
+PERSISTENT_SNR = 4.0  # signal-to-noise power there that a persistent value needs (6 dB)
 
 
 def flanked(freq_hz: FloatArray, snr: FloatArray, at_hz: FloatArray, least_snr: float) -> Any:
@@ -446,10 +444,8 @@ def flanked(freq_hz: FloatArray, snr: FloatArray, at_hz: FloatArray, least_snr: 
 # tolerance from order to order, and its damping may come out slightly negative. Without the condition on the
 # flanks the edge of the band, where only noise is left, collects poles just as faithfully.
 
-# Poles within this share of a frequency are taken for the same value.
-WIDTH = 0.02
-# In this share of the orders from the first appearance on there must be one.
-PRESENCE = 0.75
+WIDTH = 0.02  # poles within this share of a frequency are taken for the same value
+PRESENCE = 0.75  # in this share of the orders from the first appearance on there must be one
 # Spurious poles of a noisy fit are not all weak: here a pole must own the curve at its frequency.
 PERSISTENT_DOMINANCE, PERSISTENT_DAMPING = 0.7, 0.05
 
@@ -524,8 +520,7 @@ def _dominant(
 # -- Wide bands are fitted in windows that overlap by half: orders up to 60 cannot carry all their modes
 
 WINDOW_LINES = 2500
-# Values this close to a cut, as a share of the window's width, are left to the neighbour.
-MARGIN = 0.05
+MARGIN = 0.05  # values this close to a cut, as a share of the window's width, are left to the neighbour
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,10 @@ from .stabilization import StabilizationDiagram, of_zeros
 # (highest over lowest frequency, least number of lines) of the windows of each scale: the wide ones hold
 # several modes and know the trend between them, the narrow ones suffer less from what is not rational.
 SCALES = ((1.5, 96), (1.25, 48))
-# Windows of one scale that cover a frequency.
-OVERLAP = 4
+OVERLAP = 4  # windows of one scale that cover a frequency
 # A window that the band cuts must keep this share of its width, and so many lines.
 LEAST_SHARE, LEAST_LINES = 0.6, 24
-# This share of a window at either end is its margin: what lies there others see better.
-MARGIN = 0.08
+MARGIN = 0.08  # this share of a window at either end is its margin: what lies there others see better
 
 
 def local_windows(freq_hz: FloatArray) -> list[slice]:
@@ -56,8 +54,7 @@ def local_windows(freq_hz: FloatArray) -> list[slice]:
 # tells the noise, the residual of a first fit does, by channel and by line, and weights a second one: lines
 # and channels at which the structure is not what the fit can be (a joint that slips) lose their say.
 
-# Highest order of a window, and lines that each order needs.
-HIGHEST_ORDER, LINES_PER_ORDER = 16, 5
+HIGHEST_ORDER, LINES_PER_ORDER = 16, 5  # highest order of a window, and lines that each order needs
 # Directions kept of the channels: those in which there is more signal than noise, within these numbers.
 LEAST_DIRECTIONS, MOST_DIRECTIONS = 3, 14
 # Iterations of weights and order in each of the fits, the second with the noise from the first's residual.
@@ -166,8 +163,7 @@ class LocalFit:
 # looked for too: on the node of a mode there is a peak of the transmissibilities, but no dip of its own
 # curve.
 
-# Orders that are looked at, relative to the likeliest.
-AROUND = (-1, 0, 1)
+AROUND = (-1, 0, 1)  # orders that are looked at, relative to the likeliest
 # How far the root that a dip belongs to may lie from it, and a dip of the response's own curve from that of
 # its direction, as shares of the frequency.
 OWNER_WITHIN, OWN_DIP_WITHIN = 0.01, 0.02
@@ -288,8 +284,7 @@ HIDDEN = "hidden by a resonance beside it"
 HIDDEN_DAMPING, HIDDEN_SCATTER, HIDDEN_APART = 0.03, 4e-4, 5.0
 # Narrow windows know less than all fits together do: the noise is taken as this quantile of what fits tell.
 BEST_INFORMED = 0.25
-# What is in fewer fits is not worth mentioning.
-WORTH_MENTIONING = 0.25
+WORTH_MENTIONING = 0.25  # what is in fewer fits is not worth mentioning
 
 
 def agreed(

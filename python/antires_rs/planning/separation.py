@@ -17,8 +17,7 @@ from .placement import ExpectedErrors, Information, Layout, information, virtual
 if TYPE_CHECKING:
     from ..damage.assess import DamageResult
 
-#: Above so many dofs times responses looking takes too long, and the sentence tells how to ask.
-_MOST = 60_000
+_MOST = 60_000  # above so many dofs times responses looking takes too long, and the sentence tells how to ask
 #: Alternatives from this probability on; least gain that is worth a test, and the largest that is said.
 _WORTH_IT, _HELPS, _MANY = 0.05, 1.1, 100.0
 _WIDER = 1.02  # the band is that of the values, and so much more
