@@ -32,6 +32,7 @@ import json
 import sys
 import time
 import warnings
+from functools import cache
 from itertools import combinations, product
 from pathlib import Path
 
@@ -332,6 +333,12 @@ class Told:
         self.severities = told.get("severity") if means is None else [means[e] for e in self.elements]
 
 
+@cache
+def known(*of):
+    """A case, made once."""
+    return case(*of)
+
+
 def judged(rows, rival, threshold):
     """Counts of one rival."""
     counts = dict.fromkeys(("n_intact", "alarms", "n_single", "single", "n_double", "double"), 0)
@@ -340,10 +347,8 @@ def judged(rows, rival, threshold):
     for row in rows:
         if rival not in row:
             continue
-        one, told = (
-            case(row["structure"], row["kind"], row["number"], row.get("seed", 0)),
-            Told(row[rival], threshold),
-        )
+        one = known(row["structure"], row["kind"], row["number"], row["seed"])
+        told = Told(row[rival], threshold)
         kind = row["kind"]
         if kind == "intact":
             counts["n_intact"] += 1
