@@ -327,7 +327,8 @@ class TabulatedLikelihood(ValueLikelihood):
         self.computed = plan.likelihood(now)
         self._asked = np.arange(int(plan.tables.response.max(initial=-1)) + 1)
         self.test = self._test(0.0, 0.0)
-        self.start = self.seen((), np.empty(0))
+        # Sets are judged from where the surroundings lead to: what they are compared with is, too.
+        self.start = self.computed.start if self.computed.ambient.shape[1] else self.seen((), np.empty(0))
 
     def _test(self, extra: float, common: float) -> _core.PreparedTest:
         now, plan, band = self.now, self.plan, self.computed.band

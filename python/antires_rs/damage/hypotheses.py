@@ -309,6 +309,7 @@ def together(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
 #: A loss below it is none; nor is one of so small a share of the largest, in ln(1 - loss), which errors of
 #: the model make beside it: so many times the scatter of its factors, at most the latter.
 _IDLE, _OF_FACTORS, _BESIDE = 0.005, 0.5, 0.02
+_NONE = 5e-4  # intervals of losses that begin below it hold none
 
 
 def without_idle(found: Assessment) -> Assessment:
@@ -316,6 +317,11 @@ def without_idle(found: Assessment) -> Assessment:
     rows: list[Hypothesis] = list(found.hypotheses)
     beside = min(_OF_FACTORS * found.factor_std, _BESIDE)
     smaller = [_smaller(one, beside) for one in rows]
+    first = smaller[0]
+    # The answer itself: no damage, where every loss may be none.
+    possible = first.candidate and any(not one.elements and one.probability > 0.0 for one in rows)
+    if possible and first.severities and max(first.severities) < _IDLE and max(first.low) < _NONE:
+        smaller[0] = replace(first, elements=(), severities=(), low=(), high=())
     if smaller == rows:
         return found
     merged = {_what(less): less for less in reversed(smaller)} | {_what(one): one for one in rows}

@@ -477,6 +477,9 @@ def viewed(beta: FloatArray, now: Values, roots: Foreseen, band: Band, errors: F
     change = roots.change + roots.shift
     variance = np.maximum(np.diag(roots.spread) - roots.known, 0.0) + (_FIRST_KAPPA * change) ** 2
     ways = [(np.sqrt(variance), wider) for wider in _WIDER]
+    ambient = roots.together[:, 1 + roots.n_warm :]
+    if ambient.shape[1] and not roots.known.any():  # as if the surroundings had not changed, too
+        ways.insert(0, (np.sqrt(np.maximum(variance - np.sum(ambient**2, axis=1), 0.0)), 1.0))
     found: list[View] = []
     before: NDArray[np.intp] | None = None
     while ways:

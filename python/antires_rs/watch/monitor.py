@@ -354,12 +354,8 @@ def _check_judge(model: Any, assessor: Any, one: AntiresonanceSet, options: Mapp
         reject(name, "it without a model, or beside an assessor", "it with a model alone", "Leave one out.")
     known = {*signature(assess_damage).parameters, *SearchOptions.declared()}
     if unknown := next((name for name in options if name not in known), None):
-        reject(
-            unknown,
-            "an unknown option",
-            f"one of assess_damage: {', '.join(sorted(known))}",
-            "Look for a typo.",
-        )
+        wanted = f"one of assess_damage: {', '.join(sorted(known))}"
+        reject(unknown, "an unknown option", wanted, "Look for a typo.")
     if model is not None and (options.get("elements") is not None or model.default_elements):
         UpdatingProblem(model, stiffness_reduction(elements_of(model, options.get("elements"))), [one])
     if assessor is not None:
