@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _MOST = 60_000  # above so many dofs times responses looking takes too long, and the sentence tells how to ask
 #: Alternatives from this probability on; least gain that is worth a test, and the largest that is said.
 _WORTH_IT, _HELPS, _MANY = 0.05, 1.1, 100.0
+_TELLS = 3.0  # standard deviations that a test should put between them
+_LEAST_LOSS = 0.05  # smaller losses, as of elements that no value sees yet, are asked for as if they were it
 _WIDER = 1.02  # the band is that of the values, and so much more
 
 
@@ -59,8 +61,11 @@ def separating_test(result: DamageResult) -> str:
         roots = virtual_roots(layout, parameters, np.zeros(len(elements)), errors, 1)
         return information(roots, len(dofs), np.ones(len(elements)), 2)
 
+    nothing = found.probability_of_nothing >= _WORTH_IT  # may be left, too
+
     def apart(of_test: FloatArray) -> float:
-        return min(_apart(of_test, elements, first, h) for h in others)
+        least = min(_apart(of_test, elements, first, h) for h in others)
+        return min(least, *(_seen(of_test, elements, h) for h in (first, *others))) if nothing else least
 
     by_force = {force: told(force, every, sees[force]) for force in sensors}
     at = {force: [every.index(dof) for dof in own] for force, own in sensors.items()}
@@ -75,11 +80,18 @@ def separating_test(result: DamageResult) -> str:
             more = now + told(force, used, next(iter(sees.values()))).of(range(len(used)))
             further.append((apart(more), f"the force at {model.dof_label(force)} in a second test"))
     best, place = max(further, default=(0.0, ""), key=lambda one: one[0])
-    if best <= _HELPS * apart(now):
-        return f"{what}no further sensor or place of the force would; longer or repeated tests may."
+    if best < max(_TELLS, _HELPS * apart(now)):
+        where = "no further sensor or place of the force would in the band of these values"
+        return f"{what}{where}; a wider band, longer or repeated tests may."
     times = best / max(apart(now), best / _MANY)
     much = f"{times:.{1 if times < 9.95 else 0}f} times as far apart"
     return f"{what}{place} would set them {much}; longer or repeated tests may too."
+
+
+def _seen(of_test: FloatArray, elements: list[int], one: Hypothesis) -> float:
+    """Standard deviations between a damage and none."""
+    a, loss = [elements.index(e) for e in one.elements], np.maximum(one.severities, _LEAST_LOSS)
+    return float(np.sqrt(loss @ of_test[np.ix_(a, a)] @ loss))
 
 
 def _apart(of_test: FloatArray, elements: list[int], one: Hypothesis, other: Hypothesis) -> float:
@@ -89,7 +101,7 @@ def _apart(of_test: FloatArray, elements: list[int], one: Hypothesis, other: Hyp
         if {*own.elements} <= {*theirs.elements}:
             continue
         a, b = ([elements.index(e) for e in each.elements] for each in (own, theirs))
-        loss = np.array(own.severities)
+        loss = np.maximum(own.severities, _LEAST_LOSS)
         seen = of_test[np.ix_(b, a)] @ loss
         # The inverse of what is seen: there may be losses that no value sees.
         explained = seen @ np.linalg.pinv(of_test[np.ix_(b, b)], rcond=1e-12, hermitian=True) @ seen
