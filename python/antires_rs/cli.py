@@ -1,4 +1,4 @@
-"""Name of :mod:`antires_rs.app.main` until 0.2; it leaves with the next release."""
+"""Old name of :mod:`antires_rs.app.main` until 0.2; it leaves with the next release."""
 
 from .support.messages import moved
 

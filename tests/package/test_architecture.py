@@ -16,6 +16,7 @@ MAP = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
 INDEX = ROOT / "docs" / "house.md"
 FACE = ROOT / "python" / "antires_rs"
 CORE = ROOT / "rust" / "antires-core" / "src"
+BINDING = ROOT / "rust" / "antires-py" / "src"
 PLACES = [FACE, CORE, ROOT / "rust", ROOT]
 
 
@@ -51,7 +52,11 @@ def index():
         "`ANTIRES_SNAPSHOTS=write` in the environment.",
         "ARCHITECTURE.md, beside the README, says how the rooms hang together.",
     ]
-    for title, root, ending in [("python/antires_rs", FACE, "py"), ("rust/antires-core/src", CORE, "rs")]:
+    for title, root, ending in [
+        ("python/antires_rs", FACE, "py"),
+        ("rust/antires-core/src", CORE, "rs"),
+        ("rust/antires-py/src", BINDING, "rs"),
+    ]:
         lines += ["", f"## {title}"]
         room = None
         for name, path in files(root, ending):

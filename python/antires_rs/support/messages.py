@@ -1,4 +1,4 @@
-"""One way to warn: what is said, and the name under which more is said of it."""
+"""Warnings, each with the name under which `explain` says more; errors renamed; names that have moved."""
 
 from __future__ import annotations
 

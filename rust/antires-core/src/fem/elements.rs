@@ -1,4 +1,4 @@
-//! One element a file: its matrix as data, its formula beside it.
+//! The matrices of all elements, each with its formula.
 //!
 //! # bending
 //!

@@ -1,4 +1,4 @@
-//! A candidate and its cost.
+//! Local descent from a candidate: by linearization, or by compass search.
 //!
 //! # local
 //!

@@ -1,4 +1,4 @@
-//! What all objectives share: the model, its unknowns, and what is charged for damage.
+//! What all objectives share: the model, its unknowns, the misfit, and what is charged for damage.
 //!
 //! ```text
 //! J(x) = misfit(x) + γ₁ Σ β + γ₂ count(β > 0)
