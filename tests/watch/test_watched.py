@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import figures as plotting
 from tests.watch.drawn_tests import MASSES, SPRINGS, chain, exact, many
 
 
@@ -44,13 +43,11 @@ def test_one_row_a_test(watched):
     assert {"T2", "T2_limit", "EWMA", "events", "temperature_c", "time"} <= set(frame)
 
 
-def test_the_picture_has_its_numbers(watched):
+def test_the_picture_has_all_charts(watched):
     pyplot = pytest.importorskip("matplotlib.pyplot")
     top = watched.plot()
     labels = ["Single tests / limit", "Mean of tests / limit", "temperature_c"]
     assert [ax.get_ylabel() for ax in top.figure.axes] == labels
-    table = plotting.data_of(top)["T2"]
-    assert np.array_equal(table["statistic"], watched.charts["T2"].statistic, equal_nan=True)
     pyplot.close(top.figure)
 
 

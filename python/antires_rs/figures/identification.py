@@ -52,7 +52,7 @@ def plot_stabilization(
     >>> ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f), max_order=20).plot().get_xlabel()
     'Frequency (Hz)'
     """
-    ax = draw(stabilization(diagram, dropped, added), new_axes(ax, (9.0, 5.2)), legend=False)
+    ax = draw(stabilization(diagram), new_axes(ax, (9.0, 5.2)), legend=False)
     _mark_values(ax, diagram, dropped, added)
     ax.yaxis.get_major_locator().set_params(integer=True)
     below(ax)
@@ -65,7 +65,7 @@ _STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stabl
 SEEN_ABOVE = 0.2  # orders above the highest at which what was seen and not accepted stands
 
 
-def stabilization(diagram: StabilizationDiagram, dropped: Edited = (), added: Edited = ()) -> Panel:
+def stabilization(diagram: StabilizationDiagram) -> Panel:
     """Poles of every order, the stable ones, and the summed curve behind them."""
     order, freq, damping, stable = pole_table(diagram)
     first, last = float(diagram.orders[0]), float(diagram.orders[-1])
@@ -86,15 +86,7 @@ def stabilization(diagram: StabilizationDiagram, dropped: Edited = (), added: Ed
     curve = Line(diagram.background_freq_hz, shown, CURVE, width=1.0, label=label)
     x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Model order (-)", (first - 1.5, last + 1.0))
     behind = (Axis("Summed curves (unit of the data)"), curve)
-    found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
-    unknown = np.full(by_hand.size, np.nan)
-    gone = np.isin(found.freq_hz, np.asarray(dropped, dtype=np.float64))
-    values = {"freq_hz": np.r_[found.freq_hz, by_hand], "damping_ratio": np.r_[found.damping_ratio, unknown]}
-    values |= {"std_hz": np.r_[found.std_hz, unknown]}
-    values |= {"how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size]}
-    tables = {"poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable}}
-    tables |= {"values": values, "curve": {"freq_hz": diagram.background_freq_hz, "magnitude": size}}
-    return Panel("stabilization", x, y, marks, behind=behind, tables=tables)
+    return Panel("stabilization", x, y, marks, behind=behind)
 
 
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
@@ -158,7 +150,6 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
     values = np.asarray(check.eigenvalues)
     least = 1e-14 * values.max()
     level = 10.0 * np.log10(np.maximum(values, least))
-    table = {"freq_hz": check.freq_hz} | {f"level_{i}_db": column for i, column in enumerate(level.T)}
     says = {"Frequency": "@x{0.000} Hz", "Level": "@y{0.0} dB"}
     marks: list[Mark] = []
     for i in range(min(values.shape[1], most or values.shape[1]) - 1, 1, -1):
@@ -166,9 +157,9 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
         seen = np.where(values[:, i] > 1e-12 * values.max(), level[:, i], np.nan)
         marks.append(Line(check.freq_hz, seen, "#C4C4C4", width=0.5, label="the others" if i == 2 else None))
     if check.second_expected is not None:
-        table["expected_2_db"] = 10.0 * np.log10(np.maximum(check.second_expected, least))
+        expected = 10.0 * np.log10(np.maximum(check.second_expected, least))
         label = "second expected under one force"
-        marks.append(Line(check.freq_hz, table["expected_2_db"], "black", ":", 1.1, label=label))
+        marks.append(Line(check.freq_hz, expected, "black", ":", 1.1, label=label))
     if values.shape[1] > 1:
         marks.append(Line(check.freq_hz, level[:, 1], "vermillion", "--", 1.1, label="second", says=says))
     marks.append(Line(check.freq_hz, level[:, 0], "blue", width=1.5, label="first", says=says))
@@ -176,8 +167,7 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
     x, y = Axis("Frequency (Hz)", check.band_hz), Axis("Singular value (dB re noise power)")
     title = f"more than one force ({found[0].severity})" if found else ""
     first = ("first", "second", "second expected under one force", "the others")
-    rest: dict[str, Any] = {"title": title, "first": first, "tables": {"singular_values": table}}
-    return Panel("singular_values", x, y, marks, grid="both", **rest)
+    return Panel("singular_values", x, y, marks, grid="both", title=title, first=first)
 
 
 # -- The values of a response as marks in its figures: found, added and dropped
