@@ -64,13 +64,6 @@ class RunFolder:
         """File of the set of one [data], or of its intact counterpart, numbered from 0."""
         return self.folder / (f"{what}_{number}.json" if number else f"{what}.json")
 
-    def prepare(self) -> None:
-        """Make the folder; remove what a process that was killed left half-written."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        for file in (*self.folder.iterdir(), *self.pictures.glob("*")):
-            if _HALF_WRITTEN.fullmatch(file.name):
-                file.unlink(missing_ok=True)
-
     @property
     def contents(self) -> str:
         """The names of what is there."""
@@ -109,8 +102,6 @@ class RunFolder:
         return Path(os.path.normpath(self.folder / str(self.read_record().get("job", ""))))
 
 
-#: As write_atomically and Checkpoint name what is not whole yet.
-_HALF_WRITTEN = re.compile(r"\..+\.\d+\.tmp")
 _PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|response|stabilization_.*)\.png")
 
 
@@ -429,7 +420,7 @@ def _searched(
         with job.blame(("updating",), elsewhere):
             problem = UpdatingProblem(model, parameters, found, **job.sections["updating"])
         search = partial(update, problem)
-    folder.prepare()  # not before: a job that cannot run leaves nothing behind
+    folder.folder.mkdir(parents=True, exist_ok=True)  # a job that cannot run leaves nothing behind
     if not resume:  # until another run has its own record nothing here speaks for it
         folder.record.unlink(missing_ok=True)
     if fresh:

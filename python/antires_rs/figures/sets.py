@@ -55,12 +55,9 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     return ax
 
 
-# -- Antiresonances over many tests: how far each has moved, and where one comes, goes or merges
+# -- Antiresonances over many tests: how far each has moved
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-#: Sign of each kind of event, and what the legend calls it.
-SIGNS = {"new": ("o", "new"), "back": ("s", "back"), "lost": ("x", "lost")}
-SIGNS |= {"merged": ("1", "merged with its neighbour")}
 ROOM = 60  # texts of conditions longer than this, all together, are turned
 
 
@@ -102,7 +99,6 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, ax: Any = None) -> Any:
     x_axis = Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions)
     y_axis = Axis("Change since its first test (%)")
     title = f"Response at dof {dof}, force at {tracks.excitation}"
-    marks += _events(tracks, set(some.tolist()), x, change)
     panel = Panel("tracks", x_axis, y_axis, marks, title=title, grid="both", first=names)
     turned = not numeric and len("".join(tracks.conditions)) > ROOM
     ax = draw(panel, new_axes(ax, (7.5, 4.5)), drop_pt=62.0 if turned else 36.0)
@@ -112,24 +108,6 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, ax: Any = None) -> Any:
         ax.xaxis.get_major_locator().set_params(integer=True)
     ax.margins(x=0.04, y=0.08)
     return ax
-
-
-def _events(tracks: Tracks, some: set[int], x: Any, y: Any) -> list[Mark]:
-    """A sign at the test where a track begins, or at the first that lacks it, there at its last value."""
-    marks: list[Mark] = []
-    for event in tracks.events:
-        if event.track not in some:
-            continue
-        sign, name = SIGNS[event.kind]
-        at = event.test
-        while np.isnan(y[at, event.track]):
-            at -= 1
-        level = y[at, event.track]
-        # What leads from the last test that had it to the first that lacks it is no measurement.
-        marks.append(Line(x[[at, event.test]], [level, level], "#666666", ":", 0.9))
-        label = None if name in [mark.label for mark in marks] else name
-        marks.append(Points(x[event.test], level, sign, 12.0, face="none", stroke=1.4, label=label))
-    return marks
 
 
 # -- Charts of a watch: single tests, the slow mean, and the condition that they were corrected for
