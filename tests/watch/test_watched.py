@@ -15,8 +15,10 @@ def watched():
     sets[3] = None
     series = ar.Series.from_sets(
         sets,
-        conditions={"temperature_c": rng.uniform(0, 20, 83)},
-        times=np.datetime64("2026-01-01") + np.arange(83),
+        conditions={
+            "temperature_c": rng.uniform(0, 20, 83),
+            "time": np.datetime64("2026-01-01") + np.arange(83),
+        },
     )
     model = ar.MassSpringChain(MASSES, SPRINGS * rng.uniform(0.97, 1.03, 5))
     return ar.monitor(series, baseline=60, model=model)

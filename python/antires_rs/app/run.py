@@ -74,15 +74,6 @@ class RunFolder:
         """Whether a search waits here to be taken up again."""
         return self.checkpoint.exists()
 
-    @property
-    def state(self) -> str | None:
-        """How the last run ended, or "searching"; None where none has begun."""
-        return self.read_record().get("state")
-
-    def forget_search(self) -> None:
-        """Remove the checkpoint; the result holds all of it."""
-        self.checkpoint.unlink(missing_ok=True)
-
     def forget_results(self) -> None:
         """Remove what an earlier run drew, so that nothing stale stands beside a new result."""
         pictures = [file for file in self.pictures.glob("*.png") if _PICTURE.fullmatch(file.name)]
@@ -380,7 +371,8 @@ def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool
         if result.status != "interrupted":
             note = draw(job, result, folder, evidence)
             if not out_of_time(result):
-                folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
+                # The last step: as long as it waits, resume makes up for whatever is missing.
+                folder.checkpoint.unlink(missing_ok=True)
     show(args.json, summary, f"{text_of(result)}\n\nIn {near(folder.folder)}: {folder.contents}")
     if note is not None:
         hint(f"warning: {note}")
@@ -424,7 +416,7 @@ def _searched(
     if not resume:  # until another run has its own record nothing here speaks for it
         folder.record.unlink(missing_ok=True)
     if fresh:
-        folder.forget_search()
+        folder.checkpoint.unlink(missing_ok=True)
     for what, own, each in (("antiresonances", measured, sets), ("baseline", intact, before)):
         for i, one in enumerate(each):
             file = folder.numbered(what, i)
@@ -470,7 +462,7 @@ def _check_folder(job: Job, folder: RunFolder, resume: bool, fresh: bool) -> Non
         remedy = f"Go on with 'antires resume {job.path.name}', or begin anew with --fresh."
         job.reject(place, got, "a folder without one", remedy)
     # Killed before the first checkpoint, a search begins again with the sets that it had.
-    if resume and not (folder.unfinished or folder.state == "searching"):
+    if resume and not (folder.unfinished or record.get("state") == "searching"):
         remedy = f"Begin with 'antires {job.task} {job.path.name}'."
         job.reject(place, f"{name!r}, where no search waits", "a search that did not finish", remedy)
 

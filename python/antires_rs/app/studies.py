@@ -165,10 +165,11 @@ def resume(args: argparse.Namespace) -> int:
 
         return series(args)
     folder = RunFolder.of(job)
-    if folder.unfinished or folder.state in (None, "searching") or not folder.result.is_file():
+    state = folder.read_record().get("state")  # None where no run has begun
+    if folder.unfinished or state in (None, "searching") or not folder.result.is_file():
         return runs.run(job, args, resume=True)
     done = UpdateResult.load(folder.result)
-    if folder.state != "interrupted" and not runs.out_of_time(done):
+    if state != "interrupted" and not runs.out_of_time(done):
         hint(f"this search has finished ({done.status}); nothing is left to do")
         if job.sections["output"].get("report", True) and not folder.report.exists():
             hint(f"for its report: antires report {runs.near(folder.folder)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..signals.one_force import DataCheck
 
-Edited = Sequence[float] | FloatArray  # values in Hz
 CURVE = "#B8B8B8"  # lighter than every mark, also where colours are lost
 #: Colour and dash of each kind of value.
 LOOKS: dict[str, tuple[str, Any]] = {
@@ -36,14 +34,12 @@ STABLE, UNSTABLE, ADDED, DROPPED = LOOKS
 
 
 def plot_stabilization(
-    diagram: StabilizationDiagram, ax: Any = None, *, dropped: Edited = (), added: Edited = ()
+    diagram: StabilizationDiagram, ax: Any = None, *, zeros: AntiresonanceSet | None = None, dof: Any = 0
 ) -> Any:
     """Draw the poles of every order, the stable ones, and the accepted antiresonances.
 
-    Parameters
-    ----------
-    dropped, added : sequence of float, optional
-        Values in Hz taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows them.
+    With the set ``zeros`` the values are those of its response ``dof``, with what was dropped and added by
+    hand.
 
     Examples
     --------
@@ -53,7 +49,16 @@ def plot_stabilization(
     'Frequency (Hz)'
     """
     ax = draw(stabilization(diagram), new_axes(ax, (9.0, 5.2)), legend=False)
-    _mark_values(ax, diagram, dropped, added)
+    look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small"}
+    look |= {"xycoords": ax.get_xaxis_transform(), "annotation_clip": False}
+    marks = _marks_on(diagram, zeros, dof)
+    draw_marks(ax, [Rules(marks[kind]["x"], True, *LOOKS[kind], 1.1, label=kind) for kind in LOOKS], 1.5)
+    for rows in marks.values():
+        for freq, label in zip(rows["x"], rows["label"], strict=True):
+            if label:
+                ax.annotate(label, (freq, 1.015), **look)
+    if not any(rows["x"] for rows in marks.values()):
+        ax.set_title("no antiresonance accepted in this band", fontsize="medium")
     ax.yaxis.get_major_locator().set_params(integer=True)
     below(ax)
     return ax
@@ -94,30 +99,6 @@ def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, F
     order = np.repeat(np.asarray(diagram.orders), [len(f) for f in diagram.freq_hz])
     freq, damping = (np.concatenate([[], *rows]) for rows in (diagram.freq_hz, diagram.damping_ratio))
     return order, freq, damping, np.concatenate([np.empty(0, dtype=bool), *diagram.stable])
-
-
-LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and tables have them
-
-
-def _mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Edited, added: Edited) -> None:
-    """Vertical lines, with their frequencies above; of what was dropped in parentheses."""
-    low, high = diagram.band_hz
-    marks = [(float(f), ADDED) for f in added]
-    for f, how in zip(diagram.identified, diagram.accepted.how, strict=True):
-        kind = UNSTABLE if how in ("persistent", "likeliest order") else STABLE
-        marks.append((float(f), DROPPED if f in np.asarray(dropped, dtype=np.float64) else kind))
-    marks.sort()
-    look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small"}
-    look |= {"xycoords": ax.get_xaxis_transform(), "annotation_clip": False}
-    last = -np.inf
-    for freq, kind in marks:
-        if freq - last >= LABEL_GAP * (high - low):
-            ax.annotate(f"({freq:.2f} Hz)" if kind == DROPPED else f"{freq:.2f} Hz", (freq, 1.015), **look)
-            last = freq
-    of = {kind: [f for f, one in marks if one == kind] for kind in LOOKS}
-    draw_marks(ax, [Rules(of[kind], True, *look, 1.1, label=kind) for kind, look in LOOKS.items()], 1.5)
-    if not marks:
-        ax.set_title("no antiresonance accepted in this band", fontsize="medium")
 
 
 # -- Whether one force is enough
@@ -176,6 +157,9 @@ ENTRY = "entry of "  # before the name of a kind: its entry in a legend, shown w
 Marks = dict[str, dict[str, list[Any]]]
 
 
+LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and tables have them
+
+
 def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]) -> Marks:
     """The marks of a response by kind: a row a value, ascending, dropped ones included."""
     now, before = zeros.tables[dof], zeros.original().tables[dof]
@@ -196,6 +180,13 @@ def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]
         marks[kind]["label"].append(label if shown else "")
         marks[kind]["error"].append("not known" if np.isnan(std) else f"{std:.2g} Hz")
     return marks
+
+
+def _marks_on(diagram: StabilizationDiagram, zeros: AntiresonanceSet | None, dof: Any) -> Marks:
+    """The marks on a diagram: those of the set, or what the diagram itself has accepted."""
+    if zeros is None:
+        zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
+    return mark_columns(zeros, dof, diagram.band_hz)
 
 
 def _mark_lines(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool = False) -> None:
@@ -219,10 +210,8 @@ def stabilization_figure(
     diagram: Any, zeros: AntiresonanceSet | None = None, dof: Any = 0, *, x_range: Any = None, **options: Any
 ) -> Any:
     """Poles of every order, the values, and the summed curve behind them."""
-    if zeros is None:
-        zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
     fig = live.explored(stabilization(diagram), height=400, x_range=x_range)
-    _mark_lines(fig, mark_columns(zeros, dof, diagram.band_hz), labels=True, **options)
+    _mark_lines(fig, _marks_on(diagram, zeros, dof), labels=True, **options)
     return fig
 
 
