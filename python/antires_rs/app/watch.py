@@ -18,14 +18,14 @@ from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyErr
 from ..figures.canvas import picture
 from ..figures.sets import plot_tracks
 from ..io.common import Signal
-from ..io.registry import ENDINGS
+from ..io.registry import ENDINGS, natural
 from ..measured.track import Tracks
 from ..support.files import write_atomically
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
 from ..watch.monitor import Watched, monitor
 from ..watch.series import Series
-from ..watch.sources import is_measurement, natural
+from ..watch.sources import is_measurement
 from ..watch.store import LastingStore
 from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
