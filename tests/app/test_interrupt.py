@@ -69,7 +69,7 @@ def test_ctrl_c_hands_back_the_best_so_far_and_a_checkpoint(tmp_path, capsys):
     capsys.readouterr()
     assert cli.main(["update", str(tmp_path / "job.toml")]) == 2
     assert "antires resume job.toml" in capsys.readouterr().err
-    code, _, _, took = stopped(tmp_path, signal.SIGINT, "resume", "job_results")
+    code, _, _, took = stopped(tmp_path, signal.SIGINT, "resume", "job.toml")
     assert code == 130
     assert took < INTERRUPT_S
     assert ar.UpdateResult.load(results / "result.npz").nit > best.nit
@@ -107,7 +107,7 @@ def test_a_resumed_job_has_the_bits_of_one_that_was_never_stopped(tmp_path, whol
     results = fill(tmp_path, LONG)
     code, _, err, _ = stopped(tmp_path, signal.SIGINT, "update", "job.toml", after=0.1)
     assert code == 130, err
-    assert cli.main(["resume", str(results / "search.ckpt"), "--workers", "2"]) == 0
+    assert cli.main(["resume", str(tmp_path / "job.toml"), "--workers", "2"]) == 0
     assert bytes_of(results / "result.npz") == whole
     assert names_in(results) == FILES
     capsys.readouterr()

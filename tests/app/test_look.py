@@ -13,7 +13,6 @@ import pytest
 import antires_rs as ar
 from antires_rs.app import main as cli
 from tests.support.four_masses import BAND, chain, exact, record
-from tests.support.job_files import DAMAGE, run, write_measured
 from tests.support.signalled import ANTIRES
 
 BAND_GIVEN = ["--band", *map(str, BAND)]
@@ -95,21 +94,6 @@ def test_a_measurement_is_looked_at_edited_and_saved(started, measured, tmp_path
     view.do("drop", {"dof": 0, "freq_hz": float(kept[0][0])})
     view.do("save", {})
     assert ar.AntiresonanceSet.load(edits)[0].tolist() == kept[0][1:].tolist()
-
-
-def test_of_a_result_the_report_is_opened(tmp_path, monkeypatch, capsys, quick_pictures):
-    write_measured(tmp_path)
-    run(tmp_path, DAMAGE)
-    report, opened = tmp_path / "job_results" / "report.html", []
-    monkeypatch.setattr("webbrowser.open", lambda address: not opened.append(address))
-    assert cli.main(["look", str(tmp_path / "job_results")]) == 0
-    before = report.read_text(encoding="utf-8")
-    report.unlink()
-    assert cli.main(["look", str(tmp_path / "job_results" / "result.npz"), "--no-browser"]) == 0
-    assert opened == [report.as_uri()]
-    assert capsys.readouterr().out.count(f"looking at {report.as_uri()}") == 2
-    assert "Stiffness loss by element" in before
-    assert "Stiffness loss by element" in report.read_text(encoding="utf-8")
 
 
 def test_ctrl_c_during_the_identification_ends_it_at_once(started, measured):

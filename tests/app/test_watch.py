@@ -26,8 +26,7 @@ def written(folder, number, loss=0.0):
     record = chain.simulate(
         excitation=0, fs_hz=256.0, duration_s=16.0, damping_ratio=0.01, noise=0.01, rng=number
     )
-    path = folder / f"test_{number}.npz"
-    ar.write_npz(path, record)
+    path = ar.write_npz(folder / f"test_{number}.npz", record)
     aged(path)
     return path
 
@@ -41,8 +40,7 @@ def aged(path):
 def test_files_are_judged_as_they_come(tmp_path, capsys):
     folder, out = tmp_path / "records", tmp_path / "out"
     folder.mkdir()
-    command = ["watch", str(folder), *GIVEN, "--baseline", "9"]
-    command += ["--out", str(out), "--once"]
+    command = ["watch", str(folder), *GIVEN, "--baseline", "9", "--out", str(out), "--once"]
     for number in range(8):
         written(folder, number)
     assert main(command) == 0
@@ -157,8 +155,6 @@ def test_files_are_read_as_identify_reads_them_and_what_fails_is_told(tmp_path, 
 
 
 # -- ``antires series``: a job of many tests, its files, and running it again
-
-
 pytest.importorskip("matplotlib")
 
 

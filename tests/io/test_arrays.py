@@ -85,8 +85,6 @@ def test_responses_over_frequency(tmp_path, save, read):
 def test_structs(tmp_path):
     runs = np.array([({"t": TIME, "a": A},), ({"t": TIME, "a": B},)], dtype=object)
     path = mat(tmp_path / "a.mat", test={"time": TIME, "acc": {"x": A, "y": B}}, runs=runs, note="hello")
-    names = set(ar.io.mat_arrays(path))
-    assert {"test.time", "test.acc.x", "runs[0].t", "runs[1].a"} <= names
     unsuitable("several candidates for time=.*Name it: time='test", ar.read_mat, path)
     rec = ar.read_mat(path, time="test.time", responses="test.acc.*")
     assert rec.dofs == ("x", "y")
@@ -108,8 +106,7 @@ def test_version_73(tmp_path, own_process):
         file["none"].attrs["MATLAB_empty"] = np.uint8(1)
     rec = ar.read_mat(path, responses="test.acc")
     np.testing.assert_array_equal(rec.responses, [A, B])
-    assert set(arrays := ar.io.mat_arrays(path)) == {"test.time", "test.acc", "H"}
-    np.testing.assert_array_equal(arrays["H"], [H])
+    np.testing.assert_array_equal(ar.read_mat(path, responses="H", df_hz=0.5).values, [H])
 
 
 def cells_73(path):
@@ -150,18 +147,14 @@ def cells_73(path):
 
 def test_cells_and_struct_arrays_of_version_73(tmp_path):
     path = cells_73(tmp_path / "a.mat")
-    arrays = ar.io.mat_arrays(path)
-    expected = {"runs[0].t": TIME, "runs[1].t": TIME, "runs[0].a": A, "runs[1].a": B, "channels[0]": A}
-    expected |= {"channels[1]": B, "channels[2].x": A, "channels[2].deep[0]": B, "channels[3][0]": A}
-    assert set(arrays) == set(expected)
-    for name, values in expected.items():
-        np.testing.assert_array_equal(arrays[name], [values])
+    expected = {"runs[0].a": A, "runs[1].a": B, "channels[0]": A, "channels[1]": B}
+    expected |= {"channels[2].x": A, "channels[2].deep[0]": B, "channels[3][0]": A}
     cell = {"x": A, "deep": np.array([B, None], dtype=object)[:1]}
     channels = np.array([A, B, cell, np.array([A, "h"], dtype=object)], dtype=object)
     runs = np.array([(TIME, A), (TIME, B)], dtype=[("t", "O"), ("a", "O")])
-    assert set(ar.io.mat_arrays(mat(tmp_path / "b.mat", channels=channels, runs=runs))) == set(expected)
-    rec = ar.read_mat(path, time="runs[1].t", responses=["runs[1].a", "channels[0]"])
-    np.testing.assert_array_equal(rec.responses, [B, A])
+    for file in (path, mat(tmp_path / "b.mat", channels=channels, runs=runs)):
+        rec = ar.read_mat(file, time="runs[1].t", responses=list(expected))
+        np.testing.assert_array_equal(rec.responses, list(expected.values()))
 
 
 def test_damaged_matlab_files_do_not_end_the_process(tmp_path, own_process):

@@ -119,7 +119,6 @@ def test_a_column_that_counts_rows_is_left_out(tmp_path):
     bare = [(i, a, b) for i, _, a, b in rows]
     file = text(tmp_path / "b.csv", ["index,a,b"], bare)
     recorded(ar.read_csv(file, fs_hz=FS))
-    unsuitable("'index', counts the rows.*fs_hz", ar.read_csv, file)
     assert ar.read_csv(file, first="time").fs_hz == 1.0
 
 

@@ -11,7 +11,6 @@ import pytest
 from scipy.io import savemat
 
 import antires_rs as ar
-from antires_rs.app import main as cli
 from tests.support.snapshots import compare
 from tests.support.uff_files import dataset, written
 
@@ -132,16 +131,6 @@ def parquet(folder, held, **options):
     return ar.read_parquet(folder / "a.parquet", **options)
 
 
-@call
-def foreign(folder, name):
-    (folder / name).write_bytes(b"something")
-    with pytest.MonkeyPatch.context() as patch:
-        said = []
-        patch.setattr("sys.stderr.write", said.append)
-        assert cli.main(["identify", str(folder / name), "--band", "1", "9", "--excitation", "0"]) == 2
-    return "".join(said).strip()
-
-
 def lvm(*lines, **options):
     head = ["LabVIEW Measurement", "Separator\tTab", "X_Columns\tNo", "***End_of_Header***", ""]
     return raw("a.lvm", "\n".join([*head, *lines, ""]).encode(), ar.read_lvm, **options)
@@ -158,7 +147,6 @@ MARKET, SPARSE = "%%MatrixMarket matrix array ", "%%MatrixMarket matrix coordina
 SET = {"wf_increment": 1 / 128, "unit_string": "g"}
 
 MISTAKES = {
-    **{f"file: {name}": foreign(name) for name in ("a.dxd", "a.dat", "a.xls", "a.tdms_index", "a.doc")},
     "npz: no rate": npz(a=A),
     "npz: two times": npz(run1_time=T, time=T, t=T, a=A),
     "npz: time and frequency": npz(time=T, freq=F, a=A),
@@ -246,7 +234,6 @@ MISTAKES = {
     "uff: a function of an unknown type": other(function(kind=0)),
     "uff: m and m/s2 together": other(function(), function(node=2, unit="mm")),
     "uff: a real FRF": other(function(A)),
-    "uff: a real FRF of ones": other(function(), function(np.ones(32), node=2)),
     "uff: other frequencies": other(function(), function(node=2, step=0.25)),
     "uff: a step of zero": other(measured(step=0.0)),
     "uff: an unknown unit": other(measured(unit="V")),
@@ -258,7 +245,6 @@ MISTAKES = {
     "uff: two dofs at one point": uff(RECORD, write={"dofs": {"1+X": (1, 0), "2+X": (1, 0)}}),
     "uff: a force that is no point": other(measured(), force="77Q"),
     "uff: a time with a gap": other(measured(even=0, x=np.where(T < 0.2, T, T + 0.05))),
-    "uff: written in g": uff(RECORD, write={"unit": "g"}),
     "uff: a dof without point": uff(RECORD, write={"dofs": {"1+X": (1, 0)}}),
     "uff: points that are none": uff(RECORD, write={"dofs": 7}),
     "uff: a label that is too long": uff(ar.Recording([A], 128.0, dofs=["x" * 100])),
@@ -291,16 +277,10 @@ MISTAKES = {
     "file: into a folder that is not there": lambda folder: ar.write_npz(folder / "no" / "a.npz", RECORD),
     "matrices: a NUL byte": matrices("k.mtx", f"{MARKET}real general\n1 1\n\x00\n", np.eye(1)),
     "matrices: a lost entry": matrices("k.mtx", f"{MARKET}real general\n2 2\n1\n1\n1\n", np.eye(2)),
-    "matrices: sizes in words": matrices("k.mtx", f"{MARKET}real general\n2 two\n1\n", np.eye(2)),
-    "matrices: one size": matrices("k.mtx", f"{MARKET}real general\n2\n1\n", np.eye(2)),
     "matrices: not square": matrices("k.mtx", f"{SPARSE}real general\n2 3 1\n1 1 1\n", np.eye(2)),
     "matrices: one word": matrices("k.mtx", "stiffness\n", np.eye(2)),
-    "matrices: blank lines": matrices("k.mtx", "\n \n", np.eye(2)),
-    "matrices: comments of Abaqus": matrices("k.mtx", "** of Abaqus\n*MATRIX\n", np.eye(2)),
-    "matrices: a head of four words": matrices("k.mtx", f"{MARKET}real\n1 1\n1\n", np.eye(1)),
     "matrices: complex": matrices("k.mtx", f"{MARKET}complex hermitian\n1 1\n1 0\n", np.eye(1)),
     "matrices: a cut entry": matrices("k.mtx", f"{SPARSE}real general\n2 2 2\n1 1 1\n2 1\n", np.eye(2)),
-    "matrices: a word": matrices("k.mtx", f"{SPARSE}real general\n2 2 2\n1 1 1\n2 2 foo\n", np.eye(2)),
     "matrices: a row beyond": matrices("k.mtx", f"{SPARSE}real general\n2 2 2\n1 1 1\n3 1 1\n", np.eye(2)),
     "matrices: other arrays": lambda folder: ar.read_matrices(
         ar.write_npz(folder / "a.npz", RECORD), np.eye(1)
@@ -331,14 +311,12 @@ def test_each_mistake_is_told_in_the_words_that_were_looked_at(tmp_path):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
-                said, kind = call(folder), "exit 2"
+                call(folder)
             except ar.AntiresError as exc:
                 said, kind = str(exc), type(exc).__name__
-        if not isinstance(said, str):
-            said, kind = " | ".join(str(each.message) for each in caught), "warning"
-            assert all(issubclass(each.category, ar.AntiresWarning) for each in caught), case
-        assert said, case
-        assert "Traceback" not in said
-        assert kind == "warning" or ("got" in said and "wanted" in said), said
+                assert all(word in said for word in ("got", "wanted")), said
+            else:
+                said, kind = " | ".join(str(each.message) for each in caught), "warning"
+                assert {each.category for each in caught} == {ar.AntiresWarning}, case
         told[case] = f"{kind}  {said.replace(str(folder), 'FOLDER')}"
     compare(Path(__file__).with_name("wrong_files.txt"), told)

@@ -79,7 +79,6 @@ ASKING = [
     ("miniseed", lambda study, folder: ar.read_miniseed(folder / "a.mseed")),
     ("hdf5", lambda study, folder: ar.read_hdf5(folder / "a.h5")),
     ("hdf5", lambda study, folder: ar.read_mat(folder / "a.mat")),
-    ("hdf5", lambda study, folder: ar.io.mat_arrays(folder / "a.mat")),
     ("hdf5", lambda study, folder: ar.write_hdf5(folder / "b.h5", recording())),
     *(
         ("tables", lambda study, folder, thing=thing, method=method: getattr(study[thing], method)())

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs import figures as plotting
 from tests.watch.drawn_tests import MASSES, SPRINGS, chain, exact, many
 
 
@@ -16,8 +15,10 @@ def watched():
     sets[3] = None
     series = ar.Series.from_sets(
         sets,
-        conditions={"temperature_c": rng.uniform(0, 20, 83)},
-        times=np.datetime64("2026-01-01") + np.arange(83),
+        conditions={
+            "temperature_c": rng.uniform(0, 20, 83),
+            "time": np.datetime64("2026-01-01") + np.arange(83),
+        },
     )
     model = ar.MassSpringChain(MASSES, SPRINGS * rng.uniform(0.97, 1.03, 5))
     return ar.monitor(series, baseline=60, model=model)
@@ -44,13 +45,11 @@ def test_one_row_a_test(watched):
     assert {"T2", "T2_limit", "EWMA", "events", "temperature_c", "time"} <= set(frame)
 
 
-def test_the_picture_has_its_numbers(watched):
+def test_the_picture_has_all_charts(watched):
     pyplot = pytest.importorskip("matplotlib.pyplot")
     top = watched.plot()
     labels = ["Single tests / limit", "Mean of tests / limit", "temperature_c"]
     assert [ax.get_ylabel() for ax in top.figure.axes] == labels
-    table = plotting.data_of(top)["T2"]
-    assert np.array_equal(table["statistic"], watched.charts["T2"].statistic, equal_nan=True)
     pyplot.close(top.figure)
 
 

@@ -12,6 +12,7 @@ from .. import io
 from ..damage.assess import DamageResult, assess_damage
 from ..damage.measured_states import measured_states
 from ..damage.options import TWO_STATES, DamagePrior, SearchOptions
+from ..io.registry import natural
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..models import parameters
 from ..models.chain import MassSpringChain
@@ -22,7 +23,6 @@ from ..models.structural_model import StructuralModel
 from ..optimize.island_ga import IslandGA, seed_of, thread_count
 from ..updating.problem import UpdatingProblem
 from ..updating.result import UpdateResult
-from ..watch.sources import natural
 from .job import Job, KeyPath
 from .keys import CHAIN, FRAME, MATRICES, PARAMETERS, RESULT, shown
 

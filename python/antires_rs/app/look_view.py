@@ -6,14 +6,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ..exceptions import reject
 from ..figures.page_session import RovingHammer, Session, SetView, View
 from ..measured.replay import Asked, asked_in
-from .arguments import model_of
 from .command import arguments
-from .job import read_job
 from .keys import format_of
-from .reading import Call, check_files, hits_of, measured_of, refuse_beside, several_hits
+from .reading import Call, check_files, hits_of, refuse_beside, several_hits
 
 
 def view_of(args: argparse.Namespace) -> View:
@@ -24,10 +21,7 @@ def view_of(args: argparse.Namespace) -> View:
     if args.edits is not None:
         with arguments({"path": "--edits"}):
             edits = asked_in(args.edits)[1]
-    if first.suffix == ".toml":
-        refuse_beside(args, "a job", "Put it under [data] or [identification] of the job.")
-        session = _of_job(args)
-    elif format_of(first.name, args.format) == "antiresonances":
+    if format_of(first.name, args.format) == "antiresonances":
         refuse_beside(args, "antiresonances that are identified already", "Name the measurement to identify.")
         with arguments({"path": "FILE"}):
             zeros, asked = asked_in(first)
@@ -50,26 +44,8 @@ def _of_files(args: argparse.Namespace) -> Session:
         call = Call(args, band_needed=False)
         one = call.read(args.files)
         source, force = one.signal, one.force
+    options = dict(call.sections["identification"])
+    order, save_to = options.pop("max_order", None), args.out or f"{args.files[0].stem}_antiresonances.json"
+    given = {"excitation": force, "band_hz": args.band_hz, "max_order": order, "options": options}
     with call.blame(("data",)):
-        return _session(args, call.sections["identification"], None, source, args.band_hz, excitation=force)
-
-
-def _of_job(args: argparse.Namespace) -> Session:
-    """The one measurement of a job, with the options and the edits that stand there."""
-    job = read_job(args.files[0])
-    found = measured_of(job, model_of(job))
-    if len(found) > 1:
-        got = f"a job of {len(found)} measurements"
-        reject("FILE", got, "one to look at", "Name the file of one of them.")
-    (one,) = found
-    options = {name: value for name, value in job.sections["identification"].items() if name != "dofs"}
-    return _session(args, options, one.found, one.signal, one.table.get("band_hz"))
-
-
-def _session(
-    args: argparse.Namespace, options: dict[str, Any], found: Any, source: Any, band_hz: Any, **more: Any
-) -> Session:
-    order, others = options.get("max_order"), {k: v for k, v in options.items() if k != "max_order"}
-    save_to = args.out or f"{args.files[0].stem}_antiresonances.json"
-    more |= {"band_hz": band_hz, "max_order": order, "options": others, "save_to": save_to}
-    return Session(found, source, **more)
+        return Session(None, source, **given, save_to=save_to)

@@ -182,11 +182,10 @@ identify (studies.identify): antiresonances of a measurement
         --out FILE.json: save the antiresonances, for a job
         --pictures DIR: draw the stabilization diagrams into a folder
         --json: print JSON instead of the table
-look (look.look): a page to look at a measurement or a result, to add and drop values
+look (look.look): a page to look at a measurement, to add and drop values
     Open a page in the browser of this computer: diagrams, curves and values of a measurement or a set of
-    antiresonances, which can be edited. It ends with Ctrl-C, or when the page is closed. Of a result the
-    report is opened.
-        files FILE+: <files> antiresonances (.json), <results>
+    antiresonances, which can be edited. It ends with Ctrl-C, or when the page is closed.
+        files FILE+: <files> or antiresonances (.json)
         <measurement>
         --out FILE.json: where the page saves the set (default: by the name of the file, in this folder)
         --edits FILE.json: a set that was saved: make its edits again
@@ -223,7 +222,7 @@ watch (watch.watch): identify new files of a folder as they come, and say which 
         --once: end when all files that are there are judged
 resume (studies.resume): go on with a search that was interrupted
     Go on with a search; the result is bit-identical to that of one that never stopped.
-        target JOB: a job file, its results folder or its checkpoint
+        <job>
         <threads>
         <json>
 report (studies.report): one HTML file of a result
@@ -246,7 +245,6 @@ _SHARED = {
     "search": "'antires init' writes one. Ctrl-C hands back the best so far; 'antires resume' goes on from "
     "there.",
     "files": "a measurement (<endings>, or a folder of files of one FRF each), several of one test,",
-    "results": "or a result.npz or the folder that holds it",
     "edit": ', with a reason after a blank that is kept in the file: "3=31.9 mains hum"; once for each',
 }
 #: What the help says of an argument that it does not take from the sentence of the key of a job.

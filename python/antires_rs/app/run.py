@@ -64,13 +64,6 @@ class RunFolder:
         """File of the set of one [data], or of its intact counterpart, numbered from 0."""
         return self.folder / (f"{what}_{number}.json" if number else f"{what}.json")
 
-    def prepare(self) -> None:
-        """Make the folder; remove what a process that was killed left half-written."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        for file in (*self.folder.iterdir(), *self.pictures.glob("*")):
-            if _HALF_WRITTEN.fullmatch(file.name):
-                file.unlink(missing_ok=True)
-
     @property
     def contents(self) -> str:
         """The names of what is there."""
@@ -80,15 +73,6 @@ class RunFolder:
     def unfinished(self) -> bool:
         """Whether a search waits here to be taken up again."""
         return self.checkpoint.exists()
-
-    @property
-    def state(self) -> str | None:
-        """How the last run ended, or "searching"; None where none has begun."""
-        return self.read_record().get("state")
-
-    def forget_search(self) -> None:
-        """Remove the checkpoint; the result holds all of it."""
-        self.checkpoint.unlink(missing_ok=True)
 
     def forget_results(self) -> None:
         """Remove what an earlier run drew, so that nothing stale stands beside a new result."""
@@ -109,8 +93,6 @@ class RunFolder:
         return Path(os.path.normpath(self.folder / str(self.read_record().get("job", ""))))
 
 
-#: As write_atomically and Checkpoint name what is not whole yet.
-_HALF_WRITTEN = re.compile(r"\..+\.\d+\.tmp")
 _PICTURE = re.compile(r"(differences|convergence|damage|hypotheses|model|response|stabilization_.*)\.png")
 
 
@@ -389,7 +371,8 @@ def run(job: Job, args: argparse.Namespace, *, resume: bool = False, fresh: bool
         if result.status != "interrupted":
             note = draw(job, result, folder, evidence)
             if not out_of_time(result):
-                folder.forget_search()  # last: as long as it waits, resume makes up for whatever is missing
+                # The last step: as long as it waits, resume makes up for whatever is missing.
+                folder.checkpoint.unlink(missing_ok=True)
     show(args.json, summary, f"{text_of(result)}\n\nIn {near(folder.folder)}: {folder.contents}")
     if note is not None:
         hint(f"warning: {note}")
@@ -429,11 +412,11 @@ def _searched(
         with job.blame(("updating",), elsewhere):
             problem = UpdatingProblem(model, parameters, found, **job.sections["updating"])
         search = partial(update, problem)
-    folder.prepare()  # not before: a job that cannot run leaves nothing behind
+    folder.folder.mkdir(parents=True, exist_ok=True)  # a job that cannot run leaves nothing behind
     if not resume:  # until another run has its own record nothing here speaks for it
         folder.record.unlink(missing_ok=True)
     if fresh:
-        folder.forget_search()
+        folder.checkpoint.unlink(missing_ok=True)
     for what, own, each in (("antiresonances", measured, sets), ("baseline", intact, before)):
         for i, one in enumerate(each):
             file = folder.numbered(what, i)
@@ -479,7 +462,7 @@ def _check_folder(job: Job, folder: RunFolder, resume: bool, fresh: bool) -> Non
         remedy = f"Go on with 'antires resume {job.path.name}', or begin anew with --fresh."
         job.reject(place, got, "a folder without one", remedy)
     # Killed before the first checkpoint, a search begins again with the sets that it had.
-    if resume and not (folder.unfinished or folder.state == "searching"):
+    if resume and not (folder.unfinished or record.get("state") == "searching"):
         remedy = f"Begin with 'antires {job.task} {job.path.name}'."
         job.reject(place, f"{name!r}, where no search waits", "a search that did not finish", remedy)
 

@@ -159,42 +159,26 @@ def search(args: argparse.Namespace) -> int:
 
 def resume(args: argparse.Namespace) -> int:
     """Go on with a job."""
-    job = read_job(_job_of(args.target))
+    job = read_job(args.job)
     if job.task == "series":
         from .watch import series
 
-        return series(argparse.Namespace(**vars(args), job=job.path))
+        return series(args)
     folder = RunFolder.of(job)
-    if folder.unfinished or folder.state in (None, "searching") or not folder.result.is_file():
+    state = folder.read_record().get("state")  # None where no run has begun
+    if folder.unfinished or state in (None, "searching") or not folder.result.is_file():
         return runs.run(job, args, resume=True)
     done = UpdateResult.load(folder.result)
-    if folder.state != "interrupted" and not runs.out_of_time(done):
+    if state != "interrupted" and not runs.out_of_time(done):
         hint(f"this search has finished ({done.status}); nothing is left to do")
         if job.sections["output"].get("report", True) and not folder.report.exists():
             hint(f"for its report: antires report {runs.near(folder.folder)}")
         text = folder.summary.read_text(encoding="utf-8") if args.json else f"{done.summary()}\n"
         print(text, end="")
         return 0
-    got = f"{str(args.target)!r}, whose run was stopped and kept no checkpoint"
+    got = f"{str(args.job)!r}, whose run was stopped and kept no checkpoint"
     remedy = (
         f"Begin anew with 'antires {job.task} {runs.near(job.path)}'; a search, where there is no baseline, "
     )
     remedy += "keeps one by checkpoint = true under [search]."
     reject("JOB", got, "a search that is kept on disk", remedy)
-
-
-def _job_of(target: Path) -> Path:
-    """The job file: itself, or that of a results folder or checkpoint."""
-    if target.suffix == ".toml":
-        return target
-    folder = RunFolder(target if target.is_dir() else target.parent)
-    job = folder.job_path()
-    if "job" not in folder.read_record():
-        got = f"{str(target)!r}, {'where no job has run' if target.exists() else 'which does not exist'}"
-        wanted = "a job file, its results folder or its checkpoint"
-        reject("JOB", got, wanted, "The folder of a run holds run.json.")
-    if not job.is_file():
-        got = f"{str(target)!r}, whose job {job.name!r} is gone"
-        wanted = "a run whose job file is where it was"
-        reject("JOB", got, wanted, "Put the job file back, or pass it by its new name.")
-    return job

@@ -18,14 +18,14 @@ from ..exceptions import AntiresWarning, InvalidInputError, MissingDependencyErr
 from ..figures.canvas import picture
 from ..figures.sets import plot_tracks
 from ..io.common import Signal
-from ..io.registry import ENDINGS
+from ..io.registry import ENDINGS, natural
 from ..measured.track import Tracks
 from ..support.files import write_atomically
 from ..watch.conditions import condition_table
 from ..watch.identify_series import identify_series
 from ..watch.monitor import Watched, monitor
 from ..watch.series import Series
-from ..watch.sources import is_measurement, natural
+from ..watch.sources import is_measurement
 from ..watch.store import LastingStore
 from .command import arguments, existing, hint, say, show
 from .job import Job, read_job
@@ -33,8 +33,7 @@ from .keys import FOLDER, format_of, shown
 from .reading import EDITS, OPTIONS, Call, Spell, read_signal
 from .run import RunFolder, picture_name, write_json
 
-#: Tracks that fewer of the tests have are not drawn, and of more tests than this no events.
-LEAST_SHARE, EVENTS_OF = 0.3, 50
+LEAST_SHARE = 0.3  # tracks that fewer of the tests have are not drawn
 
 
 @dataclass(frozen=True)
@@ -154,15 +153,8 @@ def _lasting(tracks: Tracks) -> Tracks:
     """The tracks that a picture shows."""
     seen = np.sum(~np.isnan(tracks.freq_hz), axis=0)
     kept = np.flatnonzero(seen >= LEAST_SHARE * len(tracks.conditions))
-    rank = {int(track): i for i, track in enumerate(kept)}
-    events = tracks.events if len(tracks.conditions) <= EVENTS_OF else ()
-    return replace(
-        tracks,
-        dof=tracks.dof[kept],
-        freq_hz=tracks.freq_hz[:, kept],
-        std_hz=tracks.std_hz[:, kept],
-        events=tuple(replace(one, track=rank[one.track]) for one in events if one.track in rank),
-    )
+    freq_hz, std_hz = tracks.freq_hz[:, kept], tracks.std_hz[:, kept]
+    return replace(tracks, dof=tracks.dof[kept], freq_hz=freq_hz, std_hz=std_hz, events=())
 
 
 # -- Files that arrive in a folder: which of them are complete

@@ -3,10 +3,9 @@
 Every function draws into the matplotlib axes ``ax`` and returns them. Without them it makes a pyplot figure,
 so that ``plt.show()`` and notebooks display it as usual; no style, backend or rcParam is ever changed. Where
 matplotlib is missing ``MissingDependencyError`` says so. Colours are those of Okabe and Ito; no curve, bar
-or mark is told from another by colour alone. :func:`data_of` gives the numbers behind any of them.
+or mark is told from another by colour alone.
 """
 
-from .canvas import data_of
 from .damage import plot_damage, plot_hypotheses
 from .identification import plot_singular_values, plot_stabilization
 from .planning import plot_detectability, plot_plan
@@ -16,7 +15,7 @@ from .structure import plot_chain, plot_frame
 from .updating import plot_convergence, plot_differences, plot_identifiability
 
 __all__ = [
-    "data_of", "plot_chain", "plot_comparison", "plot_convergence", "plot_damage", "plot_detectability",
+    "plot_chain", "plot_comparison", "plot_convergence", "plot_damage", "plot_detectability",
     "plot_differences", "plot_frame", "plot_hypotheses", "plot_identifiability", "plot_monitor", "plot_plan",
     "plot_responses", "plot_singular_values", "plot_stabilization", "plot_tracks",
 ]  # fmt: skip

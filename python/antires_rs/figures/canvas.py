@@ -1,22 +1,17 @@
-"""Panels as pictures: their axes, marks, legends and numbers with matplotlib, and the way to a PNG."""
+"""Panels as pictures: their axes, marks and legends with matplotlib, and the way to a PNG."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from io import BytesIO
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..exceptions import reject
 from ..io.common import require
 from ..support.checks import FloatArray, frequency_band
 from . import marks
-
-Table = dict[str, NDArray[Any]]
 
 
 def new_axes(ax: Any, size_in: tuple[float, float]) -> Any:
@@ -82,7 +77,6 @@ def draw(panel: marks.Panel, ax: Any, *, drop_pt: float | None = None, legend: b
         drop_pt = 34.0 + text_width_pt(max(names, key=len), 10.0) if panel.x.upright else 42.0
     if legend and ax.get_legend_handles_labels()[1]:
         below(ax, drop_pt=drop_pt, first=panel.first)
-    offer(ax, **panel.tables)
     return ax
 
 
@@ -198,46 +192,6 @@ def _coloured(ax: Any, mark: marks.Paths, zorder: float) -> None:
         return
     lines.set_clim(min(0.0, float(values[known].min())), max(0.0, float(values[known].max())))
     ax.figure.colorbar(lines, ax=ax, label=mark.scale, shrink=0.8)
-
-
-# -- The numbers behind a picture
-
-_offered: WeakKeyDictionary[Any, dict[str, Table]] = WeakKeyDictionary()
-
-
-def offer(ax: Any, **tables: Mapping[str, Any]) -> None:
-    """Keep the numbers of a picture for :func:`data_of`; a picture drawn over another adds its own."""
-    for name, table in tables.items():
-        made = {column: np.array(values) for column, values in table.items()}
-        for values in made.values():
-            values.setflags(write=False)
-        _offered.setdefault(ax, {})[name] = made
-
-
-def data_of(ax: Any) -> dict[str, Table]:
-    """Return the numbers behind a picture, for a table, a file or a picture of your own.
-
-    ``ax`` is what any function of this module has returned; other axes are an ``InvalidInputError``.
-
-    Returns
-    -------
-    dict of str to dict of str to ndarray
-        Tables by name and their columns, all of one length, read-only. The names of columns end in their unit
-        (``freq_hz``, ``loss_percent``, ``level_db``); without one they are labels, counts or ratios.
-        ``pandas.DataFrame(data_of(ax)["bars"])`` makes a frame of a table.
-
-    Examples
-    --------
-    >>> import antires_rs as ar
-    >>> ax = ar.figures.plot_chain(ar.MassSpringChain([1.0, 1.0], [500.0]), [10.0])
-    >>> list(ar.figures.data_of(ax)["springs"])
-    ['element', 'name', 'value']
-    """
-    try:
-        return {name: dict(table) for name, table in _offered[ax].items()}
-    except (KeyError, TypeError):
-        got = f"{type(ax).__name__} without a picture of antires_rs"
-        reject("ax", got, "what a plot_ function returned", "Draw into it with a plot_ function first.")
 
 
 def width_pt(ax: Any) -> float:

@@ -64,12 +64,10 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
     found, visible = 100.0 * np.asarray(result.x), 100.0 * np.array(list(result.detectable.values()))
     truths = _truths(result, truth)
     low = high = instead = np.full(x.size, np.nan)
-    judged: dict[str, Any] = {}
-    if result.has_baseline:
+    judged = result.has_baseline
+    if judged:
         low, high = 100.0 * np.array(list(result.interval.values())).T
         instead = _alternatives(result.assessment, result.elements)
-        judged = {"low_percent": low, "high_percent": high}
-        judged |= {"probability": np.array([*result.probability.values()]), "instead_percent": instead}
     axis = _percent_axis([found, truths, high, instead, np.minimum(visible, MOST_VISIBLE)], upright)
     top = axis.limits[1] if axis.limits else 100.0
     says = {"Element": "@name", "Stiffness loss": "@loss{0.0} %"}
@@ -91,19 +89,17 @@ def losses(result: DamageResult, truth: Mapping[int, float] | None, upright: boo
     if truth is not None:
         marks.append(_diamonds(x, truths))
     if judged:
-        heads = [_percent(p) for p in judged["probability"]]
-        marks.append(Heads(x, heads, judged["probability"] >= 0.5, only="picture"))
+        chance = list(result.probability.values())
+        marks.append(Heads(x, list(map(_percent, chance)), [p >= 0.5 for p in chance], only="picture"))
     for i in np.flatnonzero(found > 0.0):
         # Over the bar, and over marks close above, which would strike the number out.
         close = (found[i], truths[i], visible[i], high[i])
         over = max(level for level in close if found[i] <= level <= found[i] + 0.12 * top)
         away = 8.0 if abs(over - truths[i]) < 0.05 * top else 3.0  # over a diamond
         marks.append(Words([i], [over], [f"{found[i]:.1f} %"], away=away, turned=upright, only="picture"))
-    bars = {"element": result.elements, "name": names, "loss_percent": found}
-    bars |= ({} if truth is None else {"truth_percent": truths}) | judged | {"smallest_seen_percent": visible}
-    title, first = "" if found.any() or judged else "no loss found", ("found", "90 % interval", "truth")
-    look: dict[str, Any] = {"title": title, "grid": "y", "first": first, "tables": {"bars": bars}}
-    return Panel("damage", _element_axis(names, upright), axis, marks, **look)
+    title = "" if found.any() or judged else "no loss found"
+    first = ("found", "90 % interval", "truth")
+    return Panel("damage", _element_axis(names, upright), axis, marks, title=title, grid="y", first=first)
 
 
 def _alternatives(found: Assessment, elements: list[int]) -> FloatArray:
@@ -236,5 +232,4 @@ def probabilities(hypotheses: Hypotheses, most: int = MOST_ROWS) -> Panel:
     marks.append(Words(values, range(len(values)), shown, "right", 5.0))
     x = Axis("Probability", (0.0, 1.12), at=np.linspace(0.0, 1.0, 6))
     y = Axis("", (len(names) - 0.4, -0.6), names=labels)
-    table = {"name": names, "probability": values}
-    return Panel("hypotheses", x, y, marks, grid="x", tables={"hypotheses": table})
+    return Panel("hypotheses", x, y, marks, grid="x")

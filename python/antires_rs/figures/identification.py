@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from ..identification.stabilization import StabilizationDiagram
     from ..signals.one_force import DataCheck
 
-Edited = Sequence[float] | FloatArray  # values in Hz
 CURVE = "#B8B8B8"  # lighter than every mark, also where colours are lost
 #: Colour and dash of each kind of value.
 LOOKS: dict[str, tuple[str, Any]] = {
@@ -36,14 +34,12 @@ STABLE, UNSTABLE, ADDED, DROPPED = LOOKS
 
 
 def plot_stabilization(
-    diagram: StabilizationDiagram, ax: Any = None, *, dropped: Edited = (), added: Edited = ()
+    diagram: StabilizationDiagram, ax: Any = None, *, zeros: AntiresonanceSet | None = None, dof: Any = 0
 ) -> Any:
     """Draw the poles of every order, the stable ones, and the accepted antiresonances.
 
-    Parameters
-    ----------
-    dropped, added : sequence of float, optional
-        Values in Hz taken out or put in by hand; :meth:`~antires_rs.AntiresonanceSet.plot` knows them.
+    With the set ``zeros`` the values are those of its response ``dof``, with what was dropped and added by
+    hand.
 
     Examples
     --------
@@ -52,8 +48,17 @@ def plot_stabilization(
     >>> ar.stabilization(f, 25 / (5**2 - f**2 + 0.1j * f), max_order=20).plot().get_xlabel()
     'Frequency (Hz)'
     """
-    ax = draw(stabilization(diagram, dropped, added), new_axes(ax, (9.0, 5.2)), legend=False)
-    _mark_values(ax, diagram, dropped, added)
+    ax = draw(stabilization(diagram), new_axes(ax, (9.0, 5.2)), legend=False)
+    look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small"}
+    look |= {"xycoords": ax.get_xaxis_transform(), "annotation_clip": False}
+    marks = _marks_on(diagram, zeros, dof)
+    draw_marks(ax, [Rules(marks[kind]["x"], True, *LOOKS[kind], 1.1, label=kind) for kind in LOOKS], 1.5)
+    for rows in marks.values():
+        for freq, label in zip(rows["x"], rows["label"], strict=True):
+            if label:
+                ax.annotate(label, (freq, 1.015), **look)
+    if not any(rows["x"] for rows in marks.values()):
+        ax.set_title("no antiresonance accepted in this band", fontsize="medium")
     ax.yaxis.get_major_locator().set_params(integer=True)
     below(ax)
     return ax
@@ -65,7 +70,7 @@ _STABLE_POLE: dict[str, Any] = {"stroke": 0.0, "colour": "blue", "label": "stabl
 SEEN_ABOVE = 0.2  # orders above the highest at which what was seen and not accepted stands
 
 
-def stabilization(diagram: StabilizationDiagram, dropped: Edited = (), added: Edited = ()) -> Panel:
+def stabilization(diagram: StabilizationDiagram) -> Panel:
     """Poles of every order, the stable ones, and the summed curve behind them."""
     order, freq, damping, stable = pole_table(diagram)
     first, last = float(diagram.orders[0]), float(diagram.orders[-1])
@@ -86,15 +91,7 @@ def stabilization(diagram: StabilizationDiagram, dropped: Edited = (), added: Ed
     curve = Line(diagram.background_freq_hz, shown, CURVE, width=1.0, label=label)
     x, y = Axis("Frequency (Hz)", diagram.band_hz), Axis("Model order (-)", (first - 1.5, last + 1.0))
     behind = (Axis("Summed curves (unit of the data)"), curve)
-    found, by_hand = diagram.accepted, np.asarray(added, dtype=np.float64)
-    unknown = np.full(by_hand.size, np.nan)
-    gone = np.isin(found.freq_hz, np.asarray(dropped, dtype=np.float64))
-    values = {"freq_hz": np.r_[found.freq_hz, by_hand], "damping_ratio": np.r_[found.damping_ratio, unknown]}
-    values |= {"std_hz": np.r_[found.std_hz, unknown]}
-    values |= {"how": [*np.where(gone, "dropped", found.how), *["added"] * by_hand.size]}
-    tables = {"poles": {"order": order, "freq_hz": freq, "damping_ratio": damping, "stable": stable}}
-    tables |= {"values": values, "curve": {"freq_hz": diagram.background_freq_hz, "magnitude": size}}
-    return Panel("stabilization", x, y, marks, behind=behind, tables=tables)
+    return Panel("stabilization", x, y, marks, behind=behind)
 
 
 def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, FloatArray, Any]:
@@ -102,30 +99,6 @@ def pole_table(diagram: StabilizationDiagram) -> tuple[FloatArray, FloatArray, F
     order = np.repeat(np.asarray(diagram.orders), [len(f) for f in diagram.freq_hz])
     freq, damping = (np.concatenate([[], *rows]) for rows in (diagram.freq_hz, diagram.damping_ratio))
     return order, freq, damping, np.concatenate([np.empty(0, dtype=bool), *diagram.stable])
-
-
-LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and tables have them
-
-
-def _mark_values(ax: Any, diagram: StabilizationDiagram, dropped: Edited, added: Edited) -> None:
-    """Vertical lines, with their frequencies above; of what was dropped in parentheses."""
-    low, high = diagram.band_hz
-    marks = [(float(f), ADDED) for f in added]
-    for f, how in zip(diagram.identified, diagram.accepted.how, strict=True):
-        kind = UNSTABLE if how in ("persistent", "likeliest order") else STABLE
-        marks.append((float(f), DROPPED if f in np.asarray(dropped, dtype=np.float64) else kind))
-    marks.sort()
-    look = {"rotation": 90, "ha": "center", "va": "bottom", "fontsize": "x-small"}
-    look |= {"xycoords": ax.get_xaxis_transform(), "annotation_clip": False}
-    last = -np.inf
-    for freq, kind in marks:
-        if freq - last >= LABEL_GAP * (high - low):
-            ax.annotate(f"({freq:.2f} Hz)" if kind == DROPPED else f"{freq:.2f} Hz", (freq, 1.015), **look)
-            last = freq
-    of = {kind: [f for f, one in marks if one == kind] for kind in LOOKS}
-    draw_marks(ax, [Rules(of[kind], True, *look, 1.1, label=kind) for kind, look in LOOKS.items()], 1.5)
-    if not marks:
-        ax.set_title("no antiresonance accepted in this band", fontsize="medium")
 
 
 # -- Whether one force is enough
@@ -158,7 +131,6 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
     values = np.asarray(check.eigenvalues)
     least = 1e-14 * values.max()
     level = 10.0 * np.log10(np.maximum(values, least))
-    table = {"freq_hz": check.freq_hz} | {f"level_{i}_db": column for i, column in enumerate(level.T)}
     says = {"Frequency": "@x{0.000} Hz", "Level": "@y{0.0} dB"}
     marks: list[Mark] = []
     for i in range(min(values.shape[1], most or values.shape[1]) - 1, 1, -1):
@@ -166,9 +138,9 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
         seen = np.where(values[:, i] > 1e-12 * values.max(), level[:, i], np.nan)
         marks.append(Line(check.freq_hz, seen, "#C4C4C4", width=0.5, label="the others" if i == 2 else None))
     if check.second_expected is not None:
-        table["expected_2_db"] = 10.0 * np.log10(np.maximum(check.second_expected, least))
+        expected = 10.0 * np.log10(np.maximum(check.second_expected, least))
         label = "second expected under one force"
-        marks.append(Line(check.freq_hz, table["expected_2_db"], "black", ":", 1.1, label=label))
+        marks.append(Line(check.freq_hz, expected, "black", ":", 1.1, label=label))
     if values.shape[1] > 1:
         marks.append(Line(check.freq_hz, level[:, 1], "vermillion", "--", 1.1, label="second", says=says))
     marks.append(Line(check.freq_hz, level[:, 0], "blue", width=1.5, label="first", says=says))
@@ -176,14 +148,16 @@ def singular_values(check: DataCheck, most: int | None = None) -> Panel:
     x, y = Axis("Frequency (Hz)", check.band_hz), Axis("Singular value (dB re noise power)")
     title = f"more than one force ({found[0].severity})" if found else ""
     first = ("first", "second", "second expected under one force", "the others")
-    rest: dict[str, Any] = {"title": title, "first": first, "tables": {"singular_values": table}}
-    return Panel("singular_values", x, y, marks, grid="both", **rest)
+    return Panel("singular_values", x, y, marks, grid="both", title=title, first=first)
 
 
 # -- The values of a response as marks in its figures: found, added and dropped
 
 ENTRY = "entry of "  # before the name of a kind: its entry in a legend, shown while there are any
 Marks = dict[str, dict[str, list[Any]]]
+
+
+LABEL_GAP = 0.03  # labels nearer than this share of the band are left out; hover and tables have them
 
 
 def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]) -> Marks:
@@ -208,6 +182,13 @@ def mark_columns(zeros: AntiresonanceSet, dof: Any, band_hz: tuple[float, float]
     return marks
 
 
+def _marks_on(diagram: StabilizationDiagram, zeros: AntiresonanceSet | None, dof: Any) -> Marks:
+    """The marks on a diagram: those of the set, or what the diagram itself has accepted."""
+    if zeros is None:
+        zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
+    return mark_columns(zeros, dof, diagram.band_hz)
+
+
 def _mark_lines(fig: Any, marks: Marks, *, labels: bool = False, every_kind: bool = False) -> None:
     """Lines at the values, in tables that a page may rewrite, for which ``every_kind`` has its place."""
     for kind, (colour, dash) in LOOKS.items():
@@ -229,10 +210,8 @@ def stabilization_figure(
     diagram: Any, zeros: AntiresonanceSet | None = None, dof: Any = 0, *, x_range: Any = None, **options: Any
 ) -> Any:
     """Poles of every order, the values, and the summed curve behind them."""
-    if zeros is None:
-        zeros = AntiresonanceSet.from_tables(dof, {dof: diagram.accepted})
     fig = live.explored(stabilization(diagram), height=400, x_range=x_range)
-    _mark_lines(fig, mark_columns(zeros, dof, diagram.band_hz), labels=True, **options)
+    _mark_lines(fig, _marks_on(diagram, zeros, dof), labels=True, **options)
     return fig
 
 

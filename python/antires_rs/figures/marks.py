@@ -205,4 +205,3 @@ class Panel:
     equal: bool = False
     first: Sequence[str] = ()
     behind: tuple[Axis, Line] | None = None
-    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

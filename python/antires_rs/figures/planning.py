@@ -51,14 +51,12 @@ def plot_plan(plan: SensorPlan, ax: Any = None) -> Any:
     shown = np.concatenate([with_plan, with_all])
     shown = shown[np.isfinite(shown)]
     limits = (shown.min() / 1.6, shown.max() * 1.6) if shown.size else None
-    column = "seen_percent" if severities else "std_percent"
     upright = not fit_across(ax, names)
     label = "Smallest stiffness loss seen (%)" if severities else "Std after / before (%)"
     x_axis = Axis("", (-0.6, len(names) - 0.4), names=names, upright=upright)
     y_axis, first = Axis(label, limits, log=bool(limits)), (f"{len(plan.sensors)} planned sensors",)
     title = f"force at {plan.labels[plan.excitation]}, {plan.n_values} antiresonances"
-    tables = {"elements": {"name": names, column: planned, f"{column}_by_all": everywhere}}
-    panel = Panel("plan", x_axis, y_axis, marks, title=title, grid="y", first=first, tables=tables)
+    panel = Panel("plan", x_axis, y_axis, marks, title=title, grid="y", first=first)
     draw(panel, ax, drop_pt=None if upright else 30.0)
     if shown.size:
         plain_log(ax.yaxis)
@@ -101,17 +99,14 @@ def plot_detectability(curves: DetectionCurves, ax: Any = None) -> Any:
         for at, level in ((hit > 0.5, 103.0), (hit < 0.5, -3.0)):
             y = np.full(int(at.sum()), level)
             marks.append(Points(100.0 * severity[at], y, "|", colour=look["colour"]))
-    severities, pods = zip(*percent.values(), strict=True)
-    shown = all_of_them = np.concatenate(severities)
+    shown = np.concatenate([severity for severity, _ in percent.values()])
     # Where every curve has reached the top there is nothing to see.
     climbing = [severity[pod < 100.0 * _REACHED].max(initial=0.0) for severity, pod in percent.values()]
     last = min(max([*climbing, 2.0 * shown.min()]) * 1.6, shown.max())
     shown = shown[shown <= last]
-    table = {"element": np.repeat(elements, [len(each) for each in pods]), "loss_percent": all_of_them}
-    tables = {"curves": table | {"pod_percent": np.concatenate(pods)}}
     x_axis = Axis("Stiffness loss (%)", (shown.min(), last), log=True)
     y_axis = Axis("Probability of detection (%)", (-6.0, 106.0), at=range(0, 101, 20))
-    panel = Panel("detectability", x_axis, y_axis, marks, grid="both", tables=tables)
+    panel = Panel("detectability", x_axis, y_axis, marks, grid="both")
     ax = draw(panel, new_axes(ax, (7.5, 4.6)))
     plain_log(ax.xaxis)
     look = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": "small"}

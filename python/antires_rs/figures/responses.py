@@ -87,10 +87,9 @@ def responses(
     called = ["measured", *(f"model {name}" for name in names)] if len(models) > 1 else ["measured", "model"]
     alone = len(labels) == 1
     says = {"Frequency": "@x{0.000} Hz"} | {name: f"@level_{i}{{0.0}} dB" for i, name in enumerate(called)}
-    table: dict[str, Any] = {"freq_hz": freq}
     marks: list[Mark] = []
     places, top = [], 0.0
-    for nth, (label, *own) in enumerate(zip(labels, *levels, strict=True)):
+    for nth, own in enumerate(zip(*levels, strict=True)):
         low, high = float(np.min(own[0])), float(np.max(own[0]))
         shift = 0.0 if alone else top - high
         places.append(0.5 * (low + high) + shift)
@@ -100,7 +99,6 @@ def responses(
             shown = np.where((level < low - 15.0) & (not alone), np.nan, level) + shift
             more: dict[str, Any] = {"says": says, "more": told} if name == "measured" else {}
             marks.append(Line(freq, shown, label=name if nth == 0 else None, **look, **more))
-            table[f"{name.replace(' ', '_')}_{label.replace(' ', '_')}_db"] = level
         top = low + shift - 12.0
     y = Axis(f"{labels[0]} (dB)")
     if not alone:
@@ -109,7 +107,7 @@ def responses(
         y = Axis("FRFs, each shifted (dB)", limits, names=labels, at=places)
         marks.insert(0, Rules(np.arange(0.0, top, -20.0), colour="#EBEBEB", width=0.6))
     x, grid = Axis("Frequency (Hz)", (freq[0], freq[-1])), "both" if alone else "x"
-    return Panel("response", x, y, marks, grid=grid, tables={"responses": table})
+    return Panel("response", x, y, marks, grid=grid)
 
 
 def _curves(

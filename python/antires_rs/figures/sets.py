@@ -47,22 +47,17 @@ def plot_comparison(compared: Comparison, ax: Any = None) -> Any:
     marks.append(Heads(x[firsts], [f"dof {dof[i]}" if i == 0 else dof[i] for i in firsts]))
     labelled = len(dof) <= MOST_LABELS
     names = [f"{f:.1f}" for f in compared.a_hz] if labelled else []
-    columns = ("dof", "a_hz", "b_hz", "difference_percent", "std_percent", "changed")
     label = "Antiresonance of a (Hz), by response dof (above)"
     x_axis = Axis(label, names=names, at=x if labelled else [], upright=True)
-    y_axis, table = Axis("b less a (%), 90 % intervals"), {name: getattr(compared, name) for name in columns}
-    panel = Panel("comparison", x_axis, y_axis, marks, grid="y", tables={"pairs": table})
+    panel = Panel("comparison", x_axis, Axis("b less a (%), 90 % intervals"), marks, grid="y")
     ax = draw(panel, new_axes(ax, (9.5, 4.2)), drop_pt=56.0 if labelled else 32.0)
     ax.tick_params(axis="x", labelsize="x-small")
     return ax
 
 
-# -- Antiresonances over many tests: how far each has moved, and where one comes, goes or merges
+# -- Antiresonances over many tests: how far each has moved
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-#: Sign of each kind of event, and what the legend calls it.
-SIGNS = {"new": ("o", "new"), "back": ("s", "back"), "lost": ("x", "lost")}
-SIGNS |= {"merged": ("1", "merged with its neighbour")}
 ROOM = 60  # texts of conditions longer than this, all together, are turned
 
 
@@ -101,15 +96,10 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, ax: Any = None) -> Any:
         error, marker, look = np.nan_to_num(std[rank, i]), MARKERS[n % len(MARKERS)], turn(n)
         more = {"error": error, "link": look["dash"], "label": name}
         marks.append(Points(x[rank], change[rank, i], marker, 4.5, look["colour"], **more))
-    table: dict[str, Any] = {"test": np.repeat(np.arange(x.size), some.size), "track": np.tile(some, x.size)}
-    for name, column in (("freq_hz", tracks.freq_hz), ("std_hz", tracks.std_hz), ("change_percent", change)):
-        table[name] = column[:, some].ravel()
     x_axis = Axis("Test" if counted else "Condition", names=None if numeric else tracks.conditions)
     y_axis = Axis("Change since its first test (%)")
     title = f"Response at dof {dof}, force at {tracks.excitation}"
-    marks += _events(tracks, set(some.tolist()), x, change)
-    rest: dict[str, Any] = {"grid": "both", "first": names, "tables": {"tracks": table}}
-    panel = Panel("tracks", x_axis, y_axis, marks, title=title, **rest)
+    panel = Panel("tracks", x_axis, y_axis, marks, title=title, grid="both", first=names)
     turned = not numeric and len("".join(tracks.conditions)) > ROOM
     ax = draw(panel, new_axes(ax, (7.5, 4.5)), drop_pt=62.0 if turned else 36.0)
     if turned:
@@ -118,24 +108,6 @@ def plot_tracks(tracks: Tracks, dof: Any = None, *, ax: Any = None) -> Any:
         ax.xaxis.get_major_locator().set_params(integer=True)
     ax.margins(x=0.04, y=0.08)
     return ax
-
-
-def _events(tracks: Tracks, some: set[int], x: Any, y: Any) -> list[Mark]:
-    """A sign at the test where a track begins, or at the first that lacks it, there at its last value."""
-    marks: list[Mark] = []
-    for event in tracks.events:
-        if event.track not in some:
-            continue
-        sign, name = SIGNS[event.kind]
-        at = event.test
-        while np.isnan(y[at, event.track]):
-            at -= 1
-        level = y[at, event.track]
-        # What leads from the last test that had it to the first that lacks it is no measurement.
-        marks.append(Line(x[[at, event.test]], [level, level], "#666666", ":", 0.9))
-        label = None if name in [mark.label for mark in marks] else name
-        marks.append(Points(x[event.test], level, sign, 12.0, face="none", stroke=1.4, label=label))
-    return marks
 
 
 # -- Charts of a watch: single tests, the slow mean, and the condition that they were corrected for
@@ -237,8 +209,7 @@ def _chart(watched: Watched, name: str, kept: Any) -> Panel:
             if which.any():
                 look = {"label": label, "colour": colour} | hovered(some, **{called: "@y{0.00}"})
                 marks.append(Points(x[some], column[some], ".", size, **look))
-        values = {"test": np.arange(count), called: column}
-        return Panel("chart_condition", axis, Axis(called), marks, grid="y", tables={name: values})
+        return Panel("chart_condition", axis, Axis(called), marks, grid="y")
     of = watched.charts[name]
     ratio = np.where(np.isnan(of.statistic), np.nan, np.clip(of.ratio, LOWEST, HIGHEST))
     above = np.asarray(of.ratio > 1.0)
@@ -257,6 +228,4 @@ def _chart(watched: Watched, name: str, kept: Any) -> Panel:
             foot = np.full(at.size, LOWEST * 1.15)
             marks.append(Points(x[at], foot, marker, 5.0, face="none", spill=True, label=label))
     limits = LOWEST, max(3.0, 1.3 * float(np.nanmax(ratio, initial=1.0)))
-    table = {"test": np.arange(count), "statistic": of.statistic, "limit": of.limit}
-    y_axis = Axis(f"{LABELS[name]} / limit", limits, log=True)
-    return Panel(f"chart_{name}", axis, y_axis, marks, grid="y", tables={name: table})
+    return Panel(f"chart_{name}", axis, Axis(f"{LABELS[name]} / limit", limits, log=True), marks, grid="y")

@@ -132,11 +132,10 @@ def chain(
     middles = [springs[element][:, 0].mean() for element in shown]
     marks.append(Words(middles, np.full(len(shown), HEIGHT), numbers, away=4.0))
     ends = np.concatenate([[0.0, n - 1.0], *(path[:, 0] for path in paths)])
-    table = {"element": list(springs), "name": names} | ({} if given is None else {"value": given})
     few = range(0, n, every)
     across = (ends.min() - 0.6, ends.max() + 0.6)
     x_axis = Axis("Mass (number of each spring above it)", across, names=list(map(str, few)), at=few)
-    return Panel("model", x_axis, Axis("", (-0.8, 0.8), at=[]), marks, tables={"springs": table})
+    return Panel("model", x_axis, Axis("", (-0.8, 0.8), at=[]), marks)
 
 
 def _coil(a: FloatArray, b: FloatArray, amplitude: float) -> FloatArray:
@@ -241,14 +240,10 @@ def frame(
     if numbers or (numbers is None and len(ends) <= MOST_NUMBERS):
         nodes = numbers or len(points) <= MOST_NODES
         marks += _numbers(model.elements, scale * points, scale, nodes)
-    table: dict[str, Any] = {"element": np.arange(len(ends))}
-    table |= dict(zip(("start_node", "end_node"), model.elements.T, strict=True))
-    table["section"] = [str(name) for name in model.element_sections]
-    table |= {} if given is None else {"value": given}
     x, y = ("isometric view (m)", "") if space else ("x (m)", "y (m)")
     sections = map(model.section_label, range(len(model.sections)))
     first = (*sections, "fixed", "partly fixed", "point mass", "spring to ground", "node spring")
-    return Panel("model", Axis(x), Axis(y), marks, equal=True, first=first, tables={"elements": table})
+    return Panel("model", Axis(x), Axis(y), marks, equal=True, first=first)
 
 
 def _elements(model: FrameModel, ends: FloatArray, values: FloatArray | None, label: str) -> list[Mark]:

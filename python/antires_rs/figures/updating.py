@@ -22,8 +22,6 @@ MOST_LABELS = 64  # above this many antiresonances their frequencies no longer f
 GAP = 0.8  # space between two responses, in widths of an antiresonance
 LEAST_WIDTH = 8.0  # a picture has room for so many at least: a single bar is a bar, not a block
 PALE_VERMILLION = "#F2B48A"  # vermillion, pale
-COLUMNS: tuple[str, ...] = ("excitation", "dof", "mode", "measured_hz")  # as far as the table has them
-COLUMNS += tuple(f"{state}_{name}" for state in ("before", "after") for name in ("hz", "percent", "mac"))
 
 
 def plot_differences(
@@ -94,8 +92,7 @@ def differences(table: Any, names: tuple[str, str], wide_pt: float | None = None
     wide = (middle - most / 2, middle + most / 2)
     x_axis = Axis(across, wide, names=ticks, at=x if labelled else [], upright=labelled)
     y_axis = Axis("Difference to the measurement (%)", limits)
-    tables = {"bars": {name: getattr(table, name) for name in COLUMNS if hasattr(table, name)}}
-    return Panel("differences", x_axis, y_axis, marks, grid="y", first=first, tables=tables)
+    return Panel("differences", x_axis, y_axis, marks, grid="y", first=first)
 
 
 def _bars(
@@ -203,15 +200,13 @@ def convergence(result: UpdateResult | OptimizeResult) -> Panel:
     # The last step has no width: a dot says where it ends.
     ends = np.repeat(nfev[-1:], cost.shape[1])
     marks.append(Points(ends, cost[-1], size=5.0, face="white", spill=True, label="end"))
-    islands = {"evaluations": history.nfev} | {f"island_{i}": column for i, column in enumerate(cost.T)}
     x = Axis("Evaluations of all islands (-)", (0.0, 1.03 * max(float(nfev[-1]), 1.0)))
-    y, tables = Axis("Best objective J (-)", log=log), {"islands": islands, "migrations": {"evaluations": at}}
-    return Panel("convergence", x, y, marks, grid="both", tables=tables)
+    return Panel("convergence", x, Axis("Best objective J (-)", log=log), marks, grid="both")
 
 
 # -- What a test leaves open of each parameter, within its bounds
 
-_LONGEST = 48  # names longer than this are cut: the whole ones are among the numbers
+_LONGEST = 48  # names longer than this are cut
 
 
 def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
@@ -238,8 +233,7 @@ def plot_identifiability(found: BoxIdentifiability, ax: Any = None) -> Any:
     label = "standard deviation left after the test, % of that within the bounds"
     marks.append(Rules(100.0 * found.TOLD, upright=True, dash="--"))
     x_axis, y_axis = Axis(label, (0.0, 105.0)), Axis("", (left.size - 0.4, -0.6), names=cut)
-    table = {"name": np.array(found.names), "left_percent": left}
-    panel = Panel("identifiability", x_axis, y_axis, marks, grid="x", tables={"parameters": table})
+    panel = Panel("identifiability", x_axis, y_axis, marks, grid="x")
     ax = draw(panel, new_axes(ax, (8.0, max(2.5, 0.9 + 0.24 * left.size))))
     ax.tick_params(axis="y", labelsize="small")
     return ax

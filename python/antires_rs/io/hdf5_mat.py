@@ -15,7 +15,7 @@ from ..support.files import write_atomically
 from ._child import Answer, asked
 from .channels import Channel, response_of, stated_recording
 from .child_process import Found, Limits, in_a_child
-from .common import Signal, existing_file, rate_of, require, unsuitable
+from .common import Signal, rate_of, require, unsuitable
 from .options import OfArrays, PathLike, Reading, opened, reader, writer
 from .own_format import FORMAT, TEXT, own_signal, pack
 from .raw_arrays import channels_first, signal_of_arrays, stated_number
@@ -77,10 +77,10 @@ def write_hdf5(path: PathLike, signal: Signal) -> Path:
     return write_atomically(path, buffer.getvalue())
 
 
-def datasets_of(file: Path, reader: str, limits: Limits, given: Reading | None = None, **more: Any) -> Found:
+def datasets_of(file: Path, reader: str, limits: Limits, given: Reading) -> Found:
     """The datasets asked for by their paths, and our JSON text or the attributes."""
     require(reader, "h5py", "hdf5")
-    return in_a_child(datasets, file, "a whole HDF5 file", limits, given, **more)
+    return in_a_child(datasets, file, "a whole HDF5 file", limits, given)
 
 
 # -- In the child process
@@ -153,9 +153,8 @@ class Datasets:
     def take(self, name: str, item: Any) -> None:
         """Read an array of numbers, if it is asked for and there is room for it."""
         size = 2 * item.size * item.dtype.itemsize
-        wanted = self.request.get("every") or (
-            item.ndim <= 2 and asked((name, name.replace("/", ".")), name.rpartition("/")[2], self.request)
-        )
+        names, role = (name, name.replace("/", ".")), name.rpartition("/")[2]
+        wanted = item.ndim <= 2 and asked(names, role, self.request)
         read = wanted and size <= self.left
         shape = item.shape[::-1] if "MATLAB_class" in item.attrs else item.shape
         self.listed.append([name, list(shape), read or not wanted])
@@ -307,8 +306,7 @@ def read_mat(
 
     Fields of structs are named ``struct.field``, and ``struct[0].field`` where there are several. Sampling
     rate and units are taken from fields beside the array (``fs``, ``dt``, ``unit``), and the exports of
-    Siemens Testlab, B&K and Dewesoft are known. See :func:`antires_rs.io.mat_arrays` for what a file holds.
-    Options for a file of ours: as in :func:`read_npz`.
+    Siemens Testlab, B&K and Dewesoft are known. Options for a file of ours: as in :func:`read_npz`.
 
     Parameters
     ----------
@@ -342,33 +340,6 @@ def read_mat(
     return signal_of_arrays(file, arrays, given, texts)
 
 
-def mat_arrays(
-    path: PathLike, *, time_limit_s: float = 60.0, memory_limit_gb: float = 8.0
-) -> dict[str, NDArray[Any]]:
-    """Every numeric array of a MATLAB file by its name, structs and cells taken apart.
-
-    Parameters
-    ----------
-    path, time_limit_s, memory_limit_gb
-        As in :func:`~antires_rs.read_mat`, and so are the errors.
-
-    Returns
-    -------
-    dict of str to ndarray
-        Two-dimensional, as in MATLAB.
-
-    Examples
-    --------
-    >>> import tempfile, antires_rs as ar
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = ar.write_mat(folder + "/a.mat", ar.Recording([[1.0, 2.0, 4.0]], 8.0))
-    ...     ar.io.mat_arrays(file)
-    {'responses': array([[1., 2., 4.]])}
-    """
-    limits = Limits(time_limit_s, memory_limit_gb)
-    return _variables(existing_file(path), limits, every=True).arrays
-
-
 @writer
 def write_mat(path: PathLike, signal: Signal) -> Path:
     """Write a signal as a MATLAB file (version 5), whole or not at all; floats come back bit for bit.
@@ -393,13 +364,13 @@ def write_mat(path: PathLike, signal: Signal) -> Path:
     return write_atomically(path, buffer.getvalue())
 
 
-def _variables(file: Path, limits: Limits, given: Reading | None = None, **more: Any) -> Found:
+def _variables(file: Path, limits: Limits, given: Reading) -> Found:
     """The numeric variables, and our JSON text or the texts of the file."""
     with open(file, "rb") as opened:
         head = opened.read(1024)
     # Version 7.3 is HDF5 after a block of 512 bytes.
     if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520]):
-        found = datasets_of(file, "read_mat of a 7.3 file", limits, given, **more)
+        found = datasets_of(file, "read_mat of a 7.3 file", limits, given)
         arrays = {name.replace("/", "."): array for name, array in found.arrays.items()}
         return Found(arrays, {name.replace("/", "."): text for name, text in found.texts.items()})
     if head[:10] == b"MATLAB 7.3":

@@ -12,7 +12,6 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
 from zlib import crc32
@@ -150,7 +149,7 @@ def relabelled(signal: Signal, labels: Sequence[Any]) -> Signal:
 
 # -- NumPy archives, without pickle in either direction
 
-_NPY, _HEAD_BYTES = b"\x93NUMPY", 512  # the first bytes of a .npy file
+_NPY = b"\x93NUMPY"  # the first bytes of a .npy file
 
 
 @reader
@@ -199,18 +198,6 @@ def write_archive(path: PathLike, text: str, arrays: dict[str, NDArray[Any]]) ->
     return write_atomically(path, buffer.getvalue())
 
 
-def _holds_objects(file: Path) -> bool:
-    """Whether an array of the archive is one of Python objects, by the headers of its members."""
-    import zipfile
-
-    with suppress(Exception), zipfile.ZipFile(file) as archive:
-        for name in archive.namelist():
-            with archive.open(name) as member:
-                if b"'|O'" in member.read(_HEAD_BYTES):
-                    return True
-    return False
-
-
 def read_archive(
     file: Path, wanted: str = "a whole NumPy archive (.npz) or array (.npy) of numbers"
 ) -> dict[str, NDArray[Any]]:
@@ -229,8 +216,4 @@ def read_archive(
     except AntiresError:
         raise
     except Exception as exc:  # of zip, of zlib, of numpy, and of Python's parser, which reads the headers
-        if _holds_objects(file):
-            unsuitable(
-                file, "which holds objects, which only pickle reads", wanted, "Save arrays of numbers."
-            )
         unsuitable(file, f"which cannot be read ({brief(exc)})", wanted)

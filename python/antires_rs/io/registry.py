@@ -156,7 +156,7 @@ def _paths(files: Any, pattern: str, format: str | None) -> list[Path]:
         folder = Path(files)
         if not folder.is_dir():
             return [existing_file(folder)]
-        there = sorted(filter(Path.is_file, folder.iterdir()), key=_natural)
+        there = sorted(filter(Path.is_file, folder.iterdir()), key=natural)
         fitting = [path for path in there if fnmatchcase(path.name, pattern)]
         found = [path for path in fitting if format is not None or format_by_ending(path.name)]
         if not found:
@@ -205,8 +205,9 @@ def _axis(response: FrequencyResponse) -> str:
     return f"{freq.size} lines {freq[0]:.9g}-{freq[-1]:.9g} Hz"
 
 
-def _natural(file: Path) -> list[tuple[bool, Any]]:
-    return [(not t.isdecimal(), int(t) if t.isdecimal() else t.lower()) for t in _TOKEN.findall(file.name)]
+def natural(file: Path) -> list[tuple[int, str]]:
+    """test_2 before test_10."""
+    return [(int(part) if part.isdecimal() else -1, part) for part in re.split(r"(\d+)", file.name)]
 
 
 def _differences(stems: list[str]) -> list[Any]:

@@ -353,11 +353,11 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             reject("dof", dof, f"one of {tuple(self.tables)}", "Name a dof of the set; those are its keys.")
         return dof
 
-    def drop(self, dof: Any, freq_hz: Any, *, reason: str = "", tol_hz: float | None = None) -> Self:
+    def drop(self, dof: Any, freq_hz: Any, *, reason: str = "") -> Self:
         """A new set without the values nearest to ``freq_hz`` (Hz, one or several).
 
-        None may be further away than ``tol_hz``, by default 1 % of it, or be meant twice
-        (InvalidInputError). ``reason`` is kept in ``edits``.
+        None may be further away than 1 % of it, or be meant twice (InvalidInputError). ``reason`` is kept in
+        ``edits``.
 
         Examples
         --------
@@ -367,7 +367,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
         ([8.7], 'dropped 12.20 Hz at dof 0 (mains hum)')
         """
         dof = self._dof(dof)
-        return self._edited(dof, *dropped(dof, self.tables[dof], freq_hz, reason, tol_hz))
+        return self._edited(dof, *dropped(dof, self.tables[dof], freq_hz, reason))
 
     def add(
         self, dof: Any, freq_hz: Any, *, damping_ratio: Any = None, std_hz: Any = None, reason: str = ""
@@ -446,9 +446,7 @@ class AntiresonanceSet(ReadOnly, Viewed, Mapping[Any, FloatArray]):
             wanted = "a dof of a set that was identified, not made by hand or loaded"
             remedy = "Identify it from the measurement to have its diagram."
             reject("dof", f"{dof!r}, which has no stabilization diagram", wanted, remedy)
-        found, own = self.original()[dof], self[dof]
-        edits = {"dropped": found[~np.isin(found, own)], "added": own[~np.isin(own, found)]}
-        return self._view("plot")(self.diagrams[dof], ax=ax, **edits)
+        return self._view("plot")(self.diagrams[dof], ax=ax, zeros=self, dof=dof)
 
     def look(
         self,

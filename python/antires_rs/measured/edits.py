@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import reject
-from ..support.checks import finite_scalar
 from ..support.values import FrozenDict
 from .response_table import ResponseTable, check_std, companion, frequencies_hz
 
@@ -50,23 +49,19 @@ def edit_of(row: dict[str, Any]) -> Edit:
     return edit
 
 
-def dropped(
-    dof: Any, table: ResponseTable, freq_hz: Any, reason: Any, tol_hz: float | None
-) -> tuple[ResponseTable, list[Edit]]:
+def dropped(dof: Any, table: ResponseTable, freq_hz: Any, reason: Any) -> tuple[ResponseTable, list[Edit]]:
     """The table of a dof without the rows meant by ``freq_hz``, and the record of it."""
     given_hz = frequencies_hz("freq_hz", freq_hz, empty=False)
     there = ", ".join(f"{f:.3f}" for f in table.freq_hz) + " Hz" if len(table) else "no value"
-    if tol_hz is not None:
-        finite_scalar("tol_hz", tol_hz, low=0.0, unit="Hz")
     _check_reason(reason)
     chosen: list[int] = []
     for asked in given_hz:
-        within = NAMED_WITHIN * asked if tol_hz is None else tol_hz
+        within = NAMED_WITHIN * asked
         gap = np.abs(table.freq_hz - asked)
         if not gap.size or gap.min() > within:
             got = f"{asked:g} Hz at dof {dof!r}, which has {there}"
             wanted = f"a frequency within {within:.3g} Hz of a value"
-            reject("freq_hz", got, wanted, "Name one of them, or widen tol_hz.")
+            reject("freq_hz", got, wanted, "Name one of them.")
         at = int(np.argmin(gap))
         if at in chosen:
             got = f"{table.freq_hz[at]:.3f} Hz of dof {dof!r} meant twice"

@@ -11,13 +11,11 @@ from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..exceptions import Argument, part, reject
 from ..io.text_table import decoded
 from ..support.checks import FloatArray
 from ..support.messages import warn
-from ..support.values import frozen
 from .stored_tests import COLUMNS, OF_ALL, OF_TEST, OF_VALUE, pyarrow
 
 #: What loggers and spreadsheets write where nothing was measured, in any case.
@@ -69,20 +67,6 @@ def _each_once(argument: str, what: str, names: Sequence[Any], wanted: str) -> N
     if len(set(names)) < len(names):
         (twice, _), *_ = Counter(names).most_common(1)
         reject(argument, f"{what}{twice!r} more than once", wanted, "Rename or remove one of the two.")
-
-
-def checked_times(given: Any, count: int) -> NDArray[np.datetime64] | None:
-    """Instants (count,) without a time zone, NaT where not known; None where there are none."""
-    if given is None:
-        return None
-    wanted = f"{count} dates, as datetime64, datetime or ISO text, one for each test"
-    try:
-        times = np.array(given, dtype="datetime64[ms]")
-    except (TypeError, ValueError) as exc:
-        reject("times", f"what does not convert ({exc})", wanted, "Write them as in '2026-01-31T14:00'.")
-    if times.shape != (count,):
-        reject("times", f"an array of shape {times.shape}", wanted, "Give one for each test.")
-    return frozen(times)
 
 
 # -- Tables of conditions in files: CSV as any program writes it, and Parquet
@@ -169,13 +153,14 @@ class ConditionTable:
             first = ", ".join(map(repr, self.names[:3]))
             reject("conditions", f"tests named {first}, ...", "names of the sources", "Compare the names.")
 
-    def in_order(self, names: Sequence[str]) -> tuple[dict[str, list[float]], list[Any] | None]:
+    def in_order(self, names: Sequence[str]) -> tuple[dict[str, list[float]], Any]:
         """Columns and times of all tests of a series."""
         self.expect(len(names))
         rows = [self.at(i, name) for i, name in enumerate(names)]
         self.over(len(names))
         columns = {key: [row[key] for row, _ in rows] for key in self.columns}
-        return columns, None if self.times is None else ["NaT" if time is None else time for _, time in rows]
+        times = ["NaT" if time is None else time for _, time in rows]
+        return columns, None if self.times is None else np.array(times, dtype="datetime64[ms]")
 
 
 def condition_table(given: Any) -> tuple[ConditionTable, tuple[Path, ...]]:

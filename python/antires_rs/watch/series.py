@@ -20,7 +20,7 @@ from ..measured.response_table import ResponseTable
 from ..measured.track import Tracks, followed
 from ..support.checks import FloatArray
 from ..support.values import FrozenDict, ReadOnly, frozen
-from .conditions import checked_names, checked_times, condition_table
+from .conditions import checked_names, condition_table
 from .store import read_series, write_series
 from .stored_tests import Entry, Row, StoredSets, encoded, parts_of
 
@@ -29,21 +29,10 @@ REASONS, LONG = 3, 90  # so many reasons are printed, cut to this length; the ot
 MOST = 0.5  # part of the tests that must have an antiresonance that their average has
 
 
-def _read_through(
-    sets: Sequence[AntiresonanceSet | None], failed: Any
-) -> tuple[Any, tuple[Any, ...], dict[int, str]]:
-    """Excitation, responses and reasons of failed tests, of sets that nothing is known of."""
+def _read_through(sets: Sequence[AntiresonanceSet | None]) -> tuple[Any, tuple[Any, ...]]:
+    """Excitation and responses of sets that nothing is known of."""
     if not len(sets):
         reject("sets", "none", "one test or more", "Give the sets.")
-    wanted = f"a mapping of tests without a set, from 0 to {len(sets) - 1}, to the reasons"
-    if failed is not None and not isinstance(failed, Mapping):
-        reject("failed", type(failed).__name__, wanted, "As in failed={2: 'cable cut'}.")
-    for i in failed or ():
-        whole = isinstance(i, int | np.integer) and not isinstance(i, bool)
-        if not whole or not 0 <= i < len(sets) or sets[int(i)] is not None:
-            reject("failed", f"a reason for {i!r}", wanted, "Count from 0; give None in place of its set.")
-    reasons = {i: NO_SET for i, one in enumerate(sets) if one is None}
-    reasons |= {int(i): str(why) for i, why in (failed or {}).items()}
     there = {i: one for i, one in enumerate(sets) if one is not None}
     excitation: Any = None
     for i, one in there.items():
@@ -54,7 +43,7 @@ def _read_through(
             got, wanted = f"a set of force at {one.excitation!r}", f"that of the others, {excitation!r}"
             reject(part("sets", i), got, wanted, "Make a series for each excitation.")
         excitation = one.excitation
-    return excitation, tuple(dict.fromkeys(dof for one in there.values() for dof in one)), reasons
+    return excitation, tuple(dict.fromkeys(dof for one in there.values() for dof in one))
 
 
 def _chosen(at: Any, count: int) -> int | NDArray[np.intp]:
@@ -169,27 +158,24 @@ class Series(ReadOnly):
         sets: Sequence[AntiresonanceSet | None],
         conditions: Any = None,
         names: Sequence[str] | None = None,
-        *,
-        times: Any = None,
-        failed: Mapping[int, str] | None = None,
     ) -> Self:
         """A series of sets that are there, all of one excitation; None for a test without a result.
 
-        ``conditions`` are as for :func:`~antires_rs.identify_series`; ``names`` by default the numbers of the
-        tests; ``times`` (n,) are datetime64, datetime or ISO text; ``failed`` says why a test has no set. No
-        test, several excitations, or columns of another length are an ``InvalidInputError``.
+        ``conditions`` are as for :func:`~antires_rs.identify_series`, when each test was made with them as
+        "time"; ``names`` by default the numbers of the tests. No test, several excitations, or columns of
+        another length are an ``InvalidInputError``.
         """
         if not isinstance(sets, Sequence) or isinstance(sets, str | Mapping):
             reject("sets", type(sets).__name__, "a list of sets", "Put the sets in a list.")
-        excitation, dofs, reasons = _read_through(sets, failed)
+        excitation, dofs = _read_through(sets)
         table, _ = condition_table(conditions)
         if names is None and table.names is not None and len(table.names) == len(sets):
             names = table.names
         called = checked_names(names, len(sets))
         columns, dated = table.in_order(called)
-        instants = checked_times(dated if times is None else times, len(sets))
-        more: dict[str, Any] = {"failed": reasons, "excitation": excitation, "dofs": dofs}
-        return cls(tuple(sets), names=called, conditions=columns, times=instants, **more)
+        failed = {i: NO_SET for i, one in enumerate(sets) if one is None}
+        more: dict[str, Any] = {"failed": failed, "excitation": excitation, "dofs": dofs}
+        return cls(tuple(sets), names=called, conditions=columns, times=dated, **more)
 
     def tracks(
         self, conditions: Any = None, *, max_shift: float = MAX_SHIFT, std_between: float = 0.0

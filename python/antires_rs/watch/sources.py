@@ -6,7 +6,6 @@ import copy
 import glob
 import hashlib
 import inspect
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
@@ -19,7 +18,7 @@ from ..exceptions import Argument, InvalidInputError, MissingDependencyError, pa
 from ..identification.identify import identify_antiresonances
 from ..identification.options import sorted_out
 from ..io.own_format import relabelled
-from ..io.registry import ENDINGS, READERS, format_by_ending, read_frf_files
+from ..io.registry import ENDINGS, READERS, format_by_ending, natural, read_frf_files
 from ..measured.antiresonance_set import AntiresonanceSet
 from ..signals.frequency_response import FrequencyResponse
 from ..signals.one_force import Finding
@@ -127,12 +126,6 @@ def is_measurement(file: Path) -> bool:
     if file.is_dir():
         return not file.name.startswith(".") and not file.name.endswith(".parts")
     return not file.name.startswith(".") and file.suffix.lower() in _ALL_ENDINGS
-
-
-def natural(file: Path) -> tuple[Any, ...]:
-    """test_2 before test_10."""
-    parts = re.split(r"(\d+)", file.name)
-    return tuple((int(part), part) if part.isdigit() else (-1, part) for part in parts)
 
 
 # -- One test of a series: read, identified, and made plain data; or the reason why not

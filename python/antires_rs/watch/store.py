@@ -21,8 +21,8 @@ from zlib import compress, crc32, decompress
 import numpy as np
 
 from ..exceptions import reject
+from ..io.registry import natural
 from ..support.files import written_beside
-from .sources import natural
 from .stored_tests import FORMAT, WANTED, Entry, Plain, Row, check_format, pyarrow, read_table, write_table
 
 VERSION = 2
