@@ -15,7 +15,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -338,21 +339,32 @@ def _scales(
     rows: FloatArray, y: FloatArray, std: FloatArray, group: NDArray[np.intp], kind: NDArray[np.intp]
 ) -> tuple[FloatArray, FloatArray]:
     """s of each group and the taus under which y is most probable, by turns on their grids."""
-    from scipy.linalg import cho_factor, cho_solve
+    from scipy.linalg.lapack import dtrtrs
 
     theta, own = rows[:, : group.size], rows[:, group.size :]
     n_groups = int(group.max(initial=0)) + 1
     parts = [theta[:, group == each] @ theta[:, group == each].T for each in range(n_groups)]
     parts += [own[:, kind == each] @ own[:, kind == each].T for each in np.unique(kind)]
     priors = [*(S, S_JOINTS)[:n_groups], *(TAU, TAU_SHAPE)[: len(parts) - n_groups]]
-    grids = [*([_S_GRID] * n_groups), *([_TAU_GRID] * (len(parts) - n_groups))]
     noise = np.diag(std**2)
 
-    def log_evidence(scales: list[float]) -> float:
-        spread = noise + sum(scale**2 * part for scale, part in zip(scales, parts, strict=True))
-        factor = cho_factor(spread, lower=True)
-        prior = sum((np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(scales, priors, strict=True))
-        return float(-0.5 * (y @ cho_solve(factor, y) + prior) - np.sum(np.log(np.diag(factor[0]))))
+    @cache
+    def likeliest(nth: int, others: tuple[float, ...]) -> tuple[float, float]:
+        """The scale of one part that makes y most probable beside ``others``, 0 in its place; and how
+        probable (ln)."""
+        rest = noise + sum(scale**2 * part for scale, part in zip(others, parts, strict=True))
+        # With the rest whitened and this part diagonal, each value of the grid is a sum.
+        triangle = np.linalg.cholesky(rest)
+        half = dtrtrs(triangle, parts[nth], lower=1)[0]
+        sizes, ways = np.linalg.eigh(dtrtrs(triangle, half.T, lower=1)[0])
+        grid = _S_GRID if nth < n_groups else _TAU_GRID
+        spread = 1.0 + grid[:, None] ** 2 * np.maximum(sizes, 0.0)
+        square = (dtrtrs(triangle, y, lower=1)[0] @ ways) ** 2
+        logs = -0.5 * np.sum(square / spread + np.log(spread), axis=1) - np.log(np.diag(triangle)).sum()
+        known = [(np.log(x / p[0]) / p[1]) ** 2 for x, p in zip(others, priors, strict=True) if x]
+        logs -= 0.5 * (sum(known) + (np.log(grid / priors[nth][0]) / priors[nth][1]) ** 2)
+        best = int(np.argmax(logs))
+        return float(grid[best]), float(logs[best])
 
     # By turns either group may take what is of the other: of joints it is begun from more as well.
     found = []
@@ -362,10 +374,10 @@ def _scales(
         while scales != before:
             before = list(scales)
             for nth, _ in enumerate(parts):
-                trial = [[*scales[:nth], each, *scales[nth + 1 :]] for each in grids[nth].tolist()]
-                scales = max(trial, key=log_evidence)
-        found.append(scales)
-    scales = max(found, key=log_evidence)
+                scales[nth] = 0.0
+                scales[nth], log_evidence = likeliest(nth, tuple(scales))
+        found.append((log_evidence, scales))
+    _, scales = max(found, key=itemgetter(0))
     return np.array(scales[:n_groups]), np.array([*scales[n_groups:], TAU_SHAPE[0]][:2])
 
 
