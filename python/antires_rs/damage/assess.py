@@ -24,8 +24,7 @@ from ..support.options import gathered
 from ..support.progress import one_blas_thread, patient, waiting
 from ..support.values import FrozenDict, ReadOnly
 from ..updating.identifiability import smallest_visible
-from ..updating.model_check import Explained, explained
-from ..updating.problem import DamagePenalty, Measured, UpdatingProblem
+from ..updating.problem import DamagePenalty, Explained, Measured, UpdatingProblem, explained
 from ..updating.reduced_model import ReductionReport
 from ..updating.result import UpdateResult
 from ..updating.targets import sets_of

@@ -14,8 +14,8 @@ import numpy as np
 from ..exceptions import reject
 from ..support.checks import FloatArray
 from ..support.progress import step
-from ..updating.model_check import Pairs, hint_between_states, roots_between
 from ..updating.posterior import log_between
+from ..updating.problem import Pairs, hint_between_states, roots_between
 from ..updating.reduced_model import ReductionReport
 from .evidence import BLIND, FURTHEST, HIGHEST, Fit, fitted, refitted
 from .hypotheses import UNKNOWN, Assessment, Hypotheses, Hypothesis, Taught, figure, together, without_idle
