@@ -51,7 +51,7 @@ from .measured_states import (
 )
 from .options import DamagePrior, SearchOptions
 from .reduced_roots import ReducedRoots, Terms
-from .shapes import Joined, Structure, structure_of
+from .shapes import Joined, Structure, joined, parameters_of, structure_of
 
 if TYPE_CHECKING:
     from ..models.structural_model import StructuralModel
@@ -1000,10 +1000,10 @@ class _Families(NamedTuple):
         base = structure.finer or model
         joints, given = structure.joints(), {p.terms for p in factors if p.quantity == "stiffness_factor"}
         springs = [p for p in structure.yielding if p.terms not in given]
-        more = (*springs, *joints.factors(base, BOUNDS)) if yields else ()
+        more = (*springs, *parameters_of(base, joints, BOUNDS)) if yields else ()
         if base is model and not more:
             return self.plain
-        base, every = joints.joined(base) if more and len(joints) else base, (*factors, *more)
+        base, every = joined(base, joints) if more and joints else base, (*factors, *more)
         reductions = stiffness_reduction(self.question.numbers)
         core = self.responses.source(
             base, model.description.core_parameters((*reductions, *every)), **self.how
@@ -1012,7 +1012,7 @@ class _Families(NamedTuple):
         group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
         along = structure.along
         if along is not None:
-            of = [shape.element for shape in joints.shapes] if more else []
+            of = [shape.element for shape in joints] if more else []
             places = np.zeros(base._core.n_stiffness_terms)
             places[: along.size] = along
             places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]

@@ -26,7 +26,7 @@ from .inference import (
 )
 from .likelihood import Likelihood, Prepared, Question, View
 from .measured_states import Responses, Roots, Values, roots_at
-from .shapes import Found, Shape, Shaped, Shapes
+from .shapes import Found, Shape, Shaped, joined, parameters_of
 
 #: Shares of the prior of what is in no element, by kind.
 _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
@@ -46,15 +46,16 @@ class ShapedLikelihood(Likelihood):
         return super().roots(betas + self.offset, slopes=slopes, changed=changed)
 
 
-def with_shapes(prepared: Prepared, question: Question, shapes: Shapes) -> ShapedLikelihood | None:
+def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape]) -> ShapedLikelihood | None:
     """None where the model with the shapes has not the same roots, as when some are close together."""
     plain, model = prepared.likelihood, prepared.base
-    joined, responses = shapes.joined(model), prepared.responses
+    responses = prepared.responses
     assert isinstance(responses, Responses)
     own = prepared.reductions
-    parameters = (*own, *shapes.parameters(model), *prepared.factors)
-    core = responses.source(joined, question.model.description.core_parameters(parameters))
-    offset = np.concatenate([np.zeros(len(own)), shapes.offset])
+    parameters = (*own, *parameters_of(model, shapes), *prepared.factors)
+    core = responses.source(joined(model, shapes), question.model.description.core_parameters(parameters))
+    # What the core takes for no change.
+    offset = np.array([0.0] * len(own) + [float(shape.kind == "mass") for shape in shapes])
     x = np.concatenate([offset, plain.factors])
     intact = roots_at(core, x[None], slopes=True, threads=plain.threads)[0]
     before = plain.error.intact
@@ -118,7 +119,7 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
         found.others += _sensors(prepared, question.model)
     factor = prepared.stiffness_factors
     shapes = frame.shapes(factor)
-    if not len(shapes):
+    if not shapes:
         return
     step("cracks, joints and masses")
     likelihood = with_shapes(prepared, question, shapes)
@@ -133,24 +134,24 @@ def _search(search: Search, prepared: Prepared, question: Question, found: Found
     near = {numbers[s[0]] for s in singles[:_BY_EVIDENCE]}
     near |= {other for e in near for other in frame.neighbours(e)}
     # Large changes leave few values with a partner, and gains say little: what is in no element is scanned.
-    beside = [n + k for k, shape in enumerate(shapes.shapes) if shape.kind != "crack"]
+    beside = [n + k for k, shape in enumerate(shapes) if shape.kind != "crack"]
     scanned = beside if len(beside) <= _MOST_SCANNED else []
     by_gain = n + np.argsort(-start.gains[n:], kind="stable")[:_BY_GAIN]
-    chosen = {*by_gain.tolist(), *scanned, *(n + k for k, s in enumerate(shapes.shapes) if s.element in near)}
+    chosen = {*by_gain.tolist(), *scanned, *(n + k for k, s in enumerate(shapes) if s.element in near)}
     chosen |= {s[0] for s in singles[:_PARENTS]}
     fits = _refined(likelihood, [(c,) for c in sorted(chosen)])
     _singles(prepared, question, shapes, n, fits, found)
     # A spring that is a candidate is judged as one.
     named = {question.model.element_label(e) for e in question.elements}
     for kind, share in _ELSEWHERE.items():
-        own = [k for k, s in enumerate(shapes.shapes) if s.kind == kind and s.name not in named]
+        own = [k for k, s in enumerate(shapes) if s.kind == kind and s.name not in named]
         for k in own:
             if (n + k,) in fits:
                 prior = float(np.log(share / len(own)))
-                found.others.append(_beside(shapes.shapes[k], fits[n + k,], prior))
+                found.others.append(_beside(shapes[k], fits[n + k,], prior))
     best = max([likeliest, *fits.values()], key=lambda fit: fit.log_evidence)
     unknown = search.likelihood.something_else
-    cracks = any(shape.kind == "crack" for shape in shapes.shapes)
+    cracks = any(shape.kind == "crack" for shape in shapes)
     unsure = best.view.kappa > 0.0 or best.view.times > 1.0
     if cracks and (unsure or too_much(best.view) or best.log_evidence < unknown):
         pairs = _pairs(likelihood, shapes, numbers, question.elements, fits)
@@ -312,27 +313,32 @@ def _narrowed(prepared: Prepared, question: Question, crack: _Crack) -> _Crack:
             other = prepared.structure.cracks(
                 crack.beside.element, [crack.beside.share], prepared.stiffness_factors
             )
-            own = [(*each, n + len(more) + other.shapes.index(crack.beside)) for each in own]
-            every = Shapes(more.shapes + other.shapes, more.terms + other.terms)
+            own = [(*each, n + len(more) + other.index(crack.beside)) for each in own]
+            every = more + other
         elif crack.beside is not None:
             own = [(*each, crack.beside) for each in own]
         likelihood = with_shapes(prepared, question, every)
         if likelihood is None:
             break
         starts = np.zeros((len(own), likelihood.n))
-        for row, columns, shape in zip(starts, own, more.shapes, strict=True):
+        for row, columns, shape in zip(starts, own, more, strict=True):
             row[list(columns)] = [shape.amount(likeliest.loss(float(fit.beta[0]))), *fit.beta[1:]]
         fits = _refined(likelihood, own, starts, _NEAR)
-        crack.places.extend((more.shapes[columns[0] - n], one) for columns, one in fits.items())
+        crack.places.extend((more[columns[0] - n], one) for columns, one in fits.items())
     return crack
 
 
 def _singles(
-    prepared: Prepared, question: Question, shapes: Shapes, n: int, fits: dict[Elements, Fit], found: Found
+    prepared: Prepared,
+    question: Question,
+    shapes: Sequence[Shape],
+    n: int,
+    fits: dict[Elements, Fit],
+    found: Found,
 ) -> None:
     """Cracks of each element: evidence over their places, and the likeliest place narrowed down."""
     by_element: dict[int, _Crack] = {}
-    for k, shape in enumerate(shapes.shapes):
+    for k, shape in enumerate(shapes):
         if shape.kind == "crack" and (n + k,) in fits and shape.element in question.elements:
             by_element.setdefault(shape.element, _Crack([])).places.append((shape, fits[n + k,]))
     order = sorted(by_element.values(), key=lambda crack: -crack.likeliest[1].log_evidence)
@@ -364,13 +370,13 @@ def _beside(shape: Shape, fit: Fit, log_prior: float) -> Shaped:
 
 def _pairs(
     likelihood: Likelihood,
-    shapes: Shapes,
+    shapes: Sequence[Shape],
     numbers: Sequence[int],
     candidates: Sequence[int],
     fits: dict[Elements, Fit],
 ) -> dict[Elements, Fit]:
     """Pairs of cracks, or of a crack and an element, in two candidates."""
-    owner = np.array([*numbers, *(s.element if s.kind == "crack" else -1 for s in shapes.shapes)])
+    owner = np.array([*numbers, *(s.element if s.kind == "crack" else -1 for s in shapes)])
     owner[~np.isin(owner, candidates)] = -1
     singles = sorted((s for s in fits if owner[s[0]] >= 0), key=lambda s: -fits[s].log_evidence)
     first: dict[tuple[int, bool], tuple[int, float]] = {}
@@ -416,13 +422,13 @@ def _joined(
 
 
 def _doubles(
-    prepared: Prepared, question: Question, shapes: Shapes, pairs: dict[Elements, Fit], found: Found
+    prepared: Prepared, question: Question, shapes: Sequence[Shape], pairs: dict[Elements, Fit], found: Found
 ) -> None:
     """Pairs by their elements; places of the likeliest are narrowed down, of others one stands for all."""
     n, numbers = len(prepared.numbers), prepared.numbers
     order = sorted(pairs.values(), key=lambda fit: -fit.log_evidence)
     for rank, fit in enumerate(order):
-        parts: list[Shape | int] = [shapes.shapes[c - n] if c >= n else c for c in fit.elements]
+        parts: list[Shape | int] = [shapes[c - n] if c >= n else c for c in fit.elements]
         near = rank < _NARROWED and fit.log_evidence > order[0].log_evidence - _HOPELESS
         rows: dict[int, tuple[float, float, float]] = {}
         places, averaged = [], 0.0
