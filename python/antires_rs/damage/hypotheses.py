@@ -333,7 +333,7 @@ def without_idle(found: Assessment) -> Assessment:
     first, declared = of[_what(rows[0])], of.get((found.declared,))
     ordered = sorted(summed.values(), key=lambda one: (one is not first, -one.probability, one.elements))
     group = tuple([*dict.fromkeys(of[_what(one)] for one in found.group)] or together(ordered))
-    named = Hypotheses(ordered, found.hypotheses.names)
+    named = Hypotheses(ordered, found.hypotheses._names)
     kept = found.declared if declared is None else declared.elements
     return replace(found, hypotheses=named, group=group, declared=kept)
 

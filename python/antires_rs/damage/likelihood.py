@@ -63,15 +63,13 @@ Core = Source | _core.Objective
 BOUNDS = (0.2, 5.0)  # bounds of a factor, exp(-1.6) to exp(1.6): no model of an engineer is as wrong as that
 
 
-def factors_of(model: StructuralModel) -> tuple[Parameter, ...]:
-    """A factor for each stiffness and mass term that is not zero."""
-    stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
-    mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
-    return _governing(model, (*stiffness, *mass))
-
-
-def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
-    """Those that may be anywhere within their bounds: all, or halves of them looked at anew."""
+def factors_of(model: StructuralModel, factors: tuple[Parameter, ...] | None = None) -> tuple[Parameter, ...]:
+    """A factor for each stiffness and mass term that is not zero; of some ``factors`` those that may be
+    anywhere within their bounds."""
+    if factors is None:
+        stiffness = [Parameter("stiffness_factor", (term,), BOUNDS) for term in model._springs]
+        mass = [Parameter("mass_factor", (term,), BOUNDS) for term in range(model._core.n_mass_terms)]
+        factors = (*stiffness, *mass)
     try:
         low, high = (np.full(len(factors), bound) for bound in BOUNDS)
         _core.check_bounds(model._core, model.description.core_parameters(factors), low, high)
@@ -80,7 +78,7 @@ def _governing(model: StructuralModel, factors: tuple[Parameter, ...]) -> tuple[
         half = len(factors) // 2
         if not half:  # a term that is zero, or without which nothing holds together
             return ()
-        return _governing(model, factors[:half]) + _governing(model, factors[half:])
+        return factors_of(model, factors[:half]) + factors_of(model, factors[half:])
 
 
 #: Standard deviations of ln factor that the surroundings make: temperature of all and along the longer side,
@@ -457,14 +455,6 @@ class Band(NamedTuple):
     low: float
     high: float
 
-    def prices(self, place: FloatArray, seen: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-        """Prices of roots that are missed, and of those that are found; ``seen`` in the other state."""
-        found = np.where(seen, FOUND, FOUND_ONCE)
-        # Near the edges of the band nobody knows whether a root would have been found.
-        inside = np.clip(np.minimum(place - self.low, self.high - place) / _EDGE, 0.0, 1.0)
-        missed, present = -inside * np.log([1.0 - found, found])
-        return missed, present
-
 
 class Foreseen(NamedTuple):
     """Roots (r,) as they are expected in the measured structure at some severities."""
@@ -510,7 +500,10 @@ def associated(
 ) -> tuple[NDArray[np.intp], FloatArray, float]:
     """Root of each value, the values as seen from there, and what those without a partner cost."""
     expected = roots.place + roots.shift
-    missed, present = (np.where(roots.roots.kind == 0, p, 0.0) for p in band.prices(expected, roots.seen))
+    # Near the edges of the band nobody knows whether a root would have been found; a shape is or is not.
+    inside = np.clip(np.minimum(expected - band.low, band.high - expected) / _EDGE, 0.0, 1.0)
+    found = np.where(roots.seen, FOUND, FOUND_ONCE)
+    missed, present = np.where(roots.roots.kind == 0, -inside * np.log([1.0 - found, found]), 0.0)
     alone = price_alone(*band)
     partner, place, lost = now.associated(roots.roots, expected, sigma, alone, missed - present, wider)
     taken = partner[partner >= 0]
@@ -535,7 +528,9 @@ def _judged(
     residual = place[has] - roots.place[root]
     model, noise = roots.spread[np.ix_(root, root)], np.diag(now.std[has] ** 2)
     change = roots.change[root]
-    size = np.sqrt(change**2 + _COMMON * _mean_of_kind(change**2, roots.roots.kind[root]))
+    kind = roots.roots.kind[root]
+    usual = np.bincount(kind, change**2) / np.maximum(np.bincount(kind), 1)  # mean square of each kind
+    size = np.sqrt(change**2 + _COMMON * usual[kind])
     # Two tests of one state share the error of a root's change.
     unmodelled = (root[:, None] == root) * np.outer(size, size)
     kappa, times, mixed = errors.T[:3, :, None, None]
@@ -571,7 +566,7 @@ def _judged(
         felt = together[:, 1:].T @ pull
         felt[: roots.n_warm] *= way == _WARM
         moved = ways[way] @ (ways[way].T @ pull)
-        shift = float(np.median(moved[roots.roots.kind[root] == 0])) if way else 0.0
+        shift = float(np.median(moved[kind == 0])) if way else 0.0
     price += 0.5 * has.size * float(np.log(2.0 * np.pi))
     return View(
         beta=beta,
@@ -621,14 +616,6 @@ def all_errors(outside: float, with_mixed: float) -> FloatArray:
     with np.errstate(divide="ignore"):
         rows[:, 3:] = np.log(rows[:, 3:])
     return rows
-
-
-def _mean_of_kind(squares: FloatArray, kind: NDArray[np.intp]) -> FloatArray:
-    """The mean of those of the same kind, for each."""
-    found = np.zeros(squares.size)
-    for each in np.unique(kind):
-        found[kind == each] = squares[kind == each].mean()
-    return found
 
 
 # -- Roots that the baseline shows and the model loses on the way to a damage: two that met
@@ -772,6 +759,8 @@ class Likelihood(ValueLikelihood):
     ) -> None:
         self.core, self.n, self.error, self.now, self.threads = core, n_elements, error, now, threads
         self.common, self.nfev, self.n_elements = common, 0, n_elements
+        #: What is added to severities: shapes behind the elements may have another amount that is no change.
+        self.offset: FloatArray | float = 0.0
         self.band = _band(now, intact)
         self.factors = np.exp(error.theta)
         #: Changes of ln factor (p, k) that the surroundings make, of standard deviation 1 each.
@@ -806,7 +795,7 @@ class Likelihood(ValueLikelihood):
         """The model's roots at each row of severities (m, n), where ln factors have ``changed`` by (m, p)."""
         self.nfev += len(betas)
         changed = np.zeros((len(betas), self.factors.size)) if changed is None else changed
-        x = np.hstack([betas, self.factors * np.exp(changed)])
+        x = np.hstack([betas + self.offset, self.factors * np.exp(changed)])
         band_hz = (np.exp(self.band.low - 2.0 * _MARGIN), np.exp(self.band.high + 2.0 * _MARGIN))
         return roots_at(self.core, x, slopes=slopes, threads=self.threads, band_hz=band_hz)
 
@@ -936,11 +925,6 @@ class Prepared(NamedTuple):
     structure: Structure  # its geometry, and what its elements do between nodes
     plain: Core  # the roots of the model as it was given
     n_given: int  # factors that are of this
-
-    @property
-    def reductions(self) -> tuple[Parameter, ...]:
-        """The losses of all elements."""
-        return tuple(stiffness_reduction(self.numbers))
 
     @property
     def stiffness_factors(self) -> dict[int, float]:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.parameters import stiffness_reduction
 from ..models.structural_model import StructuralModel
 from ..support.checks import FloatArray
 from ..support.progress import step
@@ -24,8 +25,8 @@ from .inference import (
     stepped,
     too_much,
 )
-from .likelihood import Likelihood, Prepared, Question, View
-from .measured_states import Responses, Roots, Values, roots_at
+from .likelihood import Likelihood, Prepared, Question
+from .measured_states import Responses, Values, roots_at
 from .shapes import Found, Shape, Shaped, joined, parameters_of
 
 #: Shares of the prior of what is in no element, by kind.
@@ -33,25 +34,14 @@ _ELSEWHERE = {"mass": 0.4, "joint": 0.2, "support": 0.2}
 SENSOR = 0.2
 _LEAST_SENSORS = 3  # with fewer sensors the values of one are not told from those of all
 
-# -- The likelihood with shapes behind the elements
 
-
-class ShapedLikelihood(Likelihood):
-    """p(values | severities of elements and amounts of shapes)."""
-
-    offset: FloatArray
-
-    def roots(self, betas: FloatArray, *, slopes: bool, changed: FloatArray | None = None) -> list[Roots]:
-        """See the base class."""
-        return super().roots(betas + self.offset, slopes=slopes, changed=changed)
-
-
-def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape]) -> ShapedLikelihood | None:
-    """None where the model with the shapes has not the same roots, as when some are close together."""
+def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape]) -> Likelihood | None:
+    """The likelihood with shapes behind the elements; None where the model with these has not the same
+    roots, as when some are close together."""
     plain, model = prepared.likelihood, prepared.base
     responses = prepared.responses
     assert isinstance(responses, Responses)
-    own = prepared.reductions
+    own = stiffness_reduction(prepared.numbers)
     parameters = (*own, *parameters_of(model, shapes), *prepared.factors)
     core = responses.source(joined(model, shapes), question.model.description.core_parameters(parameters))
     # What the core takes for no change.
@@ -62,7 +52,7 @@ def with_shapes(prepared: Prepared, question: Question, shapes: Sequence[Shape])
     if intact.size != before.size or not np.allclose(intact.log_f, before.log_f, rtol=0.0, atol=1e-6):
         return None
     error = replace(plain.error, intact=intact)
-    found = ShapedLikelihood(
+    found = Likelihood(
         core,
         offset.size,
         error,
@@ -202,28 +192,22 @@ def _refined(
         betas = starts
     fits: dict[Elements, Fit] = {}
     sets = list(sets)
-    for nth, extra in enumerate(errors):
-        views = likelihood.views(betas, extra)
+    for nth, extra in enumerate((*errors, 0.0)):
+        views, last = likelihood.views(betas, extra), nth == len(errors)
         logs = np.array([view.log_likelihood for view in views])
         order = np.argsort(-logs, kind="stable")
         kept = sorted(
             n
             for rank, n in enumerate(order)
-            if nth < 2 or rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS
+            if last or nth < 2 or rank < _KEPT or logs[n] > logs[order[0]] - _HOPELESS
         )
         sets, views = [sets[n] for n in kept], [views[n] for n in kept]
-        if not extra:
-            _keep(fits, sets, views)
+        for s, view in zip(sets, views, strict=True):
+            for fit in [] if extra else fitted(view, [s]):
+                if s not in fits or fit.log_evidence > fits[s].log_evidence:
+                    fits[s] = fit
         betas = np.array([stepped(s, view) for s, view in zip(sets, views, strict=True)])
-    _keep(fits, sets, likelihood.views(betas))
     return fits
-
-
-def _keep(fits: dict[Elements, Fit], sets: Sequence[Elements], views: Sequence[View]) -> None:
-    for s, view in zip(sets, views, strict=True):
-        for fit in fitted(view, [s]):
-            if s not in fits or fit.log_evidence > fits[s].log_evidence:
-                fits[s] = fit
 
 
 class _Crack(NamedTuple):
