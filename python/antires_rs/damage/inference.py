@@ -299,7 +299,11 @@ class Search:
         try:
             for size in range(1, min(LARGEST, self.n_candidates) + 1):
                 step(f"sets of {size}")
-                if self._ends_before(size):
+                # Nothing is left to explain, and no single element may be missing from the answer because it
+                # was not looked at; pairs are, unless slopes are trusted to show them.
+                looked = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
+                looked &= (self.ends_by_slopes and size > 1) or len(self._likeliest.elements) < size
+                if looked and self._explains(_PAIR_GAIN if size == 2 else _GAIN):
                     break
                 self._refine(self._starts(size))
                 if size == 2 and not self._any():
@@ -308,13 +312,6 @@ class Search:
             self._renew()
         except KeyboardInterrupt:
             self.interrupted = True
-
-    def _ends_before(self, size: int) -> bool:
-        """Whether the likeliest set explains the values, and others of its size were looked at."""
-        # No single element may be missing from the answer because it was not looked at.
-        singles = all((e,) in self.fits or (e,) in self.hopeless for e in range(self.likelihood.n))
-        seen = (self.ends_by_slopes and size > 1) or len(self._likeliest.elements) < size
-        return singles and seen and self._explains(_PAIR_GAIN if size == 2 else _GAIN)
 
     def _any(self) -> bool:
         """Whether some set is more probable than a change that has nothing to do with elements."""
