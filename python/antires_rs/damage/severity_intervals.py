@@ -20,9 +20,8 @@ from ..updating.posterior import (
     evenly_chosen,
     stepwise,
 )
-from .evidence import FURTHEST, HIGHEST, Fit, truncated
 from .hypotheses import Assessment, Hypothesis
-from .inference import LEVEL, settled
+from .inference import FURTHEST, HIGHEST, LEVEL, Fit, settled, truncated
 from .likelihood import Likelihood, Prepared, Question
 
 
@@ -107,7 +106,7 @@ class SeverityIntervals(ParameterIntervals):
 
 # -- Severities of one set of damaged elements drawn from their posterior, and its evidence, by sampling
 #
-# The density is that of :mod:`~antires_rs.damage.evidence`, p(ln f | u) exp(-sum u), with values and roots
+# The density is that of :mod:`~antires_rs.damage.inference`, p(ln f | u) exp(-sum u), with values and roots
 # associated anew at every point. Points are drawn from the Gaussian of the fit, widened and within its
 # bounds, and weighted; where hardly any count, particles go by steps from the widest Gaussian to the density.
 
@@ -273,12 +272,12 @@ def severity_intervals(
         values = part.resampled(draws, rng)
         central = 0.5 - 0.5 * level, 0.5 + 0.5 * level
         for nth, e in enumerate(declared.elements):
-            at, shares = column[e], fit.sides(nth, central)
+            at, (quick, shares) = column[e], fit.interval(nth, central)
             own_draws[:, at] = values[:, nth]
             upper = f"up to {HIGHEST:g}" if shares[1] == 1.0 else "two-sided"
             words[at] = "from 0 on" if shares[0] == 0.0 else upper
             drawn_ends = sure and not declared.place
-            low[at], high[at] = part.quantiles(nth, shares) if drawn_ends else fit.interval(nth, central)
+            low[at], high[at] = part.quantiles(nth, shares) if drawn_ends else quick
             # As the assessment has it, from where its search came to rest.
             if not drawn_ends and level == LEVEL:
                 low[at], high[at] = declared.low[nth], declared.high[nth]
