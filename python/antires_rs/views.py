@@ -11,6 +11,7 @@ from typing import Any
 
 # By class and verb: the function, in "room.module:function".
 VIEWS = {
+    ("AntiresonanceSet", "look"): "figures.page:of_set",
     ("AntiresonanceSet", "plot"): "figures.identification:plot_stabilization",
     ("AntiresonanceSet", "to_dataframe"): "io.data_frames:to_dataframe",
     ("AntiresonanceSet", "to_xarray"): "io.data_frames:to_xarray",
@@ -24,7 +25,6 @@ VIEWS = {
     ("DamageResult", "separating_test"): "planning.separation:separating_test",
     ("DataCheck", "plot"): "figures.identification:plot_singular_values",
     ("DetectionCurves", "plot"): "figures.planning:plot_detectability",
-    ("AntiresonanceSet", "look"): "figures.page:of_set",
     ("FrameModel", "plot"): "figures.structure:plot_frame",
     ("FrequencyResponse", "to_dataframe"): "io.data_frames:to_dataframe",
     ("FrequencyResponse", "to_xarray"): "io.data_frames:to_xarray",

@@ -1,6 +1,6 @@
 """Complete studies: a model, its virtual experiment, and the truth to compare with.
 
-Uses ``models``, ``measured`` and ``updating``. Both cases of V. Meruane, J. Sound Vib. 332 (2013) 807-820.
+Both cases of V. Meruane, J. Sound Vib. 332 (2013) 807-820.
 
 Examples
 --------

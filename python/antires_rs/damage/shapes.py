@@ -1,4 +1,4 @@
-"""Damage that is no loss of a whole element: cracks, loosened joints, added mass, a sensor that has moved.
+"""Damage that is no loss of a whole element: cracks, joints, supports and springs, added mass.
 
 A hinge at the share x of a beam leaves, as rigid pieces, the displacement d of the second end when the first
 is held: a unit turn and what it carries along. With the beam's stiffness K, a rotational spring there turns

@@ -1,4 +1,4 @@
-"""Readers of signals by format, the endings of their files, and one measurement in several files."""
+"""Readers of signals by format, the endings of their files, and FRFs in several files."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-//! Antiresonances of vibrating structures: computing them from a model, and updating the model so that it has
-//! those that were measured.
+//! Antiresonances of vibrating structures: of a model, and models updated to those measured.
 //!
 //! # The problem
 //!

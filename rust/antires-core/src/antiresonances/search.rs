@@ -1,5 +1,6 @@
-//! The roots of one response by the modal series: isolated, placed, and, where rounding disturbs, once more with
-//! the low modes from factors of K − xM.
+//! The roots of one response by the modal series: isolated, then placed.
+//!
+//! Where rounding disturbs, they are sought once more with the low modes from factors of K − xM.
 //!
 //! The shift of the dense solver is some 1e-3 of the mean of λ, for all modes have to be found with it. A mode far
 //! below, such as a stiff frame on soft springs, keeps few digits of its λ and of its shape, and a root of H_ik

@@ -1,3 +1,5 @@
+//! Sparse factors L: their ordering and their blocks of columns.
+//!
 //! The ordering that keeps L sparse (approximate minimum degree: Amestoy, Davis & Duff, SIAM J. Matrix Anal.
 //! Appl. 17 (1996) 886-905), and the blocks of columns of one structure (supernodes) of L; both are faer's.
 //!

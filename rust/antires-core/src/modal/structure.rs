@@ -1,5 +1,4 @@
-//! What stays the same while the parameters of a model change: which dofs are joined, and the ordering and form
-//! in which K − xM is factorized.
+//! What no parameter changes: which dofs are joined, ordering and form of the factors of K − xM.
 
 use std::sync::Arc;
 

@@ -1,5 +1,6 @@
-//! Pairing: which analytic value stands for a measured one, anew at every evaluation. One analytic value may
-//! serve several measured ones.
+//! Pairing: which analytic value stands for a measured one, anew at every evaluation.
+//!
+//! One analytic value may serve several measured ones.
 //!
 //! An antiresonance takes the nearest in Hz of those that the measurement can show ([`crate::update::objective`]), ties to the
 //! lower, and fades out at the edge of the band in which the model is asked for antiresonances. A mode takes the one least apart,
