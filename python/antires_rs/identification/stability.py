@@ -244,9 +244,8 @@ JUDGES, MIDDLE = 2, 0.42
 #: Flanks of a zero as shares of its frequency, on one side, and how far the response must rise there in dB.
 FLANKS, RISE_DB = ((0.015, 0.07), (0.07, 0.15), (0.15, 0.25)), 10.0
 MENTIONED_DB = 7.0  # what rises less is not even mentioned
-#: How far above ``min_share`` a share must be without a dip: of decays ``OFF_AXIS`` and so many standard
-#: deviations off the axis; of segments, whose leakage is off it too; and where all other responses have a zero
-#: within the last number, as of a harmonic or a line of the force; of some a part of it.
+#: How far above ``min_share`` a share must be without a dip: of decays ``OFF_AXIS`` and so many scatters off
+#: the axis; of segments, which leak off it; and where all others have it too, as a harmonic, within the last.
 WITHOUT_DIP, FAR_OFF, OF_SEGMENTS, IN_COMPANY, BESIDE = (0.3, 0.1), 4.0, 0.25, 0.3, 0.01
 #: A root in an exponential window no further from the axis of that than the window's own decay may follow the
 #: noise of a line: standard deviations by which one in a dip may be nearer, one without must be further.
