@@ -246,23 +246,27 @@ def _decays(rec: Recording, low_hz: float) -> bool | None:
     ]
     sharp = max(SHARP_BLOCKS, int(SHARP_S * rec.fs_hz / FINE_BLOCK_SAMPLES))
     eighths = [part.mean() for part in np.array_split(fine, 8) if part.size]
-    # What is damped little has not decayed where the record ends, but it falls.
     rings = bool(eighths) and eighths[-1] > STILL_RINGS * fine.max() and int(np.argmax(eighths)) == 0
-    rings = rings and bool(np.argmax(fine >= 0.25 * fine.max()) < sharp)
+    if rings and np.argmax(fine >= 0.25 * fine.max()) < sharp:
+        # What is damped little has not decayed where the record ends; a sine that stops is above its chord.
+        falls = np.log(eighths)
+        above = np.mean(falls - np.linspace(falls[0], falls[-1], falls.size))
+        if above <= ABOVE_CHORD * (falls[0] - falls[-1]):
+            return True
     level = tail_noise(rec, low_hz)[0]
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     end = until_noise(x, event, level, rec.fs_hz) - event.hit
-    if not rings and np.sum(energy[end:] - 1.0) > AFTERWARDS * np.sum(energy[:end]):
+    if np.sum(energy[end:] - 1.0) > AFTERWARDS * np.sum(energy[:end]):
         return False
     blocks = np.log([max(one.mean(), 1e-300) for one in np.array_split(energy[:end], min(DECAY_BLOCKS, end))])
     time = np.linspace(0.0, 1.0, blocks.size)
     rank = np.argsort(np.argsort(blocks, kind="stable"), kind="stable")
     fall = max(float(blocks[0] - blocks[-1]), 1e-9)
-    if np.corrcoef(rank, time)[0, 1] > DECAY_RANK:
-        return False
-    above = np.mean(blocks - (blocks[0] - fall * time)) > ABOVE_CHORD * fall
-    loud = np.mean(blocks >= blocks.max() - np.log(8.0)) > LOUD * np.log(8.0) / fall
-    return bool(rings or not (above or loud))
+    return bool(
+        np.corrcoef(rank, time)[0, 1] <= DECAY_RANK
+        and np.mean(blocks - (blocks[0] - fall * time)) <= ABOVE_CHORD * fall
+        and np.mean(blocks >= blocks.max() - np.log(8.0)) <= LOUD * np.log(8.0) / fall
+    )
 
 
 def transient_spectra(
