@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import antires_rs as ar
-from antires_rs.signals.averaging import find_events, is_transient, transient_spectra
+from antires_rs.signals.averaging import Averaging, find_events, holds_hits, is_transient, transient_spectra
 from reference.virtual_records import accelerance, hit_record, random_record, true_antiresonances
 from tests.support.checked_records import FS, MASS, STIFFNESS
 
@@ -20,6 +20,21 @@ def hit(**kwargs):
 def test_steady_vibration_is_not_taken_for_a_hit(seed, damping):
     responses, _ = random_record(STIFFNESS, MASS, seed=seed, duration_s=30.0, damping_ratio=damping)
     assert not is_transient(ar.Recording(responses, FS))
+
+
+@pytest.mark.parametrize(
+    ("size", "decays"),
+    [
+        (lambda s: np.exp(-s / 30.0), True),
+        (lambda s: (1.0 - 0.01 * s) * np.exp(-0.1 * np.maximum(s - 28.0, 0.0)), False),
+    ],
+    ids=["damped little", "a sine that stops"],
+)
+def test_what_still_rings_at_the_end_is_a_hit_if_it_falls_from_the_start(size, decays):
+    since = np.arange(-16.0, 44.0, 1 / 200.0)
+    x = np.where(since > 0.0, size(np.maximum(since, 0.0)) * np.cos(2 * np.pi * 11.0 * since), 0.0)
+    x = x + 1e-3 * np.random.default_rng(0).standard_normal((3, since.size))
+    assert holds_hits(ar.Recording(x, 200.0), Averaging(), (1.5, 14.4)) is decays
 
 
 @pytest.mark.parametrize(("times", "noise"), [((0.5,), 0.01), ((0.5, 10.0, 22.0), 0.0)])

@@ -318,6 +318,11 @@ def likeliest(
     some = slice(step // 2, None, step)
     data = 2.0 * (n - 1) * len(freq_hz[some]) * min(1.0, independent * step)
     seen = covariance(some)
+    # N' C N for N as twice as many real numbers: half the work of complex ones.
+    square = np.empty((len(seen), n, 2, n, 2))
+    square[:, :, 0, :, 0] = square[:, :, 1, :, 1] = seen.real
+    square[:, :, 1, :, 0], square[:, :, 0, :, 1] = seen.imag, -seen.imag
+    forms = square.reshape(len(seen), 2 * n, 2 * n)
     orders = np.arange(LEAST_ORDER, min(max_order, FIRST_LOOK) + 1, 2)
     size = np.ones(freq_hz.size)
     looking = start is None
@@ -331,7 +336,7 @@ def likeliest(
         weights = (capped / size)[some]
         fit = NumeratorFit(freq_hz[some], seen.__getitem__, largest[some], weights, int(orders[-1]))
         solutions = fit.likeliest(*orders.tolist())
-        q = _misfits(fit, solutions, seen, largest[some], capped[some])
+        q = _misfits(fit, solutions, forms, largest[some], capped[some])
         free = (n - 1.0) * (orders + 1.0)
         # Q does not depend on the weights, so that iterations can be compared; it need not fall.
         criterion = np.maximum(data - free, 1.0) * np.log(q) + free * np.log(data)
@@ -359,18 +364,14 @@ def likeliest(
         del fit, at  # before the next one is made
         orders = np.arange(max(middle - BELOW, LEAST_ORDER), min(middle + ABOVE, max_order) + 1)
     _, order, size = best
-    del seen  # before the last one is made
+    del seen, square, forms  # before the last one is made
     fit = NumeratorFit(freq_hz, covariance, largest, capped / size, min(max_order, order + HIGHER))
     (c,) = fit.likeliest(order)
     return Likeliest(fit, order, c, fit.misfit(c))
 
 
 def _misfits(
-    fit: NumeratorFit,
-    solutions: list[FloatArray],
-    covariance: ComplexArray,
-    largest: FloatArray,
-    capped: FloatArray,
+    fit: NumeratorFit, solutions: list[FloatArray], forms: FloatArray, largest: FloatArray, capped: FloatArray
 ) -> FloatArray:
     """Q of every solution."""
     terms, n = fit.max_order + 1, fit.n
@@ -380,10 +381,8 @@ def _misfits(
     share = np.empty((largest.size, len(solutions)))
     for lines in pieces(largest.size, n * len(solutions)):
         values = fit.values(stack.reshape(terms, -1), lines).reshape(-1, len(solutions), n)
-        seen = values @ covariance[lines].transpose(0, 2, 1)
-        # Real parts of the inner products, as those of twice as many real numbers.
-        x, y = values.view(np.float64), seen.view(np.float64)
-        share[lines] = np.einsum("fsk,fsk->fs", x, y)
+        x = values.view(np.float64)
+        share[lines] = np.einsum("fsk,fsk->fs", x, x @ forms[lines])
         share[lines] /= np.maximum(np.einsum("fsk,fsk->fs", x, x), 1e-300)
     return np.asarray(np.maximum(capped @ (largest[:, None] - share), 1e-300))
 

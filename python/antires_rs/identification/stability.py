@@ -14,8 +14,8 @@ have one in its place, that is
 - a dip of the response beside the others, 6 dB deep, on both sides of which the response rises 10 dB over
   what the fits leave: what lies between two lines of noise is no antiresonance, and what all responses have,
   a line of the force or a mode that it hardly excites, makes none;
-- or in nearly all fits, and off the axis by more than its scatter: a zero beside a resonance or on a slope
-  hardly dips, but turns the phase. Roots that follow the noise of single lines stand on the axis.
+- or in more fits, and off the axis by more than its scatter; of decays in fewer the further off it is. A zero
+  beside a resonance or on a slope hardly dips, but turns the phase; roots of the noise of a line do not.
 
 Two values between which the response does not rise are one, unless most fits must have both.
 
@@ -244,9 +244,9 @@ JUDGES, MIDDLE = 2, 0.42
 #: Flanks of a zero as shares of its frequency, on one side, and how far the response must rise there in dB.
 FLANKS, RISE_DB = ((0.015, 0.07), (0.07, 0.15), (0.15, 0.25)), 10.0
 MENTIONED_DB = 7.0  # what rises less is not even mentioned
-#: How far above ``min_share`` a zero's share must be without a dip of its own, and where all other responses
-#: have one as well within the third number, as of a harmonic or a line of the force; of some a part of it.
-WITHOUT_DIP, IN_COMPANY, BESIDE = 0.25, 0.3, 0.01
+#: How far above ``min_share`` a share must be without a dip: of decays ``OFF_AXIS`` and so many scatters off
+#: the axis; of segments, which leak off it; and where all others have it too, as a harmonic, within the last.
+WITHOUT_DIP, FAR_OFF, OF_SEGMENTS, IN_COMPANY, BESIDE = (0.3, 0.1), 4.0, 0.25, 0.3, 0.01
 #: A root in an exponential window no further from the axis of that than the window's own decay may follow the
 #: noise of a line: standard deviations by which one in a dip may be nearer, one without must be further.
 OFF_AXIS = 0.6
@@ -257,7 +257,7 @@ BETWEEN_DB = 8.0  # how far a response must rise between two values for them to 
 #: Of several values in one dip those count between which it rises less than the first number, with at least
 #: the second part of the largest share.
 SPLIT_DB, COUNTS_IN_DIP = 4.0, 0.7
-#: Values further apart are never one; and what stands for a rise where too few lines lie between two.
+#: Values further apart are never one; what stands for a rise where too few lines lie between two.
 ONE_DIP_WITHIN, UNRESOLVED_DB = 0.06, -300.0
 #: In a window of a decay an order votes whose fits leave at most so many times what those of the highest do:
 #: one too low for the zeros there misses those close together. Of segments, whose averages leak, all vote.
@@ -306,7 +306,7 @@ def direction_diagrams(
     sightings = [_sightings(one, band_hz) for one in surveyed]
     step("perturbed fits")
     judged = _judged(surveyed, sightings, n_responses)
-    why = reasons(judged, options.rule, n_responses)
+    why = reasons(judged, options.rule, n_responses, decays=looks[0].own_range)
     found, refused = _apart(judged[why == ""], surveyed, options.rule.min_share), judged[why != ""]
     why = why[why != ""]
     seen = np.concatenate([one.zeros for one in sightings])
@@ -398,16 +398,17 @@ def false_values(share: FloatArray, on_average: float, places: float) -> FloatAr
     return np.asarray(np.minimum(chance, on_average / share))
 
 
-def reasons(found: NDArray[np.void], rule: FitOptions, n_rows: int) -> NDArray[np.str_]:
-    """Why candidates are not accepted, (n,); empty for those that are."""
+def reasons(found: NDArray[np.void], rule: FitOptions, n_rows: int, *, decays: bool) -> NDArray[np.str_]:
+    """Why candidates, of decays or of segments, are not accepted, (n,); empty for those that are."""
     share, off = found["share"], found["off_axis"]
+    more = np.interp(off, (OFF_AXIS, FAR_OFF), WITHOUT_DIP) if decays else OF_SEGMENTS
     needed = rule.min_share + IN_COMPANY * _company(found[found["share"] >= rule.min_share], found, n_rows)
     return np.select(
         [
             share < needed,
             np.abs(found["damping_ratio"]) > rule.max_damping,
             off < -OFF_AXIS,
-            (share >= needed + WITHOUT_DIP) & (off > OFF_AXIS),
+            (share >= needed + more) & (off > OFF_AXIS),
             found["rise_db"] < RISE_DB,
             found["depth_db"] < DEPTH * rule.min_depth_db,
         ],

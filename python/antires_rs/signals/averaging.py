@@ -248,7 +248,11 @@ def _decays(rec: Recording, low_hz: float) -> bool | None:
     eighths = [part.mean() for part in np.array_split(fine, 8) if part.size]
     rings = bool(eighths) and eighths[-1] > STILL_RINGS * fine.max() and int(np.argmax(eighths)) == 0
     if rings and np.argmax(fine >= 0.25 * fine.max()) < sharp:
-        return True  # what is damped little has not decayed where the record ends
+        # What is damped little has not decayed where the record ends; a sine that stops is above its chord.
+        falls = np.log(eighths)
+        above = np.mean(falls - np.linspace(falls[0], falls[-1], falls.size))
+        if above <= ABOVE_CHORD * (falls[0] - falls[-1]):
+            return True
     level = tail_noise(rec, low_hz)[0]
     energy = np.mean(x[:, event.hit : event.stop] ** 2 / level[:, None], axis=0)
     end = until_noise(x, event, level, rec.fs_hz) - event.hit

@@ -123,7 +123,7 @@ def _pieces(rec: Recording) -> list[tuple[int, int]]:
     return [(int(start), n) for start in starts[starts.size // HIDDEN :]]
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=8)
 def _tapers(n: int, rate_hz: float, reach_hz: float) -> tuple[FloatArray, ComplexArray]:
     """Tapers of a piece, (n_tapers, n), and turns by all frequencies within reach, (n, n_off)."""
     at = np.arange(1, n + 1) / (n + 1.0)
@@ -148,7 +148,7 @@ def _f_of_line(parts: tuple[Recording, ...], freq_hz: float, least: float) -> fl
         sums = tapers.sum(axis=1)
         tapered = tapers * _thinned(part, freq_hz, start, n)[:, None]
         y = (tapered.reshape(-1, n) @ turns).reshape(*tapered.shape[:2], -1)
-        mu = np.einsum("k,pkf->pf", sums, y) / (sums @ sums)
+        mu = sums @ y / (sums @ sums)
         rest = np.sum(np.abs(y - mu[:, None] * sums[:, None]) ** 2, axis=1)
         f = (TAPERS - 1) * np.abs(mu) ** 2 * (sums @ sums) / np.maximum(rest, 1e-300)
         best = int(np.argmax(np.minimum(f, LINE_F).sum(axis=0)))

@@ -45,8 +45,9 @@ def _array(name: Name, value: Any, dtype: type, ndim: int | None, wanted: str) -
         reject(name, f"an array of shape {array.shape}", wanted, "Check its axes by np.shape.")
     if array.size == 0:
         reject(name, f"an empty array of shape {array.shape}", wanted, "Check how it was read or cut.")
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
+    finite = np.isfinite(array)
+    if not finite.all():
+        bad = np.argwhere(~finite)
         got = f"{len(bad)} NaN or infinite value(s), the first at index {tuple(bad[0].tolist())}"
         reject(name, got, wanted, "Remove or interpolate them first.")
     return array
