@@ -1012,7 +1012,7 @@ class _Families(NamedTuple):
         group = np.pad(self.plain.group, (0, len(more)), constant_values=1)
         along = structure.along
         if along is not None:
-            of = [shape.element for shape in joints.shapes] if more else []
+            of = [shape.element for shape in joints.shapes if shape.kind != "mass"] if more else []
             places = np.zeros(base._core.n_stiffness_terms)
             places[: along.size] = along
             places[places.size - len(of) :] = [along[e] if e >= 0 else 0.0 for e in of]
